@@ -1,0 +1,112 @@
+//! Codels: plain C functions and where their arguments come from.
+
+use std::time::Duration;
+
+use genom_types::TypeId;
+
+use super::{Direction, Span};
+
+/// Who runs a codel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Owner {
+    /// The permanent activity of a task, by index.
+    Task(usize),
+    /// A service, by index.
+    Service(usize),
+}
+
+/// A codel in its place: one C function used twice makes two of these.
+#[derive(Clone, Debug)]
+pub struct Codel {
+    /// Name of the C function.
+    pub name: String,
+    /// Who runs it.
+    pub owner: Owner,
+    /// When it runs.
+    pub kind: CodelKind,
+    /// `async`: may block for long, excludes nothing (genom3.md K24).
+    pub asynchronous: bool,
+    /// Parameters in order; the context comes after them in C (genom3.md 5.6).
+    pub parameters: Vec<CodelParameter>,
+    /// Stated worst-case execution time.
+    pub wcet: Option<Duration>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// When a codel runs.
+#[derive(Clone, Debug)]
+pub enum CodelKind {
+    /// Before the service is accepted.
+    Validate,
+    /// In the control task, in order.
+    Simple,
+    /// In a state of the state machine.
+    Fsm {
+        /// States that run it, by index into the component's states.
+        triggers: Vec<usize>,
+        /// What it may return.
+        yields: Vec<Yield>,
+    },
+}
+
+/// A state a codel may yield.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Yield {
+    /// Index of the state.
+    pub state: usize,
+    /// `pause::`: wait for the next tick or event first.
+    pub pause: bool,
+}
+
+/// An argument of a codel.
+#[derive(Clone, Debug)]
+pub struct CodelParameter {
+    /// Its name in the C prototype.
+    pub name: String,
+    /// Its direction.
+    pub direction: Direction,
+    /// Type of the datum reached (for a port its data; for a remote its input struct).
+    pub ty: TypeId,
+    /// Where the argument comes from.
+    pub source: Source,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// Where an argument comes from (genom3.md 4.4).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The IDS; an empty path is the whole of it.
+    Ids {
+        /// From the IDS to the datum.
+        path: Vec<PathStep>,
+    },
+    /// A parameter of the service, by index into `parameters`.
+    Parameter {
+        /// Index of the parameter.
+        index: usize,
+        /// From the parameter to the datum.
+        path: Vec<PathStep>,
+    },
+    /// A local variable of the service, by index into `locals`.
+    Local {
+        /// Index of the local variable.
+        index: usize,
+        /// From the variable to the datum.
+        path: Vec<PathStep>,
+    },
+    /// A port of the component, by index.
+    Port(usize),
+    /// A remote of the component, by index.
+    Remote(usize),
+}
+
+/// One step into a value. Optionals met on the way are looked through.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum PathStep {
+    /// Member of a struct, union or exception, by index.
+    Member(usize),
+    /// Element of an array or sequence.
+    Index(u32),
+}

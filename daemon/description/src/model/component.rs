@@ -1,0 +1,182 @@
+//! Components, interfaces, tasks, ports and remotes.
+
+use std::time::Duration;
+
+use genom_types::{ScopedName, TypeId};
+
+use super::{Codel, Parameter, Service, Span};
+
+/// Which generation of the language a component was written in (dialects.md).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Dialect {
+    /// The 2010 paper: `inport`, `event`, `service`, `ids: T;`.
+    Paper2010,
+    /// The 2011 paper: `inport`, `service`, `ids T { }`.
+    Paper2011,
+    /// GenoM3 2.99 and later.
+    Current,
+}
+
+/// A component, checked and complete.
+#[derive(Clone, Debug)]
+pub struct Component {
+    /// Its name.
+    pub name: String,
+    /// Generation of the language it was written in.
+    pub dialect: Dialect,
+    /// `doc`, lines joined.
+    pub doc: Option<String>,
+    /// `version`, "0" when not given.
+    pub version: String,
+    /// `lang`, "c" when not given.
+    pub lang: String,
+    /// `email`.
+    pub email: Option<String>,
+    /// `require`.
+    pub requires: Vec<String>,
+    /// `codels-require`.
+    pub codels_requires: Vec<String>,
+    /// Clock of the component: given, or computed (genom3.md 4.7); `None` without periodic task.
+    pub clock_rate: Option<Duration>,
+    /// The IDS: a struct type.
+    pub ids: Option<TypeId>,
+    /// Execution tasks in order of declaration.
+    pub tasks: Vec<Task>,
+    /// Ports in order of declaration, those of interface `genom` first.
+    pub ports: Vec<Port>,
+    /// Remotes, from `uses`.
+    pub remotes: Vec<Remote>,
+    /// Services in order, those of interface `genom` first.
+    pub services: Vec<Service>,
+    /// Codels of tasks and services; indices into it are used everywhere.
+    pub codels: Vec<Codel>,
+    /// State names in order of first use, without scope: `ether`, `start`, `stop`, then others.
+    /// An index into it is a state; `pause::x` is the state `x` with a pause.
+    pub states: Vec<String>,
+    /// Event sinks: states that an external event may activate (dialects.md A).
+    pub sinks: Vec<Sink>,
+    /// Exceptions any of its services or tasks may throw (genom3.md 4.7).
+    pub throws: Vec<TypeId>,
+    /// For each codel, then for each service (as attribute): what may not run at the same time
+    /// (genom3.md 4.5). Both are indices: see [`Exclusion`](crate::model::Component::exclusion).
+    pub exclusion: Vec<Vec<usize>>,
+    /// Digest (genom3.md 4.9).
+    pub digest: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+impl Component {
+    /// Full name of the component's scope.
+    #[must_use]
+    pub fn scope(&self) -> ScopedName {
+        ScopedName::new([self.name.as_str()])
+    }
+
+    /// What may not run while node `node` runs.
+    ///
+    /// Nodes `0..codels.len()` are the codels; node `codels.len() + s` is the data transfer of
+    /// attribute `s`. The relation is as genom3.md 4.5 computes it, not always symmetric.
+    #[must_use]
+    pub fn exclusion(&self, node: usize) -> &[usize] {
+        self.exclusion.get(node).map_or(&[], Vec::as_slice)
+    }
+}
+
+/// An interface: a partial component that others provide or use.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    /// Its name.
+    pub name: String,
+    /// `doc`, lines joined.
+    pub doc: Option<String>,
+    /// Names of the ports it declares.
+    pub ports: Vec<String>,
+    /// Names of the services it declares.
+    pub services: Vec<String>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// An execution task.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// Its name.
+    pub name: String,
+    /// `doc`.
+    pub doc: Option<String>,
+    /// `period`; `None` for an aperiodic task.
+    pub period: Option<Duration>,
+    /// `delay`: phase offset within the period.
+    pub delay: Duration,
+    /// `priority`: 0 is the highest, 255 the lowest.
+    pub priority: Option<u32>,
+    /// `scheduling real-time`.
+    pub real_time: bool,
+    /// `stack`, in bytes.
+    pub stack: Option<u64>,
+    /// State-machine codels of its permanent activity.
+    pub codels: Vec<usize>,
+    /// Exceptions its codels may throw: the component's and its own.
+    pub throws: Vec<TypeId>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// Which way the data of a port flows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PortDirection {
+    /// Read by the component.
+    In,
+    /// Written by the component.
+    Out,
+}
+
+/// A data port.
+#[derive(Clone, Debug)]
+pub struct Port {
+    /// Its name.
+    pub name: String,
+    /// Whether the component reads or writes it.
+    pub direction: PortDirection,
+    /// `port multiple`: a set of elements opened by id at run time.
+    pub multiple: bool,
+    /// Type of the data.
+    pub ty: TypeId,
+    /// `doc`.
+    pub doc: Option<String>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// A service of another component that codels call.
+#[derive(Clone, Debug)]
+pub struct Remote {
+    /// Its name: that of the service in the used interface.
+    pub name: String,
+    /// The interface it comes from.
+    pub interface: String,
+    /// Parameters in order.
+    pub parameters: Vec<Parameter>,
+    /// Struct of the `in` and `inout` parameters.
+    pub input: TypeId,
+    /// Struct of the `out` and `inout` parameters.
+    pub output: TypeId,
+    /// Exceptions the service may throw.
+    pub throws: Vec<TypeId>,
+    /// Digest the provider's service must have (genom3.md 4.9).
+    pub digest: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// An external event that activates a state (dialects.md A).
+#[derive(Clone, Debug)]
+pub struct Sink {
+    /// Its name, also that of the state.
+    pub name: String,
+    /// Index of the state.
+    pub state: usize,
+    /// Where it is declared, or first used in the 2011 dialect.
+    pub span: Span,
+}

@@ -1,0 +1,107 @@
+//! Services and their parameters.
+
+use genom_types::TypeId;
+
+use super::{PathStep, Span};
+
+/// The three kinds of services (genom3.md 7.12).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ServiceKind {
+    /// Sets and gets members of the IDS.
+    Attribute,
+    /// Runs simple codels in the control task.
+    Function,
+    /// Runs a state machine in a task.
+    Activity,
+}
+
+/// A service.
+#[derive(Clone, Debug)]
+pub struct Service {
+    /// Its kind.
+    pub kind: ServiceKind,
+    /// Its name.
+    pub name: String,
+    /// `doc`.
+    pub doc: Option<String>,
+    /// `in`, `out` and `inout` parameters in order.
+    pub parameters: Vec<Parameter>,
+    /// `local` variables in order.
+    pub locals: Vec<Parameter>,
+    /// Struct of the `in` and `inout` parameters, in order.
+    pub input: TypeId,
+    /// Struct of the `out` and `inout` parameters, in order.
+    pub output: TypeId,
+    /// Struct of the `local` variables, in order.
+    pub local: TypeId,
+    /// Task that runs the activity.
+    pub task: Option<usize>,
+    /// Services it interrupts (`all` expanded).
+    pub interrupts: Vec<usize>,
+    /// Services it must come before.
+    pub before: Vec<usize>,
+    /// Services it must come after.
+    pub after: Vec<usize>,
+    /// Validate codels, in order.
+    pub validates: Vec<usize>,
+    /// Simple codels in order (function), or state-machine codels (activity).
+    pub codels: Vec<usize>,
+    /// Exceptions it may throw: the component's, its task's and its own (genom3.md 4.7).
+    pub throws: Vec<TypeId>,
+    /// One of the services of interface `genom`, whose codels the runtime supplies.
+    pub standard: bool,
+    /// In the papers' dialects: inputs stored in the IDS at invocation and outputs read from
+    /// there at the end, also for activities.
+    pub through_ids: bool,
+    /// Digest (genom3.md 4.9).
+    pub digest: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// Which way a parameter goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// Given to the service or codel.
+    In,
+    /// Made by the service or codel.
+    Out,
+    /// Given, changed and given back.
+    InOut,
+}
+
+/// A parameter or local variable of a service.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Its name.
+    pub name: String,
+    /// Its direction; `InOut` for a local variable.
+    pub direction: Direction,
+    /// Its type.
+    pub ty: TypeId,
+    /// Doc and default value, for the parameter and for members inside it.
+    pub default: Option<Default>,
+    /// The IDS member that an attribute (or a service of the papers' dialects) sets and gets.
+    pub target: Option<AttributeTarget>,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// A place in the IDS: empty path for the whole of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AttributeTarget {
+    /// From the IDS to the member.
+    pub path: Vec<PathStep>,
+}
+
+/// Doc and default values of a parameter, following the shape of its type.
+#[derive(Clone, Debug, std::default::Default)]
+pub struct Default {
+    /// Value in the JSON encoding of genom3.md appendix A; partial objects and index-keyed
+    /// objects give some members or elements only.
+    pub value: Option<serde_json::Value>,
+    /// `: "doc"` of the parameter itself.
+    pub doc: Option<String>,
+    /// Docs of members inside it, by JSON pointer.
+    pub member_docs: Vec<(String, String)>,
+}
