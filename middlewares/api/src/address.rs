@@ -1,0 +1,33 @@
+//! Names of ports and services across components.
+
+use std::fmt;
+
+/// `<instance>/<port>`, or `<instance>/<port>/<element>` for an element of a multiple port.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Address {
+    /// Instance name of the component.
+    pub instance: String,
+    /// Port or service, with `/element` for an element of a multiple port.
+    pub name: String,
+}
+
+impl Address {
+    /// An address from its two parts.
+    pub fn new(instance: impl Into<String>, name: impl Into<String>) -> Self {
+        Self { instance: instance.into(), name: name.into() }
+    }
+
+    /// Reads `instance/name` or `instance/name/element`; `None` when a part is missing.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        let (instance, name) = text.split_once('/')?;
+        let empty_part = instance.is_empty() || name.split('/').any(str::is_empty);
+        (!empty_part).then(|| Self::new(instance, name))
+    }
+}
+
+impl fmt::Display for Address {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}", self.instance, self.name)
+    }
+}

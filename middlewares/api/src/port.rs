@@ -1,0 +1,127 @@
+//! Ports on a middleware: publishers, subscriptions, discovery.
+
+use genom_types::{DataType, Record};
+
+use crate::{Address, DiscoverError, OpenError, PublishError, ReadError};
+
+/// What a reader wants of the samples it has not read yet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Policy {
+    /// The newest value only: the semantics of GenoM ports.
+    #[default]
+    Latest,
+    /// Oldest first, at most this many unread; when full, new samples are dropped and counted.
+    Queue(usize),
+    /// Oldest first, at most this many unread; when full, the oldest are overwritten and counted.
+    Ring(usize),
+}
+
+/// What a read found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reading {
+    /// A sample that had not been read before is now in the record.
+    New,
+    /// Nothing new: the record still holds the last value.
+    Same,
+    /// Nothing was ever published.
+    Never,
+}
+
+/// The writing end of an out port (or of one element of a multiple port).
+pub trait Publisher: Send {
+    /// Publishes a copy of the value; a reader that comes later still sees it.
+    ///
+    /// Real-time: a bounded copy, no blocking, and no allocation for types of fixed size.
+    ///
+    /// # Errors
+    /// When the value has no encoding or the middleware refuses it; nothing was published then.
+    fn publish(&mut self, value: &Record) -> Result<(), PublishError>;
+
+    /// Samples given up so far because the middleware did not keep up.
+    fn dropped(&self) -> u64;
+}
+
+/// The reading end of an in port (or of one element of a multiple port).
+pub trait Subscription: Send {
+    /// Puts the next value, by the connection's policy, into `into`.
+    ///
+    /// Real-time as [`Publisher::publish`]. `into` is of the type the subscription was opened
+    /// with, and is left alone unless the result is [`Reading::New`].
+    ///
+    /// # Errors
+    /// When the sample is not decodable or the middleware fails.
+    fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError>;
+
+    /// Samples lost so far: overwritten (ring), refused (queue) or undecodable.
+    fn dropped(&self) -> u64;
+}
+
+/// What a middleware can do; the daemon refuses at load what it cannot.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Capabilities {
+    /// Carries types that hold unbounded strings or sequences.
+    pub variable_size: bool,
+    /// Readers see the writer's memory without a copy by the middleware.
+    pub zero_copy: bool,
+    /// Reaches other processes of the machine.
+    pub cross_process: bool,
+    /// Reaches other machines.
+    pub cross_host: bool,
+    /// Shows services to peers that are no genomd.
+    pub native_services: bool,
+}
+
+/// What an endpoint is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EndpointKind {
+    /// An out port.
+    Publisher,
+    /// An in port.
+    Subscription,
+    /// A service.
+    Service,
+}
+
+/// Something visible on a middleware.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Endpoint {
+    /// What it is.
+    pub kind: EndpointKind,
+    /// Its name, in the middleware's own spelling: `demo/position` for ours.
+    pub address: String,
+    /// Name of its type, as far as known.
+    pub ty: String,
+}
+
+/// A middleware, open and ready. One value serves a whole daemon.
+pub trait Middleware: Send + Sync {
+    /// Short name: `local`, `shm`, `zenoh`, `ros2`.
+    fn name(&self) -> &'static str;
+
+    /// What it can do.
+    fn capabilities(&self) -> Capabilities;
+
+    /// Opens the writing end of a port. It shows at once; its value is undefined until written.
+    ///
+    /// # Errors
+    /// When the address is taken, the type differs from a reader's, or the middleware fails.
+    fn publisher(&self, at: &Address, ty: &DataType) -> Result<Box<dyn Publisher>, OpenError>;
+
+    /// Opens the reading end of a port. The writer may come later, go and come back.
+    ///
+    /// # Errors
+    /// When the writer's type differs (both are named), or the middleware fails.
+    fn subscription(
+        &self,
+        at: &Address,
+        ty: &DataType,
+        policy: Policy,
+    ) -> Result<Box<dyn Subscription>, OpenError>;
+
+    /// What is visible now, ours and others'.
+    ///
+    /// # Errors
+    /// When the middleware cannot tell.
+    fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError>;
+}
