@@ -58,7 +58,7 @@ impl fmt::Display for ScopedName {
 }
 
 /// What a type is.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// `boolean`, C `bool`.
     Boolean,
@@ -177,7 +177,7 @@ impl Kind {
 }
 
 /// A member of a struct or exception.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Member {
     /// Its name.
     pub name: String,
@@ -186,7 +186,7 @@ pub struct Member {
 }
 
 /// A member of a union, with the labels that select it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct UnionMember {
     /// Its name.
     pub name: String,
@@ -199,7 +199,7 @@ pub struct UnionMember {
 /// A `case` label, as the integer the discriminant takes in memory.
 ///
 /// Booleans are 0 and 1, chars their code, enumerators their rank.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Label {
     /// `case N:`
     Value(i128),

@@ -1,0 +1,15 @@
+//! Values in C memory: making, releasing, copying and looking at them.
+//!
+//! The `unsafe` of this crate is here and in `cdr`. Callers promise that an address holds a
+//! value of the type they name; everything read from it (lengths, pointers, presence) is still
+//! treated as written by foreign code.
+
+mod copy;
+mod edit;
+mod raw;
+mod view;
+
+pub(crate) use copy::{copy, init, release, repair};
+pub(crate) use edit::Edit;
+pub(crate) use raw::SequenceHeader;
+pub(crate) use view::View;

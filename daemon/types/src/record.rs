@@ -1,0 +1,212 @@
+//! An owned value in C layout.
+
+use std::alloc::{self, Layout};
+use std::ptr::NonNull;
+
+use thiserror::Error;
+
+use crate::data_type::DataType;
+use crate::memory::{self, Edit, View};
+
+/// Two types whose values cannot be copied into each other.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("cannot copy a value of type {found} into one of type {expected}")]
+pub struct TypeMismatch {
+    /// Spelling of the target's type.
+    pub expected: String,
+    /// Spelling of the source's type.
+    pub found: String,
+}
+
+/// Bytes that are no value of a type.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[non_exhaustive]
+pub enum BytesError {
+    /// The type owns memory elsewhere, so bytes cannot say its value.
+    #[error("{ty} has strings or sequences without bound; plain bytes cannot hold it, use CDR")]
+    NotFixed {
+        /// Spelling of the type.
+        ty: String,
+    },
+    /// Another number of bytes than the type has.
+    #[error("{ty} takes {expected} bytes, not {found}")]
+    Size {
+        /// Spelling of the type.
+        ty: String,
+        /// Size of the type.
+        expected: usize,
+        /// Number of bytes given.
+        found: usize,
+    },
+    /// An enum out of range, or a sequence longer than its bound.
+    #[error("the bytes of {ty} hold no value of {inner}: it is out of range")]
+    Invalid {
+        /// Spelling of the type.
+        ty: String,
+        /// Spelling of the type inside it that is wrong.
+        inner: String,
+    },
+}
+
+/// An owned value: C memory at an address that does not change while the record lives.
+///
+/// A new record is all zero, as genom3.md 7.9 asks, with `_maximum` of bounded sequences set.
+/// Strings and buffers inside come from the C library's allocator, so codels may free and
+/// replace them. Dropping it releases them, each buffer through its `_release`.
+pub struct Record {
+    ty: DataType,
+    at: NonNull<u8>,
+}
+
+// SAFETY: the memory belongs to the record alone; it is shared for reading only, and changed
+// through `&mut` only. Codels that reach it by pointer are serialised by the host (genom3.md 4.5).
+unsafe impl Send for Record {}
+// SAFETY: as above.
+unsafe impl Sync for Record {}
+
+impl Record {
+    /// An empty value.
+    #[must_use]
+    pub fn new(ty: &DataType) -> Self {
+        let layout = memory_of(ty);
+        // SAFETY: the layout has a size.
+        let at = unsafe { alloc::alloc_zeroed(layout) };
+        let Some(at) = NonNull::new(at) else { alloc::handle_alloc_error(layout) };
+        // SAFETY: the memory is zeroed and as large as the type.
+        unsafe { memory::init(ty.graph(), ty.ix(), at.as_ptr()) };
+        Self { ty: ty.clone(), at }
+    }
+
+    /// Its type.
+    #[must_use]
+    pub fn ty(&self) -> &DataType {
+        &self.ty
+    }
+
+    /// Address of the value, the same for its whole life.
+    #[must_use]
+    pub fn as_ptr(&self) -> *const u8 {
+        self.at.as_ptr()
+    }
+
+    /// Address of the value, to change it.
+    #[must_use]
+    pub fn as_mut_ptr(&mut self) -> *mut u8 {
+        self.at.as_ptr()
+    }
+
+    /// The value as plain bytes, for fixed-size types.
+    #[must_use]
+    pub fn bytes(&self) -> Option<&[u8]> {
+        // SAFETY: the record has that many bytes, all of them written since it was zeroed.
+        self.ty
+            .is_fixed_size()
+            .then(|| unsafe { std::slice::from_raw_parts(self.as_ptr(), self.ty.size()) })
+    }
+
+    pub(crate) fn view(&self) -> View<'_> {
+        // SAFETY: the record holds a value of its type, borrowed while the view lives.
+        unsafe { View::new(self.ty.graph(), self.ty.ix(), self.as_ptr()) }
+    }
+
+    pub(crate) fn edit(&mut self) -> Edit<'_> {
+        // SAFETY: the record holds a value of its type, borrowed while it is changed.
+        unsafe { Edit::new(self.ty.graph(), self.ty.ix(), self.at.as_ptr()) }
+    }
+
+    /// Makes this value equal to another, deep. Nothing is allocated for fixed-size types, nor
+    /// for others whose buffers here are large enough already.
+    ///
+    /// # Errors
+    /// The types differ by structure (genom3.md 4.3).
+    pub fn copy_from(&mut self, from: &Record) -> Result<(), TypeMismatch> {
+        if !self.ty.same_as(&from.ty) {
+            let (expected, found) = (self.ty.name().to_owned(), from.ty.name().to_owned());
+            return Err(TypeMismatch { expected, found });
+        }
+        // SAFETY: both hold values, of types with the same layout, at different places.
+        unsafe {
+            memory::copy(self.ty.graph(), self.ty.ix(), from.as_ptr(), self.at.as_ptr(), 0);
+        }
+        Ok(())
+    }
+
+    /// Takes the value of a fixed-size type from bytes in C layout that came from elsewhere.
+    /// Booleans become 0 or 1 and `_maximum` as declared; on error nothing changes. Nothing is
+    /// allocated.
+    ///
+    /// # Errors
+    /// The type is not of fixed size, the size is wrong, an enum is out of range or a sequence
+    /// longer than its bound.
+    pub fn set_bytes(&mut self, bytes: &[u8]) -> Result<(), BytesError> {
+        if !self.ty.is_fixed_size() {
+            return Err(BytesError::NotFixed { ty: self.ty.name().to_owned() });
+        }
+        if bytes.len() != self.ty.size() {
+            let (expected, found) = (self.ty.size(), bytes.len());
+            return Err(BytesError::Size { ty: self.ty.name().to_owned(), expected, found });
+        }
+        let (graph, ix) = (self.ty.graph(), self.ty.ix());
+        let wrong = |inner| BytesError::Invalid {
+            ty: self.ty.name().to_owned(),
+            inner: graph.node(inner).name.clone(),
+        };
+        // SAFETY: the bytes have the size of the type; they are only read.
+        unsafe { memory::repair(graph, ix, bytes.as_ptr().cast_mut(), false) }.map_err(wrong)?;
+        // SAFETY: both have that size; the type owns nothing that would have to be released.
+        let repaired = unsafe {
+            std::ptr::copy_nonoverlapping(bytes.as_ptr(), self.at.as_ptr(), bytes.len());
+            memory::repair(graph, ix, self.at.as_ptr(), true)
+        };
+        // Only bytes that another process changes meanwhile get here.
+        repaired.map_err(|inner| {
+            // SAFETY: the type owns nothing; zeros are a value.
+            unsafe { memory::release(graph, ix, self.at.as_ptr(), 0) };
+            wrong(inner)
+        })
+    }
+
+    /// Releases what the value owns; it is empty again.
+    pub fn clear(&mut self) {
+        self.edit().clear();
+    }
+
+    /// Exchanges the values of two records of one type; both keep their addresses.
+    pub(crate) fn swap_values(&mut self, other: &mut Record) {
+        // SAFETY: both have that size; what they own goes along with the bytes.
+        unsafe {
+            std::ptr::swap_nonoverlapping(self.at.as_ptr(), other.at.as_ptr(), self.ty.size());
+        }
+    }
+}
+
+impl Clone for Record {
+    fn clone(&self) -> Self {
+        let copy = Self::new(&self.ty);
+        // SAFETY: both hold values of one type, at different places.
+        unsafe {
+            memory::copy(self.ty.graph(), self.ty.ix(), self.as_ptr(), copy.at.as_ptr(), 0);
+        }
+        copy
+    }
+}
+
+impl Drop for Record {
+    fn drop(&mut self) {
+        self.clear();
+        // SAFETY: allocated in `new` with the same layout.
+        unsafe { alloc::dealloc(self.at.as_ptr(), memory_of(&self.ty)) };
+    }
+}
+
+impl std::fmt::Debug for Record {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.ty)
+    }
+}
+
+/// Memory for one value; at least a byte, so that it has an address.
+fn memory_of(ty: &DataType) -> Layout {
+    let size = ty.size().max(1);
+    Layout::from_size_align(size, 8).unwrap_or(Layout::new::<u64>())
+}
