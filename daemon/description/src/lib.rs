@@ -2,10 +2,13 @@
 //!
 //! Reading never fails: it returns what could be understood and everything there is to say
 //! about it. This crate starts no thread, opens no socket and loads no code; the only I/O is
-//! reading the files a description includes.
+//! reading the files a description includes, and running pkg-config for `#pragma requires`.
 
 #![forbid(unsafe_code)]
 
 pub mod diagnostic;
+mod lex;
 pub mod model;
+pub mod preprocess;
+pub mod source;
 pub mod token;

@@ -1,0 +1,130 @@
+//! The lexer proper (genom3.md 2.1): preprocessing tokens to the parser's tokens.
+//!
+//! It sees one token after the other and never the text: comments, lines and macros are
+//! already dealt with.
+
+mod literal;
+mod number;
+mod words;
+
+pub(crate) use literal::{character, unescape};
+
+use crate::diagnostic::Diagnostic;
+use crate::model::Span;
+use crate::preprocess::{Kind, PToken};
+use crate::token::{Pragma, Token, TokenKind};
+
+/// Makes tokens.
+#[derive(Debug, Default)]
+pub(crate) struct Lexer {
+    tokens: Vec<Token>,
+    /// Rank of a `-` that touches the token before it, for names such as `clock-rate`.
+    dash: Option<usize>,
+    /// Where the last stray character ended: a row of them is one mistake.
+    stray: Option<Span>,
+}
+
+impl Lexer {
+    /// The next preprocessing token.
+    pub(crate) fn take(&mut self, token: PToken, text: &str, diagnostics: &mut Vec<Diagnostic>) {
+        let span = token.span;
+        match token.kind {
+            Kind::Identifier => self.word(text, span, token.space),
+            Kind::Number => {
+                for (kind, part) in number::cut(text, span, diagnostics) {
+                    match kind {
+                        TokenKind::Identifier(word) => self.word(&word, part, false),
+                        kind => self.push(kind, part),
+                    }
+                }
+            }
+            Kind::String => {
+                if text.contains('\0') {
+                    let message = "a string cannot hold a NUL character";
+                    diagnostics.push(Diagnostic::error("E0101", span, message));
+                }
+                self.push(TokenKind::String(unescape(text).into()), span);
+            }
+            // A lone quote was reported when it was scanned.
+            Kind::Char if text.len() < 2 => {}
+            Kind::Char => {
+                let value = character(text);
+                if value.is_none() {
+                    let message = format!("{text} is not one character of one byte");
+                    diagnostics.push(
+                        Diagnostic::error("E0114", span, message)
+                            .help("write a character as `'x'` or `'\\n'`, a text as `\"text\"`"),
+                    );
+                }
+                self.push(TokenKind::Char(value.unwrap_or_default()), span);
+            }
+            Kind::Punctuation => match words::punctuation(text) {
+                Some(sign) => {
+                    let touching = sign == "-" && !token.space;
+                    self.push(TokenKind::Punctuation(sign), span);
+                    self.dash = touching.then(|| self.tokens.len() - 1);
+                }
+                None if text == "..." => {
+                    for _ in 0..3 {
+                        self.push(TokenKind::Punctuation("."), span);
+                    }
+                }
+                None => self.stray(text, span, diagnostics),
+            },
+            Kind::Stray => self.stray(text, span, diagnostics),
+            Kind::Newline | Kind::End => {}
+        }
+    }
+
+    /// A pragma that the parser acts on.
+    pub(crate) fn pragma(&mut self, pragma: Pragma, span: Span) {
+        self.push(TokenKind::Pragma(pragma), span);
+    }
+
+    /// All tokens, with the last one at `end`.
+    pub(crate) fn finish(mut self, end: Span) -> Vec<Token> {
+        self.push(TokenKind::End, end);
+        self.tokens
+    }
+
+    fn push(&mut self, kind: TokenKind, span: Span) {
+        self.tokens.push(Token { kind, span });
+    }
+
+    fn word(&mut self, text: &str, span: Span, space: bool) {
+        if !space
+            && let Some(dash) = self.dash.take()
+            && dash + 1 == self.tokens.len()
+            && let Some(before) = dash.checked_sub(1).and_then(|at| self.tokens.get(at))
+            && let TokenKind::Identifier(first) = &before.kind
+            && words::is_dashed(first, text)
+        {
+            let whole = format!("{first}-{text}").into();
+            let start = before.span;
+            let span =
+                if start.file == span.file { Span { end: span.end, ..start } } else { start };
+            self.tokens.truncate(dash - 1);
+            self.push(TokenKind::Identifier(whole), span);
+            return;
+        }
+        let kind = words::keyword(text)
+            .map(TokenKind::Keyword)
+            .or_else(|| words::word_operator(text).map(TokenKind::Punctuation))
+            .unwrap_or_else(|| TokenKind::Identifier(text.into()));
+        self.push(kind, span);
+    }
+
+    fn stray(&mut self, text: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
+        let follows =
+            self.stray.is_some_and(|last| last.file == span.file && last.end == span.start);
+        self.stray = Some(span);
+        if follows {
+            return;
+        }
+        let shown = text.chars().next().map_or_else(String::new, |c| c.escape_debug().to_string());
+        diagnostics.push(
+            Diagnostic::error("E0101", span, format!("stray character `{shown}`"))
+                .label("it has no meaning here"),
+        );
+    }
+}

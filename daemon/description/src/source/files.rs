@@ -1,0 +1,125 @@
+//! Reading files: from the disk, or from memory for editors and tests.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Where the text of files comes from.
+pub trait Files {
+    /// Whether `path` names something that [`Files::read`] may read.
+    fn is_file(&self, path: &Path) -> bool;
+
+    /// The whole content of a file.
+    ///
+    /// # Errors
+    /// What the system says when the file is missing, a directory or unreadable.
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
+
+    /// One name for all the ways to reach a file; `path` itself when there is no better one.
+    fn identity(&self, path: &Path) -> PathBuf {
+        path.to_owned()
+    }
+}
+
+/// The file system.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Disk;
+
+impl Files for Disk {
+    fn is_file(&self, path: &Path) -> bool {
+        path.is_file()
+    }
+
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        std::fs::read(path)
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        path.canonicalize().unwrap_or_else(|_| path.to_owned())
+    }
+}
+
+/// Texts in memory, over the disk or over nothing.
+///
+/// An editor puts its unsaved buffers here; a test puts everything here.
+#[derive(Clone, Debug, Default)]
+pub struct Memory {
+    texts: BTreeMap<PathBuf, Vec<u8>>,
+    disk: bool,
+}
+
+impl Memory {
+    /// No file at all.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The disk's files, until [`Memory::insert`] hides some.
+    #[must_use]
+    pub fn over_disk() -> Self {
+        Self { texts: BTreeMap::new(), disk: true }
+    }
+
+    /// Puts a text in place of a file.
+    pub fn insert(&mut self, path: impl Into<PathBuf>, text: impl Into<Vec<u8>>) {
+        self.texts.insert(path.into(), text.into());
+    }
+
+    /// Gives the place back to the disk.
+    pub fn remove(&mut self, path: &Path) {
+        self.texts.remove(path);
+    }
+
+    /// `a/./b/../c` and `a/c` are one name: no link can stand in between in memory.
+    fn find(&self, path: &Path) -> Option<&Vec<u8>> {
+        self.texts.get(path).or_else(|| self.texts.get(&tidy(path)))
+    }
+}
+
+impl Files for Memory {
+    fn is_file(&self, path: &Path) -> bool {
+        self.find(path).is_some() || (self.disk && Disk.is_file(path))
+    }
+
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        match self.find(path) {
+            Some(text) => Ok(text.clone()),
+            None if self.disk => Disk.read(path),
+            None => Err(io::Error::from(io::ErrorKind::NotFound)),
+        }
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        if self.disk { Disk.identity(path) } else { tidy(path) }
+    }
+}
+
+fn tidy(path: &Path) -> PathBuf {
+    use std::path::Component;
+    let mut out = PathBuf::new();
+    for part in path.components() {
+        match part {
+            Component::CurDir => {}
+            Component::ParentDir if out.file_name().is_some() => {
+                out.pop();
+            }
+            other => out.push(other),
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_hides_the_disk_and_knows_roundabout_names() {
+        let mut files = Memory::new();
+        files.insert("d/a.gen", "x");
+        assert!(files.is_file(Path::new("d/./e/../a.gen")));
+        assert!(!files.is_file(Path::new("Cargo.toml")));
+        assert!(Memory::over_disk().is_file(Path::new("Cargo.toml")));
+    }
+}

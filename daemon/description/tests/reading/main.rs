@@ -1,0 +1,4 @@
+//! Reading files: preprocessor and lexer, seen from outside.
+
+mod lexer;
+mod support;
