@@ -171,10 +171,9 @@ impl Preprocessor<'_> {
             items.push(Item { token, role });
             at += 1;
         }
-        let edge = [items.first(), items.last()].into_iter().flatten();
-        let mut dangling = edge.filter(|item| item.role == Role::Paste).map(|item| item.token.span);
-        if let Some(span) = dangling.next_back() {
-            self.bad_define(span, "`##` must stand between two tokens");
+        let pastes = |item: &&Item| item.role == Role::Paste;
+        if let Some(item) = items.last().filter(pastes).or(items.first().filter(pastes)) {
+            self.bad_define(item.token.span, "`##` must stand between two tokens");
             return None;
         }
         Some(items)
