@@ -2,8 +2,12 @@
 //!
 //! Everything here is `unsafe` for one reason: the caller vouches for the address.
 
+use serde_json::Value;
+
 use crate::data_type::DataType;
-use crate::memory;
+use crate::json::{self, JsonError};
+use crate::memory::{self, View};
+use crate::record::Record;
 
 /// Makes the zeroed memory at `at` an empty value: sets `_maximum` of bounded sequences.
 ///
@@ -30,4 +34,34 @@ pub unsafe fn copy_value(ty: &DataType, from: *const u8, to: *mut u8) {
 pub unsafe fn release_value(ty: &DataType, at: *mut u8) {
     // SAFETY: the caller's promise.
     unsafe { memory::release(ty.graph(), ty.ix(), at, 0) }
+}
+
+/// The value at `at` as JSON.
+///
+/// # Safety
+/// `at` holds a value of the type that nobody changes meanwhile.
+#[must_use]
+pub unsafe fn json_of(ty: &DataType, at: *const u8) -> Value {
+    // SAFETY: the caller's promise.
+    json::write(unsafe { View::new(ty.graph(), ty.ix(), at) })
+}
+
+/// Sets what `json` gives in the value at `at`, as [`Record::merge_json`]: on error nothing
+/// changes.
+///
+/// # Errors
+/// A member, type, range or bound is wrong; the error says where and what would do.
+///
+/// # Safety
+/// `at` holds a value of the type that nobody uses meanwhile.
+pub unsafe fn merge_json_at(ty: &DataType, at: *mut u8, json: &Value) -> Result<(), JsonError> {
+    let mut new = Record::new(ty);
+    // SAFETY: the caller's promise; the record is elsewhere.
+    unsafe {
+        copy_value(ty, at, new.as_mut_ptr());
+        new.merge_json(json)?;
+        // What both own goes along with the bytes; the record then drops the old value.
+        std::ptr::swap_nonoverlapping(at, new.as_mut_ptr(), ty.size());
+    }
+    Ok(())
 }

@@ -13,6 +13,7 @@ mod digest;
 mod equality;
 pub mod foreign;
 mod graph;
+pub mod json;
 pub mod kind;
 mod layout;
 mod memory;
@@ -23,6 +24,7 @@ pub mod table;
 
 pub use data_type::DataType;
 pub use digest::{Digester, digest_of};
+pub use json::{JsonError, JsonProblem};
 pub use kind::{Kind, Label, Member, ScopedName, TypeId, UnionMember};
 pub use layout::{Layout, LayoutError, MAX_NESTING, MAX_SIZE};
 pub use path::{CompiledPath, PathError, PathStep};

@@ -3,9 +3,11 @@
 use std::alloc::{self, Layout};
 use std::ptr::NonNull;
 
+use serde_json::Value;
 use thiserror::Error;
 
 use crate::data_type::DataType;
+use crate::json::{self, JsonError};
 use crate::memory::{self, Edit, View};
 
 /// Two types whose values cannot be copied into each other.
@@ -164,6 +166,24 @@ impl Record {
             unsafe { memory::release(graph, ix, self.at.as_ptr(), 0) };
             wrong(inner)
         })
+    }
+
+    /// The value as JSON; see [`merge_json`](Record::merge_json) for the way back.
+    #[must_use]
+    pub fn to_json(&self) -> Value {
+        json::write(self.view())
+    }
+
+    /// Sets what `json` gives and keeps the rest: partial objects, index-keyed objects for arrays
+    /// and sequences (genom3.md appendix A). On error nothing changes.
+    ///
+    /// # Errors
+    /// A member, type, range or bound is wrong; the error says where and what would do.
+    pub fn merge_json(&mut self, json: &Value) -> Result<(), JsonError> {
+        let mut copy = self.clone();
+        json::merge(&mut copy.edit(), json)?;
+        self.swap_values(&mut copy);
+        Ok(())
     }
 
     /// Releases what the value owns; it is empty again.

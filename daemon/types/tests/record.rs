@@ -1,5 +1,7 @@
 //! Records: zero at first, copied deep, released, refused when they are no values.
 
+#![allow(clippy::unwrap_used)] // also in helpers, where clippy.toml does not reach
+
 use std::sync::Arc;
 
 use genom_types::{

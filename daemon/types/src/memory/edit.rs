@@ -21,6 +21,14 @@ impl<'a> Edit<'a> {
         Self { graph, ix, at, memory: PhantomData }
     }
 
+    /// A boolean, char, integer or enum apart from any value: for reading a discriminant.
+    pub(crate) fn scratch(graph: &'a Graph, ix: Ix, word: &'a mut u64) -> Self {
+        debug_assert!(graph.node(ix).layout.size <= 8 && graph.node(ix).layout.fixed);
+        // SAFETY: a discriminant is at most a word (checked when the union was laid out), and
+        // any word is a value of it for us.
+        unsafe { Self::new(graph, ix, std::ptr::from_mut(word).cast()) }
+    }
+
     pub(crate) fn node(&self) -> &'a Node {
         self.graph.node(self.ix)
     }

@@ -35,17 +35,9 @@ const _: () = assert!(size_of::<SequenceHeader>() == 24 && align_of::<SequenceHe
 const _: () = assert!(cfg!(target_endian = "little"), "C layouts are copied to the wire as is");
 
 impl SequenceHeader {
-    pub(crate) const EMPTY: Self =
-        Self { maximum: 0, length: 0, buffer: std::ptr::null_mut(), release: None };
-
     /// Number of values that can be read, whatever the fields say.
     pub(crate) fn readable(&self) -> usize {
         if self.buffer.is_null() { 0 } else { self.length.min(self.maximum) as usize }
-    }
-
-    /// Whether we allocated the buffer, or a codel did with the same allocator.
-    pub(crate) fn is_ours(&self) -> bool {
-        self.release.is_some_and(|release| std::ptr::fn_addr_eq(release, FREE))
     }
 }
 
