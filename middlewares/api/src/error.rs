@@ -77,3 +77,42 @@ pub struct DiscoverError {
     /// The middleware's own words.
     pub why: String,
 }
+
+/// A call of a service failed before the service answered.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CallError {
+    /// Nobody serves the address.
+    #[error("nobody serves {address}: is the component running on this middleware?")]
+    Nobody {
+        /// What was called.
+        address: Address,
+    },
+    /// The service takes or gives other types.
+    #[error("{address} serves {theirs}, this side calls {ours}: make the two .gen types equal")]
+    TypeMismatch {
+        /// What was called.
+        address: Address,
+        /// Types of this side.
+        ours: String,
+        /// Types of the other side.
+        theirs: String,
+    },
+    /// No answer in time.
+    #[error("no answer within {0:?}")]
+    Timeout(std::time::Duration),
+    /// The service went away before it answered.
+    #[error("the service went away before it answered")]
+    Gone,
+    /// The answer could not be decoded.
+    #[error("the answer cannot be decoded: {0}")]
+    Serialization(String),
+    /// The middleware itself failed.
+    #[error("{backend} failed: {why}")]
+    Failed {
+        /// Name of the middleware.
+        backend: String,
+        /// The middleware's own words.
+        why: String,
+    },
+}

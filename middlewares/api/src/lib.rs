@@ -1,16 +1,26 @@
 //! The contract of a middleware: what the runtime may ask of any of them.
 //!
-//! A middleware moves [`Record`](genom_types::Record)s between ports by address. Nothing here
-//! says how: topics, keys and segments are each backend's own affair.
+//! A middleware moves [`Record`](genom_types::Record)s between ports, and requests between
+//! callers and services, by address. Nothing here says how: topics, keys and segments are each
+//! backend's own affair. [`conformance`] states what every backend must hold, as tests.
 
 #![forbid(unsafe_code)]
 
 pub mod address;
+pub mod bell;
+pub mod conformance;
 pub mod error;
+pub mod index_ring;
+pub mod outbox;
 pub mod port;
+pub mod reply;
+pub mod service;
 
 pub use address::Address;
-pub use error::{DiscoverError, OpenError, PublishError, ReadError};
+pub use error::{CallError, DiscoverError, OpenError, PublishError, ReadError};
 pub use port::{
     Capabilities, Endpoint, EndpointKind, Middleware, Policy, Publisher, Reading, Subscription,
+};
+pub use service::{
+    ActivityId, Client, Outcome, Replies, Running, Served, ServiceHandler, ServiceKind, ServiceType,
 };

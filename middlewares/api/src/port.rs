@@ -1,10 +1,15 @@
 //! Ports on a middleware: publishers, subscriptions, discovery.
 
+use std::sync::Arc;
+
 use genom_types::{DataType, Record};
 
+use crate::service::{Client, Served, ServiceHandler, ServiceType};
 use crate::{Address, DiscoverError, OpenError, PublishError, ReadError};
 
 /// What a reader wants of the samples it has not read yet.
+///
+/// Whatever the policy, a new reader starts with the last value, if there is one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Policy {
     /// The newest value only: the semantics of GenoM ports.
@@ -28,6 +33,9 @@ pub enum Reading {
 }
 
 /// The writing end of an out port (or of one element of a multiple port).
+///
+/// The last value is offered to late readers as long as the publisher lives. Dropping it frees
+/// the address; readers keep what they have read.
 pub trait Publisher: Send {
     /// Publishes a copy of the value; a reader that comes later still sees it.
     ///
@@ -67,6 +75,8 @@ pub struct Capabilities {
     pub cross_process: bool,
     /// Reaches other machines.
     pub cross_host: bool,
+    /// Serves and calls services.
+    pub services: bool,
     /// Shows services to peers that are no genomd.
     pub native_services: bool,
 }
@@ -118,6 +128,39 @@ pub trait Middleware: Send + Sync {
         ty: &DataType,
         policy: Policy,
     ) -> Result<Box<dyn Subscription>, OpenError>;
+
+    /// Serves a service until the result is dropped. A backend without services refuses.
+    ///
+    /// # Errors
+    /// When the address is served already, or the middleware cannot serve.
+    fn serve(
+        &self,
+        at: &Address,
+        service: &ServiceType,
+        handler: Arc<dyn ServiceHandler>,
+    ) -> Result<Box<dyn Served>, OpenError> {
+        let _ = (at, handler);
+        Err(self.without_services(service))
+    }
+
+    /// Opens the calling end of a service. The service may come later, go and come back.
+    ///
+    /// # Errors
+    /// When the middleware cannot call.
+    fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
+        let _ = at;
+        Err(self.without_services(service))
+    }
+
+    /// The refusal of a backend that has no services.
+    #[doc(hidden)]
+    fn without_services(&self, service: &ServiceType) -> OpenError {
+        OpenError::Unsupported {
+            backend: self.name().to_owned(),
+            ty: service.input.name().to_owned(),
+            why: "it has no services; bind the service to another backend".to_owned(),
+        }
+    }
 
     /// What is visible now, ours and others'.
     ///

@@ -1,0 +1,133 @@
+//! Opening, closing, coming back, leaving nothing.
+
+use genom_types::Record;
+
+use super::harness::{World, eventually};
+use super::ports::{position, read, read_until, reader, writer};
+use super::samples::{note, numbered, other_state, state};
+use crate::{Address, EndpointKind, OpenError, Policy, Reading};
+
+/// One address, one writer.
+pub fn a_second_writer_of_an_address_is_refused(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let first = writer(&a);
+    for side in [&a, &b] {
+        eventually("the second writer is refused", || {
+            match side.publisher(&position(), &state()) {
+                Err(OpenError::Taken { address }) => address == position(),
+                Err(other) => panic!("refused for another reason: {other}"),
+                // Not seen yet, on middlewares that discover in the background.
+                Ok(second) => {
+                    drop(second);
+                    false
+                }
+            }
+        });
+    }
+    drop(first);
+    eventually("the address is free again", || b.publisher(&position(), &state()).is_ok());
+}
+
+/// A reader stays connected to the address, not to one writer.
+pub fn a_writer_may_go_and_come_back(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let mut reader = reader(&b, Policy::Latest);
+    for round in 1..10 {
+        let mut writer = writer(&a);
+        writer.publish(&numbered(round)).unwrap();
+        read_until(&mut *reader, round);
+        drop(writer);
+        assert_eq!(read(&mut *reader).0, Reading::Same);
+    }
+}
+
+/// A value lives as long as its writer.
+pub fn a_late_reader_sees_nothing_of_a_writer_that_left(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let mut first = writer(&a);
+    first.publish(&numbered(5)).unwrap();
+    drop(first);
+    let mut late = reader(&b, Policy::Latest);
+    assert_eq!(read(&mut *late).0, Reading::Never);
+    let mut second = writer(&a);
+    assert_eq!(read(&mut *late).0, Reading::Never);
+    second.publish(&numbered(6)).unwrap();
+    read_until(&mut *late, 6);
+}
+
+/// What was open before does not bind what is opened after.
+pub fn a_closed_address_takes_another_type(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let (mut old_writer, mut old_reader) = (writer(&a), reader(&b, Policy::Latest));
+    old_writer.publish(&numbered(3)).unwrap();
+    read_until(&mut *old_reader, 3);
+    drop((old_writer, old_reader));
+    let other = other_state();
+    eventually("the address takes another type", || a.publisher(&position(), &other).is_ok());
+    let mut writer = a.publisher(&position(), &other).unwrap();
+    let mut reader = b.subscription(&position(), &other, Policy::Latest).unwrap();
+    let mut sent = Record::new(&other);
+    sent.set_bytes(&[0x3f; 64]).unwrap();
+    writer.publish(&sent).unwrap();
+    let mut got = Record::new(&other);
+    eventually("the sample arrives", || reader.read(&mut got).unwrap() == Reading::New);
+    assert_eq!(got.bytes(), sent.bytes());
+}
+
+/// Open ports are seen by all, with their types; closed ones by none.
+pub fn discovery_shows_what_is_open_only(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let at = Address::new("robot", "arm/left");
+    let shows = |kind: EndpointKind, address: &Address| {
+        let seen = b.discover().expect("a list");
+        seen.into_iter().find(|end| end.kind == kind && end.address == address.to_string())
+    };
+    let writer = a.publisher(&at, &state()).unwrap();
+    let reader = a.subscription(&position(), &state(), Policy::Latest).unwrap();
+    eventually("the out port shows", || shows(EndpointKind::Publisher, &at).is_some());
+    let ty = shows(EndpointKind::Publisher, &at).map(|end| end.ty);
+    assert!(ty.as_ref().is_some_and(|ty| ty.contains("state")), "its type is named: {ty:?}");
+    eventually("the in port shows", || shows(EndpointKind::Subscription, &position()).is_some());
+    assert_eq!(shows(EndpointKind::Publisher, &position()), None);
+    drop((writer, reader));
+    eventually("all is gone", || {
+        shows(EndpointKind::Publisher, &at).is_none()
+            && shows(EndpointKind::Subscription, &position()).is_none()
+    });
+}
+
+/// Like a daemon that ends and starts again, while another one stays.
+pub fn a_backend_may_be_closed_and_opened_again(world: &dyn World) {
+    let stays = world.join();
+    let mut reader = reader(&stays, Policy::Latest);
+    for round in 1..4 {
+        let comes = world.join();
+        let mut writer = writer(&comes);
+        writer.publish(&numbered(round)).unwrap();
+        read_until(&mut *reader, round);
+    }
+}
+
+/// No file, no shared memory, no name.
+pub fn closing_leaves_nothing_behind(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let (mut writer, mut reader) = (writer(&a), reader(&b, Policy::Queue(3)));
+    writer.publish(&numbered(4)).unwrap();
+    read_until(&mut *reader, 4);
+    let variable = a
+        .capabilities()
+        .variable_size
+        .then(|| a.publisher(&Address::new("demo", "note"), &note()).unwrap());
+    drop((writer, variable, reader));
+    drop((a, b));
+    eventually("nothing is left", || world.leftovers().is_empty());
+}
+
+/// Ports keep what they need of the backend alive.
+pub fn ports_outlive_the_handle_they_were_opened_from(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let (mut writer, mut reader) = (writer(&a), reader(&b, Policy::Latest));
+    drop((a, b));
+    writer.publish(&numbered(8)).unwrap();
+    read_until(&mut *reader, 8);
+}

@@ -1,0 +1,279 @@
+//! Reading and writing: last value, policies, order.
+
+use std::sync::Arc;
+use std::thread;
+
+use genom_types::Record;
+
+use super::harness::{World, eventually};
+use super::samples::{number, numbered, set_number, state};
+use crate::{Address, Middleware, Policy, Publisher, Reading, Subscription};
+
+/// The address most properties use.
+pub(super) fn position() -> Address {
+    Address::new("demo", "position")
+}
+
+pub(super) fn writer(on: &Arc<dyn Middleware>) -> Box<dyn Publisher> {
+    on.publisher(&position(), &state()).expect("an out port")
+}
+
+pub(super) fn reader(on: &Arc<dyn Middleware>, policy: Policy) -> Box<dyn Subscription> {
+    on.subscription(&position(), &state(), policy).expect("an in port")
+}
+
+#[track_caller]
+pub(super) fn read(from: &mut dyn Subscription) -> (Reading, u64) {
+    let mut record = Record::new(&state());
+    let reading = from.read(&mut record).expect("a reading");
+    (reading, number(&record))
+}
+
+/// Reads until this number comes.
+#[track_caller]
+pub(super) fn read_until(from: &mut dyn Subscription, wanted: u64) {
+    let mut seen = Vec::new();
+    eventually("the sample arrives", || {
+        let (reading, number) = read(from);
+        if reading == Reading::New {
+            seen.push(number);
+        }
+        seen.last() == Some(&wanted)
+    });
+}
+
+/// Publishes 0 until the reader has it: from then on the two are connected, and 0 is read.
+#[track_caller]
+pub(super) fn connect(writer: &mut dyn Publisher, reader: &mut dyn Subscription) {
+    let zero = numbered(0);
+    eventually("writer and reader are connected", || {
+        writer.publish(&zero).expect("published");
+        read(reader).0 == Reading::New
+    });
+    // Zeros still under way, on middlewares that take their time: the next number ends them.
+    let one = numbered(1);
+    writer.publish(&one).expect("published");
+    read_until(reader, 1);
+}
+
+/// What is written is read, once.
+pub fn a_reader_sees_what_was_written(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let (mut writer, mut reader) = (writer(&a), reader(&b, Policy::Latest));
+    connect(&mut *writer, &mut *reader);
+    for n in 2..50 {
+        writer.publish(&numbered(n)).unwrap();
+        read_until(&mut *reader, n);
+        assert_eq!(read(&mut *reader).0, Reading::Same);
+    }
+    assert_eq!((writer.dropped(), reader.dropped()), (0, 0));
+}
+
+/// The last value is there for readers that come later, though the writer does nothing more.
+pub fn a_late_reader_sees_the_last_value(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let mut writer = writer(&a);
+    for n in 0..20 {
+        writer.publish(&numbered(n)).unwrap();
+    }
+    for policy in [Policy::Latest, Policy::Queue(4), Policy::Ring(4), Policy::Latest] {
+        let mut late = reader(&b, policy);
+        read_until(&mut *late, 19);
+        assert_eq!(read(&mut *late).0, Reading::Same);
+        assert_eq!(late.dropped(), 0, "what came before a reader is no loss of it");
+    }
+}
+
+/// The order of opening does not matter.
+pub fn a_reader_may_come_before_its_writer(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let mut readers = [Policy::Latest, Policy::Queue(4), Policy::Ring(4)].map(|p| reader(&b, p));
+    for reader in &mut readers {
+        assert_eq!(read(&mut **reader).0, Reading::Never);
+    }
+    let mut writer = writer(&a);
+    writer.publish(&numbered(7)).unwrap();
+    for reader in &mut readers {
+        read_until(&mut **reader, 7);
+    }
+}
+
+/// genom3.md 7.8: connected but nothing ever written is no error.
+pub fn nothing_is_read_before_the_first_write(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let writer = writer(&a);
+    let mut reader = reader(&b, Policy::Latest);
+    for _ in 0..10 {
+        assert_eq!(read(&mut *reader).0, Reading::Never);
+    }
+    drop(writer);
+    assert_eq!(read(&mut *reader).0, Reading::Never);
+}
+
+/// genom3.md 7.8: no queue, last value semantics.
+pub fn latest_skips_to_the_newest(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let (mut writer, mut reader) = (writer(&a), reader(&b, Policy::Latest));
+    connect(&mut *writer, &mut *reader);
+    let mut previous = 1;
+    for round in 1..=20 {
+        let newest = round * 100;
+        for n in newest - 50..=newest {
+            writer.publish(&numbered(n)).unwrap();
+        }
+        eventually("the newest is read", || {
+            let (reading, n) = read(&mut *reader);
+            if reading == Reading::New {
+                assert!(n > previous, "{n} after {previous}");
+                previous = n;
+            }
+            previous == newest
+        });
+    }
+    assert_eq!(reader.dropped(), 0, "skipping is what `latest` asks for");
+}
+
+/// Waits until `count` samples sent after [`connect`] are held or given up by the reader's side.
+///
+/// A second reader of the same policy but ample room tells that all arrived.
+fn publish_all(writer: &mut dyn Publisher, witness: &mut dyn Subscription, count: u64) {
+    for n in 2..2 + count {
+        writer.publish(&numbered(n)).unwrap();
+        // A reader that keeps up: also slow middlewares have then delivered to all.
+        read_until(witness, n);
+    }
+}
+
+/// A full queue refuses new samples.
+pub fn a_queue_keeps_the_oldest_and_counts_the_rest(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let mut writer = writer(&a);
+    let (mut queue, mut witness) = (reader(&b, Policy::Queue(3)), reader(&b, Policy::Latest));
+    connect(&mut *writer, &mut *queue);
+    publish_all(&mut *writer, &mut *witness, 10);
+    for expected in [2, 3, 4] {
+        read_until(&mut *queue, expected);
+    }
+    assert_eq!(read(&mut *queue).0, Reading::Same);
+    eventually("the 7 others are counted", || {
+        assert_eq!(read(&mut *queue).0, Reading::Same);
+        queue.dropped() == 7
+    });
+    writer.publish(&numbered(90)).unwrap();
+    read_until(&mut *queue, 90);
+    assert_eq!(queue.dropped(), 7);
+}
+
+/// A full ring overwrites the oldest sample.
+pub fn a_ring_keeps_the_newest_and_counts_the_rest(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let mut writer = writer(&a);
+    let (mut ring, mut witness) = (reader(&b, Policy::Ring(3)), reader(&b, Policy::Latest));
+    connect(&mut *writer, &mut *ring);
+    publish_all(&mut *writer, &mut *witness, 10);
+    for expected in [9, 10, 11] {
+        assert_eq!(read(&mut *ring), (Reading::New, expected));
+    }
+    assert_eq!(read(&mut *ring).0, Reading::Same);
+    assert_eq!(ring.dropped(), 7);
+    writer.publish(&numbered(90)).unwrap();
+    read_until(&mut *ring, 90);
+    assert_eq!(ring.dropped(), 7);
+}
+
+/// A reader that does not read takes nothing from the others.
+pub fn readers_go_at_their_own_pace(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let mut writer = writer(&a);
+    let mut asleep = reader(&b, Policy::Queue(2));
+    let mut awake: Vec<_> = (0..4).map(|_| reader(&b, Policy::Ring(8))).collect();
+    connect(&mut *writer, &mut *asleep);
+    for reader in &mut awake {
+        read_until(&mut **reader, 1);
+    }
+    for n in 2..300 {
+        writer.publish(&numbered(n)).unwrap();
+        for reader in &mut awake {
+            read_until(&mut **reader, n);
+        }
+    }
+    assert_eq!(read(&mut *asleep), (Reading::New, 2));
+    assert!(awake.iter().all(|reader| reader.dropped() == 0));
+}
+
+/// Under load, from another thread: none twice, none out of order, none torn, the last one comes.
+pub fn samples_arrive_in_order(world: &dyn World) {
+    const LAST: u64 = 20_000;
+    let (a, b) = (world.join(), world.join());
+    let mut writer = writer(&a);
+    let policies = [Policy::Latest, Policy::Ring(8), Policy::Latest];
+    let mut readers = policies.map(|policy| reader(&b, policy));
+    for reader in &mut readers {
+        connect(&mut *writer, &mut **reader);
+    }
+    let writing = thread::spawn(move || {
+        let mut record = numbered(0);
+        for n in 2..=LAST {
+            set_number(&mut record, n);
+            writer.publish(&record).unwrap();
+        }
+        writer
+    });
+    thread::scope(|scope| {
+        for mut reader in readers {
+            scope.spawn(move || {
+                let mut record = Record::new(&state());
+                let mut previous = 0;
+                eventually("the last sample comes", || {
+                    // Many reads per look at the clock.
+                    for _ in 0..1000 {
+                        if reader.read(&mut record).unwrap() == Reading::New {
+                            let n = number(&record);
+                            // 1 may come once more from the connecting of the other readers.
+                            assert!(n > previous || n <= 1, "{n} after {previous}");
+                            previous = n;
+                        }
+                    }
+                    previous == LAST
+                });
+            });
+        }
+    });
+    drop(writing.join().unwrap());
+}
+
+/// Each address has its own values.
+pub fn many_ports_do_not_mix(world: &dyn World) {
+    const PORTS: u64 = 64;
+    let (a, b) = (world.join(), world.join());
+    let at = |n: u64| Address::new(format!("robot{}", n % 8), format!("port{n}"));
+    let mut ports: Vec<_> = (0..PORTS)
+        .map(|n| {
+            let writer = a.publisher(&at(n), &state()).unwrap();
+            (n, writer, b.subscription(&at(n), &state(), Policy::Latest).unwrap())
+        })
+        .collect();
+    for (n, writer, _) in &mut ports {
+        writer.publish(&numbered(*n + 1000)).unwrap();
+    }
+    for (n, _, reader) in &mut ports {
+        read_until(&mut **reader, *n + 1000);
+    }
+}
+
+/// `<instance>/<port>/<element>` is an address of its own (genom3.md 7.8).
+pub fn elements_of_a_multiple_port_are_apart(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    let names = ["poses", "poses/left", "poses/right", "poses/far.left"];
+    let mut ends = names.map(|name| {
+        let at = Address::new("demo", name);
+        let writer = a.publisher(&at, &state()).unwrap();
+        (writer, b.subscription(&at, &state(), Policy::Latest).unwrap())
+    });
+    for (n, (writer, _)) in ends.iter_mut().enumerate() {
+        writer.publish(&numbered(n as u64 + 10)).unwrap();
+    }
+    for (n, (_, reader)) in ends.iter_mut().enumerate() {
+        read_until(&mut **reader, n as u64 + 10);
+    }
+}

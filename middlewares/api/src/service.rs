@@ -1,0 +1,120 @@
+//! Services on a middleware: attributes, functions and activities, served and called.
+//!
+//! One shape for all: a request carries an input record, and a [`Replies`] takes what comes back.
+//! Attributes and functions only finish; an activity is first accepted, may tell its states,
+//! and can be cancelled. Served and calling side use the same trait, so that a backend within
+//! one process hands it straight through.
+
+use std::fmt;
+use std::time::Duration;
+
+use genom_types::{DataType, Record};
+use serde_json::Value;
+
+use crate::CallError;
+
+/// What kind of service an address names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ServiceKind {
+    /// Reads or sets data of the component; replies at once.
+    Attribute,
+    /// A computation; replies at once.
+    Function,
+    /// Runs for a while: accepted, then states, then a result; can be cancelled.
+    Activity,
+}
+
+/// Kind and types of a service.
+#[derive(Clone, Debug)]
+pub struct ServiceType {
+    /// Attribute, function or activity.
+    pub kind: ServiceKind,
+    /// Struct of the `in` and `inout` parameters.
+    pub input: DataType,
+    /// Struct of the `out` and `inout` parameters.
+    pub output: DataType,
+}
+
+/// One accepted run of an activity, unique within the instance that serves it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+pub struct ActivityId(pub u64);
+
+impl fmt::Display for ActivityId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// How a request ended.
+#[derive(Debug)]
+pub enum Outcome {
+    /// It ended well; the record is of the service's output type.
+    Success(Record),
+    /// It ended with an exception; an interrupted activity ends with `::genom::interrupted`.
+    Exception {
+        /// Full name: `::demo::TOO_FAR_AWAY`.
+        name: String,
+        /// Its members as JSON; null when it has none.
+        detail: Value,
+    },
+    /// The connection ended first; how the service ended is not known.
+    Lost(CallError),
+}
+
+/// Takes what comes back for one request. Called from any thread, one call at a time.
+///
+/// Dropping it without [`finish`](Replies::finish) tells the caller [`CallError::Gone`]:
+/// implementations that somebody waits on must do so in `Drop`.
+pub trait Replies: Send {
+    /// The activity was accepted under this id. Comes first, and for activities only.
+    fn accepted(&mut self, id: ActivityId);
+
+    /// The activity entered this state.
+    fn feedback(&mut self, state: &str);
+
+    /// The request ended.
+    fn finish(self: Box<Self>, outcome: Outcome);
+}
+
+/// What serves a service.
+pub trait ServiceHandler: Send + Sync {
+    /// A request arrived. Does not wait for the service: the answer goes into `replies`, from
+    /// here or later.
+    fn request(&self, input: Record, replies: Box<dyn Replies>);
+
+    /// The caller gives up an activity. Nothing happens when it already ended.
+    fn cancel(&self, id: ActivityId);
+}
+
+/// A service being served. Dropping it withdraws the service.
+pub trait Served: Send {}
+
+/// The calling end of a service.
+pub trait Client: Send {
+    /// Sends a request and returns; the answer goes into `replies`.
+    ///
+    /// # Errors
+    /// Nobody serves the address, the types differ, or the middleware fails.
+    fn request(
+        &mut self,
+        input: &Record,
+        replies: Box<dyn Replies>,
+    ) -> Result<Box<dyn Running>, CallError>;
+
+    /// Sends a request and waits until it ended, at most `timeout`.
+    ///
+    /// # Errors
+    /// As [`request`](Client::request), or nothing came back in time.
+    fn call(&mut self, input: &Record, timeout: Duration) -> Result<Outcome, CallError> {
+        let (replies, reply) = crate::reply::pair();
+        let _running = self.request(input, Box::new(replies))?;
+        reply.wait(timeout)
+    }
+}
+
+/// A request under way. Dropping it changes nothing: the service runs on.
+pub trait Running: Send {
+    /// Asks an activity to stop. It still ends through its [`Replies`].
+    fn cancel(&self);
+}
