@@ -156,7 +156,8 @@ impl Preprocessor<'_> {
     fn evaluate(&mut self, name: PToken, line: Vec<PToken>) -> bool {
         let line = self.answer_defined(line);
         let line = self.expand_list(line);
-        let mut evaluation = Evaluation { preprocessor: self, line: &line, at: 0, depth: 0 };
+        let mut evaluation =
+            Evaluation { preprocessor: self, line: &line, at: 0, depth: 0, dead: 0 };
         let result = evaluation.conditional().and_then(|value| match evaluation.peek() {
             None => Ok(value),
             Some(token) => Err((token.span, "an operator is expected here".to_owned())),
@@ -212,6 +213,8 @@ struct Evaluation<'e, 'a> {
     line: &'e [PToken],
     at: usize,
     depth: usize,
+    /// Inside operands that do not count, such as the right of `0 &&`: dividing by zero is fine.
+    dead: usize,
 }
 
 /// Binary operators by precedence, weakest first; longer spellings before their prefixes.
@@ -255,12 +258,13 @@ impl Evaluation<'_, '_> {
         let condition = self.binary(0)?;
         let value = if self.text(0) == "?" {
             self.at += 1;
-            let yes = self.conditional()?;
+            let holds = condition.number != 0;
+            let yes = self.operand(!holds, Self::conditional)?;
             if self.text(0) != ":" {
                 return Err(self.expected("`:`"));
             }
             self.at += 1;
-            let no = self.conditional()?;
+            let no = self.operand(holds, Self::conditional)?;
             if condition.number == 0 { no } else { yes }
         } else {
             condition
@@ -279,19 +283,26 @@ impl Evaluation<'_, '_> {
             }
             let span = self.peek().map_or(Span::default(), |token| token.span);
             self.at += length;
-            let right = self.binary(level + 1)?;
-            // A division that the left side of `&&` and `||` guards is not done.
-            let guarded = match operator.as_str() {
+            let decided = match operator.as_str() {
                 "&&" => left.number == 0,
                 "||" => left.number != 0,
                 _ => false,
             };
-            left = if guarded {
-                truth(left.number != 0)
-            } else {
-                apply(&operator, left, right, span)?
+            let right = self.operand(decided, |this| this.binary(level + 1))?;
+            left = match apply(&operator, left, right) {
+                Some(value) => value,
+                None if self.dead > 0 => truth(false),
+                None => return Err((span, "division by zero".to_owned())),
             };
         }
+    }
+
+    /// Reads an operand, which may not count.
+    fn operand(&mut self, dead: bool, read: impl FnOnce(&mut Self) -> Outcome) -> Outcome {
+        self.dead += usize::from(dead);
+        let value = read(self);
+        self.dead -= usize::from(dead);
+        value
     }
 
     fn unary(&mut self) -> Outcome {
@@ -373,16 +384,17 @@ fn number(text: &str) -> Option<Value> {
     Some(Value { number: value.cast_signed(), unsigned })
 }
 
-fn apply(operator: &str, left: Value, right: Value, span: Span) -> Outcome {
+/// The result of a binary operator; `None` for a division by zero.
+fn apply(operator: &str, left: Value, right: Value) -> Option<Value> {
     let (a, b) = (left.number, right.number);
     let (ua, ub) = (a.cast_unsigned(), b.cast_unsigned());
     let unsigned = left.unsigned || right.unsigned;
     if matches!(operator, "/" | "%") && b == 0 {
-        return Err((span, "division by zero".to_owned()));
+        return None;
     }
     let value = |number| Value { number, unsigned };
     let shift = u32::try_from(ub & 63).unwrap_or(0);
-    Ok(match operator {
+    Some(match operator {
         "||" => truth(a != 0 || b != 0),
         "&&" => truth(a != 0 && b != 0),
         "==" => truth(a == b),

@@ -1,4 +1,10 @@
 //! Reading files: preprocessor and lexer, seen from outside.
 
+mod directives;
+mod inputs;
 mod lexer;
+mod limits;
+mod macros;
+#[cfg(test)]
+mod packages;
 mod support;
