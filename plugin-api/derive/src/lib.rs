@@ -1,1 +1,65 @@
-//! TBD
+//! Macros of the codel SDK; crate `genom` re-exports and documents them.
+//!
+//! What they expand to calls unsafe functions of `genom` alone, under the contract between a
+//! host and a codel, so that crates of codels may forbid unsafe code.
+
+mod codel;
+mod data;
+mod name;
+
+use proc_macro::TokenStream;
+use syn::{DeriveInput, ItemFn, parse_macro_input};
+
+/// Makes a function a codel: exports it under its own name with the C calling convention.
+///
+/// Parameters are written in the order of the `.gen` file:
+///
+/// | `.gen` | Rust |
+/// |---|---|
+/// | `in` number, boolean, enum | `f64`, `bool`, `Enum<E>` |
+/// | `in` struct, array, sequence, optional, `string<N>` | `&T` |
+/// | `in string` | `&CStr` |
+/// | `in` native | `&Native<T>` |
+/// | `out`, `inout` anything | `&mut T` |
+/// | ports | `&mut InPort<T>`, `&mut OutPort<T>`, `&mut MultipleInPort<T>`, ... |
+///
+/// A last parameter of type `&Context` receives the context. The function returns an `Event`,
+/// nothing, or a `Result` of these whose error is `Thrown`. A panic becomes the exception
+/// `::genom::unkex`. `component!` must list the codel.
+#[proc_macro_attribute]
+pub fn codel(attribute: TokenStream, item: TokenStream) -> TokenStream {
+    let function = parse_macro_input!(item as ItemFn);
+    codel::expand(&attribute.into(), &function)
+        .unwrap_or_else(|error| {
+            let error = error.to_compile_error();
+            quote::quote! { #function #error }
+        })
+        .into()
+}
+
+/// Gives a `#[repr(C)]` struct or a fieldless enum its IDL type.
+///
+/// The name is that of the `.gen` file: `#[genom(name = "::demo::state")]`. Members keep their
+/// order and names; `r#type` stands for `type`. An enum is stored as `Enum<E>`.
+#[proc_macro_derive(Data, attributes(genom))]
+pub fn derive_data(input: TokenStream) -> TokenStream {
+    finish(data::derive_data(&parse_macro_input!(input as DeriveInput)))
+}
+
+/// Makes an exception of a `#[repr(C)]` struct of its detail, or of a unit struct.
+///
+/// The name is that of the `.gen` file: `#[genom(name = "::demo::OUT_OF_RANGE")]`.
+#[proc_macro_derive(Exception, attributes(genom))]
+pub fn derive_exception(input: TokenStream) -> TokenStream {
+    finish(data::derive_exception(&parse_macro_input!(input as DeriveInput)))
+}
+
+/// Makes a type the contents of a `native`, named `#[genom(name = "::demo::driver")]`.
+#[proc_macro_derive(NativeType, attributes(genom))]
+pub fn derive_native(input: TokenStream) -> TokenStream {
+    finish(data::derive_native(&parse_macro_input!(input as DeriveInput)))
+}
+
+fn finish(expansion: syn::Result<proc_macro2::TokenStream>) -> TokenStream {
+    expansion.unwrap_or_else(|error| error.to_compile_error()).into()
+}

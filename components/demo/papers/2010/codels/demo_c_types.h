@@ -10,7 +10,7 @@
 
 #ifdef __cplusplus
 extern "C" {
-#endif /* DEMO_2010_C_TYPES_H */
+#endif
 
 typedef struct demo_position {
   double *(*data)(genom_context self);
@@ -24,7 +24,7 @@ genom_event demo_stop(const genom_context self);
 
 #ifdef __cplusplus
 }
-#endif /* DEMO_2010_C_TYPES_H */
+#endif
 
 /* In C, the codel demo_stop has the name that event stop would have: the event takes another. */
 GENOM_EVENT(demo_main, "::demo::main");

@@ -1,0 +1,207 @@
+//! The table that a component library exports, and its C layout.
+//!
+//! A host reads it before it calls anything, and compares it with the `.gen` file. All of it is
+//! constant data in the library: it is valid as long as the library is loaded, and needs no lock.
+//! C and C++ libraries have no table; they are checked by other means.
+
+use std::ffi::{CStr, c_char, c_void};
+use std::mem::{offset_of, size_of};
+
+/// Major version of the table. A host refuses a library that has another.
+pub const ABI_MAJOR: u16 = 1;
+/// Minor version: higher ones add fields at the end of [`Component`].
+pub const ABI_MINOR: u16 = 0;
+/// Symbol of the static [`Component`].
+pub const COMPONENT_SYMBOL: &CStr = c"genom_component";
+/// Symbol of the `.gen` text, NUL-terminated; C and C++ libraries may have it too.
+pub const DESCRIPTION_SYMBOL: &CStr = c"genom_description";
+
+/// What a component library exports as the static `genom_component`.
+///
+/// The first three fields never move: a host of any version may read them.
+#[derive(Debug)]
+#[repr(C)]
+pub struct Component {
+    /// [`ABI_MAJOR`] of the SDK the library was built with.
+    pub abi_major: u16,
+    /// [`ABI_MINOR`] of the SDK the library was built with.
+    pub abi_minor: u16,
+    /// `size_of::<Component>()` as the library saw it: a host reads no further.
+    pub size: u32,
+    /// The `.gen` text the library was built from, NUL-terminated.
+    pub description: *const c_char,
+    /// Every codel of the library.
+    pub codels: List<CodelDescriptor>,
+    /// Exceptions that the codels throw: structs, without members for those without detail.
+    pub exceptions: List<*const TypeDescriptor>,
+}
+
+/// A codel: a C function of the library, and what it takes.
+#[derive(Debug)]
+#[repr(C)]
+pub struct CodelDescriptor {
+    /// Name of the function, NUL-terminated; it is also a symbol of the library.
+    pub name: *const c_char,
+    /// Address of the function.
+    pub function: *const c_void,
+    /// Arguments in order, without the context that ends every codel's arguments.
+    pub arguments: List<ArgumentDescriptor>,
+}
+
+/// An argument of a codel.
+#[derive(Debug)]
+#[repr(C)]
+pub struct ArgumentDescriptor {
+    /// Its name in the Rust function, NUL-terminated; the `.gen` file may use another.
+    pub name: *const c_char,
+    /// How it is passed.
+    pub passing: Passing,
+    /// Zero.
+    pub reserved: u32,
+    /// Its type; for a port the type of its data.
+    pub ty: *const TypeDescriptor,
+}
+
+/// How an argument is passed (genom3.md 5.5). A host refuses numbers it does not know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub struct Passing(pub u32);
+
+impl Passing {
+    /// `in`: the scalar itself, or the pointer that an unbounded string or a native is.
+    pub const VALUE: Self = Self(0);
+    /// `in`: address of a datum that the codel only reads.
+    pub const SHARED: Self = Self(1);
+    /// `out` or `inout`: address of a datum that the codel may change.
+    pub const EXCLUSIVE: Self = Self(2);
+    /// `port in`.
+    pub const IN_PORT: Self = Self(3);
+    /// `port out`.
+    pub const OUT_PORT: Self = Self(4);
+    /// `port multiple in`.
+    pub const MULTIPLE_IN_PORT: Self = Self(5);
+    /// `port multiple out`.
+    pub const MULTIPLE_OUT_PORT: Self = Self(6);
+}
+
+/// A type as the library was compiled: what it is and where its members lie.
+///
+/// Typedefs do not appear: they have no counterpart in memory.
+#[derive(Debug)]
+#[repr(C)]
+pub struct TypeDescriptor {
+    /// What it is.
+    pub kind: Kind,
+    /// Zero.
+    pub reserved: u32,
+    /// Full name, such as `::demo::state`, of an enum, struct, exception or native; else null.
+    pub name: *const c_char,
+    /// Size in bytes.
+    pub size: usize,
+    /// Alignment in bytes.
+    pub align: usize,
+    /// Length of an array, bound of a string (NUL included) or sequence; 0 when unbounded.
+    pub bound: usize,
+    /// Type of the elements of an array, sequence or optional; else null.
+    pub element: *const TypeDescriptor,
+    /// Members of a struct or exception; enumerators of an enum, whose rank is their value.
+    pub members: List<MemberDescriptor>,
+}
+
+/// A member of a struct or exception, or an enumerator.
+#[derive(Debug)]
+#[repr(C)]
+pub struct MemberDescriptor {
+    /// Its name, NUL-terminated, without the raw prefix of Rust.
+    pub name: *const c_char,
+    /// Bytes from the start of the struct; 0 for an enumerator.
+    pub offset: usize,
+    /// Its type; null for an enumerator.
+    pub ty: *const TypeDescriptor,
+}
+
+/// The kind of a type (genom3.md 5.2). A host refuses numbers it does not know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(transparent)]
+pub struct Kind(pub u32);
+
+#[allow(missing_docs, reason = "each is the IDL type it is named after")]
+impl Kind {
+    pub const BOOLEAN: Self = Self(0);
+    pub const CHAR: Self = Self(1);
+    pub const OCTET: Self = Self(2);
+    pub const SHORT: Self = Self(3);
+    pub const UNSIGNED_SHORT: Self = Self(4);
+    pub const LONG: Self = Self(5);
+    pub const UNSIGNED_LONG: Self = Self(6);
+    pub const LONG_LONG: Self = Self(7);
+    pub const UNSIGNED_LONG_LONG: Self = Self(8);
+    pub const FLOAT: Self = Self(9);
+    pub const DOUBLE: Self = Self(10);
+    pub const STRING: Self = Self(11);
+    pub const ARRAY: Self = Self(12);
+    pub const SEQUENCE: Self = Self(13);
+    pub const OPTIONAL: Self = Self(14);
+    pub const ENUM: Self = Self(15);
+    pub const STRUCT: Self = Self(16);
+    pub const UNION: Self = Self(17);
+    pub const EXCEPTION: Self = Self(18);
+    pub const NATIVE: Self = Self(19);
+}
+
+/// A constant array and its length.
+#[derive(Debug)]
+#[repr(C)]
+pub struct List<T: 'static> {
+    /// First element; not to be read when `count` is 0.
+    pub first: *const T,
+    /// Number of elements.
+    pub count: usize,
+}
+
+impl<T> List<T> {
+    /// A list of nothing.
+    pub const EMPTY: Self = Self::new(&[]);
+
+    /// The list of the elements of `slice`.
+    #[must_use]
+    pub const fn new(slice: &'static [T]) -> Self {
+        Self { first: slice.as_ptr(), count: slice.len() }
+    }
+
+    /// The elements.
+    ///
+    /// # Safety
+    /// The list is part of a table of a library that stays loaded for `'a`.
+    #[must_use]
+    pub unsafe fn as_slice<'a>(&self) -> &'a [T] {
+        if self.count == 0 || self.first.is_null() {
+            return &[];
+        }
+        // SAFETY: the library built the list from a slice (`new`), and is loaded for `'a`.
+        unsafe { std::slice::from_raw_parts(self.first, self.count) }
+    }
+}
+
+// SAFETY: the table is constant data; its pointers lead to constant data of the same library.
+unsafe impl Sync for Component {}
+// SAFETY: as above.
+unsafe impl Sync for CodelDescriptor {}
+// SAFETY: as above.
+unsafe impl Sync for ArgumentDescriptor {}
+// SAFETY: as above.
+unsafe impl Sync for TypeDescriptor {}
+// SAFETY: as above.
+unsafe impl Sync for MemberDescriptor {}
+
+const _: () = {
+    assert!(size_of::<usize>() == 8, "the table is laid out for 64-bit platforms");
+    assert!(size_of::<Component>() == 48 && offset_of!(Component, size) == 4);
+    assert!(offset_of!(Component, description) == 8 && offset_of!(Component, codels) == 16);
+    assert!(offset_of!(Component, exceptions) == 32);
+    assert!(size_of::<CodelDescriptor>() == 32 && offset_of!(CodelDescriptor, arguments) == 16);
+    assert!(size_of::<ArgumentDescriptor>() == 24 && offset_of!(ArgumentDescriptor, ty) == 16);
+    assert!(size_of::<TypeDescriptor>() == 64 && offset_of!(TypeDescriptor, name) == 8);
+    assert!(offset_of!(TypeDescriptor, bound) == 32 && offset_of!(TypeDescriptor, members) == 48);
+    assert!(size_of::<MemberDescriptor>() == 24 && offset_of!(MemberDescriptor, ty) == 16);
+};

@@ -1,0 +1,175 @@
+//! How the arguments of a codel travel from C to Rust (genom3.md 5.5).
+//!
+//! [`codel`](crate::codel) picks the trait by the way the parameter is written: `T`, `&T` or
+//! `&mut T`. The functions that turn pointers into references are called by it alone.
+
+use std::ffi::{CStr, c_char};
+
+use crate::abi::{Passing, TypeDescriptor};
+use crate::data::{Aggregate, Data, Enum, Enumeration, Native, NativeType};
+
+/// A parameter written `T`: an `in` scalar.
+#[diagnostic::on_unimplemented(
+    message = "a codel takes no `{Self}` by value",
+    note = "numbers, `bool` and `Enum<E>` are taken by value, other data as `&T` when the codel \
+            only reads it, and all data as `&mut T` when it writes it"
+)]
+pub trait ByValue: Sized {
+    /// What C passes.
+    type Abi;
+    /// Its type.
+    const TYPE: *const TypeDescriptor;
+
+    /// The argument.
+    fn from_abi(abi: Self::Abi) -> Self;
+}
+
+macro_rules! by_value {
+    ($($ty:ty),*) => {$(
+        impl ByValue for $ty {
+            type Abi = Self;
+            const TYPE: *const TypeDescriptor = <Self as Data>::TYPE;
+
+            fn from_abi(abi: Self) -> Self {
+                abi
+            }
+        }
+    )*};
+}
+
+by_value!(i8, u8, i16, u16, i32, u32, i64, u64, f32, f64);
+
+impl ByValue for bool {
+    type Abi = u8;
+    const TYPE: *const TypeDescriptor = <crate::Bool as Data>::TYPE;
+
+    fn from_abi(abi: u8) -> Self {
+        abi != 0
+    }
+}
+
+impl<E: Enumeration> ByValue for Enum<E> {
+    type Abi = Self;
+    const TYPE: *const TypeDescriptor = <Self as Data>::TYPE;
+
+    fn from_abi(abi: Self) -> Self {
+        abi
+    }
+}
+
+/// A parameter written `&T`: an `in` datum that is no scalar.
+#[diagnostic::on_unimplemented(
+    message = "a codel takes no `&{Self}`",
+    note = "an `in` number is taken by value, an `in string` as `&CStr`, ports as `&mut`"
+)]
+pub trait ByRef {
+    /// What C passes.
+    type Abi;
+    /// What the shim keeps while the codel runs.
+    type Held;
+    /// How it is passed.
+    const PASSING: Passing;
+    /// Its type.
+    const TYPE: *const TypeDescriptor;
+
+    /// Takes the C value.
+    ///
+    /// # Safety
+    /// `abi` is the argument of the running codel.
+    unsafe fn hold(abi: Self::Abi) -> Self::Held;
+
+    /// The argument.
+    fn lend(held: &Self::Held) -> &Self;
+}
+
+impl<T: Aggregate> ByRef for T {
+    type Abi = *const T;
+    type Held = &'static T;
+    const PASSING: Passing = Passing::SHARED;
+    const TYPE: *const TypeDescriptor = <T as Data>::TYPE;
+
+    unsafe fn hold(abi: *const T) -> &'static T {
+        // SAFETY: the host passes the address of a datum of this type (it compared the layouts
+        // at load), which no one changes while the codel runs (genom3.md 4.5). `lend` gives it
+        // the lifetime of the call.
+        unsafe { &*abi }
+    }
+
+    fn lend<'a>(held: &'a &'static T) -> &'a T {
+        held
+    }
+}
+
+impl ByRef for CStr {
+    type Abi = *const c_char;
+    type Held = &'static CStr;
+    const PASSING: Passing = Passing::VALUE;
+    const TYPE: *const TypeDescriptor = <crate::Text as Data>::TYPE;
+
+    unsafe fn hold(abi: *const c_char) -> &'static CStr {
+        if abi.is_null() {
+            return c"";
+        }
+        // SAFETY: a string of the C mapping is NUL-terminated, and stays while the codel runs.
+        unsafe { CStr::from_ptr(abi) }
+    }
+
+    fn lend<'a>(held: &'a &'static CStr) -> &'a CStr {
+        held
+    }
+}
+
+impl<T: NativeType> ByRef for Native<T> {
+    type Abi = *const T;
+    type Held = Native<T>;
+    const PASSING: Passing = Passing::VALUE;
+    const TYPE: *const TypeDescriptor = <Self as Data>::TYPE;
+
+    unsafe fn hold(abi: *const T) -> Native<T> {
+        Native::view(abi)
+    }
+
+    fn lend(held: &Native<T>) -> &Native<T> {
+        held
+    }
+}
+
+/// A parameter written `&mut T`: an `out` or `inout` datum, or a port.
+#[diagnostic::on_unimplemented(message = "a codel takes no `&mut {Self}`")]
+pub trait ByMut {
+    /// What C passes.
+    type Abi;
+    /// What the shim keeps while the codel runs.
+    type Held;
+    /// How it is passed.
+    const PASSING: Passing;
+    /// Its type; that of the data for a port.
+    const TYPE: *const TypeDescriptor;
+
+    /// Takes the C value.
+    ///
+    /// # Safety
+    /// `abi` is the argument of the running codel.
+    unsafe fn hold(abi: Self::Abi) -> Self::Held;
+
+    /// The argument.
+    fn lend(held: &mut Self::Held) -> &mut Self;
+}
+
+impl<T: Data> ByMut for T {
+    type Abi = *mut T;
+    type Held = &'static mut T;
+    const PASSING: Passing = Passing::EXCLUSIVE;
+    const TYPE: *const TypeDescriptor = <T as Data>::TYPE;
+
+    unsafe fn hold(abi: *mut T) -> &'static mut T {
+        // SAFETY: the host passes the address of a datum of this type (it compared the layouts
+        // at load), which no other codel sees meanwhile (genom3.md 4.5). `lend` gives it the
+        // lifetime of the call.
+        unsafe { &mut *abi }
+    }
+
+    fn lend<'a>(held: &'a mut &'static mut T) -> &'a mut T {
+        held
+    }
+}

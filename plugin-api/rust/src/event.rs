@@ -1,0 +1,36 @@
+//! Events: what a state-machine codel returns.
+
+use std::ffi::CStr;
+use std::fmt;
+
+/// An event, by its full name such as `::demo::pause::main`.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Event(&'static CStr);
+
+impl Event {
+    /// The event of this full name; [`event!`](crate::event) is shorter.
+    #[must_use]
+    pub const fn new(name: &'static CStr) -> Self {
+        Self(name)
+    }
+
+    /// Its full name.
+    #[must_use]
+    pub const fn name(self) -> &'static CStr {
+        self.0
+    }
+}
+
+impl fmt::Debug for Event {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.to_string_lossy())
+    }
+}
+
+/// The [`Event`] of a full name: `event!("::demo::pause::main")`. It is a constant.
+#[macro_export]
+macro_rules! event {
+    ($name:literal) => {
+        const { $crate::Event::new($crate::rt::c_str(concat!($name, "\0"))) }
+    };
+}

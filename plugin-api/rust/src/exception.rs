@@ -1,0 +1,106 @@
+//! Exceptions: how a codel says what went wrong.
+
+use std::ffi::{CStr, c_char};
+use std::fmt;
+
+use crate::Context;
+use crate::abi::{Kind, List, MemberDescriptor, TypeDescriptor};
+use crate::data::{BoundedString, Data};
+
+/// An exception of the `.gen` file; `#[derive(Exception)]` implements it.
+///
+/// The detail is copied as it is, so it owns nothing: texts in it are [`BoundedString`]s.
+pub trait Exception: Copy {
+    /// Full name, such as `::demo::OUT_OF_RANGE`.
+    const ID: &'static CStr;
+    /// Its detail as it lies in memory.
+    const TYPE: *const TypeDescriptor;
+
+    /// Records the exception, for the codel to return: `return Err(OutOfRange { .. }.raise(cx))`.
+    fn raise(self, context: &Context) -> Thrown {
+        Thrown(context.raise(Self::ID, &self))
+    }
+}
+
+/// An exception that is recorded in the context: a codel returns it as its error.
+#[must_use = "a recorded exception has no effect unless the codel returns it"]
+#[derive(Clone, Copy)]
+pub struct Thrown(pub(crate) *const c_char);
+
+impl Thrown {
+    /// Full name of the exception.
+    #[must_use]
+    pub fn name(&self) -> &CStr {
+        // SAFETY: events are NUL-terminated constants of the host or of a library
+        // (genom3.md 5.3), and both outlive the codel's call.
+        unsafe { CStr::from_ptr(self.0) }
+    }
+}
+
+impl fmt::Debug for Thrown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.name().to_string_lossy())
+    }
+}
+
+/// `::genom::syserr`: a system call failed.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Syserr {
+    /// `errno`.
+    pub code: i32,
+}
+
+impl Exception for Syserr {
+    const ID: &'static CStr = c"::genom::syserr";
+    const TYPE: *const TypeDescriptor = &TypeDescriptor {
+        kind: Kind::EXCEPTION,
+        reserved: 0,
+        name: Self::ID.as_ptr(),
+        size: size_of::<Self>(),
+        align: align_of::<Self>(),
+        bound: 0,
+        element: std::ptr::null(),
+        members: List::new(
+            const { &[MemberDescriptor { name: c"code".as_ptr(), offset: 0, ty: i32::TYPE }] },
+        ),
+    };
+}
+
+/// `::genom::unkex`: an error of no declared kind, with a sentence.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct Unkex {
+    /// The sentence.
+    pub what: BoundedString<128>,
+}
+
+impl Unkex {
+    /// The exception that says `what`, cut at 127 bytes.
+    #[must_use]
+    pub fn new(what: &str) -> Self {
+        Self { what: BoundedString::new(what) }
+    }
+}
+
+impl Exception for Unkex {
+    const ID: &'static CStr = c"::genom::unkex";
+    const TYPE: *const TypeDescriptor = &TypeDescriptor {
+        kind: Kind::EXCEPTION,
+        reserved: 0,
+        name: Self::ID.as_ptr(),
+        size: size_of::<Self>(),
+        align: align_of::<Self>(),
+        bound: 0,
+        element: std::ptr::null(),
+        members: List::new(
+            const {
+                &[MemberDescriptor {
+                    name: c"what".as_ptr(),
+                    offset: 0,
+                    ty: BoundedString::<128>::TYPE,
+                }]
+            },
+        ),
+    };
+}

@@ -1,0 +1,59 @@
+//! What a codel may return, and how a panic becomes an exception.
+
+use std::ffi::c_char;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::{Context, Event, Exception, Thrown, Unkex};
+
+/// What a codel may return: an [`Event`], or nothing for functions and validations; or either
+/// in a `Result` whose error is [`Thrown`].
+pub trait Outcome {
+    /// The C value: a full name, null for success without an event.
+    fn into_raw(self) -> *const c_char;
+}
+
+impl Outcome for Event {
+    fn into_raw(self) -> *const c_char {
+        self.name().as_ptr()
+    }
+}
+
+impl Outcome for () {
+    fn into_raw(self) -> *const c_char {
+        std::ptr::null()
+    }
+}
+
+impl Outcome for Thrown {
+    fn into_raw(self) -> *const c_char {
+        self.0
+    }
+}
+
+impl<T: Outcome> Outcome for Result<T, Thrown> {
+    fn into_raw(self) -> *const c_char {
+        match self {
+            Ok(outcome) => outcome.into_raw(),
+            Err(thrown) => thrown.into_raw(),
+        }
+    }
+}
+
+/// Runs a codel; a panic ends here, as `::genom::unkex` with the panic's message.
+pub fn guard<R: Outcome>(context: &Context, codel: impl FnOnce() -> R) -> *const c_char {
+    // The codel's data may be half changed, as after any exception of a codel in C.
+    match catch_unwind(AssertUnwindSafe(codel)) {
+        Ok(outcome) => outcome.into_raw(),
+        Err(panic) => {
+            let what = match (panic.downcast_ref::<&str>(), panic.downcast_ref::<String>()) {
+                (Some(text), _) => text,
+                (_, Some(text)) => text.as_str(),
+                _ => "the codel panicked",
+            };
+            let raw = Unkex::new(what).raise(context).into_raw();
+            // A payload whose destructor panics in turn may not unwind into the host.
+            std::mem::forget(panic);
+            raw
+        }
+    }
+}

@@ -1,0 +1,208 @@
+//! Ports (genom3.md 5.7, 7.8).
+
+use std::ffi::{CStr, c_char};
+use std::fmt;
+use std::marker::PhantomData;
+
+use crate::abi::{Passing, TypeDescriptor};
+use crate::argument::ByMut;
+use crate::context::ContextInterface;
+use crate::{Context, Data, Thrown};
+
+type Raw = *const ContextInterface;
+
+#[repr(C)]
+struct Handle<T> {
+    data: unsafe extern "C" fn(Raw) -> *mut T,
+    /// `read` of an in port, `write` of an out port.
+    exchange: unsafe extern "C" fn(Raw) -> *const c_char,
+}
+
+#[repr(C)]
+struct MultipleInHandle<T> {
+    data: unsafe extern "C" fn(*const c_char, Raw) -> *mut T,
+    read: unsafe extern "C" fn(*const c_char, Raw) -> *const c_char,
+}
+
+#[repr(C)]
+struct MultipleOutHandle<T> {
+    data: unsafe extern "C" fn(*const c_char, Raw) -> *mut T,
+    write: unsafe extern "C" fn(*const c_char, Raw) -> *const c_char,
+    open: unsafe extern "C" fn(*const c_char, Raw) -> *const c_char,
+    close: unsafe extern "C" fn(*const c_char, Raw) -> *const c_char,
+}
+
+/// `genom_ok` or an exception that the port recorded in the context.
+fn checked(event: *const c_char) -> Result<(), Thrown> {
+    if event.is_null() { Ok(()) } else { Err(Thrown(event)) }
+}
+
+macro_rules! port {
+    ($(#[$doc:meta])* $name:ident, $handle:ident, $passing:ident) => {
+        $(#[$doc])*
+        pub struct $name<T> {
+            handle: *const $handle<T>,
+            /// It leads to a buffer of `T` that is this codel's while it runs.
+            data: PhantomData<*mut T>,
+        }
+
+        impl<T> fmt::Debug for $name<T> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(stringify!($name))
+            }
+        }
+
+        impl<T: Data> $name<T> {
+            fn methods(&self) -> &$handle<T> {
+                // SAFETY: the host's handle outlives the call of the codel it was passed to
+                // (`hold`), and a port is only ever lent to the codel for that time.
+                unsafe { &*self.handle }
+            }
+        }
+
+        impl<T: Data> ByMut for $name<T> {
+            type Abi = *const std::ffi::c_void;
+            type Held = Self;
+            const PASSING: Passing = Passing::$passing;
+            const TYPE: *const TypeDescriptor = T::TYPE;
+
+            unsafe fn hold(abi: *const std::ffi::c_void) -> Self {
+                Self { handle: abi.cast(), data: PhantomData }
+            }
+
+            fn lend(held: &mut Self) -> &mut Self {
+                held
+            }
+        }
+    };
+}
+
+port! {
+    /// `port in T`: the last value read stays until the next [`read`](Self::read).
+    InPort, Handle, IN_PORT
+}
+
+port! {
+    /// `port out T`: others see what is in the buffer at each [`write`](Self::write).
+    OutPort, Handle, OUT_PORT
+}
+
+port! {
+    /// `port multiple in T`: elements that a supervisor connected, by name.
+    MultipleInPort, MultipleInHandle, MULTIPLE_IN_PORT
+}
+
+port! {
+    /// `port multiple out T`: elements that codels open and close, by name.
+    MultipleOutPort, MultipleOutHandle, MULTIPLE_OUT_PORT
+}
+
+impl<T: Data> InPort<T> {
+    /// Takes the latest published value.
+    ///
+    /// # Errors
+    /// `::genom::no_such_inport` when unconnected, `::genom::port_io`, `::genom::serialization`.
+    pub fn read(&mut self, context: &Context) -> Result<(), Thrown> {
+        // SAFETY: a method of the host's handle, with the context of the running codel.
+        checked(unsafe { (self.methods().exchange)(context.as_raw()) })
+    }
+
+    /// The value of the last read; `None` when there is none.
+    #[must_use]
+    pub fn data(&self, context: &Context) -> Option<&T> {
+        // SAFETY: null or the port's buffer, which changes at `read` only, and no other codel
+        // uses the port meanwhile (genom3.md 4.5).
+        unsafe { (self.methods().data)(context.as_raw()).as_ref() }
+    }
+
+    /// The latest published value; `None` when the port is unconnected or was never written.
+    pub fn latest(&mut self, context: &Context) -> Option<&T> {
+        self.read(context).ok()?;
+        self.data(context)
+    }
+}
+
+impl<T: Data> OutPort<T> {
+    /// The buffer, to be filled in place.
+    #[must_use]
+    pub fn data(&mut self, context: &Context) -> Option<&mut T> {
+        // SAFETY: null or the port's buffer, that no other codel uses meanwhile (4.5).
+        unsafe { (self.methods().data)(context.as_raw()).as_mut() }
+    }
+
+    /// Publishes the buffer.
+    ///
+    /// # Errors
+    /// `::genom::port_io`, `::genom::serialization`.
+    pub fn write(&mut self, context: &Context) -> Result<(), Thrown> {
+        // SAFETY: a method of the host's handle, with the context of the running codel.
+        checked(unsafe { (self.methods().exchange)(context.as_raw()) })
+    }
+
+    /// Puts `value` in the buffer and publishes it.
+    ///
+    /// # Errors
+    /// As for [`write`](Self::write).
+    pub fn publish(&mut self, value: T, context: &Context) -> Result<(), Thrown> {
+        if let Some(data) = self.data(context) {
+            *data = value;
+        }
+        self.write(context)
+    }
+}
+
+impl<T: Data> MultipleInPort<T> {
+    /// Takes the latest value published to element `id`.
+    ///
+    /// # Errors
+    /// `::genom::no_such_inport` when there is no such element or it is unconnected,
+    /// `::genom::port_io`, `::genom::serialization`.
+    pub fn read(&mut self, id: &CStr, context: &Context) -> Result<(), Thrown> {
+        // SAFETY: a method of the host's handle, with the context of the running codel.
+        checked(unsafe { (self.methods().read)(id.as_ptr(), context.as_raw()) })
+    }
+
+    /// The value of the last read of element `id`; `None` when there is none.
+    #[must_use]
+    pub fn data(&self, id: &CStr, context: &Context) -> Option<&T> {
+        // SAFETY: as for `InPort::data`.
+        unsafe { (self.methods().data)(id.as_ptr(), context.as_raw()).as_ref() }
+    }
+}
+
+impl<T: Data> MultipleOutPort<T> {
+    /// Creates element `id`; it may exist already.
+    ///
+    /// # Errors
+    /// `::genom::port_io`.
+    pub fn open(&mut self, id: &CStr, context: &Context) -> Result<(), Thrown> {
+        // SAFETY: a method of the host's handle, with the context of the running codel.
+        checked(unsafe { (self.methods().open)(id.as_ptr(), context.as_raw()) })
+    }
+
+    /// Removes element `id`.
+    ///
+    /// # Errors
+    /// `::genom::syserr` when there is no such element.
+    pub fn close(&mut self, id: &CStr, context: &Context) -> Result<(), Thrown> {
+        // SAFETY: a method of the host's handle, with the context of the running codel.
+        checked(unsafe { (self.methods().close)(id.as_ptr(), context.as_raw()) })
+    }
+
+    /// The buffer of element `id`, to be filled in place; `None` when there is no such element.
+    #[must_use]
+    pub fn data(&mut self, id: &CStr, context: &Context) -> Option<&mut T> {
+        // SAFETY: as for `OutPort::data`.
+        unsafe { (self.methods().data)(id.as_ptr(), context.as_raw()).as_mut() }
+    }
+
+    /// Publishes the buffer of element `id`.
+    ///
+    /// # Errors
+    /// `::genom::no_such_outport` when there is no such element, `::genom::port_io`,
+    /// `::genom::serialization`.
+    pub fn write(&mut self, id: &CStr, context: &Context) -> Result<(), Thrown> {
+        // SAFETY: a method of the host's handle, with the context of the running codel.
+        checked(unsafe { (self.methods().write)(id.as_ptr(), context.as_raw()) })
+    }
+}
