@@ -52,7 +52,7 @@ impl Lexer {
                 if value.is_none() {
                     let message = format!("{text} is not one character of one byte");
                     diagnostics.push(
-                        Diagnostic::error("E0114", span, message)
+                        Diagnostic::error("E0115", span, message)
                             .help("write a character as `'x'` or `'\\n'`, a text as `\"text\"`"),
                     );
                 }

@@ -71,7 +71,7 @@ fn literal(
         let value = rest[..length].parse().unwrap_or(f64::INFINITY);
         if value == f64::INFINITY {
             let message = format!("`{}` is too large for a double", &rest[..length]);
-            diagnostics.push(Diagnostic::error("E0115", place(length), message));
+            diagnostics.push(Diagnostic::error("E0116", place(length), message));
         }
         return match bytes.get(length) {
             Some(b'f' | b'F' | b'l' | b'L') => (TokenKind::Float(value), length + 1),
@@ -88,7 +88,7 @@ fn literal(
         if let Some(bad) = digits.find(['8', '9']) {
             let message = format!("`{}` is no digit of an octal number", &digits[bad..=bad]);
             diagnostics.push(
-                Diagnostic::error("E0115", place(length), message)
+                Diagnostic::error("E0116", place(length), message)
                     .help("a number that begins with 0 is octal: remove the zeros before it"),
             );
             return (integer(digits, 10, place(length), diagnostics), length);
@@ -104,7 +104,7 @@ fn integer(digits: &str, radix: u32, span: Span, diagnostics: &mut Vec<Diagnosti
     if value.is_err() {
         let message = "this integer does not fit in 64 bits";
         diagnostics.push(
-            Diagnostic::error("E0115", span, message)
+            Diagnostic::error("E0116", span, message)
                 .help(format!("the largest integer is {}", u64::MAX)),
         );
     }

@@ -223,7 +223,7 @@ impl Scanner {
         self.unclosed |= !self.directive;
         if !self.quiet {
             let mut diagnostic =
-                Diagnostic::error("E0113", self.span(start, start + 1), "unterminated string")
+                Diagnostic::error("E0114", self.span(start, start + 1), "unterminated string")
                     .label("this string is never closed")
                     .help("close it with `\"`");
             if let Some(long) = self.long_string {
@@ -252,7 +252,7 @@ impl Scanner {
         if !self.quiet {
             diagnostics.push(
                 Diagnostic::error(
-                    "E0114",
+                    "E0115",
                     self.span(start, start + 1),
                     "unterminated character literal",
                 )

@@ -56,7 +56,7 @@ fn an_integer_past_64_bits_is_an_error() {
         "x = 18446744073709551616;",
         expect!["x = 18446744073709551615 ;"],
         expect![[r#"
-            a.gen:1:5: E0115 this integer does not fit in 64 bits
+            a.gen:1:5: E0116 this integer does not fit in 64 bits
         "#]],
     );
 }
@@ -91,7 +91,7 @@ fn an_octal_number_has_no_eight() {
         "08 08.5",
         expect!["8 8.5"],
         expect![[r#"
-            a.gen:1:1: E0115 `8` is no digit of an octal number
+            a.gen:1:1: E0116 `8` is no digit of an octal number
         "#]],
     );
 }
@@ -123,7 +123,7 @@ fn an_unclosed_string_costs_one_message_and_the_rest_is_read() {
         "version \"1.0;\nlang c;\n",
         expect![[r#"version "1.0;" lang c ;"#]],
         expect![[r#"
-            a.gen:1:9: E0113 unterminated string
+            a.gen:1:9: E0114 unterminated string
         "#]],
     );
 }
@@ -139,8 +139,8 @@ fn a_lone_quote_is_an_error() {
         "don't;\n'ab'",
         expect!["don t ; '0'"],
         expect![[r#"
-            a.gen:1:4: E0114 unterminated character literal
-            a.gen:2:1: E0114 'ab' is not one character of one byte
+            a.gen:1:4: E0115 unterminated character literal
+            a.gen:2:1: E0115 'ab' is not one character of one byte
         "#]],
     );
 }

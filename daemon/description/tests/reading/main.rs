@@ -1,6 +1,7 @@
 //! Reading files: preprocessor and lexer, seen from outside.
 
 mod directives;
+mod drawing;
 mod inputs;
 mod lexer;
 mod limits;

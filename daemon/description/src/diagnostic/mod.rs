@@ -1,6 +1,20 @@
-//! What there is to say about a description, as data.
+//! What there is to say about a description, as data; how to show it; what each code means.
+
+mod human;
+mod json;
+mod order;
+mod register;
+
+pub use order::ordered;
+pub use register::{Explanation, explain, explanations};
 
 use crate::model::Span;
+
+/// Ways to show diagnostics. All sort by place and drop what is said twice.
+pub mod render {
+    pub use super::human::{human, short};
+    pub use super::json::json;
+}
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

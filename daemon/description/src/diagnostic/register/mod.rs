@@ -1,0 +1,114 @@
+//! What every code means: the rule, why it is there, an example that breaks it.
+//!
+//! Codes never change their meaning. E01xx to E08xx are errors by group of genom3.md section 3
+//! (row N6 is E0206); W0xxx are warnings.
+
+mod codels;
+mod components;
+mod constants;
+mod initializers;
+mod lexical;
+mod names;
+mod preprocessor;
+mod properties;
+mod services;
+mod warnings;
+
+/// The meaning of a code.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Explanation {
+    /// The code, e.g. `E0206`.
+    pub code: &'static str,
+    /// The rule in a few words.
+    pub title: &'static str,
+    /// Row of the language reference; empty for rules of genomd's own.
+    pub rule: &'static str,
+    /// Why, and what to do.
+    pub text: &'static str,
+    /// A description that makes this diagnostic.
+    pub example: &'static str,
+}
+
+const GROUPS: [&[Explanation]; 10] = [
+    lexical::ROWS,
+    preprocessor::ROWS,
+    names::ROWS,
+    constants::ROWS,
+    components::ROWS,
+    properties::ROWS,
+    services::ROWS,
+    codels::ROWS,
+    initializers::ROWS,
+    warnings::ROWS,
+];
+
+/// The meaning of a code, whatever its case.
+#[must_use]
+pub fn explain(code: &str) -> Option<&'static Explanation> {
+    explanations().find(|row| row.code.eq_ignore_ascii_case(code))
+}
+
+/// All codes in order.
+pub fn explanations() -> impl Iterator<Item = &'static Explanation> {
+    GROUPS.into_iter().flatten()
+}
+
+/// A row of the register.
+const fn row(
+    code: &'static str,
+    rule: &'static str,
+    title: &'static str,
+    text: &'static str,
+    example: &'static str,
+) -> Explanation {
+    Explanation { code, title, rule, text, example }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn codes_are_in_order_and_explained() {
+        let codes: Vec<_> = explanations().map(|row| row.code).collect();
+        let mut sorted = codes.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        assert_eq!(codes, sorted);
+        for row in explanations() {
+            assert!(!row.title.is_empty() && !row.text.is_empty(), "{}", row.code);
+            assert_eq!(explain(&row.code.to_lowercase()), Some(row));
+        }
+        assert_eq!(explain("E9999"), None);
+    }
+
+    #[test]
+    fn every_code_in_use_is_explained() {
+        let mut folders =
+            vec![std::path::PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/src"))];
+        let mut missing = std::collections::BTreeSet::new();
+        let mut seen = 0;
+        while let Some(folder) = folders.pop() {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    folders.extend(Some(path).filter(|path| !path.ends_with("register")));
+                    continue;
+                }
+                let text = std::fs::read_to_string(path).unwrap();
+                let quoted = text.split('"').filter(|word| word.len() == 5);
+                let code = |word: &&str| {
+                    word.starts_with(['E', 'W']) && word[1..].bytes().all(|b| b.is_ascii_digit())
+                };
+                for word in quoted.filter(code) {
+                    seen += 1;
+                    if explain(word).is_none() {
+                        missing.insert(word.to_owned());
+                    }
+                }
+            }
+        }
+        assert!(seen > 20, "the codes of the crate's own sources were not found");
+        assert!(missing.is_empty(), "add rows to src/diagnostic/register for {missing:?}");
+    }
+}
