@@ -14,29 +14,22 @@ pub const MAX_INDEX: usize = (1 << INDEX_BITS) - 1;
 /// Nothing in the slot.
 const EMPTY: u64 = 0;
 
-/// The slots. [`Producer`] and [`Consumer`] hold each side's position.
+/// The ring. One thread at a time pushes, one at a time pops.
 #[derive(Debug)]
 pub struct IndexRing {
     slots: Box<[AtomicU64]>,
-}
-
-/// The producer's position.
-#[derive(Debug, Default)]
-pub struct Producer {
-    next: u64,
-}
-
-/// The consumer's position.
-#[derive(Debug, Default)]
-pub struct Consumer {
-    next: u64,
+    /// Sequence number of the next push; the producer's own.
+    head: AtomicU64,
+    /// Sequence number of the next pop; the consumer's own.
+    tail: AtomicU64,
 }
 
 impl IndexRing {
     /// A ring for `capacity` indices, at least one.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
-        Self { slots: (0..capacity.max(1)).map(|_| AtomicU64::new(EMPTY)).collect() }
+        let slots = (0..capacity.max(1)).map(|_| AtomicU64::new(EMPTY)).collect();
+        Self { slots, head: AtomicU64::new(0), tail: AtomicU64::new(0) }
     }
 
     /// How many indices fit.
@@ -50,42 +43,45 @@ impl IndexRing {
     }
 
     /// Adds an index; when full, gives back the oldest one, which is lost. Wait-free.
-    pub fn push_over(&self, producer: &mut Producer, index: usize) -> Option<usize> {
-        let sequence = producer.next;
-        producer.next += 1;
+    pub fn push_over(&self, index: usize) -> Option<usize> {
+        let sequence = self.head.load(Ordering::Relaxed);
         let old = self.slot(sequence).swap(pack(sequence, index), Ordering::AcqRel);
+        self.head.store(sequence + 1, Ordering::Relaxed);
         (old != EMPTY).then(|| unpack(old).1)
     }
 
     /// Adds an index unless the ring is full; whether it did. Wait-free.
-    pub fn push_if_free(&self, producer: &mut Producer, index: usize) -> bool {
-        let slot = self.slot(producer.next);
+    pub fn push_if_free(&self, index: usize) -> bool {
+        let sequence = self.head.load(Ordering::Relaxed);
+        let slot = self.slot(sequence);
         if slot.load(Ordering::Acquire) != EMPTY {
             return false;
         }
-        slot.store(pack(producer.next, index), Ordering::Release);
-        producer.next += 1;
+        slot.store(pack(sequence, index), Ordering::Release);
+        self.head.store(sequence + 1, Ordering::Relaxed);
         true
     }
 
     /// Takes the oldest index. Retries only while the producer overwrites what it looks at.
-    pub fn pop(&self, consumer: &mut Consumer) -> Option<usize> {
+    pub fn pop(&self) -> Option<usize> {
+        let mut wanted = self.tail.load(Ordering::Relaxed);
         loop {
-            let slot = self.slot(consumer.next);
+            let slot = self.slot(wanted);
             let found = slot.load(Ordering::Acquire);
             if found == EMPTY {
+                self.tail.store(wanted, Ordering::Relaxed);
                 return None;
             }
             let (sequence, index) = unpack(found);
-            if sequence != consumer.next {
+            if sequence != wanted {
                 // Overwritten: `sequence` replaced the one a whole round before it.
-                consumer.next = sequence + 1 - self.slots.len() as u64;
+                wanted = sequence + 1 - self.slots.len() as u64;
                 continue;
             }
             let taken =
                 slot.compare_exchange(found, EMPTY, Ordering::AcqRel, Ordering::Acquire).is_ok();
             if taken {
-                consumer.next += 1;
+                self.tail.store(wanted + 1, Ordering::Relaxed);
                 return Some(index);
             }
         }
@@ -107,17 +103,16 @@ mod tests {
     #[test]
     fn a_full_ring_gives_up_the_oldest_or_the_newest() {
         let ring = IndexRing::new(2);
-        let (mut producer, mut consumer) = (Producer::default(), Consumer::default());
-        assert_eq!(ring.push_over(&mut producer, 1), None);
-        assert_eq!(ring.push_over(&mut producer, 2), None);
-        assert!(!ring.push_if_free(&mut producer, 9));
-        assert_eq!(ring.push_over(&mut producer, 3), Some(1));
-        assert_eq!(ring.push_over(&mut producer, 4), Some(2));
-        assert_eq!(ring.push_over(&mut producer, 5), Some(3));
-        assert_eq!(ring.pop(&mut consumer), Some(4));
-        assert!(ring.push_if_free(&mut producer, 6));
-        assert_eq!(ring.pop(&mut consumer), Some(5));
-        assert_eq!(ring.pop(&mut consumer), Some(6));
-        assert_eq!(ring.pop(&mut consumer), None);
+        assert_eq!(ring.push_over(1), None);
+        assert_eq!(ring.push_over(2), None);
+        assert!(!ring.push_if_free(9));
+        assert_eq!(ring.push_over(3), Some(1));
+        assert_eq!(ring.push_over(4), Some(2));
+        assert_eq!(ring.push_over(5), Some(3));
+        assert_eq!(ring.pop(), Some(4));
+        assert!(ring.push_if_free(6));
+        assert_eq!(ring.pop(), Some(5));
+        assert_eq!(ring.pop(), Some(6));
+        assert_eq!(ring.pop(), None);
     }
 }

@@ -9,6 +9,7 @@
 pub mod address;
 pub mod bell;
 pub mod conformance;
+pub mod describe;
 pub mod error;
 pub mod index_ring;
 pub mod outbox;

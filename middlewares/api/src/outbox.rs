@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex};
 use genom_types::{DataType, Record};
 
 use crate::bell::Bell;
-use crate::index_ring::{Consumer, IndexRing, MAX_INDEX, Producer};
+use crate::index_ring::{IndexRing, MAX_INDEX};
 
 #[derive(Debug)]
 struct Shared {
@@ -33,7 +33,6 @@ struct Buffer {
 #[derive(Debug)]
 pub struct OutboxWriter {
     shared: Arc<Shared>,
-    position: Producer,
     /// Where the search for a free buffer starts.
     hint: usize,
 }
@@ -42,7 +41,6 @@ pub struct OutboxWriter {
 #[derive(Debug)]
 pub struct OutboxReader {
     shared: Arc<Shared>,
-    position: Consumer,
 }
 
 /// An outbox for at most `depth` unsent samples (1: only the newest counts).
@@ -56,9 +54,7 @@ pub fn outbox(ty: &DataType, depth: usize, bell: Arc<Bell>) -> (OutboxWriter, Ou
         dropped: AtomicU64::new(0),
         bell,
     });
-    let writer =
-        OutboxWriter { shared: Arc::clone(&shared), position: Producer::default(), hint: 0 };
-    (writer, OutboxReader { shared, position: Consumer::default() })
+    (OutboxWriter { shared: Arc::clone(&shared), hint: 0 }, OutboxReader { shared })
 }
 
 impl OutboxWriter {
@@ -80,7 +76,7 @@ impl OutboxWriter {
         drop(record);
         buffer.used.store(true, Ordering::Release);
         self.hint = index + 1;
-        if let Some(lost) = shared.ring.push_over(&mut self.position, index) {
+        if let Some(lost) = shared.ring.push_over(index) {
             shared.release(lost);
             shared.dropped.fetch_add(1, Ordering::Relaxed);
         }
@@ -98,7 +94,7 @@ impl OutboxWriter {
 impl OutboxReader {
     /// Gives the oldest unsent sample to `send`, if there is one. The writer goes on meanwhile.
     pub fn take<R>(&mut self, send: impl FnOnce(&Record) -> R) -> Option<R> {
-        let index = self.shared.ring.pop(&mut self.position)?;
+        let index = self.shared.ring.pop()?;
         let buffer = self.shared.buffers.get(index)?;
         let sent = buffer.record.lock().ok().map(|record| send(&record));
         self.shared.release(index);

@@ -22,11 +22,17 @@ pub(super) fn reader(on: &Arc<dyn Middleware>, policy: Policy) -> Box<dyn Subscr
     on.subscription(&position(), &state(), policy).expect("an in port")
 }
 
+/// What a record holds before it is read into.
+const UNTOUCHED: u64 = 1 << 40;
+
+/// Reads once; a record is left alone unless there is something new.
 #[track_caller]
 pub(super) fn read(from: &mut dyn Subscription) -> (Reading, u64) {
-    let mut record = Record::new(&state());
+    let mut record = numbered(UNTOUCHED);
     let reading = from.read(&mut record).expect("a reading");
-    (reading, number(&record))
+    let number = number(&record);
+    assert_eq!(reading == Reading::New, number != UNTOUCHED, "{reading:?} but {number}");
+    (reading, number)
 }
 
 /// Reads until this number comes.

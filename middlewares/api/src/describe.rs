@@ -1,0 +1,21 @@
+//! How types are named in errors, so that two that differ never read alike.
+
+use genom_types::DataType;
+
+use crate::service::ServiceType;
+
+/// Spelling, size where it is fixed, and digest of a type.
+#[must_use]
+pub fn type_of_port(ty: &DataType) -> String {
+    if ty.is_fixed_size() {
+        format!("{} ({} bytes, digest {})", ty.name(), ty.size(), ty.digest())
+    } else {
+        format!("{} (variable size, digest {})", ty.name(), ty.digest())
+    }
+}
+
+/// Input and output of a service.
+#[must_use]
+pub fn types_of_service(service: &ServiceType) -> String {
+    format!("{} -> {}", type_of_port(&service.input), type_of_port(&service.output))
+}

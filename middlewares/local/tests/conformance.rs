@@ -1,0 +1,13 @@
+//! The local middleware holds what every middleware must hold.
+
+use std::sync::Arc;
+
+use genom_local::Local;
+use genom_middleware::Middleware;
+
+genom_middleware::conformance! {
+    local: {
+        let shared = Local::new();
+        move || -> Arc<dyn Middleware> { Arc::new(shared.clone()) }
+    }
+}
