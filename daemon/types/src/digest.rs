@@ -13,7 +13,7 @@ use crate::table::TypeTable;
 
 /// Types met while following one type. Structs that double at each level of nesting would
 /// otherwise take for ever; what comes after contributes the names of its kinds only.
-const MOST: u32 = 1 << 20;
+const MOST: u32 = 1 << 18;
 
 /// Nesting followed into a type.
 const DEEPEST: usize = 256;

@@ -4,6 +4,7 @@
 
 use serde_json::Value;
 
+use crate::cdr::{self, CdrError};
 use crate::data_type::DataType;
 use crate::json::{self, JsonError};
 use crate::memory::{self, View};
@@ -64,4 +65,20 @@ pub unsafe fn merge_json_at(ty: &DataType, at: *mut u8, json: &Value) -> Result<
         std::ptr::swap_nonoverlapping(at, new.as_mut_ptr(), ty.size());
     }
     Ok(())
+}
+
+/// Appends the value at `at` as a CDR payload, as [`Record::encode_cdr`].
+///
+/// # Errors
+/// An enum is out of range, a string is no UTF-8, or a native is inside.
+///
+/// # Safety
+/// `at` holds a value of the type that nobody changes meanwhile.
+pub unsafe fn encode_cdr_of(
+    ty: &DataType,
+    at: *const u8,
+    out: &mut Vec<u8>,
+) -> Result<(), CdrError> {
+    // SAFETY: the caller's promise.
+    unsafe { cdr::encode(ty.graph(), ty.ix(), at, out) }
 }

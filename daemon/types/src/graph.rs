@@ -5,6 +5,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
+use crate::cdr::Plan;
 use crate::kind::{Kind, Label, Member, ScopedName, TypeId};
 use crate::layout::{Layout, LayoutError, MAX_NESTING, MAX_SIZE};
 use crate::table::TypeTable;
@@ -38,6 +39,10 @@ pub(crate) struct Node {
     pub(crate) least_wire: usize,
     pub(crate) digest: OnceLock<String>,
     pub(crate) fingerprint: OnceLock<Option<String>>,
+    /// How it goes to and from CDR.
+    pub(crate) plan: OnceLock<Plan>,
+    /// The same for messages in the other byte order.
+    pub(crate) swapped: OnceLock<Plan>,
 }
 
 /// What a type is made of.
@@ -229,6 +234,8 @@ impl Builder<'_> {
             least_wire: sum.least_wire,
             digest: OnceLock::new(),
             fingerprint: OnceLock::new(),
+            plan: OnceLock::new(),
+            swapped: OnceLock::new(),
         };
         self.slots[ix.0 as usize] = Slot::Done(Box::new(node));
         Ok(())

@@ -8,6 +8,7 @@
 //! This crate knows no `.gen` text, no codel and no middleware. Its `unsafe` code is what
 //! touches C memory: `memory`, `record`, `foreign`, `path` and the copying parts of `cdr`.
 
+pub mod cdr;
 mod data_type;
 mod digest;
 mod equality;
@@ -22,6 +23,7 @@ mod path;
 mod record;
 pub mod table;
 
+pub use cdr::{CdrError, CdrProblem};
 pub use data_type::DataType;
 pub use digest::{Digester, digest_of};
 pub use json::{JsonError, JsonProblem};

@@ -6,6 +6,7 @@ use std::ptr::NonNull;
 use serde_json::Value;
 use thiserror::Error;
 
+use crate::cdr::{self, CdrError};
 use crate::data_type::DataType;
 use crate::json::{self, JsonError};
 use crate::memory::{self, Edit, View};
@@ -184,6 +185,53 @@ impl Record {
         json::merge(&mut copy.edit(), json)?;
         self.swap_values(&mut copy);
         Ok(())
+    }
+
+    /// Appends the value as a CDR payload, little endian (see [`cdr`]). On error `out` is as
+    /// before.
+    ///
+    /// # Errors
+    /// An enum is out of range, a string is no UTF-8, or a native is inside.
+    pub fn encode_cdr(&self, out: &mut Vec<u8>) -> Result<(), CdrError> {
+        // SAFETY: the record holds a value of its type, borrowed here.
+        unsafe { cdr::encode(self.ty.graph(), self.ty.ix(), self.as_ptr(), out) }
+    }
+
+    /// Reads a little endian CDR payload; buffers that are large enough are reused. On error the
+    /// record is empty.
+    ///
+    /// # Errors
+    /// The bytes are no value of the type.
+    pub fn decode_cdr(&mut self, payload: &[u8]) -> Result<(), CdrError> {
+        self.decode(payload, false)
+    }
+
+    /// Appends the encapsulation header and the payload: a whole DDS or ROS 2 message.
+    ///
+    /// # Errors
+    /// As [`encode_cdr`](Record::encode_cdr).
+    pub fn encode_message(&self, out: &mut Vec<u8>) -> Result<(), CdrError> {
+        let start = out.len();
+        out.extend_from_slice(&cdr::HEADER);
+        self.encode_cdr(out).inspect_err(|_| out.truncate(start))
+    }
+
+    /// Reads a message with its encapsulation header, in either byte order. On error the record
+    /// is empty.
+    ///
+    /// # Errors
+    /// The message is no plain CDR, or no value of the type.
+    pub fn decode_message(&mut self, message: &[u8]) -> Result<(), CdrError> {
+        let opened = cdr::open(&self.ty, message).inspect_err(|_| self.edit().clear());
+        let (payload, big_endian) = opened?;
+        self.decode(payload, big_endian)
+    }
+
+    fn decode(&mut self, payload: &[u8], big_endian: bool) -> Result<(), CdrError> {
+        let (graph, ix) = (self.ty.graph(), self.ty.ix());
+        // SAFETY: the record holds a value of its type, borrowed here to be changed.
+        let decoded = unsafe { cdr::decode(graph, ix, self.at.as_ptr(), payload, big_endian) };
+        decoded.inspect_err(|_| self.clear())
     }
 
     /// Releases what the value owns; it is empty again.

@@ -126,7 +126,10 @@ pub(super) fn nearest<'a>(
             (strsim::damerau_levenshtein(&a, &b), candidate)
         })
         .min_by_key(|&(distance, _)| distance)
-        .filter(|&(distance, _)| distance <= short.chars().count().div_ceil(3))
+        .filter(|&(distance, _)| {
+            let length = short.chars().count();
+            distance <= length.div_ceil(3) && distance < length
+        })
         .map(|(_, candidate)| candidate.to_owned());
     let mut list: Vec<&str> = known.take(21).collect();
     if list.len() > 20 {

@@ -206,7 +206,9 @@ pub(crate) unsafe fn copy(graph: &Graph, ix: Ix, from: *const u8, to: *mut u8, d
             let kind = graph.node(*switch);
             let value = integer(&kind.shape, from);
             if integer(&kind.shape, to) != value {
-                release(graph, ix, to, depth);
+                // Zeros, not an empty union: that may hold `_maximum`s of another member.
+                free_inside(graph, ix, to, depth);
+                ptr::write_bytes(to, 0, node.layout.size);
                 ptr::copy_nonoverlapping(from, to, kind.layout.size);
                 init(graph, ix, to);
             }

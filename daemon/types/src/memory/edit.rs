@@ -171,8 +171,11 @@ impl<'a> Edit<'a> {
             return;
         }
         self.clear();
+        // SAFETY: the empty union owns nothing, but it may hold `_maximum`s of the member that
+        // zero selects, where the new member has something else.
+        unsafe { std::ptr::write_bytes(self.at, 0, self.node().layout.size) };
         self.inside(switch, 0).set_integer(value);
-        // SAFETY: the union was emptied, so what the new member holds is zero.
+        // SAFETY: all behind the discriminant is zero.
         unsafe { copy::init(self.graph, self.ix, self.at) };
     }
 

@@ -9,7 +9,7 @@ mod edit;
 mod raw;
 mod view;
 
-pub(crate) use copy::{copy, init, release, repair};
+pub(crate) use copy::{copy, init, release, repair, set_text};
 pub(crate) use edit::Edit;
-pub(crate) use raw::SequenceHeader;
+pub(crate) use raw::{SequenceHeader, elements, integer, resize, text};
 pub(crate) use view::View;

@@ -1,0 +1,214 @@
+//! From C layout to CDR.
+
+use crate::cdr::error::{CdrError, CdrProblem};
+use crate::cdr::plan::{Plan, Run, Step, What};
+use crate::graph::{Graph, Ix, Shape};
+use crate::layout::MAX_NESTING;
+use crate::memory::{elements, integer, text};
+
+/// Appends the payload of a value; on error `out` is as before.
+///
+/// # Safety
+/// `at` holds a value of the node that nobody changes meanwhile.
+pub(crate) unsafe fn encode(
+    graph: &Graph,
+    ix: Ix,
+    at: *const u8,
+    out: &mut Vec<u8>,
+) -> Result<(), CdrError> {
+    let start = out.len();
+    let mut writer = Writer { graph, out, start };
+    // SAFETY: the caller's promise.
+    unsafe { writer.value(ix, at, 0) }.inspect_err(|_| out.truncate(start))
+}
+
+struct Writer<'a> {
+    graph: &'a Graph,
+    out: &'a mut Vec<u8>,
+    /// Where the payload starts in `out`: alignment counts from there.
+    start: usize,
+}
+
+impl<'a> Writer<'a> {
+    /// Pads to an alignment and appends bytes.
+    ///
+    /// # Safety
+    /// `bytes` are readable at `from`, and not in `out`.
+    #[inline(always)]
+    unsafe fn put(&mut self, align: usize, from: *const u8, bytes: usize) {
+        let length = self.out.len();
+        let pad = (length - self.start).wrapping_neg() & (align - 1);
+        // Eight bytes are always written as padding and overwritten by what follows: no branch.
+        if self.out.capacity() - length < bytes + 16 {
+            self.out.reserve(bytes + 16);
+        }
+        // SAFETY: there is room for the padding (at most 7 of the 8 bytes count) and the bytes.
+        unsafe {
+            let end = self.out.as_mut_ptr().add(length);
+            end.cast::<u64>().write_unaligned(0);
+            std::ptr::copy_nonoverlapping(from, end.add(pad), bytes);
+            self.out.set_len(length + pad + bytes);
+        }
+    }
+
+    #[inline(always)]
+    fn word(&mut self, align: usize, word: u32) {
+        // SAFETY: the word is readable.
+        unsafe { self.put(align, (&raw const word).cast(), 4) }
+    }
+
+    #[cold]
+    fn error(&self, ix: Ix, problem: CdrProblem) -> CdrError {
+        let ty = self.graph.node(ix).name.clone();
+        CdrError { ty, at: self.out.len() - self.start, problem }
+    }
+
+    /// # Safety
+    /// As [`encode`].
+    unsafe fn value(&mut self, ix: Ix, at: *const u8, depth: usize) -> Result<(), CdrError> {
+        let node = self.graph.node(ix);
+        let plan = node.plan.get_or_init(|| Plan::new(self.graph, ix, false));
+        for step in &plan.steps {
+            // SAFETY: a plan's offsets lie inside the value, which holds what the step says.
+            unsafe { self.step(step, at.add(step.offset), depth) }?;
+        }
+        Ok(())
+    }
+
+    /// # Safety
+    /// `at` holds what the step says.
+    #[inline(always)]
+    unsafe fn step(&mut self, step: &Step, at: *const u8, depth: usize) -> Result<(), CdrError> {
+        // SAFETY (all below): the caller's promise, and lengths that `memory` vouches for.
+        match step.what {
+            // SAFETY: as above.
+            What::Copy { bytes, .. } => unsafe { self.put(step.align, at, bytes) },
+            // SAFETY: as above.
+            What::Booleans { count } => unsafe { self.booleans(at, count) },
+            // SAFETY: as above.
+            What::Enums { count, limit } => unsafe {
+                self.enums(step.ix, step.align, at, count, limit)?;
+            },
+            What::Text { bound } => {
+                // SAFETY: as above.
+                let text = unsafe { text(at, bound) };
+                self.text(step, text, bound)?;
+            }
+            What::Sequence { element, bound, run } => {
+                // SAFETY: as above.
+                let (buffer, length) = unsafe { elements(self.graph, element, bound, at) };
+                self.word(step.align, length as u32);
+                if length == 0 {
+                    return Ok(());
+                }
+                let size = self.graph.node(element).layout.size;
+                // SAFETY: as above: `length` elements are values.
+                unsafe {
+                    match run {
+                        Some(Run::Copy { align, .. }) => self.put(align, buffer, length * size),
+                        Some(Run::Booleans) => self.booleans(buffer, length * size),
+                        Some(Run::Enums { limit }) => {
+                            self.enums(element, 1, buffer, length * size / 4, limit)?;
+                        }
+                        None if depth >= MAX_NESTING => {
+                            return Err(self.error(step.ix, CdrProblem::Deep(MAX_NESTING)));
+                        }
+                        None => {
+                            for index in 0..length {
+                                self.value(element, buffer.add(index * size), depth + 1)?;
+                            }
+                        }
+                    }
+                }
+            }
+            What::Repeat { element, count } => {
+                let size = self.graph.node(element).layout.size;
+                for index in 0..count {
+                    // SAFETY: as above.
+                    unsafe { self.value(element, at.add(index * size), depth) }?;
+                }
+            }
+            What::Optional { element, value } => {
+                // SAFETY: as above; `_present` lies first.
+                let present = unsafe { at.read() } != 0;
+                self.word(step.align, present.into());
+                if present {
+                    // SAFETY: as above.
+                    unsafe { self.value(element, at.add(value), depth) }?;
+                }
+            }
+            // SAFETY: as above.
+            What::Union => unsafe { self.union(step.ix, at, depth)? },
+            What::Native => return Err(self.error(step.ix, CdrProblem::Native)),
+        }
+        Ok(())
+    }
+
+    /// # Safety
+    /// `count` booleans lie at `at`.
+    unsafe fn booleans(&mut self, at: *const u8, count: usize) {
+        // SAFETY: the caller's promise. A byte of C may hold anything: not 0 is true.
+        let bytes = unsafe { std::slice::from_raw_parts(at, count) };
+        self.out.extend(bytes.iter().map(|&byte| u8::from(byte != 0)));
+    }
+
+    /// # Safety
+    /// `count` enums lie at `at`.
+    unsafe fn enums(
+        &mut self,
+        ix: Ix,
+        align: usize,
+        at: *const u8,
+        count: usize,
+        limit: u32,
+    ) -> Result<(), CdrError> {
+        // SAFETY: the caller's promise.
+        let values = unsafe { std::slice::from_raw_parts(at.cast::<u32>(), count) };
+        if let Some(&value) = values.iter().find(|&&value| value >= limit) {
+            return Err(self.error(ix, CdrProblem::Enumerator { value, count: limit }));
+        }
+        // SAFETY: the caller's promise.
+        unsafe { self.put(align, at, 4 * count) };
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn text(&mut self, step: &Step, text: &[u8], bound: Option<usize>) -> Result<(), CdrError> {
+        let Ok(valid) = std::str::from_utf8(text) else {
+            return Err(self.error(step.ix, CdrProblem::Utf8));
+        };
+        // A full `char[n]` without NUL: the wire takes one byte less (genom3.md 5.2).
+        let most = bound.map_or(u32::MAX as usize - 1, |bound| bound.saturating_sub(1));
+        let mut length = text.len().min(most);
+        while !valid.is_char_boundary(length) {
+            length -= 1;
+        }
+        let text = &text[..length];
+        self.word(step.align, text.len() as u32 + 1);
+        // SAFETY: the text is readable.
+        unsafe { self.put(1, text.as_ptr(), text.len()) };
+        self.out.push(0);
+        Ok(())
+    }
+
+    /// # Safety
+    /// `at` holds a union of that node.
+    unsafe fn union(&mut self, ix: Ix, at: *const u8, depth: usize) -> Result<(), CdrError> {
+        let shape = &self.graph.node(ix).shape;
+        let Shape::Union { switch, members, .. } = shape else { return Ok(()) };
+        // SAFETY: the caller's promise; the discriminant lies first.
+        let selected = unsafe {
+            self.value(*switch, at, depth)?;
+            shape.selected(integer(&self.graph.node(*switch).shape, at))
+        };
+        for (rank, part) in members.iter().enumerate() {
+            let present = selected == Some(rank);
+            self.word(4, present.into());
+            if present {
+                // SAFETY: the discriminant selects this member.
+                unsafe { self.value(part.ix, at.add(part.offset), depth) }?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,43 @@
+//! IDL values as CDR (XCDR1, PLAIN_CDR), from and to C layout through a compiled plan.
+//!
+//! | IDL | CDR |
+//! |---|---|
+//! | boolean, octet, char | 1 byte |
+//! | integers, float, double | as is, aligned to their size from the start of the payload |
+//! | enum | 4 bytes, in range |
+//! | string, string<n> | length with NUL, UTF-8 bytes, NUL; a bounded one has at most n - 1 bytes |
+//! | array | elements, dimensions row by row |
+//! | sequence | length, elements |
+//! | optional | a sequence of 0 or 1 |
+//! | struct | its members |
+//! | union | discriminant, then each member as a sequence: of 1 the selected one, of 0 the others |
+//! | native | refused |
+//!
+//! Written little endian; read in both byte orders. Bytes after the value are ignored: DDS pads
+//! messages.
+
+mod decode;
+mod encode;
+mod error;
+mod plan;
+
+pub(crate) use decode::decode;
+pub(crate) use encode::encode;
+pub use error::{CdrError, CdrProblem};
+pub(crate) use plan::Plan;
+
+use crate::data_type::DataType;
+
+/// The encapsulation header before a payload as we write it: plain CDR, little endian.
+pub const HEADER: [u8; 4] = [0, 1, 0, 0];
+
+/// Splits a message into its payload and whether that is big endian.
+pub(crate) fn open<'a>(ty: &DataType, message: &'a [u8]) -> Result<(&'a [u8], bool), CdrError> {
+    let wrong = |problem| CdrError { ty: ty.name().to_owned(), at: 0, problem };
+    match message {
+        [0, 0, _, _, payload @ ..] => Ok((payload, true)),
+        [0, 1, _, _, payload @ ..] => Ok((payload, false)),
+        [a, b, _, _, ..] => Err(wrong(CdrProblem::Representation(u16::from_be_bytes([*a, *b])))),
+        _ => Err(wrong(CdrProblem::Truncated { needed: HEADER.len(), left: message.len() })),
+    }
+}
