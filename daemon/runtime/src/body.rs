@@ -89,12 +89,19 @@ pub trait Frame: Send {
     fn fetch(&mut self);
 
     /// Calls the codel with this index in [`Component::codels`](genom_description::model::Component::codels).
-    fn call(&mut self, codel: usize) -> Returned;
+    ///
+    /// `context` is the rank of the `genom_context` to give it (genom3.md 5.4): below the number
+    /// of tasks, the task's own; from there to [`Plan::contexts`](crate::plan::Plan::contexts),
+    /// one for each control worker, because requests that do not conflict are served side by
+    /// side. One context is used by one thread at a time.
+    fn call(&mut self, codel: usize, context: usize) -> Returned;
 
     /// Full name of what the last call returned when it was [`Returned::Unknown`].
     fn returned(&self) -> String;
 
     /// Detail the last call raised with its exception, as JSON; `None` when it has none.
+    ///
+    /// The runtime may ask later and on another thread than the call's: keep it in the frame.
     fn detail(&self) -> Option<Value>;
 
     /// The outputs: a record of the service's output struct.

@@ -1,0 +1,82 @@
+//! The table of events: every string a codel may return, by number.
+
+use genom_description::model::Component;
+use genom_types::{Kind, TypeId, TypeTable};
+
+use super::{PlanError, scoped};
+use crate::body::EventId;
+
+/// An event and what it stands for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// Its full name: `::demo::main`, `::demo::pause::main`, `::demo::OUT_OF_RANGE`.
+    pub name: String,
+    /// What it stands for.
+    pub meaning: Meaning,
+}
+
+/// What an event stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// A state of the component, by rank in its states.
+    State {
+        /// The state.
+        state: usize,
+        /// `pause::`: wait for the next tick or event first.
+        pause: bool,
+    },
+    /// An exception; its type when it is declared.
+    Exception(Option<TypeId>),
+}
+
+/// Exceptions that every run time has, though no IDL declares them (genom3.md 4.8).
+const ALWAYS: [&str; 3] = ["::genom::unkex", "::genom::syserr", "::genom::fatal"];
+
+pub(super) fn table(model: &Component, types: &TypeTable) -> Result<Vec<Event>, PlanError> {
+    let mut events = Vec::new();
+    for (state, name) in model.states.iter().enumerate() {
+        let meaning = Meaning::State { state, pause: false };
+        events.push(Event { name: scoped(model, name), meaning });
+    }
+    for (state, name) in model.states.iter().enumerate() {
+        let meaning = Meaning::State { state, pause: true };
+        events.push(Event { name: scoped(model, &format!("pause::{name}")), meaning });
+    }
+    for (id, kind) in types.iter() {
+        if let Kind::Exception { name, .. } = kind {
+            events.push(Event { name: name.to_string(), meaning: Meaning::Exception(Some(id)) });
+        }
+    }
+    for name in ALWAYS {
+        if !events.iter().any(|event| event.name == name) {
+            events.push(Event { name: name.to_owned(), meaning: Meaning::Exception(None) });
+        }
+    }
+    if events.len() > usize::from(u16::MAX) {
+        let (component, count) = (model.name.clone(), events.len());
+        return Err(PlanError::TooManyEvents { component, count });
+    }
+    Ok(events)
+}
+
+/// A set of events.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EventSet(Box<[bool]>);
+
+impl EventSet {
+    /// The events that stand for one of these exceptions.
+    pub(super) fn of_exceptions(events: &[Event], throws: &[TypeId], types: &TypeTable) -> Self {
+        let thrown: Vec<TypeId> = throws.iter().map(|id| types.resolve(*id)).collect();
+        let is_thrown = |event: &Event| match event.meaning {
+            Meaning::Exception(Some(id)) => thrown.contains(&id),
+            _ => false,
+        };
+        Self(events.iter().map(is_thrown).collect())
+    }
+
+    /// Whether it holds this event.
+    #[must_use]
+    pub fn contains(&self, event: EventId) -> bool {
+        self.0.get(usize::from(event.0)).copied().unwrap_or(false)
+    }
+}

@@ -1,0 +1,111 @@
+//! State machines: which codel a state runs, and what each returned event does.
+
+use genom_description::model::{CodelKind, Component, Owner};
+
+use super::event::{Event, Meaning};
+
+/// The state machine of a task's permanent activity or of a service.
+#[derive(Debug)]
+pub struct Machine {
+    /// Whose it is.
+    pub owner: Owner,
+    /// The task that runs it.
+    pub task: usize,
+    /// By state: the codel it runs, if any.
+    pub codels: Box<[Option<u16>]>,
+    /// State `start`.
+    pub start: u16,
+    /// State `stop`.
+    pub stop: u16,
+}
+
+/// What a returned event does (genom3.md 7.5).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Transition {
+    /// To this state, which runs at the next pass.
+    Go(u16),
+    /// To this state, after a pause.
+    Pause(u16),
+    /// `ether`: the place is done.
+    End,
+    /// `sleep`: the place waits for an external event or for `stop` (dialects.md A).
+    Sleep(u16),
+    /// A declared exception: the activity ends with it.
+    Throw,
+    /// Nothing that this codel may return.
+    Bad,
+}
+
+impl Machine {
+    /// The codel of a state.
+    #[must_use]
+    pub fn codel(&self, state: u16) -> Option<usize> {
+        self.codels.get(usize::from(state)).copied().flatten().map(usize::from)
+    }
+}
+
+/// Permanent activities by task, then services that have a task.
+pub(super) fn machines(model: &Component) -> Vec<Machine> {
+    let state = |name: &str| {
+        let found = model.states.iter().position(|state| state == name);
+        found.and_then(|state| u16::try_from(state).ok()).unwrap_or(u16::MAX)
+    };
+    let machine = |owner, task, codels: &[usize]| {
+        let mut table = vec![None; model.states.len()];
+        for &codel in codels {
+            let CodelKind::Fsm { triggers, .. } = &model.codels[codel].kind else { continue };
+            for &trigger in triggers {
+                if let Some(slot) = table.get_mut(trigger) {
+                    *slot = u16::try_from(codel).ok();
+                }
+            }
+        }
+        Machine { owner, task, codels: table.into(), start: state("start"), stop: state("stop") }
+    };
+    let permanent = model.tasks.iter().enumerate();
+    let permanent = permanent.map(|(rank, task)| machine(Owner::Task(rank), rank, &task.codels));
+    let services = model.services.iter().enumerate().filter_map(|(rank, service)| {
+        Some(machine(Owner::Service(rank), service.task?, &service.codels))
+    });
+    permanent.chain(services).collect()
+}
+
+/// By codel: what each event does. Empty for codels outside state machines.
+pub(super) fn transitions(
+    model: &Component,
+    events: &[Event],
+    machines: &[Machine],
+) -> Vec<Box<[Transition]>> {
+    let of_codel = |rank: usize| -> Box<[Transition]> {
+        let codel = &model.codels[rank];
+        let CodelKind::Fsm { yields, .. } = &codel.kind else { return Box::default() };
+        let throws = match codel.owner {
+            Owner::Task(task) => model.tasks.get(task).map(|task| &task.throws),
+            Owner::Service(service) => model.services.get(service).map(|service| &service.throws),
+        };
+        let machine = machines.iter().find(|machine| machine.owner == codel.owner);
+        let transition = |event: &Event| match event.meaning {
+            Meaning::State { state, pause } => {
+                let allowed = yields.iter().any(|y| y.state == state && y.pause == pause);
+                let name = model.states.get(state).map_or("", String::as_str);
+                let runs =
+                    machine.is_some_and(|m| m.codels.get(state).is_some_and(Option::is_some));
+                let number = u16::try_from(state).unwrap_or(u16::MAX);
+                match (allowed, name) {
+                    (false, _) => Transition::Bad,
+                    (true, "ether") => Transition::End,
+                    // A description may use the word for a state of its own.
+                    (true, "sleep") if !runs => Transition::Sleep(number),
+                    (true, _) if pause => Transition::Pause(number),
+                    (true, _) => Transition::Go(number),
+                }
+            }
+            Meaning::Exception(Some(id)) if throws.is_some_and(|throws| throws.contains(&id)) => {
+                Transition::Throw
+            }
+            Meaning::Exception(_) => Transition::Bad,
+        };
+        events.iter().map(transition).collect()
+    };
+    (0..model.codels.len()).map(of_codel).collect()
+}

@@ -1,0 +1,267 @@
+//! A component compiled into flat, index-based arrays: what the engine reads while it runs.
+//!
+//! Nothing is looked up by name in a task's loop. The plan holds no memory of any instance.
+
+mod conflict;
+mod event;
+mod machine;
+mod node;
+mod service;
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use genom_description::model::{Component, Dialect, PortDirection, Specification};
+use genom_types::{DataType, LayoutError, ScopedName};
+
+use crate::body::EventId;
+
+pub use event::{Event, EventSet, Meaning};
+pub use machine::{Machine, Transition};
+pub use node::Nodes;
+pub use service::{Builtin, ServicePlan};
+
+/// Requests served side by side at most: each needs a `genom_context` of its own.
+pub const CONTROL_WORKERS: usize = 8;
+
+/// Why a component cannot be planned.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PlanError {
+    /// The specification has no such component.
+    #[error("there is no component number {component}: the specification has {known}")]
+    NoComponent {
+        /// What was asked for.
+        component: usize,
+        /// How many there are.
+        known: usize,
+    },
+    /// A type of a service or port has no layout.
+    #[error("{what} of component {component} has no layout in memory")]
+    Layout {
+        /// The component.
+        component: String,
+        /// What has this type.
+        what: String,
+        /// Which type, and why.
+        #[source]
+        source: LayoutError,
+    },
+    /// The model refers to something that is not there.
+    #[error("component {component} is inconsistent: {what}; report this description as a bug")]
+    Inconsistent {
+        /// The component.
+        component: String,
+        /// What is missing.
+        what: String,
+    },
+    /// More events than an [`EventId`] counts.
+    #[error("component {component} has {count} states and exceptions, more than 65535: split it")]
+    TooManyEvents {
+        /// The component.
+        component: String,
+        /// How many.
+        count: usize,
+    },
+}
+
+/// A component, compiled. One plan serves all its instances.
+#[derive(Debug)]
+pub struct Plan {
+    specification: Arc<Specification>,
+    component: usize,
+    events: Vec<Event>,
+    by_name: HashMap<String, EventId>,
+    /// By codel: its transition for each event, empty for codels outside state machines.
+    transitions: Vec<Box<[Transition]>>,
+    /// Permanent activities first, by task; then those of services, see [`ServicePlan::machine`].
+    machines: Vec<Machine>,
+    services: Vec<ServicePlan>,
+    nodes: Nodes,
+    /// Type of each port, in the model's order.
+    ports: Vec<DataType>,
+    /// The port that the runtime writes (genom3.md 4.8), if the component has it.
+    state_port: Option<usize>,
+}
+
+impl Plan {
+    /// Compiles component number `component` of the specification.
+    ///
+    /// # Errors
+    /// A type without layout, or a model that refers to what it does not hold.
+    pub fn new(specification: &Arc<Specification>, component: usize) -> Result<Self, PlanError> {
+        let Some(model) = specification.components.get(component) else {
+            let known = specification.components.len();
+            return Err(PlanError::NoComponent { component, known });
+        };
+        check_indices(model)?;
+        let events = event::table(model, &specification.types)?;
+        let by_name = events
+            .iter()
+            .zip(0u16..)
+            .map(|(event, rank)| (event.name.clone(), EventId(rank)))
+            .collect();
+        let machines = machine::machines(model);
+        let transitions = machine::transitions(model, &events, &machines);
+        let services = service::services(model, &specification.types, &events, &machines)?;
+        let nodes = Nodes::new(model);
+        let mut ports = Vec::new();
+        for port in &model.ports {
+            ports.push(layout(model, specification, port.ty, || format!("port `{}`", port.name))?);
+        }
+        let state_port = model
+            .ports
+            .iter()
+            .position(|port| port.name == "genom_state" && port.direction == PortDirection::Out);
+        Ok(Self {
+            specification: Arc::clone(specification),
+            component,
+            events,
+            by_name,
+            transitions,
+            machines,
+            services,
+            nodes,
+            ports,
+            state_port,
+        })
+    }
+
+    /// The specification that holds the component.
+    #[must_use]
+    pub fn specification(&self) -> &Arc<Specification> {
+        &self.specification
+    }
+
+    /// The component's rank in its specification.
+    #[must_use]
+    pub fn component_index(&self) -> usize {
+        self.component
+    }
+
+    /// The component.
+    #[must_use]
+    pub fn component(&self) -> &Component {
+        &self.specification.components[self.component]
+    }
+
+    /// Events by rank: what a codel's returned string may be.
+    #[must_use]
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
+    /// The event of this full name (`::demo::main`).
+    #[must_use]
+    pub fn event(&self, name: &str) -> Option<EventId> {
+        self.by_name.get(name).copied()
+    }
+
+    /// Full name of an event.
+    #[must_use]
+    pub fn event_name(&self, event: EventId) -> &str {
+        self.events.get(usize::from(event.0)).map_or("", |event| event.name.as_str())
+    }
+
+    /// Services, in the model's order.
+    #[must_use]
+    pub fn services(&self) -> &[ServicePlan] {
+        &self.services
+    }
+
+    /// The service of this name.
+    #[must_use]
+    pub fn service(&self, name: &str) -> Option<usize> {
+        self.component().services.iter().position(|service| service.name == name)
+    }
+
+    /// State machines: permanent activities by task, then services'.
+    #[must_use]
+    pub fn machines(&self) -> &[Machine] {
+        &self.machines
+    }
+
+    /// What each event means when this codel returns it.
+    #[must_use]
+    pub fn transitions(&self, codel: usize) -> &[Transition] {
+        self.transitions.get(codel).map_or(&[], |table| table)
+    }
+
+    /// What excludes what.
+    #[must_use]
+    pub fn nodes(&self) -> &Nodes {
+        &self.nodes
+    }
+
+    /// Type of a port's data.
+    #[must_use]
+    pub fn port_type(&self, port: usize) -> Option<&DataType> {
+        self.ports.get(port)
+    }
+
+    /// The port that tells the component's state (genom3.md 4.8), if it has it.
+    #[must_use]
+    pub fn state_port(&self) -> Option<usize> {
+        self.state_port
+    }
+
+    /// Number of `genom_context` an instance needs: one for each task, then one for each control
+    /// worker. [`Frame::call`](crate::body::Frame::call) says which.
+    #[must_use]
+    pub fn contexts(&self) -> usize {
+        self.component().tasks.len() + CONTROL_WORKERS
+    }
+
+    /// Whether one transition of each active place is taken per period (dialects.md A), as in
+    /// both papers: what they print runs alike, whichever of the two notations wrote it.
+    #[must_use]
+    pub fn steps_by_period(&self) -> bool {
+        self.component().dialect != Dialect::Current
+    }
+}
+
+fn layout(
+    model: &Component,
+    specification: &Specification,
+    ty: genom_types::TypeId,
+    what: impl FnOnce() -> String,
+) -> Result<DataType, PlanError> {
+    DataType::new(&specification.types, ty).map_err(|source| PlanError::Layout {
+        component: model.name.clone(),
+        what: what(),
+        source,
+    })
+}
+
+/// Full name of something in the component's scope.
+fn scoped(model: &Component, name: &str) -> String {
+    ScopedName::new([model.name.as_str(), name]).to_string()
+}
+
+/// The engine indexes without looking; so every index is looked at here, once.
+fn check_indices(model: &Component) -> Result<(), PlanError> {
+    let codels = model.codels.len();
+    let services = model.services.len();
+    let ok_codels = |list: &[usize]| list.iter().all(|codel| *codel < codels);
+    let ok_services = |list: &[usize]| list.iter().all(|service| *service < services);
+    let inconsistent =
+        |what: String| Err(PlanError::Inconsistent { component: model.name.clone(), what });
+    for service in &model.services {
+        let fine = ok_codels(&service.codels)
+            && ok_codels(&service.validates)
+            && ok_services(&service.interrupts)
+            && ok_services(&service.before)
+            && ok_services(&service.after)
+            && service.task.is_none_or(|task| task < model.tasks.len());
+        if !fine {
+            return inconsistent(format!("service `{}`", service.name));
+        }
+    }
+    if let Some(task) = model.tasks.iter().find(|task| !ok_codels(&task.codels)) {
+        return inconsistent(format!("task `{}`", task.name));
+    }
+    if let Some(sink) = model.sinks.iter().find(|sink| sink.state >= model.states.len()) {
+        return inconsistent(format!("event `{}`", sink.name));
+    }
+    Ok(())
+}

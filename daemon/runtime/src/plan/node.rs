@@ -1,0 +1,129 @@
+//! What excludes what, as bit sets: the static half of genom3.md 4.5 and 7.10.
+
+use genom_description::model::{CodelKind, Component, ServiceKind, Source};
+
+use super::conflict::Touching;
+
+/// Exclusion nodes of a component: its codels, then the data transfer of each service.
+///
+/// The relation is made symmetric: at run time it does not matter who came first.
+#[derive(Debug)]
+pub struct Nodes {
+    codels: usize,
+    /// By node: the nodes that must not run meanwhile, itself included, in order.
+    conflicts: Vec<Box<[usize]>>,
+    /// By node: whether `exclusively` waits for it. Async codels may block for long and are
+    /// waited for only when they hold a port or remote that could change under them.
+    global: Vec<bool>,
+}
+
+impl Nodes {
+    pub(super) fn new(model: &Component) -> Self {
+        let codels = model.codels.len();
+        let count = codels + model.services.len();
+        let mut matrix = vec![vec![false; count]; count];
+        for (node, row) in matrix.iter_mut().enumerate() {
+            for &other in model.exclusion(node) {
+                if let Some(cell) = row.get_mut(other) {
+                    *cell = true;
+                }
+            }
+        }
+        let touching = |node: usize| match node.checked_sub(codels) {
+            None => Touching::Codel(&model.codels[node]),
+            Some(service) => Touching::Transfer(&model.services[service]),
+        };
+        // Served side by side here, hence in conflict with each other as well.
+        let beside = |node: usize| match node.checked_sub(codels) {
+            None => !matches!(model.codels[node].kind, CodelKind::Fsm { .. }),
+            Some(_) => true,
+        };
+        // Transfers of the papers' activities are unknown to the current language.
+        let of_papers = |node: usize| {
+            node.checked_sub(codels).is_some_and(|rank| {
+                let service = &model.services[rank];
+                service.through_ids && service.kind != ServiceKind::Attribute
+            })
+        };
+        for a in 0..count {
+            for b in a..count {
+                let ours = (beside(a) && beside(b)) || of_papers(a) || of_papers(b);
+                let excluded = matrix[a][b]
+                    || matrix[b][a]
+                    || a == b
+                    || (ours && touching(a).conflicts(&touching(b)));
+                matrix[a][b] = excluded;
+                matrix[b][a] = excluded;
+            }
+        }
+        let list = |row: &Vec<bool>| {
+            row.iter().enumerate().filter(|(_, set)| **set).map(|(node, _)| node).collect()
+        };
+        let global = |node: usize| {
+            model.codels.get(node).is_none_or(|codel| {
+                !codel.asynchronous
+                    || codel
+                        .parameters
+                        .iter()
+                        .any(|p| matches!(p.source, Source::Port(_) | Source::Remote(_)))
+            })
+        };
+        Self {
+            codels,
+            conflicts: matrix.iter().map(list).collect(),
+            global: (0..count).map(global).collect(),
+        }
+    }
+
+    /// Nodes from a relation given as such, for tests of the lock.
+    #[must_use]
+    pub fn of_pairs(count: usize, pairs: &[(usize, usize)]) -> Self {
+        let conflicts = (0..count)
+            .map(|node| {
+                let with = |other: &usize| {
+                    *other == node
+                        || pairs.contains(&(node, *other))
+                        || pairs.contains(&(*other, node))
+                };
+                (0..count).filter(with).collect()
+            })
+            .collect();
+        Self { codels: count, conflicts, global: vec![true; count] }
+    }
+
+    /// The node of a codel.
+    #[must_use]
+    pub fn codel(&self, codel: usize) -> usize {
+        codel
+    }
+
+    /// The node of a service's data transfer.
+    #[must_use]
+    pub fn transfer(&self, service: usize) -> usize {
+        self.codels + service
+    }
+
+    /// Number of nodes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.conflicts.len()
+    }
+
+    /// Whether there is no node.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.conflicts.is_empty()
+    }
+
+    /// Nodes that must not run while this one does; itself is one of them.
+    #[must_use]
+    pub fn conflicts(&self, node: usize) -> &[usize] {
+        self.conflicts.get(node).map_or(&[], |list| list)
+    }
+
+    /// Whether the exclusion of everything waits for this node.
+    #[must_use]
+    pub fn is_global(&self, node: usize) -> bool {
+        self.global.get(node).copied().unwrap_or(true)
+    }
+}

@@ -1,0 +1,99 @@
+//! Services as the engine needs them.
+
+use genom_description::model::{Component, Owner, Service, ServiceKind};
+use genom_types::{DataType, TypeTable};
+
+use super::PlanError;
+use super::event::{Event, EventSet};
+use super::machine::Machine;
+
+/// The services that the runtime supplies itself (genom3.md 4.8).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Builtin {
+    /// `abort_activity`.
+    AbortActivity,
+    /// `connect_port`.
+    ConnectPort,
+    /// `connect_service`.
+    ConnectService,
+    /// `kill`.
+    Kill,
+}
+
+/// A service, compiled.
+#[derive(Debug)]
+pub struct ServicePlan {
+    /// Its kind.
+    pub kind: ServiceKind,
+    /// Record of the `in` and `inout` parameters.
+    pub input: DataType,
+    /// Record of the `out` and `inout` parameters.
+    pub output: DataType,
+    /// Exceptions it may throw.
+    pub throws: EventSet,
+    /// The task of an activity.
+    pub task: Option<usize>,
+    /// State machine of an activity, by rank in [`Plan::machines`](super::Plan::machines).
+    pub machine: Option<usize>,
+    /// By service: whether this one interrupts it.
+    pub interrupts: Box<[bool]>,
+    /// The runtime's own work in place of codels.
+    pub builtin: Option<Builtin>,
+    /// Whether parameters live in the IDS: attributes, and services of the papers.
+    pub through_ids: bool,
+}
+
+pub(super) fn services(
+    model: &Component,
+    types: &std::sync::Arc<TypeTable>,
+    events: &[Event],
+    machines: &[Machine],
+) -> Result<Vec<ServicePlan>, PlanError> {
+    let one = |(rank, service): (usize, &Service)| {
+        let layout = |ty, what: &str| {
+            DataType::new(types, ty).map_err(|source| PlanError::Layout {
+                component: model.name.clone(),
+                what: format!("the {what} of service `{}`", service.name),
+                source,
+            })
+        };
+        let mut interrupts = vec![false; model.services.len()];
+        for &other in &service.interrupts {
+            interrupts[other] = true;
+        }
+        let activity = service.kind == ServiceKind::Activity;
+        if activity && service.task.is_none() {
+            return Err(PlanError::Inconsistent {
+                component: model.name.clone(),
+                what: format!("activity `{}` has no task", service.name),
+            });
+        }
+        let mine = |machine: &Machine| machine.owner == Owner::Service(rank);
+        Ok(ServicePlan {
+            kind: service.kind,
+            input: layout(service.input, "inputs")?,
+            output: layout(service.output, "outputs")?,
+            throws: EventSet::of_exceptions(events, &service.throws, types),
+            task: service.task,
+            machine: machines.iter().position(mine).filter(|_| activity),
+            interrupts: interrupts.into(),
+            builtin: builtin(service),
+            through_ids: service.through_ids || service.kind == ServiceKind::Attribute,
+        })
+    };
+    model.services.iter().enumerate().map(one).collect()
+}
+
+fn builtin(service: &Service) -> Option<Builtin> {
+    if !service.standard {
+        return None;
+    }
+    match service.name.as_str() {
+        "abort_activity" => Some(Builtin::AbortActivity),
+        "connect_port" => Some(Builtin::ConnectPort),
+        // The name before GenoM3 2.99.24.
+        "connect_service" | "connect_remote" => Some(Builtin::ConnectService),
+        "kill" => Some(Builtin::Kill),
+        _ => None,
+    }
+}
