@@ -26,8 +26,11 @@ pub(crate) unsafe fn decode(
     let budget = FREE_MEMORY.saturating_add(payload.len().saturating_mul(PER_BYTE));
     let mut reader = Reader { graph, payload, at: 0, swap: big_endian, budget };
     // SAFETY: the caller's promise.
-    unsafe { reader.value(ix, at, 0) }
+    unsafe { reader.value(ix, at, 0) }.map_err(|error| *error)
 }
+
+/// Boxed inside: a result is a word then, and steps return it in a register.
+type Outcome = Result<(), Box<CdrError>>;
 
 struct Reader<'a> {
     graph: &'a Graph,
@@ -40,13 +43,13 @@ struct Reader<'a> {
 
 impl<'a> Reader<'a> {
     #[cold]
-    fn error(&self, ix: Ix, problem: CdrProblem) -> CdrError {
-        CdrError { ty: self.graph.node(ix).name.clone(), at: self.at, problem }
+    fn error(&self, ix: Ix, problem: CdrProblem) -> Box<CdrError> {
+        Box::new(CdrError { ty: self.graph.node(ix).name.clone(), at: self.at, problem })
     }
 
     /// The next bytes, from an alignment on.
     #[inline(always)]
-    fn take(&mut self, ix: Ix, align: usize, bytes: usize) -> Result<&'a [u8], CdrError> {
+    fn take(&mut self, ix: Ix, align: usize, bytes: usize) -> Result<&'a [u8], Box<CdrError>> {
         let start = self.at + (self.at.wrapping_neg() & (align - 1));
         let left = self.payload.len().saturating_sub(start);
         if bytes > left {
@@ -59,7 +62,7 @@ impl<'a> Reader<'a> {
     }
 
     #[inline(always)]
-    fn word(&mut self, ix: Ix, align: usize) -> Result<u32, CdrError> {
+    fn word(&mut self, ix: Ix, align: usize) -> Result<u32, Box<CdrError>> {
         let bytes = self.take(ix, align, 4)?;
         let word = <[u8; 4]>::try_from(bytes).map_or(0, u32::from_le_bytes);
         Ok(if self.swap { word.swap_bytes() } else { word })
@@ -67,7 +70,7 @@ impl<'a> Reader<'a> {
 
     /// # Safety
     /// As [`decode`].
-    unsafe fn value(&mut self, ix: Ix, at: *mut u8, depth: usize) -> Result<(), CdrError> {
+    unsafe fn value(&mut self, ix: Ix, at: *mut u8, depth: usize) -> Outcome {
         let node = self.graph.node(ix);
         let cell = if self.swap { &node.swapped } else { &node.plan };
         let plan = cell.get_or_init(|| Plan::new(self.graph, ix, self.swap));
@@ -81,7 +84,7 @@ impl<'a> Reader<'a> {
     /// # Safety
     /// `at` holds what the step says.
     #[inline(always)]
-    unsafe fn step(&mut self, step: &Step, at: *mut u8, depth: usize) -> Result<(), CdrError> {
+    unsafe fn step(&mut self, step: &Step, at: *mut u8, depth: usize) -> Outcome {
         let ix = step.ix;
         // SAFETY (all below): the caller's promise, and lengths checked before use.
         match step.what {
@@ -125,7 +128,7 @@ impl<'a> Reader<'a> {
     }
 
     /// The length of a sequence of 0 or 1.
-    fn presence(&mut self, ix: Ix, align: usize) -> Result<bool, CdrError> {
+    fn presence(&mut self, ix: Ix, align: usize) -> Result<bool, Box<CdrError>> {
         match self.word(ix, align)? {
             0 => Ok(false),
             1 => Ok(true),
@@ -146,7 +149,7 @@ impl<'a> Reader<'a> {
         at: *mut u8,
         bytes: usize,
         unit: usize,
-    ) -> Result<(), CdrError> {
+    ) -> Outcome {
         let from = self.take(ix, align, bytes)?;
         // SAFETY: the caller's promise; `from` has that many bytes.
         unsafe { std::ptr::copy_nonoverlapping(from.as_ptr(), at, bytes) };
@@ -160,7 +163,7 @@ impl<'a> Reader<'a> {
 
     /// # Safety
     /// `at` has room for `count` booleans.
-    unsafe fn booleans(&mut self, ix: Ix, at: *mut u8, count: usize) -> Result<(), CdrError> {
+    unsafe fn booleans(&mut self, ix: Ix, at: *mut u8, count: usize) -> Outcome {
         let from = self.take(ix, 1, count)?;
         if let Some(&wrong) = from.iter().find(|&&byte| byte > 1) {
             return Err(self.error(ix, CdrProblem::Boolean(wrong)));
@@ -179,7 +182,7 @@ impl<'a> Reader<'a> {
         at: *mut u8,
         count: usize,
         limit: u32,
-    ) -> Result<(), CdrError> {
+    ) -> Outcome {
         let from = self.take(ix, align, 4 * count)?;
         for (index, bytes) in from.chunks_exact(4).enumerate() {
             let word = <[u8; 4]>::try_from(bytes).map_or(0, u32::from_le_bytes);
@@ -196,12 +199,7 @@ impl<'a> Reader<'a> {
     /// # Safety
     /// `at` holds a string with that bound.
     #[inline(always)]
-    unsafe fn text(
-        &mut self,
-        step: &Step,
-        at: *mut u8,
-        bound: Option<usize>,
-    ) -> Result<(), CdrError> {
+    unsafe fn text(&mut self, step: &Step, at: *mut u8, bound: Option<usize>) -> Outcome {
         let length = self.word(step.ix, step.align)? as usize;
         let bytes = self.take(step.ix, 1, length)?;
         let text = match bytes {
@@ -234,7 +232,7 @@ impl<'a> Reader<'a> {
         run: Option<Run>,
         length: usize,
         depth: usize,
-    ) -> Result<(), CdrError> {
+    ) -> Outcome {
         let node = self.graph.node(element);
         // Nothing is allocated for elements that the bytes left cannot hold.
         let left = self.payload.len() - self.at.min(self.payload.len());
@@ -279,7 +277,7 @@ impl<'a> Reader<'a> {
 
     /// # Safety
     /// `at` holds a union of that node.
-    unsafe fn union(&mut self, ix: Ix, at: *mut u8, depth: usize) -> Result<(), CdrError> {
+    unsafe fn union(&mut self, ix: Ix, at: *mut u8, depth: usize) -> Outcome {
         let shape = &self.graph.node(ix).shape;
         let Shape::Union { switch, members, .. } = shape else { return Ok(()) };
         let mut word = 0u64;

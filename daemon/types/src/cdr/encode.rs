@@ -19,8 +19,14 @@ pub(crate) unsafe fn encode(
     let start = out.len();
     let mut writer = Writer { graph, out, start };
     // SAFETY: the caller's promise.
-    unsafe { writer.value(ix, at, 0) }.inspect_err(|_| out.truncate(start))
+    unsafe { writer.value(ix, at, 0) }.map_err(|error| {
+        out.truncate(start);
+        *error
+    })
 }
+
+/// Boxed inside: a result is a word then, and steps return it in a register.
+type Outcome = Result<(), Box<CdrError>>;
 
 struct Writer<'a> {
     graph: &'a Graph,
@@ -58,14 +64,14 @@ impl<'a> Writer<'a> {
     }
 
     #[cold]
-    fn error(&self, ix: Ix, problem: CdrProblem) -> CdrError {
+    fn error(&self, ix: Ix, problem: CdrProblem) -> Box<CdrError> {
         let ty = self.graph.node(ix).name.clone();
-        CdrError { ty, at: self.out.len() - self.start, problem }
+        Box::new(CdrError { ty, at: self.out.len() - self.start, problem })
     }
 
     /// # Safety
     /// As [`encode`].
-    unsafe fn value(&mut self, ix: Ix, at: *const u8, depth: usize) -> Result<(), CdrError> {
+    unsafe fn value(&mut self, ix: Ix, at: *const u8, depth: usize) -> Outcome {
         let node = self.graph.node(ix);
         let plan = node.plan.get_or_init(|| Plan::new(self.graph, ix, false));
         for step in &plan.steps {
@@ -78,7 +84,7 @@ impl<'a> Writer<'a> {
     /// # Safety
     /// `at` holds what the step says.
     #[inline(always)]
-    unsafe fn step(&mut self, step: &Step, at: *const u8, depth: usize) -> Result<(), CdrError> {
+    unsafe fn step(&mut self, step: &Step, at: *const u8, depth: usize) -> Outcome {
         // SAFETY (all below): the caller's promise, and lengths that `memory` vouches for.
         match step.what {
             // SAFETY: as above.
@@ -161,7 +167,7 @@ impl<'a> Writer<'a> {
         at: *const u8,
         count: usize,
         limit: u32,
-    ) -> Result<(), CdrError> {
+    ) -> Outcome {
         // SAFETY: the caller's promise.
         let values = unsafe { std::slice::from_raw_parts(at.cast::<u32>(), count) };
         if let Some(&value) = values.iter().find(|&&value| value >= limit) {
@@ -173,27 +179,34 @@ impl<'a> Writer<'a> {
     }
 
     #[inline(always)]
-    fn text(&mut self, step: &Step, text: &[u8], bound: Option<usize>) -> Result<(), CdrError> {
-        let Ok(valid) = std::str::from_utf8(text) else {
+    fn text(&mut self, step: &Step, text: &[u8], bound: Option<usize>) -> Outcome {
+        if !text.is_ascii() && std::str::from_utf8(text).is_err() {
             return Err(self.error(step.ix, CdrProblem::Utf8));
-        };
+        }
         // A full `char[n]` without NUL: the wire takes one byte less (genom3.md 5.2).
         let most = bound.map_or(u32::MAX as usize - 1, |bound| bound.saturating_sub(1));
-        let mut length = text.len().min(most);
-        while !valid.is_char_boundary(length) {
-            length -= 1;
+        let bytes = if text.len() > most { whole_characters(text, most) } else { text.len() };
+        let length = self.out.len();
+        let pad = (length - self.start).wrapping_neg() & (step.align - 1);
+        if self.out.capacity() - length < bytes + 24 {
+            self.out.reserve(bytes + 24);
         }
-        let text = &text[..length];
-        self.word(step.align, text.len() as u32 + 1);
-        // SAFETY: the text is readable.
-        unsafe { self.put(1, text.as_ptr(), text.len()) };
-        self.out.push(0);
+        // SAFETY: there is room for padding, length, text and NUL; `text` has that many bytes.
+        unsafe {
+            let end = self.out.as_mut_ptr().add(length);
+            end.cast::<u64>().write_unaligned(0);
+            let end = end.add(pad);
+            end.cast::<u32>().write_unaligned(bytes as u32 + 1);
+            std::ptr::copy_nonoverlapping(text.as_ptr(), end.add(4), bytes);
+            end.add(4 + bytes).write(0);
+            self.out.set_len(length + pad + 4 + bytes + 1);
+        }
         Ok(())
     }
 
     /// # Safety
     /// `at` holds a union of that node.
-    unsafe fn union(&mut self, ix: Ix, at: *const u8, depth: usize) -> Result<(), CdrError> {
+    unsafe fn union(&mut self, ix: Ix, at: *const u8, depth: usize) -> Outcome {
         let shape = &self.graph.node(ix).shape;
         let Shape::Union { switch, members, .. } = shape else { return Ok(()) };
         // SAFETY: the caller's promise; the discriminant lies first.
@@ -211,4 +224,10 @@ impl<'a> Writer<'a> {
         }
         Ok(())
     }
+}
+
+/// The longest part of at most `most` bytes that cuts no character of valid UTF-8.
+fn whole_characters(text: &[u8], most: usize) -> usize {
+    let continues = |&at: &usize| text.get(at).is_some_and(|byte| byte & 0xc0 == 0x80);
+    (0..=most).rev().find(|at| !continues(at)).unwrap_or(0)
 }
