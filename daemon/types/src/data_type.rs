@@ -102,6 +102,13 @@ impl DataType {
         self.node().digest.get_or_init(|| self.graph.table.digest(self.id()))
     }
 
+    /// Makes now what is otherwise made when first needed (digest, plans of the codec), so that
+    /// the first real-time use allocates nothing either.
+    pub fn prepare(&self) {
+        _ = (self.digest(), self.fingerprint());
+        self.graph.prepare();
+    }
+
     /// Number of members of a struct, exception or union; 0 for others.
     #[must_use]
     pub fn member_count(&self) -> usize {

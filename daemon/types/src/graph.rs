@@ -136,6 +136,13 @@ impl Graph {
 
     pub(crate) const ROOT: Ix = Ix(0);
 
+    /// Makes the codec of every node.
+    pub(crate) fn prepare(&self) {
+        for (ix, node) in (0u32..).map(Ix).zip(&self.nodes) {
+            node.plan.get_or_init(|| Plan::new(self, ix, false));
+        }
+    }
+
     pub(crate) fn node(&self, ix: Ix) -> &Node {
         &self.nodes[ix.0 as usize]
     }

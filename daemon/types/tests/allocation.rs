@@ -53,7 +53,9 @@ fn fixed_size_values_are_moved_without_allocation() {
         let other = DataType::new(&Arc::new(table), id).unwrap();
         let (mut from, mut to) = (Record::new(&ty), Record::new(&other));
         from.merge_json(&json).unwrap();
-        let mut payload = Vec::new();
+        let mut payload = Vec::with_capacity(1 << 16);
+        ty.prepare();
+        other.prepare();
         let mut tick = |payload: &mut Vec<u8>| {
             payload.clear();
             to.copy_from(&from).unwrap();
@@ -61,8 +63,6 @@ fn fixed_size_values_are_moved_without_allocation() {
             from.encode_cdr(payload).unwrap();
             to.decode_cdr(payload).unwrap();
         };
-        // The first tick makes the plans and the buffer.
-        assert!(allocations(|| tick(&mut payload)) > 0);
         assert_eq!(allocations(|| tick(&mut payload)), 0);
     }
 }

@@ -168,7 +168,7 @@ fn errors_say_where_and_what_would_do() {
     refused(
         json!({"choice": {"u": {"i": 1}}}),
         expect![[
-            r#"choice.u: member `i` of ::m::choice is not selected by d = 1; give `s` or another ::m::color as "d""#
+            r#"choice.u: member `i` of ::m::choice is not selected by d = "GREEN"; give `s` or another ::m::color as "d""#
         ]],
     );
     refused(

@@ -197,7 +197,7 @@ impl<'a> Writer<'a> {
             end.cast::<u64>().write_unaligned(0);
             let end = end.add(pad);
             end.cast::<u32>().write_unaligned(bytes as u32 + 1);
-            std::ptr::copy_nonoverlapping(text.as_ptr(), end.add(4), bytes);
+            copy_short(text.as_ptr(), end.add(4), bytes);
             end.add(4 + bytes).write(0);
             self.out.set_len(length + pad + 4 + bytes + 1);
         }
@@ -230,4 +230,28 @@ impl<'a> Writer<'a> {
 fn whole_characters(text: &[u8], most: usize) -> usize {
     let continues = |&at: &usize| text.get(at).is_some_and(|byte| byte & 0xc0 == 0x80);
     (0..=most).rev().find(|at| !continues(at)).unwrap_or(0)
+}
+
+/// Copies bytes; names and frames are short, and a call of memcpy costs more than they do.
+///
+/// # Safety
+/// Both addresses have that many bytes and do not overlap.
+#[inline(always)]
+unsafe fn copy_short(from: *const u8, to: *mut u8, bytes: usize) {
+    // SAFETY: each arm stays within the bytes; two halves may overlap each other.
+    unsafe {
+        match bytes {
+            8..=16 => {
+                let last = from.add(bytes - 8).cast::<u64>().read_unaligned();
+                to.cast::<u64>().write_unaligned(from.cast::<u64>().read_unaligned());
+                to.add(bytes - 8).cast::<u64>().write_unaligned(last);
+            }
+            4..=7 => {
+                let last = from.add(bytes - 4).cast::<u32>().read_unaligned();
+                to.cast::<u32>().write_unaligned(from.cast::<u32>().read_unaligned());
+                to.add(bytes - 4).cast::<u32>().write_unaligned(last);
+            }
+            _ => std::ptr::copy_nonoverlapping(from, to, bytes),
+        }
+    }
 }

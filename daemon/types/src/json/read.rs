@@ -5,6 +5,7 @@ use serde_json::{Map, Number, Value};
 
 use crate::graph::{Part, Scalar, Shape};
 use crate::json::error::{JsonError, JsonProblem, nearest, shown};
+use crate::json::write;
 use crate::layout::MAX_NESTING;
 use crate::memory::Edit;
 
@@ -201,14 +202,15 @@ impl Reader {
         };
         for (name, json) in inner {
             let rank = rank(members, name, ty)?;
-            let d = value.view().switch().map_or(0, |switch| switch.integer());
-            let selected = value.node().shape.selected(d);
+            let view = value.view();
+            let selected = view.switch().and_then(|d| value.node().shape.selected(d.integer()));
             if selected != Some(rank) {
                 let hint = match selected.and_then(|rank| members.get(rank)) {
                     Some(part) => format!("give `{}` or another {switch_type} as \"d\"", part.name),
                     None => format!("give the {switch_type} that selects it as \"d\""),
                 };
-                let (ty, name, d) = (ty.clone(), name.clone(), d.to_string());
+                let d = view.switch().map_or(Value::Null, write).to_string();
+                let (ty, name) = (ty.clone(), name.clone());
                 return Err(JsonProblem::Unselected { ty, name, d, hint });
             }
             if let Some(mut member) = value.active() {
