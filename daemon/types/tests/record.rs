@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use genom_types::{
-    CompiledPath, DataType, Kind, LayoutError, Member, PathError, PathStep, Record, ScopedName,
-    TypeId, TypeTable, foreign,
+    CompiledPath, DataType, Kind, Label, LayoutError, Member, PathError, PathStep, Record,
+    ScopedName, TypeId, TypeTable, UnionMember, foreign,
 };
 
 fn member(name: &str, ty: TypeId) -> Member {
@@ -109,6 +109,44 @@ fn types_without_mapping_are_refused() {
     assert!(matches!(error(nothings), LayoutError::TooLarge { .. }));
     assert!(matches!(error(empties), LayoutError::EmptyElement { .. }));
     assert_eq!(DataType::new(&t, nothing).unwrap().size(), 0);
+}
+
+#[test]
+fn unions_switched_by_reals_and_bottomless_nesting_are_refused() {
+    let mut t = TypeTable::default();
+    let double = t.add(Kind::Double);
+    let label = UnionMember { name: "x".to_owned(), ty: double, labels: vec![Label::Default] };
+    let union = t.add(Kind::Union {
+        name: ScopedName::new(["u"]),
+        discriminant: double,
+        members: vec![label],
+    });
+    let mut deep = double;
+    for level in 0..100_000 {
+        let name = ScopedName::new([format!("s{level}")]);
+        deep = t.add(Kind::Struct { name, members: vec![member("x", deep)] });
+    }
+    let t = Arc::new(t);
+    let error = |id| DataType::new(&t, id).unwrap_err();
+    assert!(matches!(error(union), LayoutError::Discriminant { .. }));
+    assert!(matches!(error(deep), LayoutError::TooDeep { .. }));
+    // Names, digests and comparisons of such a type end too.
+    assert!(!t.digest(deep).is_empty() && t.equal(deep, deep) && t.is_fixed_size(deep));
+}
+
+#[test]
+fn types_of_two_tables_are_compared_by_structure() {
+    let pair = |name: &str, second: Kind| {
+        record_of(|t| {
+            let members = vec![member("a", t.add(Kind::Long)), member("b", t.add(second))];
+            t.add(Kind::Struct { name: ScopedName::new([name]), members })
+        })
+    };
+    let (one, same) = (pair("one", Kind::Float), pair("same", Kind::Float));
+    let mut target = Record::new(&same);
+    target.copy_from(&Record::new(&one)).unwrap();
+    let error = target.copy_from(&Record::new(&pair("one", Kind::Long))).unwrap_err();
+    assert_eq!(error.to_string(), "cannot copy a value of type ::one into one of type ::same");
 }
 
 #[test]

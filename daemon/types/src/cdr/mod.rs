@@ -5,7 +5,7 @@
 //! | boolean, octet, char | 1 byte |
 //! | integers, float, double | as is, aligned to their size from the start of the payload |
 //! | enum | 4 bytes, in range |
-//! | string, string<n> | length with NUL, UTF-8 bytes, NUL; a bounded one has at most n - 1 bytes |
+//! | string, `string<n>` | length with NUL, UTF-8 bytes, NUL; a bounded one has at most n - 1 bytes |
 //! | array | elements, dimensions row by row |
 //! | sequence | length, elements |
 //! | optional | a sequence of 0 or 1 |
