@@ -1,1 +1,127 @@
-//! TBD
+//! Builds the components of this repository, each as `NAME.so` with `NAME.gen` beside it.
+//!
+//! Tests and `cargo demo` call it; it is no build system for components of others, who compile
+//! their codels as they like.
+
+#![forbid(unsafe_code)]
+
+mod cargo;
+mod compile;
+mod error;
+mod recipe;
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+pub use cargo::build_program;
+pub use error::BuildError;
+use recipe::{Language, Recipe};
+
+/// Where the repository is, and where what is built goes.
+#[derive(Clone, Debug)]
+pub struct Paths {
+    /// Root of the workspace.
+    pub root: PathBuf,
+    /// Cargo's target directory; components go to `components/` below it.
+    pub target: PathBuf,
+}
+
+impl Paths {
+    /// This repository, with the target directory that cargo uses now.
+    ///
+    /// # Errors
+    /// Cargo cannot be run, or refuses the workspace.
+    pub fn of_workspace() -> Result<Self, BuildError> {
+        let metadata = cargo_metadata::MetadataCommand::new()
+            .manifest_path(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"))
+            .no_deps()
+            .exec()?;
+        Ok(Self {
+            root: metadata.workspace_root.into_std_path_buf(),
+            target: metadata.target_directory.into_std_path_buf(),
+        })
+    }
+}
+
+/// A component that is built.
+#[derive(Clone, Debug)]
+pub struct Artifact {
+    /// Name of its folder under `target/components/`; the two figures of the papers are
+    /// `demo-2010` and `demo-2011`, and both components are called `demo`.
+    pub name: String,
+    /// The library.
+    pub library: PathBuf,
+    /// The `.gen` file beside it.
+    pub description: PathBuf,
+}
+
+/// Builds every component of the repository, those that are up to date excepted.
+///
+/// Several processes may do so at once: one builds, the others wait.
+///
+/// # Errors
+/// A compiler is missing or refuses a source, or a file cannot be written.
+pub fn build_all(paths: &Paths) -> Result<Vec<Artifact>, BuildError> {
+    let _lock = lock(paths)?;
+    recipe::all(&paths.root)?.iter().map(|recipe| make(paths, recipe)).collect()
+}
+
+/// Builds one component, unless it is up to date.
+///
+/// # Errors
+/// As for [`build_all`]; or no component has this name.
+pub fn build(paths: &Paths, name: &str) -> Result<Artifact, BuildError> {
+    let _lock = lock(paths)?;
+    let recipes = recipe::all(&paths.root)?;
+    match recipes.iter().find(|recipe| recipe.name == name) {
+        Some(recipe) => make(paths, recipe),
+        None => Err(BuildError::Unknown {
+            name: name.to_owned(),
+            known: recipes.iter().map(|recipe| recipe.name.as_str()).collect::<Vec<_>>().join(", "),
+        }),
+    }
+}
+
+/// Keeps other processes out until it is dropped.
+fn lock(paths: &Paths) -> Result<File, BuildError> {
+    let directory = paths.target.join("components");
+    std::fs::create_dir_all(&directory).map_err(BuildError::file(&directory))?;
+    let path = directory.join(".lock");
+    let lock = File::create(&path).map_err(BuildError::file(&path))?;
+    lock.lock().map_err(BuildError::file(&path))?;
+    Ok(lock)
+}
+
+fn make(paths: &Paths, recipe: &Recipe) -> Result<Artifact, BuildError> {
+    let directory = paths.target.join("components").join(&recipe.name);
+    std::fs::create_dir_all(&directory).map_err(BuildError::file(&directory))?;
+    let artifact = Artifact {
+        name: recipe.name.clone(),
+        library: directory.join(format!("{}.so", recipe.stem)),
+        description: directory.join(format!("{}.gen", recipe.stem)),
+    };
+    match recipe.language {
+        Language::C => compile::library(paths, recipe, &artifact.library)?,
+        Language::Rust => cargo::library(paths, recipe, &artifact.library)?,
+    }
+    for source in &recipe.descriptions {
+        let name = match source.extension() {
+            Some(extension) if extension == "gen" => artifact.description.clone(),
+            _ => directory.join(source.file_name().unwrap_or_default()),
+        };
+        copy_if_changed(source, &name)?;
+    }
+    Ok(artifact)
+}
+
+/// Copies a small file; one that is the same already keeps its date.
+fn copy_if_changed(from: &Path, to: &Path) -> Result<(), BuildError> {
+    let contents = std::fs::read(from).map_err(BuildError::file(from))?;
+    if std::fs::read(to).is_ok_and(|old| old == contents) {
+        return Ok(());
+    }
+    let parent = to.parent().unwrap_or(Path::new("."));
+    let fresh = parent.join(".fresh");
+    std::fs::write(&fresh, contents).map_err(BuildError::file(&fresh))?;
+    std::fs::rename(&fresh, to).map_err(BuildError::file(to))
+}

@@ -1,0 +1,99 @@
+//! Which components the repository has, and what each is made of.
+
+use std::path::{Path, PathBuf};
+
+use crate::BuildError;
+
+/// What the codels of a component are written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Language {
+    /// C, or C++ with C linkage, by the extension of each source.
+    C,
+    /// Rust: a package of the workspace of the component's name.
+    Rust,
+}
+
+/// How one component is built.
+#[derive(Debug)]
+pub(crate) struct Recipe {
+    /// Name of its folder under `target/components/`.
+    pub(crate) name: String,
+    /// Name of its files there, without extension.
+    pub(crate) stem: String,
+    /// What its codels are written in.
+    pub(crate) language: Language,
+    /// The folder of its `.gen` file, which is on the include path.
+    pub(crate) directory: PathBuf,
+    /// The `.gen` file and what it includes: they go beside the library.
+    pub(crate) descriptions: Vec<PathBuf>,
+}
+
+impl Recipe {
+    /// A component whose `.gen` file is `directory/file.gen`, with codels in `directory/codels`.
+    fn new(name: &str, stem: &str, directory: PathBuf) -> Result<Self, BuildError> {
+        let descriptions = files(&directory, &["gen", "idl"])?;
+        Ok(Self {
+            name: name.to_owned(),
+            stem: stem.to_owned(),
+            language: Language::C,
+            directory,
+            descriptions,
+        })
+    }
+
+    /// The sources of its codels.
+    pub(crate) fn sources(&self) -> Result<Vec<PathBuf>, BuildError> {
+        files(&self.directory.join("codels"), &["c", "cc"])
+    }
+
+    /// The headers of its codels.
+    pub(crate) fn headers(&self) -> Result<Vec<PathBuf>, BuildError> {
+        files(&self.directory.join("codels"), &["h"])
+    }
+}
+
+/// Every component under `root`. Each folder of `components/faults` is one.
+pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
+    let components = root.join("components");
+    let demo = components.join("demo");
+    let mut recipes = vec![
+        Recipe::new("demo", "demo", demo.clone())?,
+        Recipe::new("demo-2010", "demo", demo.join("papers/2010"))?,
+        Recipe::new("demo-2011", "demo", demo.join("papers/2011"))?,
+        Recipe { language: Language::Rust, ..Recipe::new("demo-rs", "demo-rs", demo)? },
+    ];
+    for directory in folders(&components.join("faults"))? {
+        let name = directory.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        recipes.push(Recipe::new(&name, &name, directory)?);
+    }
+    Ok(recipes)
+}
+
+/// Files of a folder with one of these extensions, in order of name.
+pub(crate) fn files(directory: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>, BuildError> {
+    let mut files = entries(directory)?;
+    files.retain(|path| {
+        path.is_file()
+            && path
+                .extension()
+                .is_some_and(|found| extensions.iter().any(|wanted| found == *wanted))
+    });
+    Ok(files)
+}
+
+fn folders(directory: &Path) -> Result<Vec<PathBuf>, BuildError> {
+    if !directory.exists() {
+        return Ok(Vec::new());
+    }
+    let mut folders = entries(directory)?;
+    folders.retain(|path| path.is_dir());
+    Ok(folders)
+}
+
+fn entries(directory: &Path) -> Result<Vec<PathBuf>, BuildError> {
+    let list = std::fs::read_dir(directory)
+        .and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, _>>());
+    let mut list = list.map_err(BuildError::file(directory))?;
+    list.sort();
+    Ok(list)
+}
