@@ -1,3 +1,0 @@
-//! TBD
-#![forbid(unsafe_code)]
-fn main() {}

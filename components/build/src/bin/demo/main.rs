@@ -1,0 +1,141 @@
+//! `cargo demo`: builds all, runs the demo component in genomd, moves it, and shows it moving.
+//!
+//! It drives the daemon as a user does, through genomctl. It ends with 0 only when the axis is
+//! at the goal and the daemon stopped cleanly.
+
+#![forbid(unsafe_code)]
+
+mod axis;
+mod daemon;
+mod failure;
+
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::sync::mpsc::{self, Receiver};
+use std::thread;
+use std::time::Duration;
+
+use clap::Parser;
+use serde_json::{Value, json};
+
+use axis::Axis;
+use daemon::Daemon;
+use failure::Failure;
+use genom_components::{Paths, build_all, build_program};
+
+/// Speed asked for, m/s.
+const SPEED: f64 = 0.5;
+/// Where the axis is sent, m.
+const GOAL: f64 = 1.0;
+/// The axis needs 2.3 s; a daemon that never ends it is given up.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// Builds genomd and the components, runs the demo, and shows it moving.
+#[derive(Parser)]
+#[command(name = "demo", bin_name = "cargo demo --")]
+struct Arguments {
+    /// Which demo: `demo`, with codels in C, or `demo-rs`, with codels in Rust.
+    #[arg(default_value = "demo", value_parser = ["demo", "demo-rs"])]
+    component: String,
+    /// Middleware of its ports and services.
+    #[arg(long, default_value = "local")]
+    backend: String,
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            let _ = writeln!(std::io::stderr(), "cargo demo: {failure}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What happened while the axis moves.
+enum Event {
+    /// A sample on port `position`.
+    Sample(String),
+    /// The activity ended: what genomctl printed, or why it failed.
+    Ended(Result<String, Failure>),
+}
+
+fn run(arguments: &Arguments) -> Result<(), Failure> {
+    say("Building genomd, genomctl and the components of this repository");
+    let paths = Paths::of_workspace()?;
+    let genomd = build_program(&paths, "genomd")?;
+    let genomctl = build_program(&paths, "genomctl")?;
+    let components = build_all(&paths)?;
+    let library = components
+        .into_iter()
+        .find(|artifact| artifact.name == arguments.component)
+        .map(|artifact| artifact.library)
+        .ok_or(Failure::Unexpected { what: "the list of components", found: String::new() })?;
+
+    say(&format!("$ genomd --backend {} {}", arguments.backend, library.display()));
+    let daemon = Daemon::start(&genomd, &genomctl, &arguments.backend, &library)?;
+
+    say(&format!("$ genomctl call demo set_speed '{{\"velocity\": {SPEED}}}'"));
+    daemon.ask(&["call", "demo", "set_speed", &json!({ "velocity": SPEED }).to_string()])?;
+
+    say(&format!("$ genomctl start demo goto '{{\"goal\": {GOAL}}}'"));
+    go(&daemon)?;
+
+    let reply = daemon.ask(&["call", "demo", "get_position"])?;
+    let unexpected = || Failure::Unexpected { what: "the position", found: reply.clone() };
+    let outcome: Value = serde_json::from_str(&reply).map_err(|_| unexpected())?;
+    let position = outcome["result"]["position"].as_f64().ok_or_else(unexpected)?;
+
+    daemon.stop()?;
+    if position != GOAL {
+        return Err(Failure::Elsewhere { position, goal: GOAL });
+    }
+    say(&format!("The axis is at {position} m, and genomd has stopped."));
+    Ok(())
+}
+
+/// Starts `goto` and shows the axis until it ends.
+fn go(daemon: &Daemon) -> Result<(), Failure> {
+    let axis = Axis::new(GOAL);
+    let (events, happened) = mpsc::channel();
+    let mut echo = daemon.echo("demo/position", 30)?;
+    let samples = echo.lines();
+    thread::scope(|scope| {
+        let sample = events.clone();
+        scope.spawn(move || {
+            for line in samples.map_while(Result::ok) {
+                let _ = sample.send(Event::Sample(line));
+            }
+        });
+        scope.spawn(move || {
+            let goal = json!({ "goal": GOAL }).to_string();
+            let end = daemon.ask(&["start", "demo", "goto", &goal, "--wait"]);
+            let _ = events.send(Event::Ended(end));
+        });
+        let ended = watch(&axis, &happened, daemon);
+        // The stream has no end of its own.
+        echo.end();
+        axis.finish();
+        ended
+    })
+}
+
+/// Shows samples until the activity ends.
+fn watch(axis: &Axis, happened: &Receiver<Event>, daemon: &Daemon) -> Result<(), Failure> {
+    loop {
+        match happened.recv_timeout(PATIENCE) {
+            Ok(Event::Sample(line)) => axis.show(&line.parse()?),
+            Ok(Event::Ended(end)) => return end.map(drop),
+            Err(_) => {
+                // Who waits for the daemon's answer gets none.
+                daemon.abandon();
+                return Err(Failure::Never { seconds: PATIENCE.as_secs() });
+            }
+        }
+    }
+}
+
+/// Says a line on standard output; nobody reading it is no failure.
+fn say(line: &str) {
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
