@@ -1,1 +1,21 @@
-//! TBD
+//! Foreign code: libraries of codels opened, checked against their description, and called.
+//!
+//! [`Library`] opens a private copy of a file; [`Component`] is one instance of a component made
+//! of it: the [`Body`](genom_runtime::body::Body) that the runtime runs. Unsafe code lives in the
+//! modules that say so in their first lines; everything else is safe.
+
+#![deny(unsafe_code)]
+
+pub mod component;
+mod context;
+pub mod contract;
+mod detail;
+mod events;
+mod ffi;
+pub mod library;
+mod ports;
+mod remotes;
+mod shared;
+
+pub use component::{Component, LoadError, LoadErrors};
+pub use library::{EmbeddedDescription, Library, OpenError, embedded_description};

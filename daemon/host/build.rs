@@ -1,0 +1,6 @@
+//! Compiles the guard that stops C++ exceptions between a codel and Rust.
+
+fn main() {
+    println!("cargo:rerun-if-changed=src/ffi/guard.cc");
+    cc::Build::new().cpp(true).file("src/ffi/guard.cc").warnings(true).compile("genom_host_guard");
+}

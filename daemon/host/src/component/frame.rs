@@ -1,0 +1,362 @@
+//! One run of a service or of a task's own activity: its records, and its codels with their
+//! arguments in place. One of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::ffi::{c_char, c_void};
+use std::sync::Arc;
+
+use genom_description::model::Owner;
+use genom_runtime::body::{EventId, Frame, Returned};
+use genom_types::{CompiledPath, Record, foreign};
+use serde_json::{Value, json};
+
+use super::Inner;
+use super::codel::{From, Prepared};
+use super::types::Copy;
+use crate::context::Context;
+use crate::detail::UNKEX;
+use crate::events::{EventCache, contents};
+use crate::ffi::{Class, WHAT};
+
+/// Marks codels that another owner runs.
+const ABSENT: u16 = u16::MAX;
+
+/// The memory of one run, with codels bound to it.
+pub(super) struct BoundFrame {
+    service: Option<usize>,
+    input: Record,
+    output: Record,
+    local: Record,
+    calls: Box<[Call]>,
+    /// By codel of the component: its rank in `calls`.
+    ranks: Box<[u16]>,
+    cache: EventCache,
+    /// What the last C++ exception said.
+    what: [u8; WHAT],
+    /// Detail of the last exception.
+    detail: Box<[u64]>,
+    last: Last,
+    // Dropped after the records: their buffers may be released by code of the library.
+    inner: Arc<Inner>,
+}
+
+/// What the last call ended with.
+enum Last {
+    /// A state, success, or an exception without detail.
+    Plain,
+    /// An exception of the plan, with that many bytes of detail.
+    Detailed(EventId, usize),
+    /// An exception of the plan, with its detail.
+    Told(Value),
+    /// Something the plan does not know; exceptions of the C run time have details all the same.
+    Unknown(String, Option<Value>),
+    /// No codel returned: a C++ exception, or an argument without a place.
+    Failed(String),
+}
+
+/// A codel with its arguments.
+struct Call {
+    codel: usize,
+    /// What libffi gets: for each argument, then for the context, the address of its value.
+    arguments: Box<[*mut c_void]>,
+    /// Values of the arguments that are addresses; `arguments` leads here.
+    pointers: Box<[*mut c_void]>,
+    /// Arguments behind sequences, to find before each call.
+    dynamic: Box<[(usize, *mut u8)]>,
+}
+
+// SAFETY: the pointers lead into the frame's own records and into the component that it holds;
+// one thread uses a frame at a time, as the runtime guarantees.
+unsafe impl Send for BoundFrame {}
+
+impl BoundFrame {
+    /// Memory and calls for one run by `owner`.
+    pub(super) fn new(inner: &Arc<Inner>, owner: Owner) -> Self {
+        let (service, codels) = match owner {
+            Owner::Service(rank) => (Some(rank), inner.owned.services.get(rank)),
+            Owner::Task(rank) => (None, inner.owned.tasks.get(rank)),
+        };
+        let types = service.and_then(|rank| inner.services.get(rank));
+        let mut input = Record::new(types.map_or(&inner.nothing, |types| &types.input));
+        let mut output = Record::new(types.map_or(&inner.nothing, |types| &types.output));
+        let mut local = Record::new(types.map_or(&inner.nothing, |types| &types.local));
+        let roots = Roots {
+            ids: inner.ids.as_ref().map_or(std::ptr::null_mut(), |ids| ids.at as *mut u8),
+            input: input.as_mut_ptr(),
+            output: output.as_mut_ptr(),
+            local: local.as_mut_ptr(),
+        };
+        let mut calls = Vec::new();
+        let mut ranks = vec![ABSENT; inner.codels.len()];
+        for &codel in codels.into_iter().flatten() {
+            let Some(Some(prepared)) = inner.codels.get(codel) else { continue };
+            ranks[codel] = u16::try_from(calls.len()).unwrap_or(ABSENT);
+            calls.push(Call::new(inner, codel, prepared, &roots));
+        }
+        Self {
+            service,
+            input,
+            output,
+            local,
+            calls: calls.into(),
+            ranks: ranks.into(),
+            cache: EventCache::new(),
+            what: [0; WHAT],
+            detail: vec![0; inner.details.room().div_ceil(8)].into(),
+            last: Last::Plain,
+            inner: Arc::clone(inner),
+        }
+    }
+
+    /// Copies values between records and IDS.
+    fn copy(&self, copies: &[Copy], from: *const u8, to: *mut u8) {
+        for Copy { from: source, to: target } in copies {
+            // SAFETY: the roots hold values of the ways' root types; the runtime excludes every
+            // codel that may change them meanwhile (genom3.md 4.5).
+            let ends = unsafe { (source.locate(from.cast_mut()), target.locate(to)) };
+            match ends {
+                // SAFETY: as above; the input, the output and the IDS are different memory.
+                (Some(from), Some(to)) => unsafe { foreign::copy_value(target.target(), from, to) },
+                _ => tracing::error!("an attribute's element of a sequence in the ids is missing"),
+            }
+        }
+    }
+
+    fn ids(&self) -> *mut u8 {
+        self.inner.ids.as_ref().map_or(std::ptr::null_mut(), |ids| ids.at as *mut u8)
+    }
+
+    /// What a codel's pointer means.
+    #[inline]
+    fn understand(&mut self, event: *const c_char, context: &Context) -> Returned {
+        if event.is_null() {
+            self.last = Last::Plain;
+            return Returned::Ok;
+        }
+        let id = self.cache.get(event).or_else(|| {
+            let id = self.inner.shared.events.id(contents(event))?;
+            // Text that may be overwritten is looked at each time.
+            if self.inner.library.is_constant(event as usize) {
+                self.cache.note(event, id);
+            }
+            Some(id)
+        });
+        let Some(id) = id else { return self.unknown(event, context) };
+        self.last = match self.inner.exceptions.get(usize::from(id.0)) {
+            Some(true) => self.detailed(event, id, context),
+            _ => Last::Plain,
+        };
+        Returned::Event(id)
+    }
+
+    /// The detail of an exception of the plan, kept for later.
+    fn detailed(&mut self, event: *const c_char, id: EventId, context: &Context) -> Last {
+        let Some(size) = context.take_detail(contents(event), &mut self.detail) else {
+            return Last::Plain;
+        };
+        let name = self.inner.events.get(usize::from(id.0)).map_or("", String::as_str);
+        if self.inner.details.is_plain(name) {
+            return Last::Detailed(id, size);
+        }
+        // What its pointers lead to may be gone when the runtime asks.
+        self.inner.details.to_json(name, &self.detail, size).map_or(Last::Plain, Last::Told)
+    }
+
+    #[cold]
+    fn unknown(&mut self, event: *const c_char, context: &Context) -> Returned {
+        let name = String::from_utf8_lossy(contents(event)).into_owned();
+        let size = context.take_detail(contents(event), &mut self.detail);
+        let detail = size.and_then(|size| self.inner.details.to_json(&name, &self.detail, size));
+        self.last = Last::Unknown(name, detail);
+        Returned::Unknown
+    }
+
+    /// No event came: what happened is told by `genom::unkex`.
+    #[cold]
+    fn fail(&mut self, what: String) -> Returned {
+        self.last = Last::Failed(what);
+        self.inner.shared.events.id(UNKEX.as_bytes()).map_or(Returned::Unknown, Returned::Event)
+    }
+
+    #[cold]
+    fn escaped(&mut self, codel: &str) -> Returned {
+        let text = self.what.iter().take_while(|byte| **byte != 0).copied().collect::<Vec<_>>();
+        let text = String::from_utf8_lossy(&text).into_owned();
+        tracing::warn!("codel {codel}: a C++ exception escaped: {text}");
+        self.fail(text)
+    }
+}
+
+/// Where the ways of arguments begin.
+struct Roots {
+    ids: *mut u8,
+    input: *mut u8,
+    output: *mut u8,
+    local: *mut u8,
+}
+
+impl Roots {
+    /// The way of an argument and its beginning; `None` for handles.
+    fn way<'a>(&self, from: &'a From) -> Option<(&'a CompiledPath, *mut u8)> {
+        match from {
+            From::Ids(way) => Some((way, self.ids)),
+            From::Input(way) => Some((way, self.input)),
+            From::Output(way) => Some((way, self.output)),
+            From::Local(way) => Some((way, self.local)),
+            From::Port(_) | From::Remote(_) => None,
+        }
+    }
+}
+
+impl Call {
+    fn new(inner: &Inner, codel: usize, prepared: &Prepared, roots: &Roots) -> Self {
+        let count = prepared.arguments.len();
+        let mut call = Self {
+            codel,
+            arguments: vec![std::ptr::null_mut(); count + 1].into(),
+            pointers: vec![std::ptr::null_mut(); count + 1].into(),
+            dynamic: Box::default(),
+        };
+        let mut dynamic = Vec::new();
+        for (rank, argument) in prepared.arguments.iter().enumerate() {
+            let at = match &argument.from {
+                From::Port(port) => inner.ports.handle(*port).cast_mut().cast(),
+                From::Remote(remote) => inner.remotes.handle(*remote).cast_mut().cast(),
+                from => {
+                    let Some((way, root)) = roots.way(from) else { continue };
+                    match way.constant_offset() {
+                        Some(offset) => root.wrapping_add(offset),
+                        None => {
+                            dynamic.push((rank, root));
+                            continue;
+                        }
+                    }
+                }
+            };
+            call.set(rank, argument.class, at);
+        }
+        // The context, told at each call.
+        call.set(count, Class::Address, std::ptr::null_mut());
+        call.dynamic = dynamic.into();
+        call
+    }
+
+    /// Puts the datum at `at` in the place of argument `rank` (genom3.md 5.5).
+    fn set(&mut self, rank: usize, class: Class, at: *mut u8) {
+        self.arguments[rank] = match class {
+            Class::Value(_) | Class::Held => at.cast(),
+            Class::Address => {
+                self.pointers[rank] = at.cast();
+                (&raw mut self.pointers[rank]).cast()
+            }
+        };
+    }
+}
+
+impl Frame for BoundFrame {
+    fn begin(&mut self, input: &Record) {
+        self.last = Last::Plain;
+        self.output.clear();
+        self.local.clear();
+        if let Err(why) = self.input.copy_from(input) {
+            tracing::error!("inputs of another service: {why}");
+            self.input.clear();
+        }
+        let Some(types) = self.service.and_then(|rank| self.inner.services.get(rank)) else {
+            return;
+        };
+        let (from, to) = (self.input.as_ptr(), self.output.as_mut_ptr());
+        self.copy(&types.inout, from, to);
+    }
+
+    fn store(&mut self) {
+        let types = self.service.and_then(|rank| self.inner.services.get(rank));
+        if let Some(types) = types {
+            self.copy(&types.store, self.input.as_ptr(), self.ids());
+        }
+    }
+
+    fn fetch(&mut self) {
+        let to = self.output.as_mut_ptr();
+        let types = self.service.and_then(|rank| self.inner.services.get(rank));
+        if let Some(types) = types {
+            self.copy(&types.fetch, self.ids(), to);
+        }
+    }
+
+    fn call(&mut self, codel: usize, context: usize) -> Returned {
+        let rank = self.ranks.get(codel).copied().unwrap_or(ABSENT);
+        let inner = Arc::as_ptr(&self.inner);
+        // SAFETY: the frame holds the component, and nothing drops it during this call.
+        let inner = unsafe { &*inner };
+        let (Some(call), Some(Some(prepared)), Some(context)) = (
+            self.calls.get_mut(usize::from(rank)),
+            inner.codels.get(codel),
+            inner.shared.contexts.get(context),
+        ) else {
+            return self.fail(format!("codel {codel} is none of this service"));
+        };
+        debug_assert_eq!(call.codel, codel);
+        for i in 0..call.dynamic.len() {
+            let (rank, root) = call.dynamic[i];
+            let argument = &prepared.arguments[rank];
+            let (From::Ids(way) | From::Input(way) | From::Output(way) | From::Local(way)) =
+                &argument.from
+            else {
+                continue;
+            };
+            // SAFETY: the root holds a value of the way's root type; the runtime excludes who may
+            // change it (genom3.md 4.5).
+            match unsafe { way.locate(root) } {
+                Some(at) => call.set(rank, argument.class, at),
+                None => {
+                    let name = &argument.name;
+                    return self.fail(format!(
+                        "argument `{name}` of codel {}: the sequence has no such element",
+                        prepared.name
+                    ));
+                }
+            }
+        }
+        if let Some(last) = call.pointers.last_mut() {
+            *last = context.pointer().cast_mut();
+        }
+        context.enter();
+        // SAFETY: the function was found in the library under this name, which is loaded as long
+        // as the component lives; the arguments lead to data of the classes that the interface was
+        // made of, excluded from change by the runtime.
+        let returned = unsafe {
+            prepared.interface.call(prepared.function, &mut call.arguments, &mut self.what)
+        };
+        context.leave();
+        match returned {
+            Ok(event) => self.understand(event, context),
+            Err(_) => self.escaped(&prepared.name),
+        }
+    }
+
+    fn returned(&self) -> String {
+        match &self.last {
+            Last::Unknown(name, _) => name.clone(),
+            Last::Failed(_) => UNKEX.to_owned(),
+            Last::Plain | Last::Detailed(..) | Last::Told(_) => String::new(),
+        }
+    }
+
+    fn detail(&self) -> Option<Value> {
+        match &self.last {
+            Last::Plain => None,
+            Last::Unknown(_, detail) => detail.clone(),
+            Last::Detailed(id, size) => {
+                let name = self.inner.events.get(usize::from(id.0))?;
+                self.inner.details.to_json(name, &self.detail, *size)
+            }
+            Last::Told(detail) => Some(detail.clone()),
+            Last::Failed(what) => Some(json!({ "what": what })),
+        }
+    }
+
+    fn output(&self) -> &Record {
+        &self.output
+    }
+}

@@ -1,0 +1,251 @@
+//! A component's code and memory: what the runtime calls a body.
+
+mod codel;
+mod error;
+mod frame;
+mod types;
+
+pub use error::{LoadError, LoadErrors};
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use genom_description::model::{Owner, Port, Service, Span};
+use genom_middleware::{Publisher, Subscription};
+use genom_runtime::body::{Body, Frame, Opener, RemoteCall};
+use genom_runtime::plan::{Meaning, Plan};
+use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
+use serde_json::Value;
+
+use crate::context::Contexts;
+use crate::detail::{Details, MWERR, SYSERR, UNKEX};
+use crate::events::Events;
+use crate::library::Library;
+use crate::ports::Ports;
+use crate::remotes::Remotes;
+use crate::shared::Shared;
+use codel::{Prepared, Workshop};
+use types::{Checker, ServiceTypes};
+
+/// Events the host itself may hand to a library, besides declared exceptions.
+const GIVEN: &[&str] = &[
+    "::genom::fatal",
+    UNKEX,
+    SYSERR,
+    MWERR,
+    "::genom::serialization",
+    "::genom::port_io",
+    "::genom::no_such_inport",
+    "::genom::no_such_outport",
+    "::genom::no_such_service",
+    "::genom::remote_io",
+];
+
+/// One instance of a component: a library of its own, its IDS, ports and remotes.
+///
+/// The library is closed when the component and the last of its frames are dropped; threads that
+/// run codels must have ended by then.
+pub struct Component {
+    inner: Arc<Inner>,
+}
+
+/// What frames hold on to. Fields are dropped in this order: memory before the code that made
+/// it, the library last.
+struct Inner {
+    ids: Option<Ids>,
+    ports: Ports,
+    remotes: Remotes,
+    /// By codel of the model; `None` for those the runtime supplies.
+    codels: Vec<Option<Prepared>>,
+    services: Vec<ServiceTypes>,
+    /// Codels of each service and of each task.
+    owned: Owned,
+    shared: Arc<Shared>,
+    details: Arc<Details>,
+    /// By event of the plan: whether it is an exception.
+    exceptions: Vec<bool>,
+    /// Names of the plan's events, by rank.
+    events: Vec<String>,
+    /// Type of records that hold nothing.
+    nothing: DataType,
+    library: Library,
+}
+
+/// The IDS, at an address that never changes.
+struct Ids {
+    _record: Record,
+    at: usize,
+}
+
+/// Codels by owner.
+struct Owned {
+    services: Vec<Vec<usize>>,
+    tasks: Vec<Vec<usize>>,
+}
+
+impl Component {
+    /// Checks the library against the component of `plan`, and makes the memory of one instance.
+    ///
+    /// `locate` shows a place of the `.gen` in messages, as file and line.
+    ///
+    /// # Errors
+    /// Everything that is wrong: codels missing in the library, types or arguments without a
+    /// place in memory, differences between the library's own types and the description's.
+    pub fn load(
+        library: Library,
+        plan: &Plan,
+        locate: &dyn Fn(Span) -> String,
+    ) -> Result<Self, LoadErrors> {
+        let mut checker =
+            Checker { specification: plan.specification(), locate, errors: Vec::new() };
+        let parts = Parts::new(&mut checker, plan, &library);
+        let errors = checker.errors;
+        let path = library.path().to_owned();
+        let refuse = |errors| LoadErrors { library: path, errors };
+        match parts {
+            Some(parts) if errors.is_empty() => match parts.assemble(plan, library) {
+                Some(inner) => Ok(Self { inner: Arc::new(inner) }),
+                None => Err(refuse(vec![LoadError::NoClosures])),
+            },
+            _ => Err(refuse(errors)),
+        }
+    }
+
+    /// The library file, as it was asked for.
+    #[must_use]
+    pub fn library(&self) -> PathBuf {
+        self.inner.library.path().to_owned()
+    }
+}
+
+/// What can be wrong, laid out and prepared.
+struct Parts {
+    ids: Option<DataType>,
+    services: Vec<Option<ServiceTypes>>,
+    codels: Vec<Option<Prepared>>,
+    ports: Vec<Option<DataType>>,
+    remotes: Vec<Option<crate::remotes::Signature>>,
+    details: Details,
+    nothing: DataType,
+}
+
+impl Parts {
+    fn new(checker: &mut Checker<'_>, plan: &Plan, library: &Library) -> Option<Self> {
+        let model = plan.component();
+        if model.lang != "c" {
+            checker.errors.push(LoadError::Language {
+                component: model.name.clone(),
+                place: (checker.locate)(model.span),
+                lang: model.lang.clone(),
+            });
+            return None;
+        }
+        let ids = model.ids.and_then(|ids| checker.lay_out(ids, "the ids", model.span));
+        let services: Vec<_> = model
+            .services
+            .iter()
+            .map(|service| ServiceTypes::new(checker, service, ids.as_ref()))
+            .collect();
+        let workshop = Workshop { model, library, ids: ids.as_ref(), services: &services };
+        let codels = model.codels.iter().map(|codel| workshop.prepare(checker, codel)).collect();
+        let port =
+            |port: &Port| checker.lay_out(port.ty, &format!("port `{}`", port.name), port.span);
+        let ports = model.ports.iter().map(port).collect();
+        let mut details = Details::default();
+        for event in plan.events() {
+            let Meaning::Exception(Some(id)) = event.meaning else { continue };
+            let thrown = model.throws.contains(&id);
+            let has_detail = !checker.specification.types.members(id).is_empty();
+            let ty = match (has_detail, thrown) {
+                (false, _) => None,
+                (true, true) => {
+                    checker.lay_out(id, &format!("exception {}", event.name), model.span)
+                }
+                // Another component's: known if it can be.
+                (true, false) => DataType::new(&checker.specification.types, id).ok(),
+            };
+            details.add(event.name.clone(), ty);
+        }
+        let signature = |remote| {
+            crate::remotes::Signature::new(remote, |ty, what, span| checker.lay_out(ty, what, span))
+        };
+        let remotes = model.remotes.iter().map(signature).collect();
+        let mut table = TypeTable::default();
+        let name = ScopedName::new(["nothing"]);
+        let nothing = table.add(Kind::Struct { name, members: Vec::new() });
+        let nothing = DataType::new(&Arc::new(table), nothing).ok()?;
+        Some(Self { ids, services, codels, ports, remotes, details, nothing })
+    }
+
+    /// The instance; `None` without memory for executable code. Nothing else is wrong any more.
+    fn assemble(self, plan: &Plan, library: Library) -> Option<Inner> {
+        let model = plan.component();
+        let events: Vec<String> = plan.events().iter().map(|event| event.name.clone()).collect();
+        let given = GIVEN.iter().copied().chain(self.details.names());
+        let table = Events::new(&library, events.iter().map(String::as_str), given);
+        let fatal = table.pointer("::genom::fatal").unwrap_or(std::ptr::null());
+        let contexts = Contexts::new(plan.contexts(), self.details.room(), fatal);
+        let shared = Arc::new(Shared { events: table, contexts });
+        let details = Arc::new(self.details);
+        let types: Vec<DataType> = self.ports.into_iter().collect::<Option<_>>()?;
+        let signatures = self.remotes.into_iter().collect::<Option<Vec<_>>>()?;
+        let of =
+            |service: &Service| service.validates.iter().chain(&service.codels).copied().collect();
+        Some(Inner {
+            ids: self.ids.map(|ty| {
+                let mut record = Record::new(&ty);
+                let at = record.as_mut_ptr() as usize;
+                Ids { _record: record, at }
+            }),
+            ports: Ports::new(&model.ports, &types, &shared)?,
+            remotes: Remotes::new(signatures, &shared, &details)?,
+            codels: self.codels,
+            services: self.services.into_iter().collect::<Option<_>>()?,
+            owned: Owned {
+                services: model.services.iter().map(of).collect(),
+                tasks: model.tasks.iter().map(|task| task.codels.clone()).collect(),
+            },
+            exceptions: events.iter().map(|name| details.is_exception(name)).collect(),
+            events,
+            shared,
+            details,
+            nothing: self.nothing,
+            library,
+        })
+    }
+}
+
+impl Body for Component {
+    fn frame(&self, owner: Owner) -> Box<dyn Frame> {
+        Box::new(frame::BoundFrame::new(&self.inner, owner))
+    }
+
+    fn bind_out(&self, port: usize, element: Option<&str>, publisher: Option<Box<dyn Publisher>>) {
+        self.inner.ports.bind_out(port, element, publisher);
+    }
+
+    fn bind_in(
+        &self,
+        port: usize,
+        element: Option<&str>,
+        subscription: Option<Box<dyn Subscription>>,
+    ) {
+        self.inner.ports.bind_in(port, element, subscription);
+    }
+
+    fn bind_remote(&self, remote: usize, call: Option<Box<dyn RemoteCall>>) {
+        self.inner.remotes.bind(remote, call);
+    }
+
+    fn set_opener(&self, opener: Box<dyn Opener>) {
+        self.inner.ports.set_opener(opener);
+    }
+
+    fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value> {
+        self.inner.ports.value(port, element)
+    }
+
+    fn write_port(&self, port: usize, value: &Record) {
+        self.inner.ports.write(port, value);
+    }
+}

@@ -1,0 +1,89 @@
+//! Calls into a library through interfaces prepared at load. One of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::ffi::{c_char, c_int, c_void};
+
+use libffi::middle::{Cif, Type};
+
+use super::{Class, Scalar};
+
+/// Bytes kept of what a C++ exception says: as in `genom_unkex_detail`.
+pub(crate) const WHAT: usize = 128;
+
+unsafe extern "C" {
+    fn genom_host_guarded_call(
+        cif: *mut c_void,
+        function: *const c_void,
+        result: *mut c_void,
+        arguments: *mut *mut c_void,
+        what: *mut c_char,
+        room: usize,
+    ) -> c_int;
+}
+
+/// A C++ exception escaped; its text is in the buffer given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Thrown;
+
+/// How to call functions of one C type that return an event.
+#[derive(Debug)]
+pub(crate) struct Interface(Cif);
+
+// SAFETY: after it is made, the interface is only read; what its pointers lead to is its own.
+unsafe impl Send for Interface {}
+// SAFETY: as above.
+unsafe impl Sync for Interface {}
+
+impl Interface {
+    /// The interface of `genom_event f(arguments)`; `None` when libffi cannot make it.
+    pub(crate) fn new(arguments: impl ExactSizeIterator<Item = Class>) -> Option<Self> {
+        Cif::try_new(arguments.map(ffi_type), Type::pointer()).ok().map(Self)
+    }
+
+    /// Gives the interface away, for a function that is called from C.
+    pub(super) fn into_cif(self) -> Cif {
+        self.0
+    }
+
+    /// Calls `function`; `arguments` lead to the values, one for each argument of the interface.
+    ///
+    /// # Safety
+    /// `function` is a C function of this interface, in a library that stays loaded. Each
+    /// argument leads to a value of its class that nobody changes during the call.
+    pub(crate) unsafe fn call(
+        &self,
+        function: usize,
+        arguments: &mut [*mut c_void],
+        what: &mut [u8; WHAT],
+    ) -> Result<*const c_char, Thrown> {
+        let mut result: *const c_char = std::ptr::null();
+        // SAFETY: the caller's promise; `result` has the size of the return type.
+        let threw = unsafe {
+            genom_host_guarded_call(
+                self.0.as_raw_ptr().cast(),
+                function as *const c_void,
+                (&raw mut result).cast(),
+                arguments.as_mut_ptr(),
+                what.as_mut_ptr().cast(),
+                WHAT,
+            )
+        };
+        if threw == 0 { Ok(result) } else { Err(Thrown) }
+    }
+}
+
+fn ffi_type(class: Class) -> Type {
+    match class {
+        Class::Value(Scalar::Bool | Scalar::U8) => Type::u8(),
+        Class::Value(Scalar::I8) => Type::i8(),
+        Class::Value(Scalar::I16) => Type::i16(),
+        Class::Value(Scalar::U16) => Type::u16(),
+        Class::Value(Scalar::I32) => Type::i32(),
+        Class::Value(Scalar::U32) => Type::u32(),
+        Class::Value(Scalar::I64) => Type::i64(),
+        Class::Value(Scalar::U64) => Type::u64(),
+        Class::Value(Scalar::F32) => Type::f32(),
+        Class::Value(Scalar::F64) => Type::f64(),
+        Class::Held | Class::Address => Type::pointer(),
+    }
+}

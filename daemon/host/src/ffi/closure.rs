@@ -1,0 +1,132 @@
+//! C functions made at run time, each with its own data: the methods of ports and remotes, which
+//! get no handle when they are called (genom3.md 5.7). One of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::ffi::{c_char, c_void};
+use std::fmt;
+use std::marker::PhantomData;
+
+use libffi::low;
+use libffi::middle::Cif;
+
+use super::{Class, Interface};
+
+/// What a native function does: it gets its data and its arguments, and returns a pointer.
+pub(crate) type Callback<T> = fn(&T, Arguments<'_>) -> *const c_void;
+
+/// A C function that calls `callback` with `data`.
+pub(crate) struct NativeFunction {
+    // Libffi keeps the address of both.
+    _cif: Box<Cif>,
+    _data: Box<dyn std::any::Any + Send + Sync>,
+    closure: *mut low::ffi_closure,
+    code: usize,
+}
+
+// SAFETY: made once and then only called; the data it gives to the callback is `Sync`.
+unsafe impl Send for NativeFunction {}
+// SAFETY: as above.
+unsafe impl Sync for NativeFunction {}
+
+impl fmt::Debug for NativeFunction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "NativeFunction({:#x})", self.code)
+    }
+}
+
+/// What libffi hands to [`enter`].
+struct Bound<T> {
+    callback: Callback<T>,
+    data: T,
+}
+
+impl NativeFunction {
+    /// Makes the function; `None` when there is no memory for executable code.
+    pub(crate) fn new<T: Send + Sync + 'static>(
+        arguments: &[Class],
+        callback: Callback<T>,
+        data: T,
+    ) -> Option<Self> {
+        let cif = Box::new(Interface::new(arguments.iter().copied())?.into_cif());
+        let bound = Box::new(Bound { callback, data });
+        let (closure, code) = low::try_closure_alloc()?;
+        // SAFETY: `closure` was allocated just now; `cif` and `bound` live in boxes that go only
+        // with the function, after the closure.
+        let made = unsafe {
+            low::prep_closure(closure, cif.as_raw_ptr(), enter::<T>, &raw const *bound, code)
+        };
+        if made.is_err() {
+            // SAFETY: allocated above, never called.
+            unsafe { low::closure_free(closure) };
+            return None;
+        }
+        Some(Self { _cif: cif, _data: bound, closure, code: code.as_ptr() as usize })
+    }
+
+    /// Its address, to call from C.
+    pub(crate) fn address(&self) -> usize {
+        self.code
+    }
+}
+
+impl Drop for NativeFunction {
+    fn drop(&mut self) {
+        // SAFETY: allocated in `new`. The component drops its functions after its threads ended,
+        // so none is running.
+        unsafe { low::closure_free(self.closure) };
+    }
+}
+
+unsafe extern "C" fn enter<T>(
+    _: &low::ffi_cif,
+    result: &mut *const c_void,
+    arguments: *const *const c_void,
+    bound: &Bound<T>,
+) {
+    let arguments = Arguments { at: arguments, _call: PhantomData };
+    let run = || (bound.callback)(&bound.data, arguments);
+    // Unwinding into C would abort the daemon; a null event or datum is the mildest answer.
+    *result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).unwrap_or_else(|_| {
+        tracing::error!("a method of a port or remote panicked");
+        std::ptr::null()
+    });
+}
+
+/// The arguments of one call from C.
+#[derive(Clone, Copy)]
+pub(crate) struct Arguments<'call> {
+    at: *const *const c_void,
+    _call: PhantomData<&'call ()>,
+}
+
+impl<'call> Arguments<'call> {
+    /// Where argument `index` is kept.
+    pub(crate) fn place(self, index: usize) -> *const u8 {
+        // SAFETY: the callback asks for arguments of its own interface only.
+        unsafe { self.at.add(index).read().cast() }
+    }
+
+    /// Argument `index`, of class `Held` or `Address`.
+    pub(crate) fn pointer(self, index: usize) -> *mut u8 {
+        // SAFETY: such an argument is a pointer.
+        unsafe { self.place(index).cast::<*mut u8>().read() }
+    }
+
+    /// Argument `index`, a C string; `None` for NULL or more than `limit` bytes.
+    pub(crate) fn text(self, index: usize, limit: usize) -> Option<&'call [u8]> {
+        let text = self.pointer(index).cast::<c_char>();
+        if text.is_null() {
+            return None;
+        }
+        for length in 0..=limit {
+            // SAFETY: the codel gave a NUL-terminated string; no byte after the NUL is read.
+            let (byte, bytes) = unsafe {
+                (text.add(length).read(), std::slice::from_raw_parts(text.cast::<u8>(), length))
+            };
+            if byte == 0 {
+                return Some(bytes);
+            }
+        }
+        None
+    }
+}

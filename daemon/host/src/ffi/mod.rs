@@ -1,0 +1,9 @@
+//! Calls from Rust into C, and from C into Rust, with types known at run time only.
+
+mod call;
+mod class;
+mod closure;
+
+pub(crate) use call::{Interface, WHAT};
+pub(crate) use class::{Class, Scalar};
+pub(crate) use closure::{Arguments, Callback, NativeFunction};

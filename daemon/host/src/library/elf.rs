@@ -1,0 +1,193 @@
+//! What an ELF file says of itself, read without loading it (so without running anything of it).
+
+use std::path::Path;
+
+use object::read::elf::{ElfFile, FileHeader, ProgramHeader};
+use object::{Endianness, Object, ObjectSegment, ObjectSymbol, elf};
+
+use super::OpenError;
+
+/// A description that a library carries.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EmbeddedDescription {
+    /// The text of the `.gen` file.
+    pub text: String,
+    /// Name to show in messages, when the library tells one.
+    pub name: Option<String>,
+}
+
+/// The description that the library at `path` carries in the symbol `genom_description`.
+///
+/// The file is read, not loaded: no constructor runs.
+///
+/// # Errors
+/// When the file is missing or no shared object of this machine, or the symbol holds no text.
+pub fn embedded_description(path: &Path) -> Result<Option<EmbeddedDescription>, OpenError> {
+    let bytes = read(path)?;
+    check(path, &bytes)?;
+    description_of(path, &bytes)
+}
+
+/// Reads the whole file.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>, OpenError> {
+    std::fs::read(path).map_err(|why| match why.kind() {
+        std::io::ErrorKind::NotFound => OpenError::NotFound { path: path.to_owned() },
+        _ => OpenError::Unreadable { path: path.to_owned(), why },
+    })
+}
+
+/// Refuses what the dynamic linker would refuse with fewer words, or crash on.
+pub(super) fn check(path: &Path, bytes: &[u8]) -> Result<(), OpenError> {
+    let ident = bytes.get(..20).filter(|head| head.starts_with(&elf::ELFMAG));
+    let Some(ident) = ident else {
+        return Err(OpenError::NotElf { path: path.to_owned(), looks: looks_like(bytes) });
+    };
+    let class = ident[4];
+    let data = ident[5];
+    let half = |at: usize| {
+        let pair = [ident[at], ident[at + 1]];
+        if data == elf::ELFDATA2MSB.0 { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
+    };
+    let theirs = machine(half(18), class, data);
+    let ours = this_machine();
+    if theirs != ours {
+        return Err(OpenError::Architecture { path: path.to_owned(), theirs, ours });
+    }
+    let kind = match elf::FileType(half(16)) {
+        elf::ET_DYN => None,
+        elf::ET_REL => Some("an object file (.o)"),
+        elf::ET_EXEC => Some("a program"),
+        elf::ET_CORE => Some("a core dump"),
+        _ => Some("an ELF file of unknown kind"),
+    };
+    if let Some(kind) = kind {
+        return Err(OpenError::NotShared { path: path.to_owned(), kind });
+    }
+    let wanted = extent(bytes)
+        .map_err(|why| OpenError::Damaged { path: path.to_owned(), why: why.to_string() })?;
+    let size = bytes.len() as u64;
+    if wanted > size {
+        return Err(OpenError::Truncated { path: path.to_owned(), bytes: size, wanted });
+    }
+    Ok(())
+}
+
+/// The description in `bytes`, of a file that passed [`check`].
+pub(super) fn description_of(
+    path: &Path,
+    bytes: &[u8],
+) -> Result<Option<EmbeddedDescription>, OpenError> {
+    let Ok(file) = object::File::parse(bytes) else { return Ok(None) };
+    let Some(text) = text_symbol(&file, "genom_description") else { return Ok(None) };
+    let text = String::from_utf8(text.to_vec())
+        .map_err(|_| OpenError::Description { path: path.to_owned() })?;
+    let name = text_symbol(&file, "genom_description_name")
+        .map(|name| String::from_utf8_lossy(name).into_owned());
+    Ok(Some(EmbeddedDescription { text, name }))
+}
+
+/// Whether the file looks for its dependencies relative to its own place (`$ORIGIN`).
+pub(super) fn uses_origin(bytes: &[u8]) -> bool {
+    run_paths(bytes).unwrap_or_default().iter().any(|path| {
+        path.windows(7).any(|word| word == b"$ORIGIN")
+            || path.windows(9).any(|word| word == b"${ORIGIN}")
+    })
+}
+
+#[cfg(target_pointer_width = "64")]
+type Header = elf::FileHeader64<Endianness>;
+#[cfg(target_pointer_width = "32")]
+type Header = elf::FileHeader32<Endianness>;
+
+/// A word of the header, 32 or 64 bits wide.
+fn word(word: impl Into<u64>) -> u64 {
+    word.into()
+}
+
+/// End of the last byte that a loadable segment takes from the file.
+fn extent(bytes: &[u8]) -> object::Result<u64> {
+    let header = Header::parse(bytes)?;
+    let endian = header.endian()?;
+    let segments = header.program_headers(endian, bytes)?.iter();
+    let loadable = segments.filter(|segment| segment.p_type(endian) == elf::PT_LOAD);
+    let ends = loadable.map(|segment| {
+        word(segment.p_offset(endian)).saturating_add(word(segment.p_filesz(endian)))
+    });
+    Ok(ends.max().unwrap_or(0))
+}
+
+/// `DT_RUNPATH` and `DT_RPATH`.
+fn run_paths(bytes: &[u8]) -> object::Result<Vec<&[u8]>> {
+    let file = ElfFile::<Header>::parse(bytes)?;
+    let table = file.elf_section_table().dynamic_table(file.endian(), bytes)?;
+    let entries = table.iter().filter(|d| d.tag == elf::DT_RUNPATH || d.tag == elf::DT_RPATH);
+    entries.map(|entry| table.string(entry)).collect()
+}
+
+/// The bytes of the text in exported symbol `name`, its NUL excluded.
+fn text_symbol<'data>(file: &object::File<'data>, name: &str) -> Option<&'data [u8]> {
+    let symbol = file.dynamic_symbols().find(|s| s.is_definition() && s.name() == Ok(name))?;
+    let segment = file.segments().find(|segment| {
+        symbol.address().checked_sub(segment.address()).is_some_and(|at| at < segment.size())
+    })?;
+    let start = usize::try_from(symbol.address() - segment.address()).ok()?;
+    let bytes = segment.data().ok()?.get(start..)?;
+    let bytes = match usize::try_from(symbol.size()) {
+        Ok(size) if size > 0 => bytes.get(..size)?,
+        _ => bytes,
+    };
+    bytes.split(|byte| *byte == 0).next()
+}
+
+/// Name of an exported C++ function `function`, as the compiler mangles it.
+pub(super) fn mangled(bytes: &[u8], function: &str) -> Option<String> {
+    let file = object::File::parse(bytes).ok()?;
+    let prefix = format!("_Z{}{function}", function.len());
+    let mut symbols = file.dynamic_symbols().filter(|symbol| symbol.is_definition());
+    let found = symbols.find_map(|s| s.name().ok().filter(|name| name.starts_with(&prefix)))?;
+    Some(found.to_owned())
+}
+
+/// A machine in one word, by ELF class, byte order and number.
+fn machine(number: u16, class: u8, data: u8) -> String {
+    let wide = class == elf::ELFCLASS64.0;
+    let big = data == elf::ELFDATA2MSB.0;
+    let name = match (elf::Machine(number), wide, big) {
+        (elf::EM_X86_64, true, _) => "x86_64",
+        (elf::EM_X86_64, false, _) => "x32",
+        (elf::EM_386, ..) => "x86",
+        (elf::EM_AARCH64, _, false) => "aarch64",
+        (elf::EM_ARM, _, false) => "arm",
+        (elf::EM_RISCV, true, _) => "riscv64",
+        (elf::EM_RISCV, false, _) => "riscv32",
+        (elf::EM_PPC64, _, true) => "powerpc64",
+        (elf::EM_PPC64, _, false) => "powerpc64le",
+        (elf::EM_S390, true, _) => "s390x",
+        (elf::EM_LOONGARCH, true, _) => "loongarch64",
+        (elf::EM_MIPS, ..) => "mips",
+        _ => return format!("ELF machine {number}"),
+    };
+    name.to_owned()
+}
+
+/// The machine this daemon was built for, in the words of [`machine`].
+fn this_machine() -> String {
+    match (std::env::consts::ARCH, cfg!(target_endian = "little")) {
+        ("powerpc64", true) => "powerpc64le".to_owned(),
+        ("x86_64", _) if cfg!(target_pointer_width = "32") => "x32".to_owned(),
+        (arch, _) => arch.to_owned(),
+    }
+}
+
+/// What a file that is no ELF looks like.
+fn looks_like(bytes: &[u8]) -> &'static str {
+    match bytes {
+        [] => "is empty",
+        [b'#', b'!', ..] => "looks like a script",
+        [b'!', b'<', b'a', b'r', ..] => "looks like a static library (.a)",
+        [b'M', b'Z', ..] => "looks like a Windows library",
+        [0xcf, 0xfa, 0xed, 0xfe, ..] => "looks like a macOS library",
+        _ if std::str::from_utf8(&bytes[..bytes.len().min(64)]).is_ok() => "looks like text",
+        _ => "does not begin like one",
+    }
+}

@@ -1,0 +1,108 @@
+//! Shared libraries of codels: opened as private copies, asked for symbols.
+//!
+//! It knows no component: which symbols to ask for is the caller's business.
+
+mod copy;
+mod elf;
+mod error;
+mod linker;
+
+pub use elf::{EmbeddedDescription, embedded_description};
+pub use error::OpenError;
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use copy::PrivateCopy;
+use linker::Handle;
+
+/// An open library. Closing is dropping: no thread may still run its code then.
+#[derive(Debug)]
+pub struct Library {
+    // Order matters: the library is unmapped before its copy is removed.
+    handle: Handle,
+    _copy: Option<PrivateCopy>,
+    path: PathBuf,
+    bytes: Vec<u8>,
+    constants: Vec<Range<usize>>,
+}
+
+impl Library {
+    /// Loads a private copy of the library at `path`, all its symbols bound, none of them shared.
+    ///
+    /// Constructors of the library run. A library that finds others relative to its own place
+    /// (`$ORIGIN`) is copied beside the original, or loaded itself where that is read-only.
+    ///
+    /// # Errors
+    /// When the file is missing, no shared object of this machine, truncated, or not linkable.
+    pub fn open(path: &Path) -> Result<Self, OpenError> {
+        let bytes = elf::read(path)?;
+        elf::check(path, &bytes)?;
+        let path = path.to_owned();
+        if elf::uses_origin(&bytes) {
+            return Self::open_beside(path, bytes);
+        }
+        let copy = match PrivateCopy::new(&path, &bytes) {
+            Ok(copy) => copy,
+            Err(why) => {
+                tracing::warn!("{}: no copy in the temporary directory: {why}", path.display());
+                return Self::open_beside(path, bytes);
+            }
+        };
+        match Handle::open(copy.path()) {
+            Ok(handle) => {
+                let constants = linker::constants(copy.path());
+                Ok(Self { handle, _copy: Some(copy), path, bytes, constants })
+            }
+            // A temporary directory mounted `noexec`.
+            Err(said) if said.contains("failed to map segment") => Self::open_beside(path, bytes),
+            Err(said) => Err(OpenError::from_linker(path, &said)),
+        }
+    }
+
+    /// Loads a copy made beside the original, or else the original.
+    fn open_beside(path: PathBuf, bytes: Vec<u8>) -> Result<Self, OpenError> {
+        let load = |file: &Path| Handle::open(file).map(|handle| (handle, linker::constants(file)));
+        let loaded = copy::beside(&path, &bytes, load).unwrap_or_else(|why| {
+            tracing::warn!(
+                "{}: loaded in place, no copy beside it: {why}; once rebuilt it needs a restart \
+                 of the daemon",
+                path.display()
+            );
+            load(&path.canonicalize().unwrap_or_else(|_| path.clone()))
+        });
+        match loaded {
+            Ok((handle, constants)) => Ok(Self { handle, _copy: None, path, bytes, constants }),
+            Err(said) => Err(OpenError::from_linker(path, &said)),
+        }
+    }
+
+    /// The file as it was asked for, not its copy.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The description it carries.
+    ///
+    /// # Errors
+    /// When the symbol is there but holds no text.
+    pub fn description(&self) -> Result<Option<EmbeddedDescription>, OpenError> {
+        elf::description_of(&self.path, &self.bytes)
+    }
+
+    /// Address of exported symbol `name` of this library or of what it is linked with.
+    pub(crate) fn symbol(&self, name: &str) -> Option<usize> {
+        self.handle.symbol(name)
+    }
+
+    /// The C++ function of that name, if it has one without C linkage.
+    pub(crate) fn mangled(&self, function: &str) -> Option<String> {
+        elf::mangled(&self.bytes, function)
+    }
+
+    /// Whether the byte at `address` lies in this library's memory that nothing writes.
+    pub(crate) fn is_constant(&self, address: usize) -> bool {
+        self.constants.iter().any(|range| range.contains(&address))
+    }
+}

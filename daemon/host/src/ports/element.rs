@@ -1,0 +1,169 @@
+//! One buffer of a port with what it is bound to. One of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::cell::UnsafeCell;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
+use genom_types::{DataType, Record};
+use serde_json::Value;
+
+use super::snapshot::Snapshot;
+
+/// Why a method of a port failed (genom3.md 7.8).
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Failure {
+    NoSuchInport,
+    NoSuchOutport,
+    PortIo,
+    Serialization,
+    /// With a sentence.
+    Middleware(String),
+    /// With an `errno`.
+    System(i32),
+}
+
+/// A simple port, or one element of a multiple one.
+///
+/// Codels that share a port exclude one another (genom3.md 4.5). Methods called against that rule,
+/// by threads of a library, fail instead of racing.
+pub(super) struct Element {
+    inner: UnsafeCell<Inner>,
+    /// Address of the buffer, the same for the element's life.
+    address: usize,
+    /// Whether `data` shows the buffer.
+    shown: AtomicBool,
+    /// Somebody is at `inner`.
+    busy: AtomicBool,
+    snapshot: Snapshot,
+}
+
+struct Inner {
+    buffer: Record,
+    link: Link,
+}
+
+/// What the buffer is bound to.
+pub(super) enum Link {
+    /// An in port.
+    In(Option<Box<dyn Subscription>>),
+    /// An out port.
+    Out(Option<Box<dyn Publisher>>),
+}
+
+// SAFETY: `inner` is reached through `with`, which lets one thread in at a time.
+unsafe impl Sync for Element {}
+// SAFETY: what is inside is `Send`.
+unsafe impl Send for Element {}
+
+impl Element {
+    /// An empty buffer.
+    pub(super) fn new(ty: &DataType, link: Link) -> Self {
+        let mut buffer = Record::new(ty);
+        let address = buffer.as_mut_ptr() as usize;
+        let shown = AtomicBool::new(matches!(link, Link::Out(_)));
+        Self {
+            inner: UnsafeCell::new(Inner { buffer, link }),
+            address,
+            shown,
+            busy: AtomicBool::new(false),
+            snapshot: Snapshot::new(ty),
+        }
+    }
+
+    /// Calls `work` unless somebody else is at it.
+    fn with<R>(&self, work: impl FnOnce(&mut Inner) -> R) -> Option<R> {
+        if self.busy.swap(true, Ordering::Acquire) {
+            return None;
+        }
+        let release = Release(&self.busy);
+        // SAFETY: `busy` was clear and is set now: nobody else is here until it is released.
+        let result = work(unsafe { &mut *self.inner.get() });
+        drop(release);
+        Some(result)
+    }
+
+    /// Address of the buffer, 0 while there is no value to see (genom3.md 7.8).
+    pub(super) fn data(&self) -> usize {
+        if self.shown.load(Ordering::Relaxed) { self.address } else { 0 }
+    }
+
+    /// Replaces the buffer by the next value.
+    pub(super) fn read(&self) -> Result<(), Failure> {
+        let read = self.with(|inner| {
+            let Link::In(Some(subscription)) = &mut inner.link else {
+                return Err(Failure::NoSuchInport);
+            };
+            let reading = subscription.read(&mut inner.buffer);
+            self.shown
+                .store(matches!(reading, Ok(Reading::New | Reading::Same)), Ordering::Relaxed);
+            match reading {
+                Ok(Reading::New) => {
+                    // SAFETY: one caller at a time, as `with` sees to.
+                    unsafe { self.snapshot.offer(&inner.buffer) };
+                    Ok(())
+                }
+                Ok(Reading::Same | Reading::Never) => Ok(()),
+                Err(ReadError::Serialization) => Err(Failure::Serialization),
+                Err(_) => Err(Failure::PortIo),
+            }
+        });
+        read.unwrap_or(Err(Failure::PortIo))
+    }
+
+    /// Publishes the buffer.
+    pub(super) fn write(&self) -> Result<(), Failure> {
+        let written =
+            self.with(|inner| Self::publish(&self.snapshot, &mut inner.link, &inner.buffer));
+        written.unwrap_or(Err(Failure::PortIo))
+    }
+
+    /// Publishes another value than the buffer's.
+    pub(super) fn write_value(&self, value: &Record) -> Result<(), Failure> {
+        let written = self.with(|inner| Self::publish(&self.snapshot, &mut inner.link, value));
+        written.unwrap_or(Err(Failure::PortIo))
+    }
+
+    /// Called by who is `with` the element only.
+    fn publish(snapshot: &Snapshot, link: &mut Link, value: &Record) -> Result<(), Failure> {
+        let Link::Out(Some(publisher)) = link else { return Err(Failure::NoSuchOutport) };
+        publisher.publish(value).map_err(|error| match error {
+            PublishError::Serialization => Failure::Serialization,
+            _ => Failure::PortIo,
+        })?;
+        // SAFETY: one caller at a time, as `with` sees to.
+        unsafe { snapshot.offer(value) };
+        Ok(())
+    }
+
+    /// Binds the element, and gives back what it was bound to. Not for codels: it waits.
+    pub(super) fn bind(&self, link: Link) -> Link {
+        let mut link = Some(link);
+        loop {
+            let exchanged = self.with(|inner| {
+                let new = link.take()?;
+                // In ports show nothing until a value of the new connection was read.
+                self.shown.store(matches!(new, Link::Out(_)), Ordering::Relaxed);
+                Some(std::mem::replace(&mut inner.link, new))
+            });
+            if let Some(Some(old)) = exchanged {
+                return old;
+            }
+            std::thread::yield_now();
+        }
+    }
+
+    /// The value last read or written.
+    pub(super) fn value(&self) -> Option<Value> {
+        self.snapshot.latest()
+    }
+}
+
+/// Clears the flag also when the middleware panics.
+struct Release<'a>(&'a AtomicBool);
+
+impl Drop for Release<'_> {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Release);
+    }
+}

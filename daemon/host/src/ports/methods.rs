@@ -1,0 +1,126 @@
+//! The C functions of a port's handle (genom3.md 5.7): one of its own for each method of each port.
+
+use std::ffi::{c_char, c_void};
+use std::sync::Arc;
+
+use genom_description::model::PortDirection;
+
+use super::Buffers;
+use super::element::{Element, Failure};
+use super::multiple::{Elements, LONGEST};
+use crate::detail::{MWERR, MWERR_WHAT, SYSERR, put_text};
+use crate::ffi::{Arguments, Callback, Class, NativeFunction};
+use crate::shared::Shared;
+
+/// What a method of a simple port works on.
+#[derive(Clone)]
+struct Simple {
+    element: Arc<Element>,
+    shared: Arc<Shared>,
+}
+
+/// What a method of a multiple port works on.
+#[derive(Clone)]
+struct Multiple {
+    elements: Arc<Elements>,
+    shared: Arc<Shared>,
+}
+
+/// The functions of a handle, in the order of its struct.
+pub(super) fn functions(
+    direction: PortDirection,
+    buffers: &Buffers,
+    shared: &Arc<Shared>,
+) -> Option<Vec<NativeFunction>> {
+    match buffers {
+        Buffers::Simple(element) => {
+            let data = Simple { element: Arc::clone(element), shared: Arc::clone(shared) };
+            let methods: [Callback<Simple>; 2] = match direction {
+                PortDirection::In => [simple_data, simple_read],
+                PortDirection::Out => [simple_data, simple_write],
+            };
+            // genom_context self
+            make(&[Class::Address], &methods, &data)
+        }
+        Buffers::Multiple(elements) => {
+            let data = Multiple { elements: Arc::clone(elements), shared: Arc::clone(shared) };
+            let methods: &[Callback<Multiple>] = match direction {
+                PortDirection::In => &[multiple_data, multiple_read],
+                PortDirection::Out => {
+                    &[multiple_data, multiple_write, multiple_open, multiple_close]
+                }
+            };
+            // const char *id, genom_context self
+            make(&[Class::Address, Class::Address], methods, &data)
+        }
+    }
+}
+
+fn make<T: Clone + Send + Sync + 'static>(
+    arguments: &[Class],
+    methods: &[Callback<T>],
+    data: &T,
+) -> Option<Vec<NativeFunction>> {
+    let function = |method: &Callback<T>| NativeFunction::new(arguments, *method, data.clone());
+    methods.iter().map(function).collect()
+}
+
+fn simple_data(port: &Simple, _: Arguments<'_>) -> *const c_void {
+    port.element.data() as *const c_void
+}
+
+fn simple_read(port: &Simple, arguments: Arguments<'_>) -> *const c_void {
+    tell(&port.shared, port.element.read(), arguments.pointer(0))
+}
+
+fn simple_write(port: &Simple, arguments: Arguments<'_>) -> *const c_void {
+    tell(&port.shared, port.element.write(), arguments.pointer(0))
+}
+
+fn multiple_data(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
+    named(port, arguments).map_or(0, |element| element.data()) as *const c_void
+}
+
+fn multiple_read(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
+    let read = named(port, arguments).ok_or(Failure::NoSuchInport).and_then(|e| e.read());
+    tell(&port.shared, read, arguments.pointer(1))
+}
+
+fn multiple_write(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
+    let written = named(port, arguments).ok_or(Failure::NoSuchOutport).and_then(|e| e.write());
+    tell(&port.shared, written, arguments.pointer(1))
+}
+
+fn multiple_open(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
+    let opened = port.elements.open(arguments.text(0, LONGEST));
+    tell(&port.shared, opened, arguments.pointer(1))
+}
+
+fn multiple_close(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
+    let closed = port.elements.close(arguments.text(0, LONGEST));
+    tell(&port.shared, closed, arguments.pointer(1))
+}
+
+/// The element named by the first argument.
+fn named(port: &Multiple, arguments: Arguments<'_>) -> Option<Arc<Element>> {
+    port.elements.get(arguments.text(0, LONGEST)?)
+}
+
+/// The event for a result: recorded in the context passed, and the library's own pointer
+/// (genom3.md 5.3, 7.8).
+fn tell(shared: &Shared, result: Result<(), Failure>, context: *mut u8) -> *const c_void {
+    let Err(failure) = result else { return std::ptr::null() };
+    let event: *const c_char = match failure {
+        Failure::NoSuchInport => shared.throw(context, "::genom::no_such_inport", &[]),
+        Failure::NoSuchOutport => shared.throw(context, "::genom::no_such_outport", &[]),
+        Failure::PortIo => shared.throw(context, "::genom::port_io", &[]),
+        Failure::Serialization => shared.throw(context, "::genom::serialization", &[]),
+        Failure::Middleware(what) => {
+            let mut detail = [0; MWERR_WHAT];
+            put_text(&mut detail, &what);
+            shared.throw(context, MWERR, &detail)
+        }
+        Failure::System(code) => shared.throw(context, SYSERR, &code.to_ne_bytes()),
+    };
+    event.cast()
+}

@@ -1,0 +1,142 @@
+//! Ports as codels see them: a handle of C functions, a buffer, and what it is bound to.
+//!
+//! Which middleware carries the values is not known here.
+
+mod element;
+mod methods;
+mod multiple;
+mod snapshot;
+
+use std::ffi::c_void;
+use std::sync::{Arc, OnceLock};
+
+use genom_description::model::{Port, PortDirection};
+use genom_middleware::{Publisher, Subscription};
+use genom_runtime::body::Opener;
+use genom_types::{DataType, Record};
+use serde_json::Value;
+
+use crate::ffi::NativeFunction;
+use crate::shared::Shared;
+use element::{Element, Link};
+use multiple::Elements;
+
+/// The ports of one component.
+pub(crate) struct Ports {
+    ports: Vec<Handle>,
+    opener: Arc<OnceLock<Box<dyn Opener>>>,
+}
+
+/// A port: `struct comp_p` of genom3.md 5.7, and what its functions work on.
+struct Handle {
+    name: String,
+    /// The struct that codels get the address of: `data`, then `read` or `write`, `open`, `close`.
+    table: Box<[usize]>,
+    buffers: Buffers,
+    _functions: Vec<NativeFunction>,
+}
+
+/// The buffer or buffers of a port.
+#[derive(Clone)]
+enum Buffers {
+    Simple(Arc<Element>),
+    Multiple(Arc<Elements>),
+}
+
+impl Ports {
+    /// Handles for `ports`; `None` when there is no memory for executable code.
+    pub(crate) fn new(ports: &[Port], types: &[DataType], shared: &Arc<Shared>) -> Option<Self> {
+        let opener = Arc::new(OnceLock::new());
+        let handle = |(rank, port): (usize, &Port)| {
+            let ty = &types[rank];
+            let buffers = if port.multiple {
+                let opener = Arc::clone(&opener);
+                Buffers::Multiple(Arc::new(Elements::new(rank, port.direction, ty, opener)))
+            } else {
+                Buffers::Simple(Arc::new(Element::new(ty, unbound(port.direction))))
+            };
+            let functions = methods::functions(port.direction, &buffers, shared)?;
+            let table = functions.iter().map(NativeFunction::address).collect();
+            Some(Handle { name: port.name.clone(), table, buffers, _functions: functions })
+        };
+        let ports = ports.iter().enumerate().map(handle).collect::<Option<_>>()?;
+        Some(Self { ports, opener })
+    }
+
+    /// What codels get for the port.
+    pub(crate) fn handle(&self, port: usize) -> *const c_void {
+        self.ports[port].table.as_ptr().cast()
+    }
+
+    /// Binds an out port, or one of its elements.
+    pub(crate) fn bind_out(
+        &self,
+        port: usize,
+        element: Option<&str>,
+        publisher: Option<Box<dyn Publisher>>,
+    ) {
+        self.bind(port, element, Link::Out(publisher));
+    }
+
+    /// Binds an in port, or one of its elements.
+    pub(crate) fn bind_in(
+        &self,
+        port: usize,
+        element: Option<&str>,
+        subscription: Option<Box<dyn Subscription>>,
+    ) {
+        self.bind(port, element, Link::In(subscription));
+    }
+
+    fn bind(&self, port: usize, element: Option<&str>, link: Link) {
+        let Some(handle) = self.ports.get(port) else { return };
+        match (&handle.buffers, element) {
+            (Buffers::Simple(buffer), None) => drop(buffer.bind(link)),
+            (Buffers::Multiple(elements), Some(name)) => elements.bind(name, link),
+            (Buffers::Simple(_), Some(name)) => {
+                tracing::error!("port {} has no elements, thus no {name}", handle.name);
+            }
+            (Buffers::Multiple(_), None) => {
+                tracing::error!(
+                    "port {} is multiple: an element is bound, not the port",
+                    handle.name
+                );
+            }
+        }
+    }
+
+    /// How `open` of multiple ports gets its publishers. The first one given stays.
+    pub(crate) fn set_opener(&self, opener: Box<dyn Opener>) {
+        if self.opener.set(opener).is_err() {
+            tracing::error!("the opener of a component's ports was set twice; the first stays");
+        }
+    }
+
+    /// The value last read or written by codels.
+    pub(crate) fn value(&self, port: usize, element: Option<&str>) -> Option<Value> {
+        match (&self.ports.get(port)?.buffers, element) {
+            (Buffers::Simple(buffer), None) => buffer.value(),
+            (Buffers::Multiple(elements), Some(name)) => elements.get(name.as_bytes())?.value(),
+            _ => None,
+        }
+    }
+
+    /// Publishes a value on a simple out port.
+    pub(crate) fn write(&self, port: usize, value: &Record) {
+        let Some(Handle { name, buffers: Buffers::Simple(buffer), .. }) = self.ports.get(port)
+        else {
+            return;
+        };
+        if let Err(failure) = buffer.write_value(value) {
+            tracing::debug!("port {name}: not written: {failure:?}");
+        }
+    }
+}
+
+/// Bound to nothing.
+fn unbound(direction: PortDirection) -> Link {
+    match direction {
+        PortDirection::In => Link::In(None),
+        PortDirection::Out => Link::Out(None),
+    }
+}

@@ -1,0 +1,107 @@
+//! The elements of a multiple port, by the names codels give them.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+
+use genom_description::model::PortDirection;
+use genom_runtime::body::Opener;
+use genom_types::DataType;
+
+use super::element::{Element, Failure, Link};
+use super::unbound;
+
+/// Longest name of an element, in bytes.
+pub(super) const LONGEST: usize = 128;
+/// `errno` of what is not there.
+const ENOENT: i32 = 2;
+
+/// The elements of one multiple port.
+pub(super) struct Elements {
+    port: usize,
+    direction: PortDirection,
+    ty: DataType,
+    elements: Mutex<BTreeMap<Box<[u8]>, Arc<Element>>>,
+    opener: Arc<OnceLock<Box<dyn Opener>>>,
+}
+
+impl Elements {
+    /// None yet.
+    pub(super) fn new(
+        port: usize,
+        direction: PortDirection,
+        ty: &DataType,
+        opener: Arc<OnceLock<Box<dyn Opener>>>,
+    ) -> Self {
+        Self { port, direction, ty: ty.clone(), elements: Mutex::default(), opener }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<Box<[u8]>, Arc<Element>>> {
+        self.elements.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The element of that name.
+    pub(super) fn get(&self, name: &[u8]) -> Option<Arc<Element>> {
+        self.lock().get(name).map(Arc::clone)
+    }
+
+    /// The element of that name, made when it is not there.
+    fn get_or_make(&self, name: &str) -> Arc<Element> {
+        let make = || Arc::new(Element::new(&self.ty, unbound(self.direction)));
+        Arc::clone(self.lock().entry(name.as_bytes().into()).or_insert_with(make))
+    }
+
+    /// Binds an element. One that loses its connection stays, with its buffer: a codel may hold
+    /// the address.
+    pub(super) fn bind(&self, name: &str, link: Link) {
+        drop(self.get_or_make(name).bind(link));
+    }
+
+    /// Opens an out element; one that is open already stays as it is (genom3.md 7.8).
+    pub(super) fn open(&self, name: Option<&[u8]>) -> Result<(), Failure> {
+        let name = checked(name)?;
+        if self.get(name.as_bytes()).is_some() {
+            return Ok(());
+        }
+        let opener = self.opener.get().ok_or(Failure::NoSuchOutport)?;
+        let publisher = opener.open(self.port, name).map_err(Failure::Middleware)?;
+        self.bind(name, Link::Out(Some(publisher)));
+        Ok(())
+    }
+
+    /// Closes an out element: it shows nowhere any more.
+    pub(super) fn close(&self, name: Option<&[u8]>) -> Result<(), Failure> {
+        let removed = name.and_then(|name| self.lock().remove(name));
+        let element = removed.ok_or(Failure::System(ENOENT))?;
+        drop(element.bind(Link::Out(None)));
+        Ok(())
+    }
+}
+
+/// A name that may become part of an address; others would break it up.
+fn checked(name: Option<&[u8]>) -> Result<&str, Failure> {
+    let refuse = |why: &str| Err(Failure::Middleware(format!("name of a port's element: {why}")));
+    let Some(name) = name else {
+        return refuse(&format!("NULL, or more than {LONGEST} bytes"));
+    };
+    match std::str::from_utf8(name) {
+        Ok("") => refuse("empty"),
+        Ok(name) if name.chars().any(|c| c == '/' || c.is_control() || c.is_whitespace()) => {
+            refuse(&format!("{name:?} has a slash, a blank or a control character"))
+        }
+        Ok(name) => Ok(name),
+        Err(_) => refuse("no UTF-8"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_would_break_an_address_are_refused() {
+        for name in [None, Some(&b""[..]), Some(b"a/b"), Some(b"a b"), Some(b"\xff"), Some(b"\n")] {
+            assert!(matches!(checked(name), Err(Failure::Middleware(_))), "{name:?}");
+        }
+        assert_eq!(checked(Some(b"left_arm-1")), Ok("left_arm-1"));
+    }
+}

@@ -1,0 +1,148 @@
+//! Copies of port values for who looks from outside: exchanged, never waited for by a codel. One
+//! of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::cell::UnsafeCell;
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use genom_types::{DataType, Record};
+use serde_json::Value;
+
+/// Values of more bytes are copied only while somebody looks.
+const LARGE: usize = 1 << 16;
+/// How many values are copied after a look at a large one.
+const WATCHED: u32 = 1000;
+/// Mark of a value that no reader has taken yet, above the two bits of a slot's rank.
+const FRESH: u8 = 4;
+
+/// A triple buffer: the writer fills one slot, the reader holds another, the third is exchanged.
+pub(super) struct Snapshot {
+    slots: [UnsafeCell<Record>; 3],
+    /// Rank of the slot in the middle, and [`FRESH`].
+    middle: AtomicU8,
+    /// Rank of the writer's slot.
+    back: UnsafeCell<u8>,
+    reader: Mutex<Reader>,
+    large: bool,
+    /// Values still to copy for who looks at a large port.
+    watched: AtomicU32,
+}
+
+struct Reader {
+    /// Rank of the reader's slot.
+    front: u8,
+    /// Whether it holds a value.
+    filled: bool,
+}
+
+// SAFETY: the three ranks (back, middle, front) always differ. The slot of `back` is touched by
+// the writer only, which `offer` demands to be one at a time, and that of `front` under the mutex.
+unsafe impl Sync for Snapshot {}
+
+impl Snapshot {
+    /// One without value.
+    pub(super) fn new(ty: &DataType) -> Self {
+        Self {
+            slots: std::array::from_fn(|_| UnsafeCell::new(Record::new(ty))),
+            middle: AtomicU8::new(1),
+            back: UnsafeCell::new(0),
+            reader: Mutex::new(Reader { front: 2, filled: false }),
+            large: ty.size() > LARGE,
+            // The first value is always kept.
+            watched: AtomicU32::new(1),
+        }
+    }
+
+    /// Keeps a copy of `value`.
+    ///
+    /// # Safety
+    /// One caller at a time.
+    pub(super) unsafe fn offer(&self, value: &Record) {
+        if self.large {
+            let watched = self.watched.load(Ordering::Relaxed);
+            if watched == 0 {
+                return;
+            }
+            self.watched.store(watched - 1, Ordering::Relaxed);
+        }
+        // SAFETY: the caller is the only writer, so it has `back` and that slot for itself.
+        let (back, slot) = unsafe {
+            let back = &mut *self.back.get();
+            let slot = &mut *self.slots[usize::from(*back)].get();
+            (back, slot)
+        };
+        if slot.copy_from(value).is_ok() {
+            *back = self.middle.swap(*back | FRESH, Ordering::AcqRel) & !FRESH;
+        }
+    }
+
+    /// The value kept last; `None` before the first.
+    pub(super) fn latest(&self) -> Option<Value> {
+        if self.large {
+            self.watched.store(WATCHED, Ordering::Relaxed);
+        }
+        let mut reader = self.reader.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.middle.load(Ordering::Relaxed) & FRESH != 0 {
+            reader.front = self.middle.swap(reader.front, Ordering::AcqRel) & !FRESH;
+            reader.filled = true;
+        }
+        // SAFETY: the front slot is this reader's, the mutex is held.
+        let slot = unsafe { &*self.slots[usize::from(reader.front)].get() };
+        reader.filled.then(|| slot.to_json())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use genom_types::{Kind, TypeTable};
+    use std::sync::Arc;
+
+    fn record(kind: Kind) -> Record {
+        let mut table = TypeTable::default();
+        let id = table.add(kind);
+        Record::new(&DataType::new(&Arc::new(table), id).unwrap())
+    }
+
+    #[test]
+    fn the_last_value_offered_is_seen_and_none_before() {
+        let mut value = record(Kind::LongLong);
+        let snapshot = Snapshot::new(value.ty());
+        assert_eq!(snapshot.latest(), None);
+        for i in 0..5 {
+            value.merge_json(&i.into()).unwrap();
+            // SAFETY: only this thread offers.
+            unsafe { snapshot.offer(&value) };
+        }
+        assert_eq!(snapshot.latest(), Some(4.into()));
+        assert_eq!(snapshot.latest(), Some(4.into()), "looking again shows it again");
+    }
+
+    #[test]
+    fn a_reader_beside_a_writer_sees_values_grow_and_none_torn() {
+        let mut table = TypeTable::default();
+        let element = table.add(Kind::Long);
+        let array = table.add(Kind::Array { element, length: 64 });
+        let mut value = Record::new(&DataType::new(&Arc::new(table), array).unwrap());
+        let snapshot = Snapshot::new(value.ty());
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                for i in 1..=20_000_i32 {
+                    let whole: Vec<u8> = (0..64).flat_map(|_| i.to_ne_bytes()).collect();
+                    value.set_bytes(&whole).unwrap();
+                    // SAFETY: only this thread offers.
+                    unsafe { snapshot.offer(&value) };
+                }
+            });
+            let mut last = 0;
+            while last < 20_000 {
+                let Some(Value::Array(seen)) = snapshot.latest() else { continue };
+                let first = seen[0].as_i64().unwrap();
+                assert!(seen.iter().all(|one| one.as_i64() == Some(first)), "torn");
+                assert!(first >= last);
+                last = first;
+            }
+        });
+    }
+}

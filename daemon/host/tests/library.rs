@@ -1,0 +1,157 @@
+//! Libraries: what opens, what is refused and with which words.
+
+mod support;
+
+use std::path::Path;
+
+use expect_test::expect;
+use genom_host::library::{Library, OpenError, embedded_description};
+use support::Scratch;
+
+/// The message of a refusal, without the directory.
+#[track_caller]
+fn refusal(scratch: &Scratch, path: &Path) -> String {
+    let refused = Library::open(path).err().map(|error| error.to_string());
+    refused.unwrap_or_default().replace(&format!("{}/", scratch.path().display()), "")
+}
+
+#[test]
+fn a_missing_file_is_named() {
+    let scratch = Scratch::new();
+    expect!["demo.so: no such file: build the component, or give the path of its library"]
+        .assert_eq(&refusal(&scratch, &scratch.path().join("demo.so")));
+}
+
+#[test]
+fn a_text_renamed_so_is_no_library() {
+    let scratch = Scratch::new();
+    let path = scratch.file("demo.so", b"component demo { };");
+    expect!["demo.so: no library: it looks like text, a shared object (ELF) is needed"]
+        .assert_eq(&refusal(&scratch, &path));
+    let path = scratch.file("empty.so", b"");
+    expect!["empty.so: no library: it is empty, a shared object (ELF) is needed"]
+        .assert_eq(&refusal(&scratch, &path));
+}
+
+#[test]
+fn a_library_of_another_machine_names_both() {
+    let scratch = Scratch::new();
+    let mut header = [0_u8; 64];
+    header[..6].copy_from_slice(b"\x7fELF\x02\x01");
+    header[16] = 3; // ET_DYN
+    // EM_AARCH64, or EM_X86_64 when this is an aarch64.
+    let (number, name) =
+        if cfg!(target_arch = "aarch64") { (62, "x86_64") } else { (183, "aarch64") };
+    header[18] = number;
+    let path = scratch.file("demo.so", &header);
+    let said = refusal(&scratch, &path);
+    let ours = std::env::consts::ARCH;
+    assert_eq!(
+        said,
+        format!(
+            "demo.so: built for {name}, this machine is {ours}: rebuild it here or \
+             cross-compile it for {ours}"
+        )
+    );
+}
+
+#[test]
+fn an_object_file_and_a_truncated_library_are_refused_before_the_linker_sees_them() {
+    let scratch = Scratch::new();
+    let object = scratch.cc("demo.o", "int x;", &["-c"]);
+    expect!["demo.o: an object file (.o), not a shared object: link it with -shared"]
+        .assert_eq(&refusal(&scratch, &object));
+
+    let whole = scratch.library("whole.so", "int data[4096] = { 1 };");
+    let bytes = std::fs::read(whole).unwrap();
+    let path = scratch.file("cut.so", &bytes[..bytes.len() / 3]);
+    assert!(matches!(Library::open(&path), Err(OpenError::Truncated { .. })));
+    for length in [4, 19, 20, 63, 64, 200] {
+        let path = scratch.file("cut.so", &bytes[..length]);
+        assert!(Library::open(&path).is_err(), "{length} bytes");
+    }
+}
+
+#[test]
+fn an_undefined_symbol_and_a_missing_dependency_are_named() {
+    let scratch = Scratch::new();
+    let path = scratch.library("demo.so", "int missing(void); int f(void) { return missing(); }");
+    expect![
+        "demo.so: undefined symbol `missing`: link the library that defines it (codels-require)"
+    ]
+    .assert_eq(&refusal(&scratch, &path));
+
+    let dependency = scratch.library("libgone.so", "int g(void) { return 1; }");
+    let linked = scratch.cc(
+        "needs.so",
+        "int g(void); int f(void) { return g(); }",
+        &["-shared", "-fPIC", &format!("-L{}", scratch.path().display()), "-lgone"],
+    );
+    std::fs::remove_file(dependency).unwrap();
+    expect!["needs.so: needs `libgone.so`, which is not found: install it, or link with an rpath"]
+        .assert_eq(&refusal(&scratch, &linked));
+}
+
+#[test]
+fn a_library_finds_another_by_origin() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.path().join("deps")).unwrap();
+    scratch.library("deps/libother.so", "int g(void) { return 1; }");
+    let path = scratch.cc(
+        "demo.so",
+        "int g(void); int f(void) { return g(); }",
+        &[
+            "-shared",
+            "-fPIC",
+            &format!("-L{}", scratch.path().join("deps").display()),
+            "-lother",
+            "-Wl,-rpath,$ORIGIN/deps",
+        ],
+    );
+    let library = Library::open(&path).unwrap();
+    assert_eq!(library.path(), path);
+    let left = std::fs::read_dir(scratch.path()).unwrap().flatten();
+    let hidden = left.filter(|entry| entry.file_name().to_string_lossy().starts_with('.'));
+    assert_eq!(hidden.count(), 0, "the copy beside the original loses its name at once");
+}
+
+#[test]
+fn an_embedded_description_is_read_without_running_constructors() {
+    let scratch = Scratch::new();
+    let marker = scratch.path().join("ran");
+    let path = scratch.library(
+        "demo.so",
+        &format!(
+            r#"
+            #include <stdio.h>
+            const char genom_description[] = "component demo {{\n}};\n";
+            const char genom_description_name[] = "demo.gen";
+            __attribute__((constructor)) static void run(void) {{
+                fclose(fopen("{}", "w"));
+            }}"#,
+            marker.display()
+        ),
+    );
+    let found = embedded_description(&path).unwrap().unwrap();
+    assert_eq!(found.text, "component demo {\n};\n");
+    assert_eq!(found.name.as_deref(), Some("demo.gen"));
+    assert!(!marker.exists());
+
+    let library = Library::open(&path).unwrap();
+    assert!(marker.exists(), "constructors run when it is loaded");
+    assert_eq!(library.description().unwrap(), Some(found));
+}
+
+#[test]
+fn a_library_without_description_has_none() {
+    let scratch = Scratch::new();
+    let path = scratch.library("demo.so", "int f(void) { return 1; }");
+    assert_eq!(embedded_description(&path).unwrap(), None);
+}
+
+#[test]
+fn a_description_that_is_no_text_is_refused() {
+    let scratch = Scratch::new();
+    let path = scratch.library("demo.so", r#"const char genom_description[] = "\xff\xfe";"#);
+    assert!(matches!(embedded_description(&path), Err(OpenError::Description { .. })));
+}
