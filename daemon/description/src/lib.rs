@@ -6,9 +6,16 @@
 
 #![forbid(unsafe_code)]
 
+mod check;
 pub mod diagnostic;
 mod lex;
 pub mod model;
+pub mod parse;
 pub mod preprocess;
 pub mod source;
+pub mod syntax;
 pub mod token;
+
+mod read;
+
+pub use read::{Analysis, Options, read, read_files, read_text};

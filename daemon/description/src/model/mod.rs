@@ -23,6 +23,18 @@ pub struct Span {
     pub end: u32,
 }
 
+impl Span {
+    /// From the start of this place to the end of `last`, if both are in one file.
+    #[must_use]
+    pub fn to(self, last: Span) -> Span {
+        if self.file == last.file && last.end >= self.start {
+            Span { end: last.end.max(self.end), ..self }
+        } else {
+            self
+        }
+    }
+}
+
 /// Everything a set of input files declares.
 #[derive(Clone, Debug, std::default::Default)]
 pub struct Specification {

@@ -60,4 +60,51 @@ pub(super) const ROWS: &[Explanation] = &[
         "The second one changes nothing.",
         "component demo { require \"a\", \"a\"; };",
     ),
+    row(
+        "W0901",
+        "3.10",
+        "an activity cannot end by itself",
+        "No way leads from `start` to `ether`: it ends only when it is interrupted. If that is \
+         meant, nothing needs to be done.",
+        "component demo { task main; activity run() { task main; \
+         codel<start> c() yield pause::start; codel<stop> d() yield ether; }; };",
+    ),
+    row(
+        "W0902",
+        "3.10",
+        "a codel writes what the service only takes in",
+        "What it writes is lost. Make the parameter of the service `inout` or `out`, or that of \
+         the codel `in`.",
+        "component demo { function f(in long a) { codel c(out a); }; };",
+    ),
+    row(
+        "W0903",
+        "3.10",
+        "no codel uses a port",
+        "Nobody will read or write it.",
+        "component demo { typedef long level; port in level battery; };",
+    ),
+    row(
+        "W0904",
+        "3.10",
+        "a value does not fit its type",
+        "GenoM3 does not look: the value is cut to the size of the type.",
+        "const octet a = 300;",
+    ),
+    row(
+        "W0905",
+        "3.10",
+        "nothing runs in a task",
+        "It has no codel of its own, and no activity names it.",
+        "component demo { task main; };",
+    ),
+    row(
+        "W0906",
+        "3.10",
+        "an activity loops and has no codel for `stop`",
+        "Interrupted, it ends where it stands, with the exception `genom::interrupted`. With a \
+         `codel<stop>` it ends in good order, and successfully.",
+        "component demo { task main; activity run() { task main; \
+         codel<start> c() yield pause::start, ether; }; };",
+    ),
 ];

@@ -1,0 +1,251 @@
+//! Components and interfaces, opened and closed.
+
+use std::collections::HashSet;
+
+use genom_types::{Kind, Member};
+use indexmap::IndexMap;
+
+use super::Checker;
+use super::scope::{Entity, ScopeKind};
+use super::state::{Body, BodyId};
+use crate::diagnostic::Diagnostic;
+use crate::model::{Dialect, Span};
+use crate::syntax::{self, Export, IdsDeclaration, Name};
+
+impl Checker {
+    pub(super) fn body(&mut self, dcl: &syntax::Body, interface: bool) {
+        let Some(id) = self.open_body(&dcl.name, interface) else { return };
+        let outer = std::mem::replace(&mut self.scope, self.bodies[id].scope);
+        for export in &dcl.exports {
+            match export {
+                Export::Idl(idl) => self.idl(idl),
+                Export::Property(property) => self.body_property(id, property),
+                Export::Ids(ids) => self.ids(id, ids),
+                Export::Task(task) => self.task(id, task),
+                Export::Port(port) => self.port(id, port),
+                Export::Service(service) => self.service(id, service),
+                Export::Events(names) => names.iter().for_each(|name| self.event_sink(id, name)),
+                Export::Pragma(pragma, span) => self.pragma(pragma, *span),
+            }
+        }
+        self.close_body(id);
+        self.scope = outer;
+    }
+
+    fn open_body(&mut self, name: &Name, interface: bool) -> Option<BodyId> {
+        let what = |interface| if interface { "an interface" } else { "a component" };
+        if let Some(&id) = self.body_index.get(&name.text) {
+            let known = &self.bodies[id];
+            // I1.
+            if known.interface != interface {
+                let message = format!(
+                    "`{}` is {}, it cannot be {} too",
+                    name.text,
+                    what(known.interface),
+                    what(interface)
+                );
+                let span = known.span;
+                self.push(
+                    Diagnostic::error("E0401", name.span, message).note(span, "declared here"),
+                );
+                return None;
+            }
+            if known.dialect != Dialect::Current {
+                let (span, message) = (known.span, "a component of the papers cannot be reopened");
+                self.push(
+                    Diagnostic::error("E0401", name.span, message).note(span, "declared here"),
+                );
+                return None;
+            }
+            return Some(id);
+        }
+        let scope = self.open_module(name)?;
+        let pause = Name { text: "pause".into(), span: name.span };
+        if self.scopes.child(scope, "pause").is_none() {
+            self.scopes.add_child(scope, &pause, ScopeKind::Module);
+        }
+        let id = self.bodies.len();
+        self.bodies.push(Body {
+            interface,
+            name: name.text.clone(),
+            span: name.span,
+            scope,
+            dialect: if interface { Dialect::Current } else { self.dialect },
+            docs: Vec::new(),
+            version: None,
+            lang: None,
+            email: None,
+            requires: self.requires.clone(),
+            codels_requires: Vec::new(),
+            clock_rate: None,
+            stack: None,
+            real_time: None,
+            throws: Vec::new(),
+            ids: None,
+            ids_scope: 0,
+            ids_members: Vec::new(),
+            tasks: IndexMap::new(),
+            ports: IndexMap::new(),
+            remotes: IndexMap::new(),
+            services: IndexMap::new(),
+            states: IndexMap::new(),
+            sinks: IndexMap::new(),
+            touched_tasks: HashSet::new(),
+            touched_services: HashSet::new(),
+        });
+        self.body_index.insert(name.text.clone(), id);
+        if !interface {
+            let outer = std::mem::replace(&mut self.scope, scope);
+            // genom3.md 4.2: a component starts with these.
+            for state in ["ether", "start", "stop"] {
+                self.state(id, &Name { text: state.into(), span: name.span });
+            }
+            for (provided, span) in self.provided.clone() {
+                self.merge(id, provided, false, span);
+            }
+            self.scope = outer;
+        }
+        Some(id)
+    }
+
+    /// The state of a name, made if new.
+    // genom3.md 3.7 K6.
+    pub(super) fn state(&mut self, id: BodyId, name: &Name) -> Option<usize> {
+        if let Some(rank) = self.bodies[id].states.get_index_of(&name.text) {
+            return Some(rank);
+        }
+        let scope = self.bodies[id].scope;
+        if !self.declare_in(scope, name, Entity::State, "E0706") {
+            return None;
+        }
+        let (rank, _) = self.bodies[id].states.insert_full(name.text.clone(), name.span);
+        Some(rank)
+    }
+
+    // dialects.md A.
+    fn event_sink(&mut self, id: BodyId, name: &Name) {
+        if matches!(&*name.text, "ether" | "start" | "stop" | "sleep") {
+            let message = format!("`{}` is a reserved state, no external event", name.text);
+            self.push(Diagnostic::error("E0706", name.span, message));
+            return;
+        }
+        let Some(state) = self.state(id, name) else { return };
+        if let Some(other) = self.bodies[id].sinks.insert(state, name.span) {
+            let message = format!("event `{}` is declared twice", name.text);
+            self.push(Diagnostic::error("E0703", name.span, message).note(other, "first here"));
+        }
+    }
+
+    fn ids(&mut self, id: BodyId, dcl: &IdsDeclaration) {
+        self.open_ids(id, dcl.name.as_ref(), dcl.span);
+        let scope = self.bodies[id].ids_scope;
+        let outer = std::mem::replace(&mut self.scope, scope);
+        for member in &dcl.members {
+            let ty = self.type_spec(&member.ty);
+            for declarator in &member.declarators {
+                let name = &declarator.name;
+                match ty.and_then(|ty| self.declared(ty, declarator)) {
+                    // I7.
+                    Some(ty) if self.declare_in(scope, name, Entity::Member, "E0407") => {
+                        let member = Member { name: name.text.to_string(), ty };
+                        self.bodies[id].ids_members.push((member, name.span));
+                    }
+                    Some(_) => {}
+                    None => _ = self.lost.insert(name.text.clone()),
+                }
+            }
+        }
+        self.scope = outer;
+        self.update_ids(id);
+    }
+
+    /// Makes the struct of the IDS, empty, if there is none.
+    pub(super) fn open_ids(&mut self, id: BodyId, name: Option<&Name>, span: Span) {
+        if self.bodies[id].ids.is_some() {
+            return;
+        }
+        // dialects.md B: `ids demo_state {...}` at top level; else `::component::ids`.
+        let ids = Name { text: "ids".into(), span };
+        let (outer, name) = match name {
+            Some(name) => (0, name),
+            None => (self.bodies[id].scope, &ids),
+        };
+        let kept = std::mem::replace(&mut self.scope, outer);
+        let (scope, _) = self.open_record(name);
+        let full = self.scopes.full_name(outer).join(&name.text);
+        let ty = self.add_type(Kind::Struct { name: full, members: Vec::new() }, Some(span));
+        self.declare(name, Entity::Type(ty));
+        self.scope = kept;
+        self.bodies[id].ids = Some(ty);
+        self.bodies[id].ids_scope = scope;
+    }
+
+    /// Brings the struct of the IDS up to date with its members.
+    pub(super) fn update_ids(&mut self, id: BodyId) {
+        let body = &self.bodies[id];
+        let Some(ty) = body.ids else { return };
+        let Kind::Struct { name, .. } = self.types.kind(ty).clone() else { return };
+        let members = body.ids_members.iter().map(|(member, _)| member.clone()).collect();
+        let span = self.facts(ty).span.unwrap_or(body.span);
+        self.complete_type(ty, Kind::Struct { name, members }, span);
+        self.check_depth(ty, span);
+    }
+
+    /// An interface by name, or a report with `unknown` as its code.
+    // genom3.md 3.4 I2, I3.
+    pub(super) fn interface(
+        &mut self,
+        name: &str,
+        span: Span,
+        unknown: &'static str,
+    ) -> Option<BodyId> {
+        match self.body_index.get(name) {
+            Some(&id) if self.bodies[id].interface => Some(id),
+            Some(&id) => {
+                let code = if unknown == "E0402" { "E0403" } else { unknown };
+                let message = format!("`{name}` is a component, an interface is wanted");
+                let place = self.bodies[id].span;
+                self.push(Diagnostic::error(code, span, message).note(place, "declared here"));
+                None
+            }
+            None => {
+                if !self.lost.contains(name) {
+                    let help = self.suggest(name, |this| {
+                        let bodies = this.bodies.iter().filter(|body| body.interface);
+                        bodies.map(|body| &*body.name).collect()
+                    });
+                    let mut error =
+                        Diagnostic::error(unknown, span, format!("no such interface `{name}`"));
+                    error.help = help;
+                    self.push(error);
+                }
+                None
+            }
+        }
+    }
+
+    /// The checks made when a body closes (genom3.md 4.1).
+    fn close_body(&mut self, id: BodyId) {
+        let mut tasks: Vec<_> =
+            std::mem::take(&mut self.bodies[id].touched_tasks).into_iter().collect();
+        let mut services: Vec<_> =
+            std::mem::take(&mut self.bodies[id].touched_services).into_iter().collect();
+        tasks.sort_unstable();
+        services.sort_unstable();
+        if self.bodies[id].dialect == Dialect::Paper2011 {
+            self.declare_sinks_by_use(id);
+        }
+        for &rank in &services {
+            self.check_named_services(id, rank);
+        }
+        if self.bodies[id].interface {
+            return;
+        }
+        for rank in tasks {
+            self.check_task_machine(id, rank);
+        }
+        for rank in services {
+            self.check_activity(id, rank);
+        }
+    }
+}

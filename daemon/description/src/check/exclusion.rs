@@ -1,0 +1,295 @@
+//! Which codels may not run at the same time (genom3.md 4.5), and what that forbids (K24).
+//!
+//! Accesses are sorted by what they touch, the port or the first member of the IDS, and by who
+//! runs them: only those that may conflict are compared.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::Checker;
+use crate::diagnostic::Diagnostic;
+use crate::model::{Codel, CodelKind, Component, Direction, Owner, PathStep, ServiceKind, Source};
+
+/// Who runs a codel: the control task, or a task by rank.
+type Context = Option<usize>;
+
+/// What an access touches.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+enum Key {
+    Port(usize),
+    Ids(usize),
+}
+
+/// One codel parameter, or one member moved by an attribute.
+struct Access<'m> {
+    node: usize,
+    path: &'m [PathStep],
+    writes: bool,
+}
+
+/// Accesses of one context to one key.
+#[derive(Default)]
+struct Sharers<'m> {
+    readers: Vec<Access<'m>>,
+    writers: Vec<Access<'m>>,
+}
+
+/// Everything of one component that touches shared data.
+pub(super) struct Sharing<'m> {
+    component: &'m Component,
+    contexts: Vec<Context>,
+    keys: HashMap<Key, BTreeMap<Context, Sharers<'m>>>,
+    /// Accesses to the whole IDS touch every member.
+    whole: BTreeMap<Context, Sharers<'m>>,
+    /// All accesses to the IDS, for those to the whole of it.
+    any: BTreeMap<Context, Sharers<'m>>,
+}
+
+impl<'m> Sharing<'m> {
+    pub(super) fn new(component: &'m Component) -> Self {
+        let mut contexts: Vec<Context> =
+            component.codels.iter().map(|codel| context(component, codel)).collect();
+        contexts.resize(component.codels.len() + component.services.len(), None);
+        let mut sharing = Sharing {
+            component,
+            contexts,
+            keys: HashMap::new(),
+            whole: BTreeMap::new(),
+            any: BTreeMap::new(),
+        };
+        for (node, codel) in component.codels.iter().enumerate() {
+            for parameter in &codel.parameters {
+                match &parameter.source {
+                    // Rule 3: ports always conflict, remotes never.
+                    Source::Port(port) => {
+                        sharing
+                            .add(Some(Key::Port(*port)), Access { node, path: &[], writes: true });
+                    }
+                    Source::Ids { path } => {
+                        let writes = parameter.direction != Direction::In;
+                        sharing.add(ids_key(path), Access { node, path, writes });
+                    }
+                    _ => {}
+                }
+            }
+        }
+        for (rank, service) in component.services.iter().enumerate() {
+            let node = component.codels.len() + rank;
+            for parameter in &service.parameters {
+                if let Some(target) = &parameter.target {
+                    // Inverted: an attribute's `in` writes the member.
+                    let writes = parameter.direction != Direction::Out;
+                    sharing.add(ids_key(&target.path), Access { node, path: &target.path, writes });
+                }
+            }
+        }
+        sharing
+    }
+
+    fn add(&mut self, key: Option<Key>, access: Access<'m>) {
+        let context = self.contexts.get(access.node).copied().flatten();
+        let push = |to: &mut BTreeMap<Context, Sharers<'m>>, access: Access<'m>| {
+            let sharers = to.entry(context).or_default();
+            if access.writes { sharers.writers.push(access) } else { sharers.readers.push(access) }
+        };
+        let again = || Access { node: access.node, path: access.path, writes: access.writes };
+        match key {
+            Some(key @ Key::Ids(_)) => {
+                push(&mut self.any, again());
+                push(self.keys.entry(key).or_default(), access);
+            }
+            Some(key @ Key::Port(_)) => push(self.keys.entry(key).or_default(), access),
+            None => {
+                push(&mut self.any, again());
+                push(&mut self.whole, access);
+            }
+        }
+    }
+
+    /// The nodes of other contexts whose data conflict with those of `node`.
+    fn conflicts(&self, node: usize, same_context: bool) -> Vec<usize> {
+        let context = self.contexts.get(node).copied().flatten();
+        let mut found = Vec::new();
+        let mut look = |sharers: &BTreeMap<Context, Sharers<'m>>, path: &[PathStep], writes| {
+            for (other, sharers) in sharers {
+                if !same_context && *other == context {
+                    continue;
+                }
+                let readers = if writes { &*sharers.readers } else { &[] };
+                let all = sharers.writers.iter().chain(readers);
+                found.extend(all.filter(|a| overlap(a.path, path)).map(|a| a.node));
+            }
+        };
+        for (key, path, writes) in self.accesses(node) {
+            match key {
+                None => look(&self.any, path, writes),
+                Some(key) => {
+                    if let Some(sharers) = self.keys.get(&key) {
+                        look(sharers, path, writes);
+                    }
+                    if matches!(key, Key::Ids(_)) {
+                        look(&self.whole, path, writes);
+                    }
+                }
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
+        found
+    }
+
+    fn accesses(&self, node: usize) -> Vec<(Option<Key>, &'m [PathStep], bool)> {
+        let component = self.component;
+        if let Some(codel) = component.codels.get(node) {
+            let touch = |p: &'m crate::model::CodelParameter| match &p.source {
+                Source::Port(port) => Some((Some(Key::Port(*port)), &[][..], true)),
+                Source::Ids { path } => {
+                    Some((ids_key(path), &path[..], p.direction != Direction::In))
+                }
+                _ => None,
+            };
+            return codel.parameters.iter().filter_map(touch).collect();
+        }
+        let service = component.services.get(node - component.codels.len());
+        let parameters = service.map_or(&[][..], |service| &service.parameters);
+        let moved = parameters.iter().filter_map(|p| Some((p, p.target.as_ref()?)));
+        moved.map(|(p, t)| (ids_key(&t.path), &t.path[..], p.direction != Direction::Out)).collect()
+    }
+
+    /// The whole relation.
+    pub(super) fn table(&self) -> Vec<Vec<usize>> {
+        let codels = self.component.codels.len();
+        (0..self.contexts.len())
+            .map(|node| {
+                let mut list = self.conflicts(node, false);
+                if node < codels {
+                    list.retain(|other| !self.is_interrupted_by(node, *other));
+                } else {
+                    // An attribute excludes what tasks run; the control task is sequential.
+                    list.retain(|other| self.contexts.get(*other).copied().flatten().is_some());
+                }
+                list
+            })
+            .collect()
+    }
+
+    /// Whether `other` is a codel of a service that interrupts that of `node`: then they cannot
+    /// run at the same time anyway.
+    fn is_interrupted_by(&self, node: usize, other: usize) -> bool {
+        let owner = |node: usize| self.component.codels.get(node).map(|codel| codel.owner);
+        let (Some(Owner::Service(own)), Some(Owner::Service(by))) = (owner(node), owner(other))
+        else {
+            return false;
+        };
+        let machine = self
+            .component
+            .codels
+            .get(other)
+            .is_some_and(|codel| matches!(codel.kind, CodelKind::Fsm { .. }));
+        machine && self.component.services.get(by).is_some_and(|s| s.interrupts.contains(&own))
+    }
+
+    /// For each activity, the activities whose codels conflict with its own, itself included.
+    // dialects.md A: what a service of the papers interrupts unless it says so.
+    pub(super) fn incompatible(&self) -> Vec<Vec<usize>> {
+        let services = &self.component.services;
+        let activity = |node: usize| match self.component.codels.get(node)?.owner {
+            Owner::Service(rank)
+                if services.get(rank).is_some_and(|s| s.kind == ServiceKind::Activity) =>
+            {
+                Some(rank)
+            }
+            _ => None,
+        };
+        services
+            .iter()
+            .map(|service| {
+                if service.kind != ServiceKind::Activity {
+                    return Vec::new();
+                }
+                let conflicts = service.codels.iter().flat_map(|node| self.conflicts(*node, true));
+                let mut list: Vec<usize> = conflicts.filter_map(activity).collect();
+                list.sort_unstable();
+                list.dedup();
+                list
+            })
+            .collect()
+    }
+}
+
+fn ids_key(path: &[PathStep]) -> Option<Key> {
+    match path.first() {
+        Some(PathStep::Member(rank)) => Some(Key::Ids(*rank)),
+        _ => None,
+    }
+}
+
+/// Rule 4: the paths agree on their common prefix.
+fn overlap(a: &[PathStep], b: &[PathStep]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a == b)
+}
+
+fn context(component: &Component, codel: &Codel) -> Context {
+    match (&codel.kind, codel.owner) {
+        (_, Owner::Task(task)) => Some(task),
+        (CodelKind::Fsm { .. }, Owner::Service(rank)) => {
+            component.services.get(rank).and_then(|service| service.task)
+        }
+        _ => None,
+    }
+}
+
+impl Checker {
+    /// Async codels share nothing with other contexts.
+    // genom3.md 3.7 K24, 4.5.
+    pub(super) fn check_async(&mut self, component: &Component) {
+        let exempt = start_and_stop(component);
+        for (node, codel) in component.codels.iter().enumerate().filter(|(_, c)| c.asynchronous) {
+            let other = component.exclusion(node).iter().find(|other| !exempt.contains(other));
+            let Some(&other) = other else { continue };
+            let (what, span) = match component.codels.get(other) {
+                Some(other) => (format!("codel `{}`", other.name), other.span),
+                None => match component.services.get(other - component.codels.len()) {
+                    Some(service) => (format!("service `{}`", service.name), service.span),
+                    None => continue,
+                },
+            };
+            let message = format!("async codel `{}` shares data with {what}", codel.name);
+            self.push(
+                Diagnostic::error("E0724", codel.span, message)
+                    .note(span, "declared here")
+                    .help("remove `async`, or pass the data through a codel that is not async"),
+            );
+        }
+    }
+}
+
+/// Permanent codels that run at start-up, and those that `start` does not lead to.
+fn start_and_stop(component: &Component) -> Vec<usize> {
+    let mut exempt = Vec::new();
+    for task in &component.tasks {
+        let codel_of = |state: usize| {
+            task.codels.iter().copied().find(|node| {
+                matches!(component.codels.get(*node).map(|c| &c.kind),
+                    Some(CodelKind::Fsm { triggers, .. }) if triggers.contains(&state))
+            })
+        };
+        let start = component.states.iter().position(|name| name == "start").and_then(codel_of);
+        let mut seen: Vec<usize> = start.into_iter().collect();
+        let mut todo = seen.clone();
+        while let Some(node) = todo.pop() {
+            let Some(CodelKind::Fsm { yields, .. }) = component.codels.get(node).map(|c| &c.kind)
+            else {
+                continue;
+            };
+            for next in yields.iter().filter_map(|y| codel_of(y.state)) {
+                if !seen.contains(&next) {
+                    seen.push(next);
+                    todo.push(next);
+                }
+            }
+        }
+        exempt.extend(start);
+        exempt.extend(task.codels.iter().filter(|node| !seen.contains(node)));
+    }
+    exempt
+}

@@ -1,0 +1,394 @@
+//! From what was read to the model: ranks instead of names, everything implicit made explicit.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use genom_types::{Digester, Kind, Member, ScopedName, TypeId};
+
+use super::Checker;
+use super::clock::duration;
+use super::exclusion::Sharing;
+use super::property::add_throws;
+use super::state::{self, BodyId, CodelState, Role};
+use crate::diagnostic::Diagnostic;
+use crate::model::{
+    AttributeTarget, Codel, CodelKind, CodelParameter, Component, Dialect, Direction, Interface,
+    Owner, Parameter, Port, PortDirection, Remote, Service, ServiceKind, Sink, Source,
+    Specification, Task,
+};
+use crate::syntax;
+
+/// The structs of a service's parameters.
+#[derive(Clone, Copy)]
+struct Records {
+    input: TypeId,
+    output: TypeId,
+    local: TypeId,
+}
+
+/// Structs made so far, by body and rank of the service.
+type Made = HashMap<(BodyId, usize), Records>;
+
+impl Checker {
+    pub(super) fn finish(mut self) -> (Specification, Vec<Diagnostic>) {
+        self.check_forwards();
+        let mut made = Made::new();
+        let mut components = Vec::new();
+        let mut interfaces = Vec::new();
+        for id in 0..self.bodies.len() {
+            self.check_tasks_timing(id);
+            if self.bodies[id].interface {
+                interfaces.push(self.lower_interface(id));
+            } else {
+                let component = self.lower_component(id, &mut made);
+                components.push(component);
+            }
+        }
+        for component in &components {
+            self.check_async(component);
+            self.warn(component);
+        }
+        let specification = Specification {
+            types: Arc::new(self.types),
+            constants: self.constants,
+            interfaces,
+            components,
+            masquerades: self.masquerades,
+        };
+        (specification, self.diagnostics)
+    }
+
+    fn lower_interface(&self, id: BodyId) -> Interface {
+        let body = &self.bodies[id];
+        Interface {
+            name: body.name.to_string(),
+            doc: joined(&body.docs),
+            ports: body.ports.keys().map(ToString::to_string).collect(),
+            services: body.services.keys().map(ToString::to_string).collect(),
+            span: body.span,
+        }
+    }
+
+    fn lower_component(&mut self, id: BodyId, made: &mut Made) -> Component {
+        let clock_rate = self.clock_rate(id);
+        let records: Vec<Records> =
+            (0..self.bodies[id].services.len()).map(|rank| self.records(id, rank, made)).collect();
+        let remotes = self.lower_remotes(id, made);
+        let body = &self.bodies[id];
+        let mut codels = Vec::new();
+        let mut tasks = Vec::new();
+        for (rank, task) in body.tasks.values().enumerate() {
+            let owner = Owner::Task(rank);
+            let ranks = add_codels(&mut codels, &task.codels, owner, &remotes);
+            let mut throws = body.throws.clone();
+            add_throws(&mut throws, &task.throws);
+            tasks.push(Task {
+                name: task.name.to_string(),
+                doc: joined(&task.docs),
+                period: task.period.map(|(seconds, _)| duration(seconds)),
+                delay: task.delay.map(|(seconds, _)| duration(seconds)).unwrap_or_default(),
+                priority: task.priority.map(|(priority, _)| priority),
+                real_time: task.real_time.or(body.real_time).is_some(),
+                stack: task.stack.or(body.stack).map(|(bytes, _)| bytes),
+                codels: ranks,
+                throws,
+                span: task.span,
+            });
+        }
+        let mut services = Vec::new();
+        for (rank, (service, made)) in body.services.values().zip(&records).enumerate() {
+            let owner = Owner::Service(rank);
+            let validates = add_codels(&mut codels, &service.validates, owner, &remotes);
+            let ranks = add_codels(&mut codels, &service.codels, owner, &remotes);
+            let service = self.lower_service(id, service, *made, validates, ranks);
+            services.push(service);
+        }
+        let mut throws = body.throws.clone();
+        for task in &tasks {
+            add_throws(&mut throws, &task.throws);
+        }
+        for service in &services {
+            add_throws(&mut throws, &service.throws);
+        }
+        let mut component = Component {
+            name: body.name.to_string(),
+            dialect: body.dialect,
+            doc: joined(&body.docs),
+            version: body.version.as_ref().map_or("0", |(text, _)| text).to_owned(),
+            lang: body.lang.as_ref().map_or("c", |(text, _)| text).to_owned(),
+            email: body.email.as_ref().map(|(text, _)| text.clone()),
+            requires: body.requires.clone(),
+            codels_requires: body.codels_requires.clone(),
+            clock_rate,
+            ids: body.ids,
+            tasks,
+            ports: body.ports.iter().map(|(name, port)| lower_port(name, port)).collect(),
+            remotes,
+            services,
+            codels,
+            states: body.states.keys().map(ToString::to_string).collect(),
+            sinks: body
+                .sinks
+                .iter()
+                .map(|(state, span)| Sink {
+                    name: self.state_name(id, *state).to_owned(),
+                    state: *state,
+                    span: *span,
+                })
+                .collect(),
+            throws,
+            exclusion: Vec::new(),
+            digest: String::new(),
+            span: body.span,
+        };
+        complete(&mut component);
+        self.digests(&mut component);
+        component
+    }
+
+    fn lower_service(
+        &self,
+        id: BodyId,
+        service: &state::Service,
+        records: Records,
+        validates: Vec<usize>,
+        codels: Vec<usize>,
+    ) -> Service {
+        let body = &self.bodies[id];
+        let mut throws = body.throws.clone();
+        let task = service.task.map(|(task, _)| task);
+        if let Some((_, task)) = task.and_then(|task| body.tasks.get_index(task)) {
+            add_throws(&mut throws, &task.throws);
+        }
+        add_throws(&mut throws, &service.throws);
+        let ranks = |names: &[syntax::Name]| -> Vec<usize> {
+            if names.iter().any(|name| &*name.text == "all") {
+                return (0..body.services.len()).collect();
+            }
+            names.iter().filter_map(|name| body.services.get_index_of(&name.text)).collect()
+        };
+        let ordered = |given: &state::Given<Vec<syntax::Name>>| {
+            given.as_ref().map(|(names, _)| ranks(names)).unwrap_or_default()
+        };
+        Service {
+            kind: match service.kind {
+                syntax::ServiceKind::Attribute => ServiceKind::Attribute,
+                syntax::ServiceKind::Activity => ServiceKind::Activity,
+                syntax::ServiceKind::Function | syntax::ServiceKind::Service => {
+                    ServiceKind::Function
+                }
+            },
+            name: service.name.to_string(),
+            doc: joined(&service.docs),
+            parameters: service.parameters.iter().map(lower_parameter).collect(),
+            locals: service.locals.iter().map(lower_parameter).collect(),
+            input: records.input,
+            output: records.output,
+            local: records.local,
+            task,
+            interrupts: ranks(&service.interrupts),
+            before: ordered(&service.before),
+            after: ordered(&service.after),
+            validates,
+            codels,
+            throws,
+            standard: service.standard,
+            through_ids: service.through_ids,
+            digest: String::new(),
+            span: service.span,
+        }
+    }
+
+    fn lower_remotes(&mut self, id: BodyId, made: &mut Made) -> Vec<Remote> {
+        let remotes: Vec<_> = self.bodies[id]
+            .remotes
+            .iter()
+            .map(|(name, remote)| (name.to_string(), remote.clone()))
+            .collect();
+        let mut list = Vec::new();
+        for (name, remote) in remotes {
+            let records = self.records(remote.interface, remote.service, made);
+            let interface = &self.bodies[remote.interface];
+            let Some((_, service)) = interface.services.get_index(remote.service) else { continue };
+            let mut throws = self.bodies[id].throws.clone();
+            if let Some((_, task)) =
+                service.task.and_then(|(task, _)| interface.tasks.get_index(task))
+            {
+                add_throws(&mut throws, &task.throws);
+            }
+            add_throws(&mut throws, &service.throws);
+            list.push(Remote {
+                name,
+                interface: interface.name.to_string(),
+                parameters: service.parameters.iter().map(lower_parameter).collect(),
+                input: records.input,
+                output: records.output,
+                throws,
+                digest: String::new(),
+                span: remote.span,
+            });
+        }
+        list
+    }
+
+    /// The structs of a service, named `::component::service::input` and so on.
+    fn records(&mut self, id: BodyId, rank: usize, made: &mut Made) -> Records {
+        if let Some(known) = made.get(&(id, rank)) {
+            return *known;
+        }
+        let body = &self.bodies[id];
+        let scope = self.scopes.full_name(body.scope);
+        let mut lists = [Vec::new(), Vec::new(), Vec::new()];
+        let mut name = scope.clone();
+        if let Some((_, service)) = body.services.get_index(rank) {
+            name = scope.join(&service.name);
+            for p in &service.parameters {
+                let member = Member { name: p.name.to_string(), ty: p.ty };
+                if p.direction != Direction::Out {
+                    lists[0].push(member.clone());
+                }
+                if p.direction != Direction::In {
+                    lists[1].push(member);
+                }
+            }
+            let locals = service.locals.iter();
+            lists[2] = locals.map(|p| Member { name: p.name.to_string(), ty: p.ty }).collect();
+        }
+        let [input, output, local] = lists;
+        let mut add = |what: &str, members| {
+            let name: ScopedName = name.join(what);
+            self.add_type(Kind::Struct { name, members }, None)
+        };
+        let records = Records {
+            input: add("input", input),
+            output: add("output", output),
+            local: add("local", local),
+        };
+        made.insert((id, rank), records);
+        records
+    }
+
+    // genom3.md 4.9.
+    fn digests(&self, component: &mut Component) {
+        let mut whole = Digester::default();
+        for port in &component.ports {
+            let kind = if port.multiple { "multiple" } else { "simple" };
+            whole.text("port").text(kind).text(&port.name).ty(&self.types, port.ty);
+        }
+        let signature = |to: &mut Digester,
+                         parameters: &[Parameter],
+                         locals: &[Parameter],
+                         throws: &[TypeId]| {
+            for parameter in parameters {
+                let direction = match parameter.direction {
+                    Direction::In => "in",
+                    Direction::Out => "out",
+                    Direction::InOut => "inout",
+                };
+                to.text(direction).ty(&self.types, parameter.ty);
+            }
+            for local in locals {
+                to.text("local").ty(&self.types, local.ty);
+            }
+            for exception in throws {
+                to.ty(&self.types, *exception);
+            }
+        };
+        for service in &mut component.services {
+            let kind = match service.kind {
+                ServiceKind::Attribute => "attribute",
+                ServiceKind::Function => "function",
+                ServiceKind::Activity => "activity",
+            };
+            whole.text(kind).text(&service.name);
+            signature(&mut whole, &service.parameters, &service.locals, &service.throws);
+            let mut own = Digester::default();
+            signature(&mut own, &service.parameters, &service.locals, &service.throws);
+            service.digest = own.finish();
+        }
+        for remote in &mut component.remotes {
+            let mut own = Digester::default();
+            signature(&mut own, &remote.parameters, &[], &remote.throws);
+            remote.digest = own.finish();
+        }
+        component.digest = whole.finish();
+    }
+}
+
+/// What follows from codels and services: exclusion, and the papers' interruptions.
+fn complete(component: &mut Component) {
+    if component.dialect != Dialect::Current {
+        // dialects.md A: a service interrupts those it is incompatible with, unless it says.
+        let lists = Sharing::new(component).incompatible();
+        for (service, list) in component.services.iter_mut().zip(lists) {
+            if service.interrupts.is_empty() && service.kind == ServiceKind::Activity {
+                service.interrupts = list;
+            }
+        }
+    }
+    component.exclusion = Sharing::new(component).table();
+}
+
+fn add_codels(
+    codels: &mut Vec<Codel>,
+    from: &[CodelState],
+    owner: Owner,
+    remotes: &[Remote],
+) -> Vec<usize> {
+    let first = codels.len();
+    for codel in from {
+        let kind = match codel.role {
+            Role::Validate => CodelKind::Validate,
+            Role::Simple => CodelKind::Simple,
+            Role::Machine => {
+                CodelKind::Fsm { triggers: codel.triggers.clone(), yields: codel.yields.clone() }
+            }
+        };
+        let parameters = codel.parameters.iter().map(|p| CodelParameter {
+            name: p.name.to_string(),
+            direction: p.direction,
+            ty: match &p.source {
+                Source::Remote(rank) => remotes.get(*rank).map_or(p.ty, |remote| remote.input),
+                _ => p.ty,
+            },
+            source: p.source.clone(),
+            span: p.span,
+        });
+        codels.push(Codel {
+            name: codel.syntax.name.text.to_string(),
+            owner,
+            kind,
+            asynchronous: codel.syntax.asynchronous,
+            parameters: parameters.collect(),
+            wcet: codel.wcet.map(duration),
+            span: codel.syntax.name.span,
+        });
+    }
+    (first..codels.len()).collect()
+}
+
+fn lower_parameter(parameter: &state::Parameter) -> Parameter {
+    Parameter {
+        name: parameter.name.to_string(),
+        direction: parameter.direction,
+        ty: parameter.ty,
+        default: parameter.default.clone(),
+        target: parameter.target.as_ref().map(|t| AttributeTarget { path: t.path.clone() }),
+        span: parameter.span,
+    }
+}
+
+fn lower_port(name: &str, port: &state::Port) -> Port {
+    Port {
+        name: name.to_string(),
+        direction: if port.out { PortDirection::Out } else { PortDirection::In },
+        multiple: port.multiple,
+        ty: port.ty,
+        doc: joined(&port.docs),
+        span: port.span,
+    }
+}
+
+fn joined(docs: &[String]) -> Option<String> {
+    (!docs.is_empty()).then(|| docs.join("\n"))
+}

@@ -1,0 +1,186 @@
+//! Tree to model: every name resolved into an index, every rule of genom3.md section 3 checked.
+//!
+//! One pass in the order of the text (declare before use), a few checks when a component closes,
+//! the rest when all is read. A mistake is said once: what cannot be known because of it is
+//! passed over in silence (see [`Checker::lost`]).
+
+mod attribute;
+mod body;
+mod clock;
+mod codel;
+mod constant;
+mod declare;
+mod exclusion;
+mod initial;
+mod lower;
+mod machine;
+mod merge;
+mod papers;
+mod port;
+mod property;
+mod scope;
+mod service;
+mod state;
+mod task;
+mod types;
+mod value;
+mod warnings;
+
+use std::collections::{HashMap, HashSet};
+
+use genom_types::{TypeId, TypeTable};
+
+use self::scope::{Entity, ScopeId, Scopes};
+use self::state::{Body, BodyId};
+use self::types::{Facts, Shape};
+use self::value::Value;
+use crate::diagnostic::Diagnostic;
+use crate::model::{Constant, Masquerade, Span, Specification};
+use crate::syntax::{Statement, Tree};
+use crate::token::Pragma;
+
+/// Errors that get a nearest name: finding it costs a look at all names.
+const SUGGESTIONS: u32 = 50;
+
+/// Checks a whole specification.
+///
+/// `standard` is the standard interface, declared before everything else. `root_of` gives the
+/// input file through which a file is read: a component of the papers is one input file.
+pub(crate) fn check(
+    tree: Tree,
+    standard: Option<Tree>,
+    root_of: &dyn Fn(u32) -> u32,
+) -> (Specification, Vec<Diagnostic>) {
+    let mut checker = Checker::new(tree.lost);
+    if let Some(standard) = standard {
+        for statement in &standard.statements {
+            checker.statement(statement);
+        }
+    }
+    let (statements, mut refused) = papers::gather(tree.statements, root_of);
+    checker.diagnostics.append(&mut refused);
+    for (statement, dialect) in &statements {
+        checker.dialect = *dialect;
+        checker.statement(statement);
+    }
+    checker.finish()
+}
+
+pub(super) struct Checker {
+    types: TypeTable,
+    facts: Vec<Facts>,
+    shapes: HashMap<Shape, TypeId>,
+    member_index: HashMap<TypeId, HashMap<String, usize>>,
+    error_type: Option<TypeId>,
+    scopes: Scopes,
+    scope: ScopeId,
+    constants: Vec<Constant>,
+    /// Values of the constants, `None` when they could not be computed.
+    constant_values: Vec<Option<Value>>,
+    forwards: Vec<(TypeId, Span)>,
+    masquerades: Vec<Masquerade>,
+    bodies: Vec<Body>,
+    body_index: HashMap<Box<str>, BodyId>,
+    /// Prototype of each codel, by name (K1).
+    prototypes: HashMap<Box<str>, codel::Prototype>,
+    /// `#pragma requires` so far.
+    requires: Vec<String>,
+    /// `#pragma provides` so far.
+    provided: Vec<(BodyId, Span)>,
+    /// Names that a mistake kept from being declared: nothing more is said of them.
+    lost: HashSet<Box<str>>,
+    suggestions: u32,
+    dialect: crate::model::Dialect,
+    diagnostics: Vec<Diagnostic>,
+}
+
+impl Checker {
+    fn new(lost: HashSet<Box<str>>) -> Self {
+        Checker {
+            types: TypeTable::default(),
+            facts: Vec::new(),
+            shapes: HashMap::new(),
+            member_index: HashMap::new(),
+            error_type: None,
+            scopes: Scopes::new(),
+            scope: 0,
+            constants: Vec::new(),
+            constant_values: Vec::new(),
+            forwards: Vec::new(),
+            masquerades: Vec::new(),
+            bodies: Vec::new(),
+            body_index: HashMap::new(),
+            prototypes: HashMap::new(),
+            requires: Vec::new(),
+            provided: Vec::new(),
+            lost,
+            suggestions: SUGGESTIONS,
+            dialect: crate::model::Dialect::Current,
+            diagnostics: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+
+    fn statement(&mut self, statement: &Statement) {
+        match statement {
+            Statement::Idl(idl) => self.idl(idl),
+            Statement::Component(body) => self.body(body, false),
+            Statement::Interface(body) => self.body(body, true),
+            Statement::Pragma(pragma, span) => self.pragma(pragma, *span),
+            // `papers::gather` has put these into their component, or refused them.
+            Statement::Outside(_) => {}
+        }
+    }
+
+    // genom3.md 1.3.
+    fn pragma(&mut self, pragma: &Pragma, span: Span) {
+        match pragma {
+            Pragma::Requires(packages) => {
+                for (package, _) in packages {
+                    if !self.requires.iter().any(|known| **known == **package) {
+                        self.requires.push(package.to_string());
+                    }
+                }
+            }
+            Pragma::Provides(interfaces) => {
+                for (name, span) in interfaces {
+                    // I6.
+                    if let Some(id) = self.interface(name, *span, "E0406") {
+                        self.provided.push((id, *span));
+                    }
+                }
+            }
+            Pragma::Masquerade(arguments) => self.masquerade(arguments, span),
+        }
+    }
+
+    fn masquerade(&mut self, arguments: &[(Box<str>, Span)], span: Span) {
+        let [(template, at), (ty, ty_span), (data, _)] = arguments else {
+            let message = "`#pragma masquerade` takes a middleware, a type and a foreign type";
+            self.push(
+                Diagnostic::error("E0206", span, message)
+                    .help("#pragma masquerade ros2 demo::pose geometry_msgs/msg/Pose"),
+            );
+            return;
+        };
+        let path = papers::path_of(ty, *ty_span);
+        let Some((Entity::Type(ty), _)) = self.find(&path, "type") else { return };
+        if let Some(other) =
+            self.masquerades.iter().find(|m| *m.template == **template && m.ty == ty)
+        {
+            let error = Diagnostic::error("E0506", *at, "this type already has a masquerade")
+                .note(other.span, "declared here");
+            self.push(error);
+            return;
+        }
+        self.masquerades.push(Masquerade {
+            template: template.to_string(),
+            ty,
+            data: data.to_string(),
+            span: *at,
+        });
+    }
+}

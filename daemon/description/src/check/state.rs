@@ -1,0 +1,151 @@
+//! Components and interfaces while they are being read: everything may still grow.
+
+use std::collections::HashSet;
+use std::rc::Rc;
+
+use genom_types::{Member, TypeId};
+use indexmap::IndexMap;
+
+use super::scope::ScopeId;
+use crate::model::{Default as DefaultValue, Dialect, Direction, PathStep, Source, Span, Yield};
+use crate::syntax::{Codel, Name, Qualifier, ServiceKind, Variable};
+
+/// Rank among the bodies.
+pub(super) type BodyId = usize;
+
+/// A value and where it was given: a second one is a duplicate.
+pub(super) type Given<T> = Option<(T, Span)>;
+
+/// A component or an interface.
+#[derive(Debug)]
+pub(super) struct Body {
+    pub(super) interface: bool,
+    pub(super) name: Box<str>,
+    pub(super) span: Span,
+    pub(super) scope: ScopeId,
+    pub(super) dialect: Dialect,
+    pub(super) docs: Vec<String>,
+    pub(super) version: Given<String>,
+    pub(super) lang: Given<String>,
+    pub(super) email: Given<String>,
+    pub(super) requires: Vec<String>,
+    pub(super) codels_requires: Vec<String>,
+    pub(super) clock_rate: Given<f64>,
+    pub(super) stack: Given<u64>,
+    pub(super) real_time: Given<()>,
+    pub(super) throws: Vec<TypeId>,
+    pub(super) ids: Option<TypeId>,
+    pub(super) ids_scope: ScopeId,
+    pub(super) ids_members: Vec<(Member, Span)>,
+    pub(super) tasks: IndexMap<Box<str>, Task>,
+    pub(super) ports: IndexMap<Box<str>, Port>,
+    pub(super) remotes: IndexMap<Box<str>, Remote>,
+    pub(super) services: IndexMap<Box<str>, Service>,
+    pub(super) states: IndexMap<Box<str>, Span>,
+    /// External events: states by rank, and where they are declared.
+    pub(super) sinks: IndexMap<usize, Span>,
+    /// Tasks and services changed since the body was last closed.
+    pub(super) touched_tasks: HashSet<usize>,
+    pub(super) touched_services: HashSet<usize>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Task {
+    pub(super) name: Box<str>,
+    pub(super) span: Span,
+    pub(super) docs: Vec<String>,
+    pub(super) period: Given<f64>,
+    pub(super) delay: Given<f64>,
+    pub(super) priority: Given<u32>,
+    pub(super) stack: Given<u64>,
+    pub(super) real_time: Given<()>,
+    pub(super) throws: Vec<TypeId>,
+    pub(super) codels: Vec<CodelState>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Port {
+    pub(super) out: bool,
+    pub(super) multiple: bool,
+    pub(super) ty: TypeId,
+    pub(super) docs: Vec<String>,
+    pub(super) span: Span,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Remote {
+    pub(super) interface: BodyId,
+    /// The service, in that interface.
+    pub(super) service: usize,
+    pub(super) span: Span,
+}
+
+/// A service as declared and reopened so far.
+#[derive(Clone, Debug)]
+pub(super) struct Service {
+    pub(super) kind: ServiceKind,
+    pub(super) name: Box<str>,
+    pub(super) span: Span,
+    pub(super) docs: Vec<String>,
+    pub(super) parameters: Vec<Parameter>,
+    pub(super) locals: Vec<Parameter>,
+    pub(super) task: Given<usize>,
+    pub(super) interrupts: Vec<Name>,
+    pub(super) before: Given<Vec<Name>>,
+    pub(super) after: Given<Vec<Name>>,
+    pub(super) validates: Vec<CodelState>,
+    pub(super) codels: Vec<CodelState>,
+    pub(super) throws: Vec<TypeId>,
+    pub(super) standard: bool,
+    pub(super) through_ids: bool,
+    /// Something of it was refused: what follows from that is not said.
+    pub(super) broken: bool,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Parameter {
+    pub(super) name: Box<str>,
+    pub(super) direction: Direction,
+    pub(super) ty: TypeId,
+    pub(super) default: Option<DefaultValue>,
+    pub(super) target: Option<Target>,
+    pub(super) span: Span,
+}
+
+/// The IDS member of an attribute's parameter.
+#[derive(Clone, Debug)]
+pub(super) struct Target {
+    pub(super) path: Vec<PathStep>,
+    /// As written, to be resolved again in a component that provides the interface.
+    pub(super) variable: Option<Variable>,
+}
+
+/// What a codel is to its owner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    Validate,
+    Simple,
+    Machine,
+}
+
+/// A codel with its parameters resolved in its body.
+#[derive(Clone, Debug)]
+pub(super) struct CodelState {
+    pub(super) syntax: Rc<Codel>,
+    pub(super) role: Role,
+    pub(super) parameters: Vec<CodelParameter>,
+    pub(super) triggers: Vec<usize>,
+    pub(super) yields: Vec<Yield>,
+    pub(super) wcet: Option<f64>,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct CodelParameter {
+    pub(super) name: Box<str>,
+    pub(super) direction: Direction,
+    pub(super) ty: TypeId,
+    pub(super) source: Source,
+    /// What the source turned out to be: kept when the codel is resolved again.
+    pub(super) qualifier: Qualifier,
+    pub(super) span: Span,
+}

@@ -1,0 +1,133 @@
+//! What GenoM3 accepts in silence and is likely a mistake (genom3.md 3.10).
+
+use std::collections::{HashMap, HashSet};
+
+use super::Checker;
+use crate::diagnostic::Diagnostic;
+use crate::model::{CodelKind, Component, Direction, Owner, ServiceKind, Source, Span};
+
+impl Checker {
+    pub(super) fn warn(&mut self, component: &Component) {
+        let count = self.diagnostics.len();
+        warn_directions(component, &mut self.diagnostics);
+        warn_unused(component, &mut self.diagnostics);
+        warn_endless(component, &mut self.diagnostics);
+        // Nothing is said of what a mistake keeps from being known.
+        if self.diagnostics[..count]
+            .iter()
+            .any(|d| d.severity == crate::diagnostic::Severity::Error)
+        {
+            self.diagnostics.truncate(count);
+        }
+    }
+}
+
+/// `out` on a parameter that the service only takes in: nobody sees what is written.
+fn warn_directions(component: &Component, out: &mut Vec<Diagnostic>) {
+    for codel in &component.codels {
+        // A validate codel may edit the value it checks (genom3.md 7.3).
+        let (Owner::Service(rank), false) =
+            (codel.owner, matches!(codel.kind, CodelKind::Validate))
+        else {
+            continue;
+        };
+        let Some(service) = component.services.get(rank) else { continue };
+        for parameter in &codel.parameters {
+            let Source::Parameter { index, .. } = parameter.source else { continue };
+            let Some(declared) = service.parameters.get(index) else { continue };
+            if declared.direction == Direction::In && parameter.direction != Direction::In {
+                let message = format!(
+                    "`{}` is `in` for the service: what codel `{}` writes is lost",
+                    declared.name, codel.name
+                );
+                out.push(
+                    Diagnostic::warning("W0902", parameter.span, message)
+                        .note(declared.span, "declared here"),
+                );
+            }
+        }
+    }
+}
+
+fn warn_unused(component: &Component, out: &mut Vec<Diagnostic>) {
+    let mut ports = HashSet::new();
+    let mut tasks = HashSet::new();
+    for codel in &component.codels {
+        ports.extend(codel.parameters.iter().filter_map(|p| match p.source {
+            Source::Port(port) => Some(port),
+            _ => None,
+        }));
+        if let Owner::Task(task) = codel.owner {
+            tasks.insert(task);
+        }
+    }
+    tasks.extend(component.services.iter().filter_map(|service| service.task));
+    for (rank, port) in component.ports.iter().enumerate() {
+        // The runtime writes this one.
+        if port.name != "genom_state" && !ports.contains(&rank) {
+            let message = format!("no codel uses port `{}`", port.name);
+            out.push(Diagnostic::warning("W0903", port.span, message));
+        }
+    }
+    for (rank, task) in component.tasks.iter().enumerate() {
+        if !tasks.contains(&rank) {
+            let message = format!("nothing runs in task `{}`", task.name);
+            out.push(Diagnostic::warning("W0905", task.span, message));
+        }
+    }
+}
+
+/// An activity that may run for ever and has no `stop`: interrupting it ends it where it stands.
+fn warn_endless(component: &Component, out: &mut Vec<Diagnostic>) {
+    for service in component.services.iter().filter(|s| s.kind == ServiceKind::Activity) {
+        let mut next: HashMap<usize, Vec<usize>> = HashMap::new();
+        for codel in service.codels.iter().filter_map(|rank| component.codels.get(*rank)) {
+            let CodelKind::Fsm { triggers, yields } = &codel.kind else { continue };
+            for trigger in triggers {
+                next.entry(*trigger).or_default().extend(yields.iter().map(|y| y.state));
+            }
+        }
+        let named = |name: &str| component.states.iter().position(|state| state == name);
+        if named("stop").is_some_and(|stop| next.contains_key(&stop)) {
+            continue;
+        }
+        let Some(start) = named("start").filter(|_| has_cycle(&next, named("start"))) else {
+            continue;
+        };
+        let _ = start;
+        let message = format!("activity `{}` loops and has no codel<stop>", service.name);
+        let span: Span = service.span;
+        out.push(Diagnostic::warning("W0906", span, message).help(
+            "interrupted, it ends at once with `genom::interrupted`: add codel<stop> to end well",
+        ));
+    }
+}
+
+/// Whether a state that `start` leads to comes back to itself.
+fn has_cycle(next: &HashMap<usize, Vec<usize>>, start: Option<usize>) -> bool {
+    let Some(start) = start else { return false };
+    // Depth first, without recursion: open states are on the way, done ones lead to no cycle.
+    let mut open = HashSet::from([start]);
+    let mut done = HashSet::new();
+    let mut way = vec![(start, 0)];
+    while let Some((state, rank)) = way.last_mut() {
+        match next.get(state).and_then(|list| list.get(*rank)) {
+            None => {
+                open.remove(state);
+                done.insert(*state);
+                way.pop();
+            }
+            Some(&to) => {
+                *rank += 1;
+                if open.contains(&to) {
+                    return true;
+                }
+                if !done.contains(&to) {
+                    open.insert(to);
+                    way.push((to, 0));
+                }
+            }
+        }
+    }
+    false
+}

@@ -1,0 +1,309 @@
+//! Tokens to tree, by recursive descent.
+//!
+//! It never fails: after a mistake it skips to the end of the statement and goes on. It resolves
+//! no name; `check` does.
+
+mod codel;
+mod expression;
+mod initializer;
+mod property;
+mod service;
+mod statement;
+mod types;
+
+pub(crate) use statement::nearest;
+
+use std::collections::HashSet;
+
+use crate::diagnostic::Diagnostic;
+use crate::model::Span;
+use crate::syntax::{Name, Tree};
+use crate::token::{Pragma, Token, TokenKind};
+
+/// How deep braces, parentheses and templates may nest.
+pub const MAX_DEPTH: u32 = 100;
+
+/// Reads a whole specification.
+#[must_use]
+pub fn parse(tokens: &[Token]) -> (Tree, Vec<Diagnostic>) {
+    let mut parser = Parser::new(tokens);
+    let statements = parser.specification();
+    (Tree { statements, lost: parser.lost }, parser.diagnostics)
+}
+
+/// The mistake is reported already: find the end of the statement.
+#[derive(Debug)]
+pub(crate) struct Recover;
+
+pub(crate) type Parsed<T> = Result<T, Recover>;
+
+static END: TokenKind = TokenKind::End;
+
+pub(crate) struct Parser<'a> {
+    tokens: &'a [Token],
+    at: usize,
+    /// Open `{` before the current token: recovery stops at the level it started on.
+    braces: u32,
+    depth: u32,
+    /// Nesting was refused: nothing more is read nor said.
+    stopped: bool,
+    /// Token of the last error: one place, one message.
+    last_error: Option<usize>,
+    /// Inner `>>` closed two templates (an error, already reported).
+    half_closed: bool,
+    diagnostics: Vec<Diagnostic>,
+    /// Pragmas met since the last statement.
+    pragmas: Vec<(Pragma, Span)>,
+    lost: HashSet<Box<str>>,
+}
+
+impl<'a> Parser<'a> {
+    fn new(tokens: &'a [Token]) -> Self {
+        let mut parser = Parser {
+            tokens,
+            at: 0,
+            braces: 0,
+            depth: 0,
+            stopped: false,
+            last_error: None,
+            half_closed: false,
+            diagnostics: Vec::new(),
+            pragmas: Vec::new(),
+            lost: HashSet::new(),
+        };
+        parser.skip_pragmas();
+        parser
+    }
+
+    fn kind(&self) -> &'a TokenKind {
+        self.tokens.get(self.at).map_or(&END, |token| &token.kind)
+    }
+
+    /// The token after the current one, pragmas not counted.
+    fn second(&self) -> &'a TokenKind {
+        self.tokens
+            .get(self.at + 1..)
+            .unwrap_or_default()
+            .iter()
+            .map(|token| &token.kind)
+            .find(|kind| !matches!(kind, TokenKind::Pragma(_)))
+            .unwrap_or(&END)
+    }
+
+    fn span(&self) -> Span {
+        self.tokens.get(self.at).or(self.tokens.last()).map_or(Span::default(), |t| t.span)
+    }
+
+    /// From `start` to the token before the current one.
+    fn since(&self, start: Span) -> Span {
+        let last = self.at.checked_sub(1).and_then(|at| self.tokens.get(at));
+        last.map_or(start, |token| start.to(token.span))
+    }
+
+    fn at_end(&self) -> bool {
+        matches!(self.kind(), TokenKind::End)
+    }
+
+    fn bump(&mut self) {
+        match self.kind() {
+            TokenKind::End => return,
+            TokenKind::Punctuation("{") => self.braces += 1,
+            TokenKind::Punctuation("}") => self.braces = self.braces.saturating_sub(1),
+            _ => {}
+        }
+        self.at += 1;
+        self.skip_pragmas();
+    }
+
+    fn skip_pragmas(&mut self) {
+        while let Some(Token { kind: TokenKind::Pragma(pragma), span }) = self.tokens.get(self.at) {
+            self.pragmas.push((pragma.clone(), *span));
+            self.at += 1;
+        }
+    }
+
+    fn is(&self, punctuation: &str) -> bool {
+        matches!(self.kind(), TokenKind::Punctuation(p) if *p == punctuation)
+    }
+
+    fn second_is(&self, punctuation: &str) -> bool {
+        matches!(self.second(), TokenKind::Punctuation(p) if *p == punctuation)
+    }
+
+    fn eat(&mut self, punctuation: &str) -> bool {
+        let found = self.is(punctuation);
+        if found {
+            self.bump();
+        }
+        found
+    }
+
+    fn expect(&mut self, punctuation: &str) -> Parsed<()> {
+        if self.eat(punctuation) { Ok(()) } else { self.unexpected(&format!("`{punctuation}`")) }
+    }
+
+    /// The current identifier, which may be a contextual keyword.
+    fn word(&self) -> Option<&'a str> {
+        match self.kind() {
+            TokenKind::Identifier(text) => Some(text),
+            _ => None,
+        }
+    }
+
+    fn is_word(&self, word: &str) -> bool {
+        self.word() == Some(word)
+    }
+
+    fn eat_word(&mut self, word: &str) -> bool {
+        let found = self.is_word(word);
+        if found {
+            self.bump();
+        }
+        found
+    }
+
+    fn is_keyword(&self, keyword: &str) -> bool {
+        matches!(self.kind(), TokenKind::Keyword(k) if *k == keyword)
+    }
+
+    fn eat_keyword(&mut self, keyword: &str) -> bool {
+        let found = self.is_keyword(keyword);
+        if found {
+            self.bump();
+        }
+        found
+    }
+
+    fn name(&mut self, what: &str) -> Parsed<Name> {
+        match self.word() {
+            Some(text) => {
+                let name = Name { text: text.into(), span: self.span() };
+                self.bump();
+                Ok(name)
+            }
+            None => {
+                let reserved = match self.kind() {
+                    TokenKind::Keyword(keyword) => Some(*keyword),
+                    _ => None,
+                };
+                let count = self.diagnostics.len();
+                let result = self.unexpected(what);
+                if let (Some(keyword), true) = (reserved, self.diagnostics.len() > count)
+                    && let Some(last) = self.diagnostics.last_mut()
+                {
+                    last.help = Some(format!("`{keyword}` is reserved: choose another name"));
+                }
+                result
+            }
+        }
+    }
+
+    /// One or more, separated by commas.
+    fn list<T>(&mut self, mut item: impl FnMut(&mut Self) -> Parsed<T>) -> Parsed<Vec<T>> {
+        let mut items = vec![item(self)?];
+        while self.eat(",") {
+            items.push(item(self)?);
+        }
+        Ok(items)
+    }
+
+    /// None or more in parentheses.
+    fn in_parentheses<T>(&mut self, item: impl FnMut(&mut Self) -> Parsed<T>) -> Parsed<Vec<T>> {
+        self.expect("(")?;
+        if self.eat(")") {
+            return Ok(Vec::new());
+        }
+        let items = self.list(item)?;
+        if !self.eat(")") {
+            return self.unexpected("`,` or `)`");
+        }
+        Ok(items)
+    }
+
+    /// Runs `f` one level deeper, or refuses.
+    fn nested<T>(&mut self, f: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
+        if self.depth >= MAX_DEPTH {
+            let message = format!("nested deeper than {MAX_DEPTH} levels");
+            let error = Diagnostic::error("E0113", self.span(), message)
+                .help("name the inner parts with `typedef` or `const`, or use fewer levels");
+            self.report(error);
+            self.stopped = true;
+            self.at = self.tokens.len();
+            return Err(Recover);
+        }
+        self.depth += 1;
+        let result = f(self);
+        self.depth -= 1;
+        result
+    }
+
+    fn report(&mut self, diagnostic: Diagnostic) {
+        if !self.stopped && self.last_error != Some(self.at) {
+            self.last_error = Some(self.at);
+            self.diagnostics.push(diagnostic);
+        }
+    }
+
+    /// Syntax error at the current token.
+    fn unexpected<T>(&mut self, wanted: &str) -> Parsed<T> {
+        self.refuse("E0103", wanted, None)
+    }
+
+    fn refuse<T>(&mut self, code: &'static str, wanted: &str, help: Option<String>) -> Parsed<T> {
+        let message = format!("expected {wanted}, found {}", describe(self.kind()));
+        let mut error = Diagnostic::error(code, self.span(), message);
+        error.help = help;
+        self.report(error);
+        Err(Recover)
+    }
+
+    /// The `;` that ends a statement begun at `start`; its absence is reported and tolerated.
+    // genom3.md 3.1 L6.
+    fn semicolon(&mut self, start: Span) -> Parsed<()> {
+        if self.eat(";") {
+            return Ok(());
+        }
+        let found = describe(self.kind());
+        let error = Diagnostic::error("E0106", self.span(), format!("expected `;`, found {found}"))
+            .note(start, "the statement starts here");
+        self.report(error);
+        if self.is("}") || self.at_end() || self.starts_statement() { Ok(()) } else { Err(Recover) }
+    }
+
+    /// Skips to the `;` that ends a statement of brace level `level`, remembering the names
+    /// from token `from` on.
+    fn recover(&mut self, level: u32, from: usize) {
+        while !self.at_end() {
+            if self.braces <= level {
+                if self.is(";") {
+                    self.bump();
+                    break;
+                }
+                if self.is("}") && level > 0 {
+                    break;
+                }
+            }
+            self.bump();
+        }
+        for token in self.tokens.get(from..self.at).unwrap_or_default() {
+            if let TokenKind::Identifier(text) = &token.kind {
+                self.lost.insert(text.clone());
+            }
+        }
+    }
+}
+
+/// A token in a message.
+fn describe(kind: &TokenKind) -> String {
+    match kind {
+        TokenKind::Identifier(text) => format!("`{text}`"),
+        TokenKind::Keyword(text) | TokenKind::Punctuation(text) => format!("`{text}`"),
+        TokenKind::Integer(value) => format!("`{value}`"),
+        TokenKind::Float(value) => format!("`{value}`"),
+        TokenKind::Fixed => "a fixed point number".to_owned(),
+        TokenKind::Char(_) => "a character".to_owned(),
+        TokenKind::String(_) => "a string".to_owned(),
+        TokenKind::Pragma(_) => "a pragma".to_owned(),
+        TokenKind::End => "end of file".to_owned(),
+    }
+}

@@ -1,0 +1,100 @@
+//! The way in: files to model, with everything there is to say.
+
+use std::path::{Path, PathBuf};
+
+use crate::check::check;
+use crate::diagnostic::{Diagnostic, Severity};
+use crate::model::{Dialect, Span, Specification};
+use crate::parse::parse;
+use crate::preprocess::{self, tokenize, tokenize_text};
+use crate::source::{Disk, Files, Memory, SourceMap};
+use crate::syntax::{Statement, Tree};
+
+/// The interface that every component provides (genom3.md 4.8).
+const STANDARD: &str = include_str!("genom.gen");
+
+/// How to read a description.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Include directories and definitions.
+    pub preprocess: preprocess::Options,
+    /// Whether components provide interface `genom`. Without it a description means what
+    /// GenoM3's own tool sees, and its digests are those of that tool.
+    pub standard_interface: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { preprocess: preprocess::Options::default(), standard_interface: true }
+    }
+}
+
+/// What a description means and what is wrong with it.
+#[derive(Debug)]
+pub struct Analysis {
+    /// What could be understood; complete and sound if there are no errors.
+    pub specification: Specification,
+    /// Errors and warnings: those of the preprocessor, then the others by place.
+    pub diagnostics: Vec<Diagnostic>,
+    /// The text, to resolve spans.
+    pub sources: SourceMap,
+}
+
+impl Analysis {
+    /// Whether the description is refused.
+    #[must_use]
+    pub fn has_errors(&self) -> bool {
+        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+    }
+
+    /// Generation of the language of each component, by name.
+    pub fn dialects(&self) -> impl Iterator<Item = (&str, Dialect)> {
+        self.specification.components.iter().map(|c| (c.name.as_str(), c.dialect))
+    }
+}
+
+/// Reads input files from the disk, in order, as one specification.
+#[must_use]
+pub fn read<P: AsRef<Path>>(inputs: &[P], options: &Options) -> Analysis {
+    let inputs: Vec<PathBuf> = inputs.iter().map(|path| path.as_ref().to_owned()).collect();
+    read_files(&inputs, options, &Disk)
+}
+
+/// Reads one text held in memory; what it includes comes from the disk.
+#[must_use]
+pub fn read_text(name: &str, text: &str, options: &Options) -> Analysis {
+    let mut files = Memory::over_disk();
+    files.insert(name, text);
+    read_files(&[PathBuf::from(name)], options, &files)
+}
+
+/// Reads input files from `files`, in order, as one specification.
+#[must_use]
+pub fn read_files(inputs: &[PathBuf], options: &Options, files: &dyn Files) -> Analysis {
+    let mut sources = SourceMap::new();
+    let (tokens, mut diagnostics) = tokenize(inputs, &options.preprocess, files, &mut sources);
+    let (tree, syntax) = parse(&tokens);
+    drop(tokens);
+    // One who gives the interface among the files (as GenoM3's templates do) has it already.
+    let standard = options.standard_interface && !declares_genom(&tree);
+    let standard = standard.then(|| {
+        let (tokens, _) = tokenize_text("<genom>", STANDARD, &mut sources);
+        parse(&tokens).0
+    });
+    let root_of = |file: u32| {
+        let span = Span { file, ..Span::default() };
+        sources.include_chain(span).last().map_or(file, |outermost| outermost.file)
+    };
+    let (specification, semantics) = check(tree, standard, &root_of);
+    let mut rest = syntax;
+    rest.extend(semantics);
+    rest.sort_by_key(|diagnostic| (diagnostic.span.file, diagnostic.span.start));
+    diagnostics.append(&mut rest);
+    Analysis { specification, diagnostics, sources }
+}
+
+fn declares_genom(tree: &Tree) -> bool {
+    tree.statements.iter().any(
+        |statement| matches!(statement, Statement::Interface(body) if &*body.name.text == "genom"),
+    )
+}

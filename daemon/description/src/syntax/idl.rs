@@ -1,0 +1,297 @@
+//! Types, constants, expressions and initialisers (genom3.md 2.4 to 2.6).
+
+use super::{Name, Path, Text};
+use crate::model::Span;
+
+/// A statement that may stand anywhere: in a module, a component or at top level.
+#[derive(Clone, Debug)]
+pub enum Idl {
+    /// `module m {...};`
+    Module {
+        /// Its name.
+        name: Name,
+        /// What it holds.
+        statements: Vec<Idl>,
+    },
+    /// `const T n = e;`
+    Const(Const),
+    /// `typedef T a, b[2];`
+    Typedef(Typedef),
+    /// `native n;`
+    Native(Name),
+    /// `exception a, b {...};`
+    Exceptions(Vec<Exception>),
+    /// A struct, union or enum on its own.
+    Constructed(Constructed),
+    /// `struct s;` or `union u;`
+    Forward {
+        /// Whether it is a union.
+        union: bool,
+        /// Its name.
+        name: Name,
+    },
+}
+
+/// `const T n = e;`
+#[derive(Clone, Debug)]
+pub struct Const {
+    /// Declared type.
+    pub ty: TypeSpec,
+    /// Its name.
+    pub name: Name,
+    /// Its value.
+    pub value: Expression,
+}
+
+/// `typedef T a, b[2];`
+#[derive(Clone, Debug)]
+pub struct Typedef {
+    /// The type named.
+    pub ty: TypeSpec,
+    /// The new names.
+    pub declarators: Vec<Declarator>,
+}
+
+/// One exception of a statement.
+#[derive(Clone, Debug)]
+pub struct Exception {
+    /// Its name.
+    pub name: Name,
+    /// Its detail, empty for none.
+    pub members: Vec<Member>,
+}
+
+/// A type where a type is wanted.
+#[derive(Clone, Debug)]
+pub struct TypeSpec {
+    /// What it is.
+    pub kind: TypeSpecKind,
+    /// Where.
+    pub span: Span,
+}
+
+/// Kinds of types as written.
+#[derive(Clone, Debug)]
+pub enum TypeSpecKind {
+    /// `boolean`
+    Boolean,
+    /// `char`
+    Char,
+    /// `octet`
+    Octet,
+    /// `short`
+    Short,
+    /// `unsigned short`
+    UnsignedShort,
+    /// `long`
+    Long,
+    /// `unsigned long`
+    UnsignedLong,
+    /// `long long`
+    LongLong,
+    /// `unsigned long long`
+    UnsignedLongLong,
+    /// `float`
+    Float,
+    /// `double`
+    Double,
+    /// `any`
+    Any,
+    /// `string`, `string<n>`
+    String(Option<Box<Expression>>),
+    /// `sequence<T>`, `sequence<T, n>`
+    Sequence(Box<TypeSpec>, Option<Box<Expression>>),
+    /// `optional<T>`
+    Optional(Box<TypeSpec>),
+    /// A name.
+    Named(Path),
+    /// Defined in place.
+    Constructed(Box<Constructed>),
+    /// Already reported: stands for any type.
+    Error,
+}
+
+/// A struct, union or enum with its body.
+#[derive(Clone, Debug)]
+pub enum Constructed {
+    /// `struct s {...}`
+    Struct(Struct),
+    /// `union u switch (T) {...}`
+    Union(Union),
+    /// `enum e {...}`
+    Enum(Enum),
+}
+
+/// `struct s {...}`
+#[derive(Clone, Debug)]
+pub struct Struct {
+    /// Its name.
+    pub name: Name,
+    /// Its members, by type.
+    pub members: Vec<Member>,
+}
+
+/// `T a, b[2];` in a struct.
+#[derive(Clone, Debug)]
+pub struct Member {
+    /// Their common type.
+    pub ty: TypeSpec,
+    /// Their names.
+    pub declarators: Vec<Declarator>,
+}
+
+/// `union u switch (T) {...}`
+#[derive(Clone, Debug)]
+pub struct Union {
+    /// Its name.
+    pub name: Name,
+    /// Type of the discriminant.
+    pub switch: TypeSpec,
+    /// Members with their labels.
+    pub cases: Vec<Case>,
+}
+
+/// A member of a union.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Labels that select it.
+    pub labels: Vec<CaseLabel>,
+    /// Its type.
+    pub ty: TypeSpec,
+    /// Its name.
+    pub declarator: Declarator,
+}
+
+/// `case e:` or `default:`.
+#[derive(Clone, Debug)]
+pub struct CaseLabel {
+    /// `None` for `default`.
+    pub value: Option<Expression>,
+    /// Where.
+    pub span: Span,
+}
+
+/// `enum e {...}`
+#[derive(Clone, Debug)]
+pub struct Enum {
+    /// Its name.
+    pub name: Name,
+    /// Its enumerators.
+    pub enumerators: Vec<Name>,
+}
+
+/// A name with its array dimensions.
+#[derive(Clone, Debug)]
+pub struct Declarator {
+    /// The name.
+    pub name: Name,
+    /// Dimensions, outermost first.
+    pub dimensions: Vec<Expression>,
+}
+
+/// A constant expression.
+#[derive(Clone, Debug)]
+pub struct Expression {
+    /// What it is.
+    pub kind: ExpressionKind,
+    /// Where.
+    pub span: Span,
+}
+
+/// Kinds of expressions.
+#[derive(Clone, Debug)]
+pub enum ExpressionKind {
+    /// A literal.
+    Literal(Literal),
+    /// A constant or an enumerator.
+    Name(Path),
+    /// `-x`
+    Unary(Unary, Box<Expression>),
+    /// `a + b - c`: operators of one precedence, from left to right. Flat, so that a long sum
+    /// is no deep tree.
+    Chain(Box<Expression>, Vec<(Binary, Expression)>),
+    /// Already reported.
+    Error,
+}
+
+/// Literals.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Literal {
+    /// `TRUE`, `FALSE`
+    Boolean(bool),
+    /// Integer.
+    Integer(u64),
+    /// Floating point.
+    Float(f64),
+    /// Character.
+    Char(u8),
+    /// Strings, joined.
+    String(String),
+}
+
+/// Unary operators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unary {
+    /// `-`
+    Minus,
+    /// `+`
+    Plus,
+    /// `~`
+    Not,
+}
+
+/// Binary operators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Binary {
+    /// `|`
+    Or,
+    /// `^`
+    Xor,
+    /// `&`
+    And,
+    /// `<<`
+    ShiftLeft,
+    /// `>>`
+    ShiftRight,
+    /// `+`
+    Add,
+    /// `-`
+    Subtract,
+    /// `*`
+    Multiply,
+    /// `/`
+    Divide,
+    /// `%`
+    Remainder,
+}
+
+/// `= {...} : "doc"` behind a parameter, or an element of a compound.
+#[derive(Clone, Debug)]
+pub struct Initializer {
+    /// `[2] =` or `.x =` in front of the value.
+    pub step: Option<InitialStep>,
+    /// The value; `None` when there is only documentation.
+    pub value: Option<InitialValue>,
+    /// `: "doc"`
+    pub doc: Option<Text>,
+    /// Where.
+    pub span: Span,
+}
+
+/// Which element an initialiser is for.
+#[derive(Clone, Debug)]
+pub enum InitialStep {
+    /// `[n]`
+    Index(Expression),
+    /// `.name`
+    Member(Name),
+}
+
+/// A value of an initialiser.
+#[derive(Clone, Debug)]
+pub enum InitialValue {
+    /// One value.
+    Scalar(Expression),
+    /// `{...}`
+    Compound(Vec<Initializer>),
+}
