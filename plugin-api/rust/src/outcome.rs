@@ -51,8 +51,10 @@ pub fn guard<R: Outcome>(context: &Context, codel: impl FnOnce() -> R) -> *const
                 _ => "the codel panicked",
             };
             let raw = Unkex::new(what).raise(context).into_raw();
-            // A payload whose destructor panics in turn may not unwind into the host.
-            std::mem::forget(panic);
+            // The payload's destructor may panic in turn; that payload is given up.
+            if let Err(again) = catch_unwind(AssertUnwindSafe(move || drop(panic))) {
+                std::mem::forget(again);
+            }
             raw
         }
     }

@@ -1,6 +1,6 @@
 //! Codels called as a host calls them: through the table, with C arguments and a C context.
 
-#![allow(clippy::unwrap_used, reason = "it is a test")]
+#![allow(clippy::panic, clippy::unwrap_used, reason = "it is a test")]
 
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::mem::transmute;
@@ -51,6 +51,19 @@ fn explodes(at: i64) {
     assert!(at == 0, "exploded at {at}");
 }
 
+struct Grenade;
+
+impl Drop for Grenade {
+    fn drop(&mut self) {
+        panic!("the payload explodes too");
+    }
+}
+
+#[genom::codel]
+fn explodes_twice() {
+    std::panic::panic_any(Grenade);
+}
+
 #[genom::codel]
 fn relay(input: &mut InPort<Point>, output: &mut OutPort<Point>, context: &Context) -> Event {
     match input.latest(context).copied() {
@@ -71,7 +84,7 @@ fn opens(many: &mut MultipleOutPort<i32>, context: &Context) -> Result<(), Throw
 
 genom::component! {
     description: "tank.gen",
-    codels: [mixed, explodes, relay, opens],
+    codels: [mixed, explodes, explodes_twice, relay, opens],
     exceptions: [TooFar],
 }
 
@@ -190,6 +203,17 @@ fn a_panic_becomes_unkex_with_its_message() {
     assert_eq!(what, CString::new("exploded at 3").unwrap().as_c_str());
 }
 
+#[test]
+fn a_panic_whose_payload_panics_stays_in_the_codel() {
+    type Explodes = extern "C" fn(*const ContextInterface) -> *const c_char;
+    // SAFETY: the C signature of `explodes_twice` by genom3.md 5.5.
+    let explodes: Explodes = unsafe { transmute(function("explodes_twice")) };
+    let (event, recorded) = with_context(|cx| explodes(cx));
+    assert_eq!(name_of(event), "::genom::unkex");
+    let what = CStr::from_bytes_until_nul(&recorded.detail).unwrap();
+    assert_eq!(what, c"the codel panicked");
+}
+
 /// A handle of a simple port, as a host lays it out (genom3.md 5.7).
 #[repr(C)]
 struct Handle(
@@ -293,7 +317,7 @@ fn the_table_tells_arguments_and_description() {
         ]
     );
     // SAFETY: as above.
-    let ports = unsafe { genom_component.codels.as_slice()[2].arguments.as_slice() };
+    let ports = unsafe { genom_component.codels.as_slice()[3].arguments.as_slice() };
     assert_eq!(ports[0].passing, Passing::IN_PORT);
     assert_eq!(ports[1].passing, Passing::OUT_PORT);
     assert_eq!(ports[1].ty, Point::TYPE);
