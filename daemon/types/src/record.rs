@@ -239,6 +239,20 @@ impl Record {
         self.edit().clear();
     }
 
+    /// Exchanges the values of two records; both keep their addresses. Costs the copy of the C
+    /// struct, whatever it owns.
+    ///
+    /// # Errors
+    /// The types differ by structure (genom3.md 4.3).
+    pub fn swap(&mut self, other: &mut Record) -> Result<(), TypeMismatch> {
+        if !self.ty.same_as(&other.ty) {
+            let (expected, found) = (self.ty.name().to_owned(), other.ty.name().to_owned());
+            return Err(TypeMismatch { expected, found });
+        }
+        self.swap_values(other);
+        Ok(())
+    }
+
     /// Exchanges the values of two records of one type; both keep their addresses.
     pub(crate) fn swap_values(&mut self, other: &mut Record) {
         // SAFETY: both have that size; what they own goes along with the bytes.

@@ -1,0 +1,49 @@
+//! What is visible on shared memory, ours and others'.
+
+use genom_middleware::{DiscoverError, Endpoint, EndpointKind};
+use iceoryx2::prelude::*;
+use iceoryx2::service::static_config::StaticConfig;
+use iceoryx2::service::static_config::messaging_pattern::MessagingPattern as Pattern;
+
+use crate::backend::{BACKEND, TYPE_KEY, attribute};
+use crate::queue;
+use crate::raw::{self, Ipc};
+
+/// Every end of every publish-subscribe service.
+pub(crate) fn list(node: &Node<Ipc>) -> Result<Vec<Endpoint>, DiscoverError> {
+    let mut services = Vec::new();
+    <Ipc as Service>::list(node.config(), |service| {
+        services.push(service.static_details);
+        CallbackProgression::Continue
+    })
+    .map_err(|error| DiscoverError { backend: BACKEND.to_owned(), why: error.to_string() })?;
+    let mut seen = Vec::new();
+    for service in services {
+        let Pattern::PublishSubscribe(_) = service.messaging_pattern() else { continue };
+        if !service.name().as_str().starts_with(queue::PREFIX) {
+            ends(node, &service, &mut seen);
+        }
+    }
+    Ok(seen)
+}
+
+/// The ends of one service; none when it is gone meanwhile.
+fn ends(node: &Node<Ipc>, service: &StaticConfig, seen: &mut Vec<Endpoint>) {
+    let details = service.publish_subscribe().message_type_details();
+    let open = raw::open_to_look(node, service.name(), &details.payload, &details.user_header);
+    let Ok(open) = open else { return };
+    let config = open.dynamic_config();
+    let ty = attribute(service.attributes(), TYPE_KEY)
+        .unwrap_or_else(|| details.payload.type_name().to_string());
+    for (kind, count) in [
+        (EndpointKind::Publisher, config.number_of_publishers()),
+        (EndpointKind::Subscription, config.number_of_subscribers()),
+    ] {
+        let address = service.name().to_string();
+        seen.extend((0..count).map(|_| Endpoint {
+            kind,
+            address: address.clone(),
+            ty: ty.clone(),
+        }));
+    }
+}

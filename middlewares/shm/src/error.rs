@@ -1,0 +1,26 @@
+//! Why the middleware could not be opened.
+
+use std::path::PathBuf;
+
+/// Opening the middleware failed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShmError {
+    /// A name that iceoryx2 cannot use.
+    #[error("{0:?} is no legal start of file names: use letters, digits, `_` and `-`")]
+    Prefix(String),
+    /// A path that iceoryx2 cannot use.
+    #[error("{0} is no legal folder for iceoryx2: give a shorter absolute path")]
+    Root(PathBuf),
+    /// A name that iceoryx2 cannot use.
+    #[error("{0:?} is no legal node name: give a shorter one")]
+    Node(String),
+    /// The node could not be made.
+    #[error("iceoryx2 cannot make a node in {root}: {why}; is the folder writable for this user?")]
+    Create {
+        /// Folder of iceoryx2's files.
+        root: String,
+        /// iceoryx2's own words.
+        why: String,
+    },
+}

@@ -1,0 +1,27 @@
+//! What can be chosen when the middleware is opened.
+
+use std::path::PathBuf;
+
+/// Options of [`Shm::open`](crate::Shm::open).
+///
+/// Peers meet when prefix and root are the same. Left out, they are iceoryx2's own: those of its
+/// configuration file, or its defaults.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Name of the node that others see.
+    pub node: String,
+    /// Start of the names of all files and shared memory.
+    pub prefix: Option<String>,
+    /// Folder of the files that say what exists.
+    pub root: Option<PathBuf>,
+    /// Unread samples a reader may hold. The first who opens a port decides for all.
+    pub depth: usize,
+    /// Readers a port may have. The first who opens a port decides for all.
+    pub readers: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { node: "genomd".to_owned(), prefix: None, root: None, depth: 16, readers: 12 }
+    }
+}

@@ -1,0 +1,88 @@
+//! Queues that keep their oldest samples.
+//!
+//! A port's own service overwrites the oldest unread sample, as `latest` and `ring` want. Readers
+//! with a queue get a second service that refuses new samples when full; the writer joins it only
+//! when such a reader is there. The reader shows it by the name of its end on the port itself.
+
+use genom_middleware::{Address, OpenError};
+use genom_types::DataType;
+use iceoryx2::prelude::*;
+
+use crate::backend::{Ground, Shape, failed};
+use crate::publisher::create;
+use crate::raw::{RawPublisher, RawService, RawSubscriber};
+use crate::typing::Wire;
+
+/// Start of the names of queue services.
+pub(crate) const PREFIX: &str = "genom.queue/";
+
+/// Name of the end that a reader with a queue has on the port itself.
+const MARK: &str = "genom.queue";
+
+pub(crate) fn mark() -> Option<PortName> {
+    PortName::new(MARK).ok()
+}
+
+/// Whether some reader of the port has a queue.
+pub(crate) fn wanted(service: &RawService) -> bool {
+    let mark = mark();
+    let mut found = false;
+    service.dynamic_config().list_subscribers(|reader| {
+        if Some(reader.subscriber_name) == mark {
+            found = true;
+            return CallbackProgression::Stop;
+        }
+        CallbackProgression::Continue
+    });
+    found
+}
+
+fn open(
+    ground: &Ground,
+    at: &Address,
+    ty: &DataType,
+    port: Shape,
+) -> Result<RawService, OpenError> {
+    let shape = Shape { overflow: false, history: false, ..port };
+    ground.service(at, &format!("{PREFIX}{at}"), ty, shape)
+}
+
+/// The writer's end.
+pub(crate) fn join(
+    ground: &Ground,
+    at: &Address,
+    ty: &DataType,
+    wire: &Wire,
+    port: Shape,
+) -> Result<RawPublisher, OpenError> {
+    create(&ground.options, at, &open(ground, at, ty, port)?, wire)
+}
+
+/// A reader's end.
+pub(crate) struct Queue {
+    pub(crate) service: RawService,
+    pub(crate) subscriber: RawSubscriber,
+}
+
+impl Queue {
+    pub(crate) fn new(
+        ground: &Ground,
+        at: &Address,
+        ty: &DataType,
+        port: Shape,
+        depth: usize,
+    ) -> Result<Self, OpenError> {
+        let service = open(ground, at, ty, port)?;
+        let subscriber = service
+            .subscriber_builder()
+            .buffer_size(depth)
+            .create()
+            .map_err(|error| failed(at, &error.to_string()))?;
+        Ok(Self { service, subscriber })
+    }
+
+    /// Whether the writer fills it.
+    pub(crate) fn is_joined(&self) -> bool {
+        self.service.dynamic_config().number_of_publishers() > 0
+    }
+}

@@ -1,0 +1,221 @@
+//! The reading end of a port.
+
+use std::sync::Arc;
+
+use genom_middleware::{Address, OpenError, Policy, ReadError, Reading, Subscription};
+use genom_types::{DataType, Record};
+use iceoryx2::port::subscriber::SubscriberCreateError;
+use iceoryx2::prelude::*;
+
+use crate::backend::{BACKEND, Inner, failed};
+use crate::queue::{self, Queue};
+use crate::raw::{self, RawSample, RawService, RawSubscriber, Stamp};
+use crate::typing::{Wire, wire};
+
+/// The reader. Fields go in order: ends of services before the node.
+struct ShmSubscription {
+    /// The newest sample on the port, kept until the queue is joined.
+    held: Option<RawSample>,
+    queue: Option<Queue>,
+    subscriber: RawSubscriber,
+    _service: RawService,
+    values: Values,
+    /// Whether every sample counts, or only the newest.
+    latest: bool,
+    _inner: Arc<Inner>,
+}
+
+/// What was read so far.
+struct Values {
+    wire: Wire,
+    /// Where values of variable size are decoded, so that a bad one spoils nothing.
+    scratch: Option<Record>,
+    /// The last sample read or given up.
+    last: Option<Stamp>,
+    any: bool,
+    dropped: u64,
+}
+
+/// Opens the reading end of a port.
+pub(crate) fn open(
+    inner: &Arc<Inner>,
+    at: &Address,
+    ty: &DataType,
+    policy: Policy,
+) -> Result<impl Subscription + 'static, OpenError> {
+    let (ground, wire) = (&inner.ground, wire(ty));
+    let shape = ground.port(&wire);
+    let service = ground.service(at, &at.to_string(), ty, shape)?;
+    let most = service.static_config().subscriber_max_buffer_size();
+    let (wanted, buffer) = match policy {
+        Policy::Latest => (1, 1),
+        Policy::Ring(depth) => (depth.max(1), depth.max(1)),
+        Policy::Queue(depth) => (depth.max(1), 1),
+    };
+    if wanted > most {
+        return Err(OpenError::Unsupported {
+            backend: BACKEND.to_owned(),
+            ty: ty.name().to_owned(),
+            why: format!("{at} was opened for at most {most} unread samples, not {wanted}"),
+        });
+    }
+    // The queue is there before the writer is told that it is wanted.
+    let queue = match policy {
+        Policy::Queue(_) => Some(Queue::new(ground, at, ty, shape, wanted)?),
+        _ => None,
+    };
+    let mut builder = service.subscriber_builder().buffer_size(buffer);
+    if let (Some(mark), true) = (queue::mark(), queue.is_some()) {
+        builder = builder.name(&mark);
+    }
+    let subscriber = builder.create().map_err(|error| match error {
+        SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
+            let readers = service.static_config().max_subscribers();
+            failed(at, &format!("the port was opened for at most {readers} readers"))
+        }
+        other => failed(at, &other.to_string()),
+    })?;
+    inner.upkeep.reader_came(at);
+    let scratch = wire.slice.then(|| Record::new(ty));
+    Ok(ShmSubscription {
+        held: None,
+        queue,
+        subscriber,
+        _service: service,
+        values: Values { wire, scratch, last: None, any: false, dropped: 0 },
+        latest: policy == Policy::Latest,
+        _inner: Arc::clone(inner),
+    })
+}
+
+impl Values {
+    /// Places a sample in the order of its writer, and counts those missing before it; whether
+    /// it is new.
+    fn is_next(&mut self, sample: &RawSample) -> bool {
+        let Some(stamp) = self.stamp(sample) else { return true };
+        if let Some(last) = self.last_of(stamp.writer) {
+            if stamp.number <= last {
+                return false;
+            }
+            self.dropped += stamp.number - last - 1;
+        }
+        self.last = Some(stamp);
+        true
+    }
+
+    fn stamp(&self, sample: &RawSample) -> Option<Stamp> {
+        raw::open_sample(sample, &self.wire).1
+    }
+
+    fn last_of(&self, writer: u32) -> Option<u64> {
+        self.last.and_then(|last| (last.writer == writer).then_some(last.number))
+    }
+
+    fn take(&mut self, sample: &RawSample, into: &mut Record) -> Result<Reading, ReadError> {
+        let (bytes, _) = raw::open_sample(sample, &self.wire);
+        let good = match &mut self.scratch {
+            Some(scratch) => scratch.decode_message(bytes).is_ok() && into.swap(scratch).is_ok(),
+            None => into.set_bytes(bytes).is_ok(),
+        };
+        if !good {
+            self.dropped += 1;
+            return Err(ReadError::Serialization);
+        }
+        self.any = true;
+        Ok(Reading::New)
+    }
+
+    fn nothing(&self) -> Reading {
+        if self.any { Reading::Same } else { Reading::Never }
+    }
+}
+
+fn receive(from: &RawSubscriber) -> Result<Option<RawSample>, ReadError> {
+    from.receive().map_err(|_| ReadError::Broken)
+}
+
+impl ShmSubscription {
+    /// The newest sample; those before it are skipped.
+    fn newest(&mut self) -> Result<Option<RawSample>, ReadError> {
+        let mut newest = None;
+        while let Some(sample) = receive(&self.subscriber)? {
+            newest = Some(sample);
+        }
+        Ok(newest)
+    }
+
+    /// The oldest sample of the queue. The newest one on the port says where a reader starts,
+    /// and what a full queue refused: writers put a sample into the queue first.
+    fn read_queue(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        if let Some(sample) = self.queued()? {
+            return self.values.take(&sample, into);
+        }
+        // Looked at before the port: what came before the writer joined is not in the queue.
+        let joined = self.queue.as_ref().is_some_and(Queue::is_joined);
+        if let Some(sample) = self.newest()? {
+            self.held = Some(sample);
+        }
+        let Some(held) = self.held.take() else { return Ok(self.values.nothing()) };
+        let Some(stamp) = self.values.stamp(&held) else {
+            // A writer that knows nothing of queues: its newest sample is all there is.
+            return self.values.take(&held, into);
+        };
+        if let Some(sample) = self.queued()? {
+            self.held = Some(held);
+            return self.values.take(&sample, into);
+        }
+        match self.values.last_of(stamp.writer) {
+            Some(last) => {
+                let missing = stamp.number.saturating_sub(last);
+                if missing > 0 {
+                    self.values.dropped += missing;
+                    self.values.last = Some(stamp);
+                }
+                Ok(self.values.nothing())
+            }
+            None if joined => {
+                self.values.last = Some(stamp);
+                self.values.take(&held, into)
+            }
+            None => {
+                self.held = Some(held);
+                Ok(self.values.nothing())
+            }
+        }
+    }
+
+    fn queued(&mut self) -> Result<Option<RawSample>, ReadError> {
+        let Some(queue) = &self.queue else { return Ok(None) };
+        while let Some(sample) = receive(&queue.subscriber)? {
+            if self.values.is_next(&sample) {
+                return Ok(Some(sample));
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl Subscription for ShmSubscription {
+    fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        if self.queue.is_some() {
+            return self.read_queue(into);
+        }
+        if self.latest {
+            return match self.newest()? {
+                Some(sample) => self.values.take(&sample, into),
+                None => Ok(self.values.nothing()),
+            };
+        }
+        match receive(&self.subscriber)? {
+            Some(sample) => {
+                self.values.is_next(&sample);
+                self.values.take(&sample, into)
+            }
+            None => Ok(self.values.nothing()),
+        }
+    }
+
+    fn dropped(&self) -> u64 {
+        self.values.dropped
+    }
+}

@@ -1,0 +1,102 @@
+//! How IDL types are named and laid out for iceoryx2.
+//!
+//! | IDL | type name |
+//! |---|---|
+//! | `boolean` | `bool` |
+//! | `char`, `octet` | `i8`, `u8` |
+//! | `short` ... `unsigned long long` | `i16`, `u16`, `i32`, `u32`, `i64`, `u64` |
+//! | `float`, `double` | `f32`, `f64` |
+//! | `string<n>` | `[i8; n]` |
+//! | `T x[n]` | `[T; n]`, outermost dimension last |
+//! | struct, union, enum, exception | full name without the leading `::`: `demo::state` |
+//! | bounded sequence, optional | IDL spelling, or full name of its typedef, likewise |
+//! | anything of variable size | slice of `u8`: a CDR message (with its encapsulation header), and 16 bytes that CDR readers ignore |
+//!
+//! A typedef of a named or basic type is that type. These are the names Rust itself gives to the
+//! basic types, so `publish_subscribe::<f64>()` reads a port of type `double`; a `#[repr(C)]`
+//! struct says `#[type_name("demo::state")]`, a Python `ctypes.Structure` has a static
+//! `type_name()`. Size and alignment are those of C; the user header is `()`.
+
+use genom_types::{DataType, Kind};
+
+/// Longest type name iceoryx2 can carry.
+pub const MAX_NAME: usize = 255;
+
+/// A type as iceoryx2 sees it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Wire {
+    /// Type name of the payload, of its element when it is a slice.
+    pub name: String,
+    /// Size of the payload, or of an element.
+    pub size: usize,
+    /// Alignment of the payload, or of an element.
+    pub align: usize,
+    /// Whether the payload is a slice.
+    pub slice: bool,
+}
+
+/// How values of the type travel.
+#[must_use]
+pub fn wire(ty: &DataType) -> Wire {
+    if ty.is_fixed_size() {
+        Wire { name: type_name(ty), size: ty.size(), align: ty.align(), slice: false }
+    } else {
+        Wire { name: "u8".to_owned(), size: 1, align: 1, slice: true }
+    }
+}
+
+/// The type name of a type of fixed size.
+#[must_use]
+pub fn type_name(ty: &DataType) -> String {
+    let basic = match ty.kind() {
+        Kind::Boolean => "bool",
+        Kind::Char => "i8",
+        Kind::Octet => "u8",
+        Kind::Short => "i16",
+        Kind::UnsignedShort => "u16",
+        Kind::Long => "i32",
+        Kind::UnsignedLong => "u32",
+        Kind::LongLong => "i64",
+        Kind::UnsignedLongLong => "u64",
+        Kind::Float => "f32",
+        Kind::Double => "f64",
+        Kind::String { bound } => return format!("[i8; {}]", bound.unwrap_or(0)),
+        Kind::Array { length, .. } => {
+            let element = ty.element().map_or_else(String::new, |element| type_name(&element));
+            return format!("[{element}; {length}]");
+        }
+        other => {
+            return match other.name() {
+                Some(name) => name.segments().join("::"),
+                None => ty.name().trim_start_matches("::").to_owned(),
+            };
+        }
+    };
+    basic.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use genom_middleware::conformance::samples::{basic, image, note, state};
+
+    #[test]
+    fn basic_types_have_the_names_rust_gives_them() {
+        assert_eq!(type_name(&basic(Kind::Double)), std::any::type_name::<f64>());
+        assert_eq!(type_name(&basic(Kind::Boolean)), std::any::type_name::<bool>());
+        assert_eq!(type_name(&basic(Kind::Octet)), std::any::type_name::<u8>());
+        let name = basic(Kind::String { bound: Some(8) });
+        assert_eq!(type_name(&name), std::any::type_name::<[i8; 8]>());
+        let pixels = image().member(0).expect("pixels");
+        assert_eq!(type_name(&pixels), std::any::type_name::<[u8; 4_194_304]>());
+    }
+
+    #[test]
+    fn named_types_have_their_full_name() {
+        assert_eq!(
+            wire(&state()),
+            Wire { name: "demo::state".to_owned(), size: 64, align: 8, slice: false }
+        );
+        assert!(wire(&note()).slice);
+    }
+}

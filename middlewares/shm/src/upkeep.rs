@@ -1,0 +1,94 @@
+//! Connects readers to writers that do nothing.
+//!
+//! iceoryx2 connects a new reader, and hands it the last value, when the writer next publishes. A
+//! port that was written once and for all would never reach late readers. So a thread looks at
+//! the readers of each of our out ports, and makes the connections a writer has not made. It
+//! takes no lock of the writer's unless readers came or went.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use genom_middleware::Address;
+
+use crate::publisher::Core;
+
+/// Longest time a late reader in another process waits for the last value of an idle writer.
+const PERIOD: Duration = Duration::from_millis(20);
+
+pub(crate) struct Upkeep {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Default)]
+struct State {
+    writers: Vec<Arc<Core>>,
+    stop: bool,
+}
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn run(&self) {
+        let mut state = self.lock();
+        while !state.stop {
+            for writer in &state.writers {
+                writer.upkeep();
+            }
+            state = if state.writers.is_empty() {
+                self.changed.wait(state).unwrap_or_else(PoisonError::into_inner)
+            } else {
+                let waited = self.changed.wait_timeout(state, PERIOD);
+                waited.unwrap_or_else(PoisonError::into_inner).0
+            };
+        }
+    }
+}
+
+impl Upkeep {
+    pub(crate) fn start() -> Self {
+        let shared = Arc::new(Shared::default());
+        let own = Arc::clone(&shared);
+        let thread = thread::Builder::new().name("shm-upkeep".to_owned()).spawn(move || own.run());
+        if let Err(error) = &thread {
+            tracing::error!(%error, "no thread for shm: readers that come late see nothing of idle ports");
+        }
+        Self { shared, thread: thread.ok() }
+    }
+
+    pub(crate) fn add(&self, writer: &Arc<Core>) {
+        self.shared.lock().writers.push(Arc::clone(writer));
+        self.shared.changed.notify_one();
+    }
+
+    /// After this the thread holds nothing of the writer.
+    pub(crate) fn remove(&self, writer: &Arc<Core>) {
+        self.shared.lock().writers.retain(|other| !Arc::ptr_eq(other, writer));
+    }
+
+    /// Connects a reader of this process at once.
+    pub(crate) fn reader_came(&self, at: &Address) {
+        for writer in self.shared.lock().writers.iter().filter(|writer| writer.is_at(at)) {
+            writer.upkeep();
+        }
+    }
+}
+
+impl Drop for Upkeep {
+    fn drop(&mut self) {
+        self.shared.lock().stop = true;
+        self.shared.changed.notify_one();
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
