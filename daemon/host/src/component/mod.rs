@@ -18,6 +18,7 @@ use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
 use serde_json::Value;
 
 use crate::context::Contexts;
+use crate::contract::{self, Checked};
 use crate::detail::{Details, MWERR, SYSERR, UNKEX};
 use crate::events::Events;
 use crate::library::Library;
@@ -99,7 +100,10 @@ impl Component {
         let mut checker =
             Checker { specification: plan.specification(), locate, errors: Vec::new() };
         let parts = Parts::new(&mut checker, plan, &library);
-        let errors = checker.errors;
+        let mut errors = checker.errors;
+        if parts.is_some() {
+            errors.extend(differences(&library, plan, locate));
+        }
         let path = library.path().to_owned();
         let refuse = |errors| LoadErrors { library: path, errors };
         match parts {
@@ -116,6 +120,18 @@ impl Component {
     pub fn library(&self) -> PathBuf {
         self.inner.library.path().to_owned()
     }
+}
+
+/// What the library and the description see differently.
+fn differences(library: &Library, plan: &Plan, locate: &dyn Fn(Span) -> String) -> Vec<LoadError> {
+    let report = contract::check(library, plan, locate);
+    if report.checked == Checked::Unchecked {
+        tracing::info!(
+            "{}: unchecked: the library tells no types to compare with the .gen (build it with -g)",
+            library.path().display()
+        );
+    }
+    report.differences.into_iter().map(LoadError::Contract).collect()
 }
 
 /// What can be wrong, laid out and prepared.

@@ -1,0 +1,53 @@
+//! C declarations that a description asks for, as an author would write them (genom3.md 5.5, 5.6).
+
+use genom_description::model::{Codel, CodelParameter, Component, Direction, Source};
+use genom_types::{Kind, TypeId, TypeTable};
+
+/// `genom_event f(int32_t x, demo_s *y, const genom_context self)`.
+pub(super) fn codel(component: &Component, types: &TypeTable, codel: &Codel) -> String {
+    let parameters = codel.parameters.iter();
+    let mut parameters: Vec<_> =
+        parameters.map(|parameter| argument(component, types, parameter)).collect();
+    parameters.push("const genom_context self".to_owned());
+    format!("genom_event {}({})", codel.name, parameters.join(", "))
+}
+
+fn argument(component: &Component, types: &TypeTable, parameter: &CodelParameter) -> String {
+    let name = &parameter.name;
+    let object = match parameter.source {
+        Source::Port(port) => component.ports.get(port).map(|port| &port.name),
+        Source::Remote(remote) => component.remotes.get(remote).map(|remote| &remote.name),
+        _ => return datum(types, parameter.ty, name, parameter.direction),
+    };
+    let object = object.map_or("?", String::as_str);
+    format!("const {}_{object} *{name}", component.name)
+}
+
+/// A parameter of this type and direction.
+fn datum(types: &TypeTable, ty: TypeId, name: &str, direction: Direction) -> String {
+    let input = direction == Direction::In;
+    let constant = if input { "const " } else { "" };
+    let c = types.c_name(ty);
+    let named = types.kind(ty).name().is_some();
+    match types.resolved(ty) {
+        Kind::Array { .. } | Kind::String { bound: Some(_) } => {
+            let (base, dimensions) = match c.find('[') {
+                Some(at) if !named => c.split_at(at),
+                _ => (c.as_str(), ""),
+            };
+            format!("{constant}{} {name}{dimensions}", base.trim_end())
+        }
+        Kind::String { bound: None } | Kind::Native { .. } => {
+            let c = c.trim_end_matches([' ', '*']);
+            let stars = if input { "*" } else { "**" };
+            format!("{constant}{c} {stars}{name}")
+        }
+        Kind::Sequence { .. }
+        | Kind::Optional { .. }
+        | Kind::Struct { .. }
+        | Kind::Union { .. }
+        | Kind::Exception { .. } => format!("{constant}{c} *{name}"),
+        _ if input => format!("{c} {name}"),
+        _ => format!("{c} *{name}"),
+    }
+}

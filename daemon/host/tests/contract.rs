@@ -1,0 +1,144 @@
+//! A library and a description that disagree: refused before anything runs.
+
+#![allow(clippy::expect_used)] // helpers are no test functions
+
+mod support;
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::sync::{Arc, OnceLock};
+
+use expect_test::{Expect, expect};
+use genom_description::source::SourceMap;
+use genom_host::contract::{Checked, check};
+use genom_host::{Component, Library};
+use genom_runtime::plan::Plan;
+
+const DEMO: &str = include_str!("../../../components/demo/demo.gen");
+
+/// The root of the repository.
+fn root() -> PathBuf {
+    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
+}
+
+/// The demo in Rust, built once.
+fn demo_rs() -> PathBuf {
+    static BUILT: OnceLock<PathBuf> = OnceLock::new();
+    let build = || {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args(["build", "--quiet", "--offline", "--message-format", "json"]);
+        cargo.args(["--package", "demo-rs", "--lib"]).current_dir(root());
+        let output = cargo.output().expect("cargo runs");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let messages = String::from_utf8(output.stdout).expect("text");
+        let library = messages.lines().rev().find_map(|line| {
+            let message: serde_json::Value = serde_json::from_str(line).ok()?;
+            let files = message["filenames"].as_array()?.iter();
+            files
+                .filter_map(|file| file.as_str())
+                .find(|file| file.ends_with(".so"))
+                .map(PathBuf::from)
+        });
+        library.expect("cargo names the library it built")
+    };
+    BUILT.get_or_init(build).clone()
+}
+
+/// Plan of the first component of a description, and where its lines are.
+fn plan(text: &str) -> (Plan, SourceMap) {
+    let analysis = genom_description::read_text("demo.gen", text, &Default::default());
+    assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
+    let plan = Plan::new(&Arc::new(analysis.specification), 0).expect("a plan");
+    (plan, analysis.sources)
+}
+
+/// What `path` and `text` disagree on.
+#[track_caller]
+fn disagree(path: PathBuf, text: &str, expected: &Expect) {
+    let (plan, sources) = plan(text);
+    let locate = |span| format!("demo.gen:{}", sources.location(span).line);
+    let library = Library::open(&path).expect("a library");
+    let name = path.display().to_string();
+    let shown = match Component::load(library, &plan, &locate) {
+        Ok(_) => "loads".to_owned(),
+        Err(errors) => errors.to_string().replace(&name, "demo.so"),
+    };
+    expected.assert_eq(&shown);
+}
+
+/// The demo's description with `from` written `to`.
+#[track_caller]
+fn altered(from: &str, to: &str) -> String {
+    assert!(DEMO.contains(from), "the demo has {from:?}");
+    DEMO.replacen(from, to, 1)
+}
+
+#[test]
+fn the_demo_in_rust_agrees_with_its_description() {
+    disagree(demo_rs(), DEMO, &expect!["loads"]);
+    let (plan, _) = plan(DEMO);
+    let report = check(&Library::open(&demo_rs()).unwrap(), &plan, &|_| String::new());
+    assert_eq!((report.checked, report.codels), (Checked::Descriptors, 8));
+    assert_eq!(report.differences, []);
+}
+
+#[test]
+fn a_member_of_another_type_is_told_with_both_declarations() {
+    let text = altered("double velocity;   /* m/s */", "float velocity;");
+    disagree(
+        demo_rs(),
+        &text,
+        &expect![[r#"
+        demo.so: codel `demo_init` (demo.gen:52): argument 1 `ids`: ::demo::ids::current: ::demo::state::velocity: float is wanted, not double
+          .gen:    genom_event demo_init(demo_ids *ids, const demo_position *position, const genom_context self)
+          library: fn demo_init(ids: &mut ::demo::ids, position: &mut OutPort<::demo::state>)"#]],
+    );
+}
+
+#[test]
+fn an_argument_more_or_another_direction_is_told() {
+    let text = altered("demo_reset(inout current)", "demo_reset(in current)");
+    disagree(
+        demo_rs(),
+        &text,
+        &expect![[r#"
+        demo.so: codel `demo_reset` (demo.gen:71): argument 1 `current`: `&T` is wanted, not `&mut T`
+          .gen:    genom_event demo_reset(const demo_state *current, const genom_context self)
+          library: fn demo_reset(current: &mut ::demo::state)"#]],
+    );
+    let text = altered("demo_check_goal(in goal)", "demo_check_goal(in goal, in velocity)");
+    disagree(
+        demo_rs(),
+        &text,
+        &expect![[r#"
+        demo.so: codel `demo_check_goal` (demo.gen:79): 2 arguments before the context are wanted, it takes 1
+          .gen:    genom_event demo_check_goal(double goal, double velocity, const genom_context self)
+          library: fn demo_check_goal(goal: double)"#]],
+    );
+}
+
+#[test]
+fn a_port_of_another_direction_and_an_exception_of_another_shape_are_told() {
+    let text = altered("port in gain parameter", "port out gain parameter").replacen(
+        "in parameter, out position",
+        "out parameter, out position",
+        1,
+    );
+    disagree(
+        demo_rs(),
+        &text,
+        &expect![[r#"
+        demo.so: codel `demo_servo` (demo.gen:81): argument 5 `parameter`: `OutPort` is wanted, not `InPort`
+          .gen:    genom_event demo_servo(double goal, double velocity, bool halted, demo_state *current, const demo_parameter *parameter, const demo_position *position, const genom_context self)
+          library: fn demo_servo(goal: double, velocity: double, halted: boolean, current: &mut ::demo::state, parameter: &mut InPort<double>, position: &mut OutPort<::demo::state>)"#]],
+    );
+    let text = altered("string<64> what;", "string<32> what;");
+    disagree(
+        demo_rs(),
+        &text,
+        &expect![[r#"
+        demo.so: exception ::demo::OUT_OF_RANGE (demo.gen:7): ::demo::OUT_OF_RANGE::what: string<32>: bound or length 32 is wanted, not 64
+          .gen:    ::demo::OUT_OF_RANGE
+          library: ::demo::OUT_OF_RANGE"#]],
+    );
+}
