@@ -2,16 +2,10 @@
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
-use syn::{Error, FnArg, ItemFn, Pat, Result, ReturnType, Type};
+use syn::{Error, ItemFn, Result, ReturnType, Type};
 
 use crate::name::{c_string, plain};
-
-/// How a parameter is written, which decides how it is passed.
-enum Form<'a> {
-    Value(&'a Type),
-    Shared(&'a Type),
-    Exclusive(&'a Type),
-}
+use crate::parameter::{Form, form, is_context, name_and_type};
 
 /// The pieces of one parameter in the expansion.
 struct Argument {
@@ -100,38 +94,6 @@ pub(crate) fn expand(attribute: &TokenStream, function: &ItemFn) -> Result<Token
             }
         };
     })
-}
-
-fn name_and_type(input: &FnArg) -> Result<(String, &Type)> {
-    let FnArg::Typed(input) = input else {
-        return Err(Error::new_spanned(input, "a codel is a free function"));
-    };
-    let mut pattern = &*input.pat;
-    if let Pat::Type(inner) = pattern {
-        pattern = &inner.pat;
-    }
-    let Pat::Ident(pattern) = pattern else {
-        return Err(Error::new_spanned(pattern, "give the parameter a name"));
-    };
-    Ok((plain(&pattern.ident), &input.ty))
-}
-
-/// Whether it is `&Context`, by whatever path.
-fn is_context(ty: &Type) -> bool {
-    matches!(form(ty), Form::Shared(Type::Path(path))
-        if path.path.segments.last().is_some_and(|segment| segment.ident == "Context"))
-}
-
-fn form(ty: &Type) -> Form<'_> {
-    match ty {
-        Type::Paren(inner) => form(&inner.elem),
-        Type::Group(inner) => form(&inner.elem),
-        Type::Reference(reference) if reference.mutability.is_some() => {
-            Form::Exclusive(&reference.elem)
-        }
-        Type::Reference(reference) => Form::Shared(&reference.elem),
-        ty => Form::Value(ty),
-    }
 }
 
 fn argument(rank: usize, name: &str, form: &Form<'_>) -> Argument {

@@ -6,8 +6,11 @@
 mod codel;
 mod data;
 mod name;
+mod parameter;
+mod remote;
 
 use proc_macro::TokenStream;
+use remote::Remote;
 use syn::{DeriveInput, ItemFn, parse_macro_input};
 
 /// Makes a function a codel: exports it under its own name with the C calling convention.
@@ -22,6 +25,7 @@ use syn::{DeriveInput, ItemFn, parse_macro_input};
 /// | `in` native | `&Native<T>` |
 /// | `out`, `inout` anything | `&mut T` |
 /// | ports | `&mut InPort<T>`, `&mut OutPort<T>`, `&mut MultipleInPort<T>`, ... |
+/// | remotes | `&mut R`, a type made by `remote!` |
 ///
 /// A last parameter of type `&Context` receives the context. The function returns an `Event`,
 /// nothing, or a `Result` of these whose error is `Thrown`. A panic becomes the exception
@@ -58,6 +62,25 @@ pub fn derive_exception(input: TokenStream) -> TokenStream {
 #[proc_macro_derive(NativeType, attributes(genom))]
 pub fn derive_native(input: TokenStream) -> TokenStream {
     finish(data::derive_native(&parse_macro_input!(input as DeriveInput)))
+}
+
+/// Makes the type of a remote: a service of another component, called by codels.
+///
+/// The parameters are those of the service, written as for a codel:
+///
+/// ```text
+/// genom::remote! {
+///     /// Service `plan` of interface `planner`.
+///     pub struct Plan(distance: f64, from: &Point, path: &mut Sequence<Point>);
+/// }
+/// ```
+///
+/// A codel takes a `&mut Plan` and calls `plan.call(1.0, &from, &mut path, context)`, which
+/// waits for the service; its error is the exception of the service, for the codel to return or
+/// to handle.
+#[proc_macro]
+pub fn remote(input: TokenStream) -> TokenStream {
+    finish(remote::expand(&parse_macro_input!(input as Remote)))
 }
 
 fn finish(expansion: syn::Result<proc_macro2::TokenStream>) -> TokenStream {

@@ -82,6 +82,8 @@ impl Passing {
     pub const MULTIPLE_IN_PORT: Self = Self(5);
     /// `port multiple out`.
     pub const MULTIPLE_OUT_PORT: Self = Self(6);
+    /// Remote; its type is of kind [`Kind::REMOTE`].
+    pub const REMOTE: Self = Self(7);
 }
 
 /// A type as the library was compiled: what it is and where its members lie.
@@ -104,17 +106,18 @@ pub struct TypeDescriptor {
     pub bound: usize,
     /// Type of the elements of an array, sequence or optional; else null.
     pub element: *const TypeDescriptor,
-    /// Members of a struct or exception; enumerators of an enum, whose rank is their value.
+    /// Members of a struct or exception; enumerators of an enum, whose rank is their value;
+    /// parameters of a remote.
     pub members: List<MemberDescriptor>,
 }
 
-/// A member of a struct or exception, or an enumerator.
+/// A member of a struct or exception, an enumerator, or a parameter of a remote.
 #[derive(Debug)]
 #[repr(C)]
 pub struct MemberDescriptor {
     /// Its name, NUL-terminated, without the raw prefix of Rust.
     pub name: *const c_char,
-    /// Bytes from the start of the struct; 0 for an enumerator.
+    /// Bytes from the start of the struct; 0 for an enumerator; [`Passing`] of a parameter.
     pub offset: usize,
     /// Its type; null for an enumerator.
     pub ty: *const TypeDescriptor,
@@ -125,7 +128,7 @@ pub struct MemberDescriptor {
 #[repr(transparent)]
 pub struct Kind(pub u32);
 
-#[allow(missing_docs, reason = "each is the IDL type it is named after")]
+#[allow(missing_docs, reason = "most are the IDL type they are named after")]
 impl Kind {
     pub const BOOLEAN: Self = Self(0);
     pub const CHAR: Self = Self(1);
@@ -147,6 +150,9 @@ impl Kind {
     pub const UNION: Self = Self(17);
     pub const EXCEPTION: Self = Self(18);
     pub const NATIVE: Self = Self(19);
+    /// No data: the members are the parameters of a remote, and the offset of each is the number
+    /// of its [`Passing`].
+    pub const REMOTE: Self = Self(20);
 }
 
 /// A constant array and its length.

@@ -1,7 +1,7 @@
 //! How the arguments of a codel travel from C to Rust (genom3.md 5.5).
 //!
-//! [`codel`](crate::codel) picks the trait by the way the parameter is written: `T`, `&T` or
-//! `&mut T`. The functions that turn pointers into references are called by it alone.
+//! [`codel`](crate::codel) and [`remote!`](crate::remote) pick the trait by the way the parameter
+//! is written: `T`, `&T` or `&mut T`. Only they call what turns pointers into references.
 
 use std::ffi::{CStr, c_char};
 
@@ -20,8 +20,11 @@ pub trait ByValue: Sized {
     /// Its type.
     const TYPE: *const TypeDescriptor;
 
-    /// The argument.
+    /// The argument of a codel.
     fn from_abi(abi: Self::Abi) -> Self;
+
+    /// What a remote is called with.
+    fn into_abi(self) -> Self::Abi;
 }
 
 macro_rules! by_value {
@@ -32,6 +35,10 @@ macro_rules! by_value {
 
             fn from_abi(abi: Self) -> Self {
                 abi
+            }
+
+            fn into_abi(self) -> Self {
+                self
             }
         }
     )*};
@@ -46,6 +53,10 @@ impl ByValue for bool {
     fn from_abi(abi: u8) -> Self {
         abi != 0
     }
+
+    fn into_abi(self) -> u8 {
+        self.into()
+    }
 }
 
 impl<E: Enumeration> ByValue for Enum<E> {
@@ -55,12 +66,17 @@ impl<E: Enumeration> ByValue for Enum<E> {
     fn from_abi(abi: Self) -> Self {
         abi
     }
+
+    fn into_abi(self) -> Self {
+        self
+    }
 }
 
 /// A parameter written `&T`: an `in` datum that is no scalar.
 #[diagnostic::on_unimplemented(
     message = "a codel takes no `&{Self}`",
-    note = "an `in` number is taken by value, an `in string` as `&CStr`, ports as `&mut`"
+    note = "an `in` number is taken by value, an `in string` as `&CStr`, ports and \
+            remotes as `&mut`"
 )]
 pub trait ByRef {
     /// What C passes.
@@ -78,8 +94,11 @@ pub trait ByRef {
     /// `abi` is the argument of the running codel.
     unsafe fn hold(abi: Self::Abi) -> Self::Held;
 
-    /// The argument.
+    /// The argument of a codel.
     fn lend(held: &Self::Held) -> &Self;
+
+    /// What a remote is called with; valid as long as `self`.
+    fn to_abi(&self) -> Self::Abi;
 }
 
 impl<T: Aggregate> ByRef for T {
@@ -97,6 +116,10 @@ impl<T: Aggregate> ByRef for T {
 
     fn lend<'a>(held: &'a &'static T) -> &'a T {
         held
+    }
+
+    fn to_abi(&self) -> *const T {
+        self
     }
 }
 
@@ -117,6 +140,10 @@ impl ByRef for CStr {
     fn lend<'a>(held: &'a &'static CStr) -> &'a CStr {
         held
     }
+
+    fn to_abi(&self) -> *const c_char {
+        self.as_ptr()
+    }
 }
 
 impl<T: NativeType> ByRef for Native<T> {
@@ -132,9 +159,13 @@ impl<T: NativeType> ByRef for Native<T> {
     fn lend(held: &Native<T>) -> &Native<T> {
         held
     }
+
+    fn to_abi(&self) -> *const T {
+        self.as_ptr()
+    }
 }
 
-/// A parameter written `&mut T`: an `out` or `inout` datum, or a port.
+/// A parameter written `&mut T`: an `out` or `inout` datum, a port or a remote.
 #[diagnostic::on_unimplemented(message = "a codel takes no `&mut {Self}`")]
 pub trait ByMut {
     /// What C passes.

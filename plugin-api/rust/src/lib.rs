@@ -38,7 +38,7 @@
 //! # fn main() {}
 //! ```
 //!
-//! The table that the library exports is in [`abi`]. Unions and remotes have no mapping yet.
+//! The table that the library exports is in [`abi`]. Unions have no mapping yet.
 
 pub mod abi;
 mod argument;
@@ -50,6 +50,7 @@ mod exception;
 mod memory;
 mod outcome;
 mod port;
+mod remote;
 
 pub use argument::{ByMut, ByRef, ByValue};
 pub use component::Codel;
@@ -60,7 +61,7 @@ pub use data::{
 };
 pub use event::Event;
 pub use exception::{Exception, Syserr, Thrown, Unkex};
-pub use genom_derive::{Data, Exception, NativeType, codel};
+pub use genom_derive::{Data, Exception, NativeType, codel, remote};
 pub use outcome::Outcome;
 pub use port::{InPort, MultipleInPort, MultipleOutPort, OutPort};
 
@@ -69,4 +70,5 @@ pub use port::{InPort, MultipleInPort, MultipleOutPort, OutPort};
 pub mod rt {
     pub use crate::component::{c_str, terminated};
     pub use crate::outcome::guard;
+    pub use crate::remote::{Handle, call};
 }

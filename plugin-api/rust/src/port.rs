@@ -33,7 +33,7 @@ struct MultipleOutHandle<T> {
 }
 
 /// `genom_ok` or an exception that the port recorded in the context.
-fn checked(event: *const c_char) -> Result<(), Thrown> {
+pub(crate) fn checked(event: *const c_char) -> Result<(), Thrown> {
     if event.is_null() { Ok(()) } else { Err(Thrown(event)) }
 }
 

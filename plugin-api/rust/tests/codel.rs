@@ -82,9 +82,20 @@ fn opens(many: &mut MultipleOutPort<i32>, context: &Context) -> Result<(), Throw
     many.close(c"b", context)
 }
 
+genom::remote! {
+    /// A service of another component.
+    struct Locate(range: f64, precise: bool, name: &CStr, from: &Point, to: &mut Point);
+}
+
+#[genom::codel]
+fn asks(locate: &mut Locate, to: &mut Point, context: &Context) -> Result<(), Thrown> {
+    let from = Point { x: 1.0, y: 2.0 };
+    locate.call(3.0, true, c"door", &from, to, context)
+}
+
 genom::component! {
     description: "tank.gen",
-    codels: [mixed, explodes, explodes_twice, relay, opens],
+    codels: [mixed, explodes, explodes_twice, relay, opens, asks],
     exceptions: [TooFar],
 }
 
@@ -287,6 +298,77 @@ fn methods_of_a_multiple_port_carry_the_element() {
     assert_eq!(recorded.detail, 2_i32.to_ne_bytes());
     // SAFETY: no other thread uses it.
     assert_eq!(unsafe { VALUE }, 7);
+}
+
+#[test]
+fn a_remote_is_called_with_c_arguments_and_its_exception_comes_back() {
+    extern "C" fn locate(
+        range: f64,
+        precise: u8,
+        name: *const c_char,
+        from: *const Point,
+        to: *mut Point,
+        context: *const ContextInterface,
+    ) -> *const c_char {
+        assert_eq!((range, precise, name_of(name)), (3.0, 1, "door"));
+        // SAFETY: the codel lends both points.
+        unsafe {
+            if (*to).x < 0.0 {
+                return raise(c"::map::NO_DOOR".as_ptr(), std::ptr::null(), 0, context);
+            }
+            *to = Point { x: (*from).x + range, y: 0.0 };
+        }
+        std::ptr::null()
+    }
+    type Call = extern "C" fn(
+        f64,
+        u8,
+        *const c_char,
+        *const Point,
+        *mut Point,
+        *const ContextInterface,
+    ) -> *const c_char;
+    type Asks =
+        extern "C" fn(*const [Call; 1], *mut Point, *const ContextInterface) -> *const c_char;
+
+    // SAFETY: the C signature of `asks`; a remote is one function pointer (genom3.md 5.8).
+    let asks: Asks = unsafe { transmute(function("asks")) };
+    let mut to = Point { x: 0.0, y: 9.0 };
+    let (event, _) = with_context(|cx| asks(&[locate], &mut to, cx));
+    assert!(event.is_null());
+    assert_eq!(to, Point { x: 4.0, y: 0.0 });
+
+    to.x = -1.0;
+    let (event, recorded) = with_context(|cx| asks(&[locate], &mut to, cx));
+    assert_eq!(name_of(event), "::map::NO_DOOR");
+    assert_eq!(recorded.exception, Some(c"::map::NO_DOOR"));
+}
+
+#[test]
+fn the_table_tells_the_parameters_of_a_remote() {
+    // SAFETY: the table is a constant of this program.
+    let codels = unsafe { genom_component.codels.as_slice() };
+    let asks = codels.iter().find(|codel| name_of(codel.name) == "asks").unwrap();
+    // SAFETY: as above.
+    let remote = unsafe { &asks.arguments.as_slice()[0] };
+    // SAFETY: as above.
+    let ty = unsafe { &*remote.ty };
+    assert_eq!((remote.passing, ty.kind), (Passing::REMOTE, Kind::REMOTE));
+    // SAFETY: as above.
+    let seen: Vec<_> = unsafe { ty.members.as_slice() }
+        .iter()
+        .map(|member| (name_of(member.name), member.offset, unsafe { (*member.ty).kind }))
+        .collect();
+    assert_eq!(
+        seen,
+        [
+            ("range", Passing::VALUE.0 as usize, Kind::DOUBLE),
+            ("precise", Passing::VALUE.0 as usize, Kind::BOOLEAN),
+            ("name", Passing::VALUE.0 as usize, Kind::STRING),
+            ("from", Passing::SHARED.0 as usize, Kind::STRUCT),
+            ("to", Passing::EXCLUSIVE.0 as usize, Kind::STRUCT),
+        ]
+    );
 }
 
 #[test]

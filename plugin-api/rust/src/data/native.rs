@@ -53,6 +53,11 @@ impl<T: NativeType> Native<T> {
         Some(*unsafe { Box::from_raw(pointer) })
     }
 
+    /// The pointer itself.
+    pub(crate) fn as_ptr(&self) -> *const T {
+        self.0
+    }
+
     /// A view of the pointer that a codel got as an `in` argument.
     pub(crate) fn view(pointer: *const T) -> Self {
         Self(pointer.cast_mut())
