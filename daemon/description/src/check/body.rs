@@ -187,8 +187,9 @@ impl Checker {
         let Kind::Struct { name, .. } = self.types.kind(ty).clone() else { return };
         let members = body.ids_members.iter().map(|(member, _)| member.clone()).collect();
         let span = self.facts(ty).span.unwrap_or(body.span);
-        self.complete_type(ty, Kind::Struct { name, members }, span);
-        self.check_depth(ty, span);
+        let kind = Kind::Struct { name, members };
+        self.is_too_deep(&kind, span);
+        self.complete_type(ty, kind, span);
     }
 
     /// An interface by name, or a report with `unknown` as its code.

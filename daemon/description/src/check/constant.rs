@@ -63,7 +63,7 @@ impl Checker {
         match a.binary(op, b) {
             Ok(value) => return Some(value),
             Err(Refusal::Zero) => {
-                self.push(Diagnostic::error("E0301", span, "division by zero"));
+                self.push(Diagnostic::error("E0312", span, "division by zero"));
             }
             Err(Refusal::Kind) => {
                 let message = format!("`{}` does not apply to {left} and {right}", binary_text(op));
@@ -118,7 +118,7 @@ impl Checker {
         let ty = self.type_spec(&dcl.ty);
         let value = self.evaluate(&dcl.value);
         let value = match (ty, value) {
-            (Some(ty), Some(value)) => self.fit(value, ty, dcl.value.span),
+            (Some(ty), Some(value)) => self.fit(value, ty, dcl.value.span, "E0305"),
             _ => None,
         };
         if ty.is_none() || value.is_none() {
@@ -137,13 +137,19 @@ impl Checker {
         }
     }
 
-    /// The value as one of `ty`, or a report.
+    /// The value as one of `ty`, or a report, with `refused` as its code.
     // genom3.md 3.3 C5, C6.
-    pub(super) fn fit(&mut self, value: Value, ty: TypeId, span: Span) -> Option<Value> {
+    pub(super) fn fit(
+        &mut self,
+        value: Value,
+        ty: TypeId,
+        span: Span,
+        refused: &'static str,
+    ) -> Option<Value> {
         let resolved = self.types.resolve(ty);
         let kind = self.types.kind(resolved).clone();
         let fitted = match &kind {
-            Kind::Optional { element } => return self.fit(value, *element, span),
+            Kind::Optional { element } => return self.fit(value, *element, span, refused),
             Kind::Boolean => matches!(value, Value::Boolean(_)).then(|| value.clone()),
             Kind::Octet | Kind::UnsignedShort | Kind::UnsignedLong | Kind::UnsignedLongLong => {
                 value.to_unsigned().map(Value::Unsigned)
@@ -184,7 +190,7 @@ impl Checker {
             None => {
                 let name = self.type_name(ty);
                 let mut error = Diagnostic::error(
-                    "E0305",
+                    refused,
                     span,
                     format!("{} cannot become {name}", value.kind()),
                 );

@@ -40,9 +40,12 @@ impl Checker {
         if !self.is_free(self.scope, name, Sort::Type, "E0201") {
             return None;
         }
+        if self.is_too_deep(&kind, name.span) {
+            self.lost.insert(name.text.clone());
+            return None;
+        }
         let id = self.add_type(kind, Some(name.span));
         self.scopes.set(self.scope, &name.text, Entity::Type(id), name.span);
-        self.check_depth(id, name.span);
         Some(id)
     }
 
@@ -127,8 +130,8 @@ impl Checker {
                                 .note(span, "announced here"),
                         );
                     }
+                    self.is_too_deep(&kind, name.span);
                     self.complete_type(id, kind, name.span);
-                    self.check_depth(id, name.span);
                     return Some(id);
                 }
                 Kind::Struct { .. } | Kind::Union { .. } if self.facts(id).forward => {
@@ -310,9 +313,9 @@ impl Checker {
                 None => Some(Label::Default),
                 Some(expression) => {
                     let value = self.evaluate(expression);
-                    // C8 needs no second message behind C5.
+                    // C8 in place of C5, not behind it.
                     value
-                        .and_then(|value| self.fit(value, discriminant, expression.span))
+                        .and_then(|value| self.fit(value, discriminant, expression.span, "E0308"))
                         .and_then(|value| Self::label(&value))
                 }
             };

@@ -69,10 +69,10 @@ impl Checker {
                 self.push(Diagnostic::error("E0802", span, message));
                 Err(Refused)
             }
-            // V3: says C5 only.
+            // V3, in place of C5.
             InitialValue::Scalar(expression) => {
                 let value = self.evaluate(expression).ok_or(Refused)?;
-                let value = self.fit(value, walked, expression.span).ok_or(Refused)?;
+                let value = self.fit(value, walked, expression.span, "E0803").ok_or(Refused)?;
                 Ok(self.json(&value, walked))
             }
         }

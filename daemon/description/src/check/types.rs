@@ -88,13 +88,13 @@ impl Checker {
     }
 
     /// Refuses types nested too deep, whatever way they were written.
-    pub(super) fn check_depth(&mut self, ty: TypeId, span: Span) -> bool {
-        let deep = self.facts(ty).depth > MAX_DEPTH;
+    pub(super) fn is_too_deep(&mut self, kind: &Kind, span: Span) -> bool {
+        let deep = self.facts_of(kind).depth > MAX_DEPTH;
         if deep {
             let message = format!("types nested deeper than {MAX_DEPTH} levels");
             self.push(Diagnostic::error("E0113", span, message));
         }
-        !deep
+        deep
     }
 
     pub(super) fn shared(&mut self, shape: Shape, kind: impl FnOnce() -> Kind) -> TypeId {
@@ -217,9 +217,13 @@ impl Checker {
         let mut ty = ty;
         for dimension in declarator.dimensions.iter().rev() {
             let (element, length) = (ty, self.positive_u32(dimension)?);
-            ty = self.shared(Shape::Array(element, length), || Kind::Array { element, length });
+            let kind = Kind::Array { element, length };
+            if self.is_too_deep(&kind, declarator.name.span) {
+                return None;
+            }
+            ty = self.shared(Shape::Array(element, length), || kind);
         }
-        self.check_depth(ty, declarator.name.span).then_some(ty)
+        Some(ty)
     }
 
     /// The way to a native inside, for S12 and S19.

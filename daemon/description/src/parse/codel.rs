@@ -40,7 +40,7 @@ impl Parser<'_> {
         labels: Option<Span>,
     ) -> Parsed<Codel> {
         let name = self.name("the name of a codel")?;
-        let parameters = self.in_parentheses(Self::codel_parameter)?;
+        let parameters = self.with_code("E0112", |p| p.in_parentheses(Self::codel_parameter))?;
         let machine = match triggers {
             None => None,
             Some(triggers) => {

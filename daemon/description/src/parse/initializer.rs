@@ -11,7 +11,7 @@ impl Parser<'_> {
         }
         if self.is(":") {
             let help = "documentation needs an equal sign: `=: \"doc\"`".to_owned();
-            return self.refuse("E0103", "`=`, `,` or `)`", Some(help));
+            return self.refuse("E0112", "`=`, `,` or `)`", Some(help));
         }
         Ok(None)
     }

@@ -45,6 +45,8 @@ pub(crate) struct Parser<'a> {
     /// Open `{` before the current token: recovery stops at the level it started on.
     braces: u32,
     depth: u32,
+    /// Code of a syntax error here: bodies of types, ids and parameters have their own.
+    code: &'static str,
     /// Nesting was refused: nothing more is read nor said.
     stopped: bool,
     /// Token of the last error: one place, one message.
@@ -64,6 +66,7 @@ impl<'a> Parser<'a> {
             at: 0,
             braces: 0,
             depth: 0,
+            code: "E0103",
             stopped: false,
             last_error: None,
             half_closed: false,
@@ -246,7 +249,15 @@ impl<'a> Parser<'a> {
 
     /// Syntax error at the current token.
     fn unexpected<T>(&mut self, wanted: &str) -> Parsed<T> {
-        self.refuse("E0103", wanted, None)
+        self.refuse(self.code, wanted, None)
+    }
+
+    /// Runs `f` with another code for its syntax errors.
+    fn with_code<T>(&mut self, code: &'static str, f: impl FnOnce(&mut Self) -> T) -> T {
+        let outer = std::mem::replace(&mut self.code, code);
+        let result = f(self);
+        self.code = outer;
+        result
     }
 
     fn refuse<T>(&mut self, code: &'static str, wanted: &str, help: Option<String>) -> Parsed<T> {

@@ -58,13 +58,13 @@ impl Parser<'_> {
         let name = self.name("the name of the service")?;
         let span = self.since(start);
         let parameters = match kind {
-            ServiceKind::Function | ServiceKind::Activity => {
-                ServiceParameters::Typed(self.in_parentheses(Self::service_parameter)?)
-            }
+            ServiceKind::Function | ServiceKind::Activity => ServiceParameters::Typed(
+                self.with_code("E0112", |p| p.in_parentheses(Self::service_parameter))?,
+            ),
             ServiceKind::Service if !self.is("(") => ServiceParameters::Variables(Vec::new()),
-            ServiceKind::Attribute | ServiceKind::Service => {
-                ServiceParameters::Variables(self.in_parentheses(Self::variable_parameter)?)
-            }
+            ServiceKind::Attribute | ServiceKind::Service => ServiceParameters::Variables(
+                self.with_code("E0112", |p| p.in_parentheses(Self::variable_parameter))?,
+            ),
         };
         let properties = self.properties(&name)?;
         // dialects.md B: optional behind the body of a service.
@@ -100,7 +100,7 @@ impl Parser<'_> {
         let direction = self.direction()?;
         if matches!(self.kind(), TokenKind::Keyword(_)) {
             let help = "a parameter of an attribute is a member of the IDS: write its name only";
-            return self.refuse("E0103", "a member of the IDS", Some(help.to_owned()));
+            return self.refuse("E0112", "a member of the IDS", Some(help.to_owned()));
         }
         let variable = if self.is("::") { None } else { Some(self.variable()?) };
         let rename = if self.eat("::") { Some(self.name("a name")?) } else { None };

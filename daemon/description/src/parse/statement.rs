@@ -136,7 +136,7 @@ impl Parser<'_> {
 
     pub(super) fn unclosed<T>(&mut self, name: &Name) -> Parsed<T> {
         let message = format!("expected `}}` to close `{}`, found end of file", name.text);
-        let error = crate::diagnostic::Diagnostic::error("E0103", self.span(), message)
+        let error = crate::diagnostic::Diagnostic::error("E0105", self.span(), message)
             .note(name.span, "opened here");
         self.report(error);
         Err(super::Recover)
@@ -182,7 +182,7 @@ impl Parser<'_> {
         let span = self.span();
         self.bump();
         let name = if self.is("{") { None } else { Some(self.name("`{`")?) };
-        let members = self.member_block()?;
+        let members = self.member_block("E0111")?;
         self.semicolon(span)?;
         Ok(IdsDeclaration { name, members, span })
     }
@@ -285,7 +285,7 @@ impl Parser<'_> {
             self.bump();
             Vec::new()
         } else if self.is("{") {
-            self.member_block()?
+            self.member_block("E0110")?
         } else {
             Vec::new()
         };
@@ -294,7 +294,7 @@ impl Parser<'_> {
 
     pub(super) fn struct_body(&mut self) -> Parsed<Struct> {
         let name = self.name("the name of the struct")?;
-        let members = self.member_block()?;
+        let members = self.member_block("E0110")?;
         Ok(Struct { name, members })
     }
 

@@ -162,7 +162,7 @@ impl Parser<'_> {
                 return self.unclosed(&name);
             }
             let from = self.at;
-            match self.case() {
+            match self.with_code("E0110", Self::case) {
                 Ok(case) => cases.push(case),
                 Err(_) => self.recover(level, from),
             }
@@ -198,7 +198,7 @@ impl Parser<'_> {
     }
 
     /// `{ member; member; }`, not empty.
-    pub(super) fn member_block(&mut self) -> Parsed<Vec<Member>> {
+    pub(super) fn member_block(&mut self, code: &'static str) -> Parsed<Vec<Member>> {
         self.expect("{")?;
         let level = self.braces;
         let mut members = Vec::new();
@@ -208,10 +208,10 @@ impl Parser<'_> {
                 return self.unexpected("`}`");
             }
             if self.is("}") {
-                return self.unexpected("a member");
+                return self.with_code(code, |p| p.unexpected("a member"));
             }
             let from = self.at;
-            match self.member() {
+            match self.with_code(code, Self::member) {
                 Ok(member) => members.push(member),
                 Err(_) => {
                     lost = true;

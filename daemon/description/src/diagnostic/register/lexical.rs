@@ -24,7 +24,7 @@ pub(super) const ROWS: &[Explanation] = &[
         "a statement cannot be understood here",
         "The message names what was found and what may stand there. Reading goes on after the \
          statement.",
-        "struct s { long; };",
+        "component demo { port long x; };",
     ),
     row(
         "E0104",
@@ -74,7 +74,7 @@ pub(super) const ROWS: &[Explanation] = &[
         "L10",
         "the body of a type cannot be understood",
         "Members are `type name, name[3];`.",
-        "struct s { long a b; };",
+        "struct s { long; };",
     ),
     row(
         "E0111",

@@ -1,0 +1,61 @@
+//! 3.2: names, scopes, types.
+
+use crate::{accepted, refused, rules};
+
+rules! {
+    n1_a_name_is_declared_once_in_a_scope "E0201" 2 "typedef long a;\nconst long a = 1;";
+    n1_members_of_a_struct_have_their_own_names "E0201" 1 "struct s { long a, b; double a; };";
+    n1_states_share_the_scope_of_types "E0201" 1 "component c { typedef long start; };";
+    n2_a_name_differs_from_the_module_around_it "E0202" 1 "module m { typedef long m; };";
+    n2_a_name_differs_from_the_component_around_it "E0202" 1 "component c { const long c = 1; };";
+    n3_a_module_differs_from_the_module_around_it "E0203" 1
+        "module m { module m { typedef long a; }; };";
+    n3_a_struct_differs_from_the_module_around_it "E0203" 1 "module s { struct s { long a; }; };";
+    n4_a_type_differs_from_the_components "E0204" 1 "component c; typedef long c;";
+    n4_no_type_of_a_component_is_called_pause "E0204" 1 "component c { typedef long pause; };";
+    n5_a_struct_is_declared_once "E0205" 1 "struct s { long a; }; struct s { long a; };";
+    n5_a_module_is_no_type "E0205" 1 "typedef long m; module m { typedef long a; };";
+    n5_a_component_is_no_type "E0205" 1 "typedef long c; component c { version \"1\"; };";
+    n6_a_type_is_declared_before_it_is_used "E0206" 1 "struct s { nope x; }; typedef s t;";
+    n6_members_of_structs_are_no_names "E0206" 1 "struct a { struct b { long x; } y; }; struct c { b w; };";
+    n6_scopes_are_tried_as_a_whole "E0206" 1
+        "module a { module b { typedef long u; }; }; typedef ::b::u n;";
+    n6_an_interface_gives_no_type_names "E0206" 1
+        "interface i { struct s { long x; }; }; component d { uses i; port out s q; };";
+    n7_an_announced_struct_is_no_value "E0207" 1
+        "struct s; typedef sequence<s> t; struct u { s x; }; struct s { long a; };";
+    n7_not_even_behind_a_typedef "E0207" 1
+        "struct s; typedef s t; struct u { t x; }; struct s { long a; };";
+    n8_what_is_announced_is_defined "E0208" 1 "struct s; typedef sequence<s> t;";
+    n9_what_is_announced_is_defined_once "E0209" 1
+        "struct s; struct s { long a; }; struct s { long b; };";
+    n11_an_exception_without_members_is_no_type "E0211" 1 "exception e; struct u { e x; };";
+    n13_an_enumerator_is_declared_once "E0213" 1 "enum e { A, B, A };";
+    n13_also_among_enums_of_one_scope "E0213" 1 "enum e { A, B }; enum f { B, C };";
+}
+
+#[test]
+fn n2_a_member_may_bear_the_name_of_its_struct() {
+    accepted("struct s { long s; }; struct t { struct u { long x; } u2; };");
+}
+
+#[test]
+fn n6_the_nearest_name_is_suggested() {
+    let analysis = crate::analyse("typedef long length; struct s { lenght x; };");
+    assert_eq!(analysis.diagnostics[0].help.as_deref(), Some("did you mean `length`?"));
+}
+
+#[test]
+fn n10_a_type_is_defined_in_the_file_that_announces_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let other = folder.path().join("other.idl");
+    std::fs::write(&other, "struct s { long a; };\n").unwrap();
+    refused("E0210", 1, &format!("struct s;\n#include \"{}\"\n", other.display()));
+}
+
+#[test]
+fn exceptions_with_members_and_constants_are_types() {
+    accepted(
+        "exception f { long a; }; struct v { f x; }; const long a = 1; const a b = 2; struct s { a x; };",
+    );
+}
