@@ -2,6 +2,8 @@
 
 #![allow(dead_code, clippy::expect_used, reason = "test code; each binary uses its part")]
 
+pub(crate) mod process;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};

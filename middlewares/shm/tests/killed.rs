@@ -1,0 +1,109 @@
+//! Processes that are killed leave nothing that would be in the way.
+
+mod world;
+
+use genom_middleware::conformance::samples::{note, number, numbered, other_state, state};
+use genom_middleware::conformance::{World, eventually};
+use genom_middleware::{Address, Middleware, Policy, Reading, Subscription};
+use genom_types::Record;
+
+use world::ShmWorld;
+use world::process::Process;
+
+const WRITER: &str = env!("CARGO_BIN_EXE_shm-writer");
+
+fn position() -> Address {
+    Address::new("demo", "position")
+}
+
+#[track_caller]
+fn read_until(reader: &mut dyn Subscription, wanted: u64) {
+    let mut got = Record::new(&state());
+    eventually("the sample arrives", || {
+        reader.read(&mut got) == Ok(Reading::New) && number(&got) == wanted
+    });
+}
+
+fn start(world: &ShmWorld) -> Process {
+    let process = Process::start(WRITER, world, &[]);
+    assert_eq!(process.says(), "ready");
+    process
+}
+
+#[test]
+fn a_killed_writer_comes_back_and_its_readers_go_on() {
+    let world = ShmWorld::new();
+    let shm = world.open();
+    let policies = [Policy::Latest, Policy::Queue(3), Policy::Ring(3)];
+    let mut readers =
+        policies.map(|policy| shm.subscription(&position(), &state(), policy).unwrap());
+    for round in 1..4 {
+        let mut process = start(&world);
+        process.tell(&round.to_string());
+        assert_eq!(process.says(), "sent");
+        for reader in &mut readers {
+            read_until(&mut **reader, round);
+        }
+        process.kill();
+    }
+}
+
+#[test]
+fn the_address_of_a_killed_writer_is_free_for_another_process_and_another_type() {
+    let world = ShmWorld::new();
+    let shm = world.open();
+    let process = start(&world);
+    assert!(shm.publisher(&position(), &state()).is_err());
+    process.kill();
+    drop(shm.publisher(&position(), &other_state()).expect("free, also for another type"));
+    drop(shm.publisher(&Address::new("demo", "note"), &state()).expect("free"));
+}
+
+#[test]
+fn a_killed_reader_takes_nothing_from_the_writer() {
+    let world = ShmWorld::new();
+    let shm = world.open();
+    let parameter = Address::new("demo", "parameter");
+    let mut writer = shm.publisher(&parameter, &state()).unwrap();
+    for round in 0..3 {
+        let process = start(&world);
+        let mut reader = shm.subscription(&parameter, &state(), Policy::Latest).unwrap();
+        for n in 1..200 {
+            writer.publish(&numbered(round * 1000 + n)).unwrap();
+            read_until(&mut *reader, round * 1000 + n);
+        }
+        process.kill();
+        for n in 200..400 {
+            writer.publish(&numbered(round * 1000 + n)).unwrap();
+            read_until(&mut *reader, round * 1000 + n);
+        }
+    }
+    assert_eq!(writer.dropped(), 0);
+}
+
+#[test]
+fn what_a_killed_process_leaves_is_removed_by_the_next_start() {
+    let world = ShmWorld::new();
+    let process = start(&world);
+    assert!(!world.leftovers().is_empty());
+    process.kill();
+    assert!(!world.leftovers().is_empty(), "a killed process cannot clean up");
+    drop(world.open());
+    assert_eq!(world.leftovers(), Vec::<String>::new());
+}
+
+#[test]
+fn another_process_sees_the_last_value_of_every_kind() {
+    let world = ShmWorld::new();
+    let mut process = start(&world);
+    process.tell("77");
+    assert_eq!(process.says(), "sent");
+    let shm = world.open();
+    read_until(&mut *shm.subscription(&position(), &state(), Policy::Queue(2)).unwrap(), 77);
+    let at = Address::new("demo", "note");
+    let mut notes = shm.subscription(&at, &note(), Policy::Latest).unwrap();
+    let mut got = Record::new(&note());
+    eventually("the note arrives", || notes.read(&mut got) == Ok(Reading::New));
+    assert_eq!(got.to_json()["rows"].as_array().map(Vec::len), Some(5));
+    process.end();
+}
