@@ -15,6 +15,7 @@ pub mod preprocess;
 pub mod source;
 pub mod syntax;
 pub mod token;
+pub mod tools;
 
 mod read;
 

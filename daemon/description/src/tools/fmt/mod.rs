@@ -1,0 +1,64 @@
+//! The formatter: indentation, blanks and blank lines, never a token, comment or directive.
+//!
+//! Like gofmt it keeps the author's lines: it breaks lines after statements, and joins none.
+
+mod layout;
+mod pieces;
+mod spacing;
+
+use pieces::{Piece, PieceKind, pieces};
+
+/// Why a text is left as it is.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum FormatError {
+    /// A comment or string has no end.
+    #[error("line {line}: this {what} is never closed")]
+    Unclosed {
+        /// Where it begins.
+        line: u32,
+        /// Comment, string or character.
+        what: &'static str,
+    },
+    /// A line is joined to the next outside a directive, or a trigraph is used.
+    #[error("line {line}: joined lines and trigraphs cannot be formatted; write them out")]
+    Joined {
+        /// Where it is.
+        line: u32,
+    },
+    /// A character that has no place outside strings, comments and directives.
+    #[error("line {line}: stray `{what}`")]
+    Stray {
+        /// Where it is.
+        line: u32,
+        /// The character.
+        what: char,
+    },
+    /// The result would not mean the same: a mistake of the formatter.
+    #[error("the formatter would change the meaning of this text; please report it")]
+    Changed,
+}
+
+/// The text with normal indentation and blanks; formatting it again changes nothing.
+///
+/// # Errors
+/// When the text cannot be cut into tokens. What the tokens mean does not matter.
+pub fn format_text(text: &str) -> Result<String, FormatError> {
+    let found = pieces(text)?;
+    let out = layout::layout(&found);
+    let same = |a: &Piece<'_>, b: &Piece<'_>| {
+        a.kind == b.kind
+            && match a.kind {
+                PieceKind::Comment | PieceKind::Directive => normal(a.text) == normal(b.text),
+                _ => a.text == b.text,
+            }
+    };
+    let again = pieces(&out).map_err(|_| FormatError::Changed)?;
+    let unchanged = again.len() == found.len() && found.iter().zip(&again).all(|(a, b)| same(a, b));
+    if unchanged { Ok(out) } else { Err(FormatError::Changed) }
+}
+
+/// A comment or directive whatever the blanks at the ends of its lines.
+fn normal(text: &str) -> Vec<&str> {
+    text.lines().map(str::trim).collect()
+}

@@ -1,0 +1,236 @@
+//! Cuts a text into tokens, comments and directives, all of them kept as written.
+
+use super::FormatError;
+
+/// What a piece is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PieceKind {
+    /// Name, number, string or character.
+    Word,
+    Sign,
+    /// `// ...` or `/* ... */`.
+    Comment,
+    /// A whole directive with its joined lines.
+    Directive,
+}
+
+/// A piece of text.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Piece<'t> {
+    pub(super) kind: PieceKind,
+    pub(super) text: &'t str,
+    /// Line ends before it.
+    pub(super) newlines: usize,
+    /// Blanks or line ends come before it.
+    pub(super) space: bool,
+}
+
+pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, FormatError> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut cutter = Cutter { text, at: 0, line: 1 };
+    let mut pieces: Vec<Piece<'_>> = Vec::new();
+    loop {
+        let (newlines, space) = cutter.blanks();
+        let newlines = if pieces.is_empty() { newlines.max(1) } else { newlines };
+        let start = cutter.at;
+        let Some(kind) = cutter.piece(newlines > 0)? else { return Ok(pieces) };
+        let whole = text.get(start..cutter.at).unwrap_or_default();
+        cutter.line += u32::try_from(whole.matches('\n').count()).unwrap_or(0);
+        let piece = Piece { kind, text: whole, newlines, space };
+        match dashed(&pieces, &piece) {
+            // `clock-rate` is one name, and must stay in one piece.
+            true => {
+                pieces.truncate(pieces.len() - 1);
+                if let Some(first) = pieces.last_mut() {
+                    let begin = start - 1 - first.text.len();
+                    first.text = text.get(begin..cutter.at).unwrap_or_default();
+                }
+            }
+            false => pieces.push(piece),
+        }
+    }
+}
+
+fn dashed(before: &[Piece<'_>], last: &Piece<'_>) -> bool {
+    let [.., first, dash] = before else { return false };
+    dash.text == "-"
+        && !dash.space
+        && !last.space
+        && matches!(
+            (first.text, last.text),
+            ("clock", "rate") | ("codels", "require" | "requires") | ("real", "time")
+        )
+}
+
+struct Cutter<'t> {
+    text: &'t str,
+    at: usize,
+    line: u32,
+}
+
+impl Cutter<'_> {
+    fn byte(&self, ahead: usize) -> Option<u8> {
+        self.text.as_bytes().get(self.at + ahead).copied()
+    }
+
+    fn blanks(&mut self) -> (usize, bool) {
+        let start = self.at;
+        let mut newlines = 0;
+        while let Some(byte) = self.byte(0) {
+            match byte {
+                b'\n' => newlines += 1,
+                b' ' | b'\t' | b'\r' | 0x0b | 0x0c => {}
+                _ => break,
+            }
+            self.at += 1;
+        }
+        self.line += u32::try_from(newlines).unwrap_or(0);
+        (newlines, self.at > start)
+    }
+
+    fn piece(&mut self, first: bool) -> Result<Option<PieceKind>, FormatError> {
+        let Some(byte) = self.byte(0) else { return Ok(None) };
+        let kind = match (byte, self.byte(1)) {
+            (b'#', _) if first => self.directive()?,
+            (b'/', Some(b'/')) => self.line_comment()?,
+            (b'/', Some(b'*')) => {
+                self.block_comment()?;
+                PieceKind::Comment
+            }
+            (b'"', _) => self.quoted(b'"', "string")?,
+            (b'\'', _) => self.quoted(b'\'', "character")?,
+            (b'\\', Some(b'\n' | b'\r')) => return Err(FormatError::Joined { line: self.line }),
+            (b'\\' | b'#', _) => {
+                return Err(FormatError::Stray { line: self.line, what: char::from(byte) });
+            }
+            (b'?', Some(b'?')) => return Err(FormatError::Joined { line: self.line }),
+            (b'0'..=b'9', _) => self.number(),
+            (b'.', Some(b'0'..=b'9')) => self.number(),
+            _ if is_name(byte) => {
+                while self.byte(0).is_some_and(is_name) {
+                    self.at += 1;
+                }
+                PieceKind::Word
+            }
+            _ => self.sign(),
+        };
+        // A name or number goes on after a joined line.
+        if kind == PieceKind::Word && self.byte(0) == Some(b'\\') {
+            return Err(FormatError::Joined { line: self.line });
+        }
+        Ok(Some(kind))
+    }
+
+    fn number(&mut self) -> PieceKind {
+        while let Some(byte) = self.byte(0) {
+            match byte {
+                b'e' | b'E' if matches!(self.byte(1), Some(b'+' | b'-')) => self.at += 2,
+                b'.' => self.at += 1,
+                _ if is_name(byte) => self.at += 1,
+                _ => break,
+            }
+        }
+        PieceKind::Word
+    }
+
+    /// Up to the end of its last line; comments in it may hold line ends.
+    fn directive(&mut self) -> Result<PieceKind, FormatError> {
+        while let Some(byte) = self.byte(0) {
+            match (byte, self.byte(1)) {
+                (b'\n', _) => break,
+                (b'\\', Some(b'\n')) => self.at += 2,
+                (b'\\', Some(b'\r')) if self.byte(2) == Some(b'\n') => self.at += 3,
+                (b'/', Some(b'*')) => self.block_comment()?,
+                (b'/', Some(b'/')) => {
+                    self.line_comment()?;
+                }
+                (b'"', _) => self.string_in_line(),
+                _ => self.at += 1,
+            }
+        }
+        if self.at == self.text.len() && self.text.trim_end().ends_with('\\') {
+            // Joined to a line that is not there.
+            return Err(FormatError::Joined { line: self.line });
+        }
+        self.trim();
+        Ok(PieceKind::Directive)
+    }
+
+    fn string_in_line(&mut self) {
+        self.at += 1;
+        while let Some(byte) = self.byte(0) {
+            match (byte, self.byte(1)) {
+                (b'\n', _) => return,
+                (b'\\', Some(next)) if next != b'\n' => self.at += 2,
+                (b'"', _) => {
+                    self.at += 1;
+                    return;
+                }
+                _ => self.at += 1,
+            }
+        }
+    }
+
+    fn line_comment(&mut self) -> Result<PieceKind, FormatError> {
+        let rest = self.text.get(self.at..).unwrap_or_default();
+        let length = rest.find('\n').unwrap_or(rest.len());
+        if rest.get(..length).is_some_and(|line| line.trim_end_matches('\r').ends_with('\\')) {
+            return Err(FormatError::Joined { line: self.line });
+        }
+        self.at += length;
+        self.trim();
+        Ok(PieceKind::Comment)
+    }
+
+    /// Blanks at the end of a line are not part of the piece.
+    fn trim(&mut self) {
+        let before = self.text.get(..self.at).unwrap_or_default();
+        self.at = before.trim_end_matches([' ', '\t', '\r', '\x0b', '\x0c']).len();
+    }
+
+    fn block_comment(&mut self) -> Result<(), FormatError> {
+        let rest = self.text.get(self.at + 2..).unwrap_or_default();
+        match rest.find("*/") {
+            Some(length) => {
+                self.at += length + 4;
+                Ok(())
+            }
+            None => Err(FormatError::Unclosed { line: self.line, what: "comment" }),
+        }
+    }
+
+    fn quoted(&mut self, quote: u8, what: &'static str) -> Result<PieceKind, FormatError> {
+        let line = self.line;
+        self.at += 1;
+        while let Some(byte) = self.byte(0) {
+            self.at += 1;
+            match byte {
+                // A joined line inside a string is kept, as are line ends.
+                b'\\' => self.at += usize::from(self.byte(0).is_some()),
+                b'\n' if quote == b'\'' => break,
+                _ if byte == quote => return Ok(PieceKind::Word),
+                _ => {}
+            }
+        }
+        Err(FormatError::Unclosed { line, what })
+    }
+
+    fn sign(&mut self) -> PieceKind {
+        let rest = self.text.get(self.at..).unwrap_or_default();
+        let length = match rest.as_bytes() {
+            [b'<', b':', b':', after, ..] if !matches!(after, b':' | b'>') => 1,
+            [b':', b':', ..]
+            | [b'<', b'<' | b'%' | b':', ..]
+            | [b'>', b'>', ..]
+            | [b'%' | b':', b'>', ..]
+            | [b'#', b'#', ..] => 2,
+            _ => rest.chars().next().map_or(1, char::len_utf8),
+        };
+        self.at += length;
+        PieceKind::Sign
+    }
+}
+
+fn is_name(byte: u8) -> bool {
+    byte.is_ascii_alphanumeric() || byte == b'_'
+}

@@ -1,0 +1,150 @@
+//! Events, ports, remotes and codel prototypes of a component (genom3.md 5.3, 5.6 to 5.8).
+
+use std::collections::{BTreeSet, HashSet};
+use std::fmt::Write;
+
+use genom_types::TypeTable;
+
+use super::declare::{Passing, argument, data_method, parameter};
+use super::guarded;
+use crate::model::{Codel, CodelKind, Component, Direction, Owner, PortDirection, Source};
+
+/// A weak definition for each state, and for each pause that a codel yields.
+pub(super) fn events(out: &mut String, component: &Component) {
+    for (symbol, text) in event_names(component) {
+        guarded(out, &symbol, &format!("GENOM_EVENT({symbol}, \"{text}\");"));
+    }
+}
+
+/// C name and text of each event of a component.
+///
+/// In the papers' figures a codel bears the name that an event would have (`demo_stop`): the
+/// codel keeps it, since it is what the host calls, and the event is `demo_stop_event`.
+pub(super) fn event_names(component: &Component) -> Vec<(String, String)> {
+    let name = &component.name;
+    let codels: HashSet<&str> = component.codels.iter().map(|codel| codel.name.as_str()).collect();
+    let states = component.states.iter().map(|state| (state.clone(), state.clone()));
+    let paused = paused(component).into_iter().filter_map(|rank| component.states.get(rank));
+    let paused = paused.map(|state| (format!("pause_{state}"), format!("pause::{state}")));
+    let named = states.chain(paused).map(|(symbol, text)| {
+        let mut symbol = format!("{name}_{symbol}");
+        if codels.contains(symbol.as_str()) {
+            symbol.push_str("_event");
+        }
+        (symbol, format!("::{name}::{text}"))
+    });
+    named.collect()
+}
+
+/// States that some codel yields with a pause.
+fn paused(component: &Component) -> BTreeSet<usize> {
+    let yields = component.codels.iter().flat_map(|codel| match &codel.kind {
+        CodelKind::Fsm { yields, .. } => yields.as_slice(),
+        _ => &[],
+    });
+    yields.filter(|to| to.pause).map(|to| to.state).collect()
+}
+
+/// The handle of each port: functions that the host supplies.
+pub(super) fn ports(out: &mut String, types: &TypeTable, component: &Component) {
+    for port in &component.ports {
+        let tag = format!("{}_{}", component.name, port.name);
+        let id = if port.multiple { "const char *id, " } else { "" };
+        let arguments = format!("{id}genom_context self");
+        let mut body = format!("  {};\n", data_method(types, port.ty, &arguments));
+        let methods: &[&str] = match (port.direction, port.multiple) {
+            (PortDirection::In, _) => &["read"],
+            (PortDirection::Out, false) => &["write"],
+            (PortDirection::Out, true) => &["write", "open", "close"],
+        };
+        for method in methods {
+            let _ = writeln!(body, "  genom_event (*{method})({arguments});");
+        }
+        guarded(out, &tag, &format!("typedef struct {tag} {{\n{body}}} {tag};"));
+    }
+}
+
+/// The handle of each remote: a function that calls the service and waits for its end.
+pub(super) fn remotes(out: &mut String, types: &TypeTable, component: &Component) {
+    for remote in &component.remotes {
+        let tag = format!("{}_{}", component.name, remote.name);
+        let mut list: Vec<_> = remote
+            .parameters
+            .iter()
+            .map(|p| parameter(types, p.ty, passing(p.direction), &argument(&p.name)))
+            .collect();
+        list.push("genom_context self".to_owned());
+        let body = format!("  genom_event (*call)({});\n", list.join(", "));
+        guarded(out, &tag, &format!("typedef struct {tag} {{\n{body}}} {tag};"));
+    }
+}
+
+/// One prototype for each C function; those that the host supplies are left out.
+pub(super) fn codels(out: &mut String, types: &TypeTable, chosen: &[&Component]) {
+    let mut written = HashSet::new();
+    for component in chosen {
+        let _ = writeln!(out, "/* Codels of {}. */", component.name);
+        for codel in component.codels.iter().filter(|codel| !is_standard(component, codel)) {
+            if written.insert(codel.name.as_str()) {
+                let list = arguments(types, component, codel).join(", ");
+                let _ = writeln!(out, "genom_event {}({list});", codel.name);
+            }
+        }
+        out.push('\n');
+    }
+}
+
+pub(super) fn is_standard(component: &Component, codel: &Codel) -> bool {
+    match codel.owner {
+        Owner::Service(rank) => component.services.get(rank).is_some_and(|s| s.standard),
+        Owner::Task(_) => false,
+    }
+}
+
+fn arguments(types: &TypeTable, component: &Component, codel: &Codel) -> Vec<String> {
+    let mut list = Vec::new();
+    for (name, source) in names(codel) {
+        let Some(from) = codel.parameters.get(list.len()) else { break };
+        list.push(match source {
+            Source::Port(rank) => {
+                let port = component.ports.get(*rank).map_or("", |port| port.name.as_str());
+                format!("const {}_{port} *{name}", component.name)
+            }
+            Source::Remote(rank) => {
+                let remote = component.remotes.get(*rank).map_or("", |r| r.name.as_str());
+                format!("const {}_{remote} *{name}", component.name)
+            }
+            _ => parameter(types, from.ty, passing(from.direction), &name),
+        });
+    }
+    list.push("const genom_context self".to_owned());
+    list
+}
+
+/// A C name for each parameter. In the papers' dialects a port and an IDS member may bear one
+/// name: the port's gets `_port` (dialects.md, C signatures).
+pub(super) fn names(codel: &Codel) -> Vec<(String, &Source)> {
+    let mut taken: HashSet<String> = HashSet::new();
+    let ports = |source: &Source| matches!(source, Source::Port(_));
+    let others: HashSet<&str> =
+        codel.parameters.iter().filter(|p| !ports(&p.source)).map(|p| p.name.as_str()).collect();
+    let mut names = Vec::new();
+    for parameter in &codel.parameters {
+        let mut name = argument(&parameter.name);
+        if ports(&parameter.source) && others.contains(parameter.name.as_str()) {
+            name.push_str("_port");
+        }
+        while !taken.insert(name.clone()) {
+            name.push('_');
+        }
+        names.push((name, &parameter.source));
+    }
+    names
+}
+
+pub(super) fn passing(direction: Direction) -> Passing {
+    match direction {
+        Direction::In => Passing::Value,
+        Direction::Out | Direction::InOut => Passing::Reference,
+    }
+}

@@ -1,0 +1,11 @@
+//! What can be made of a checked description: pure functions from model or text to text.
+
+mod describe;
+mod fmt;
+mod graph;
+mod header;
+
+pub use describe::{describe, describe_text};
+pub use fmt::{FormatError, format_text};
+pub use graph::{Graph, graph};
+pub use header::{HeaderError, Language, header};

@@ -1,0 +1,219 @@
+//! Headers compile, and what they lay out is what genomd lays out.
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use expect_test::expect_file;
+use genom_description::Analysis;
+use genom_description::tools::{Language, header};
+use genom_types::{DataType, Kind};
+
+use crate::support::{accepted, all_accepted, path};
+
+fn include() -> PathBuf {
+    path("../../plugin-api/include")
+}
+
+/// Runs a compiler, which must say nothing.
+#[track_caller]
+fn compile(command: &mut Command, what: &str) {
+    let output = command.output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && said.is_empty(), "{what}: {said}");
+}
+
+fn write_header(analysis: &Analysis, language: Language, dir: &Path, name: &str) -> PathBuf {
+    let file = dir.join(name);
+    std::fs::write(&file, header(&analysis.specification, None, language).unwrap()).unwrap();
+    file
+}
+
+fn gcc(program: &str, standard: &str, dir: &Path) -> Command {
+    let mut command = Command::new(program);
+    command.args([standard, "-Wall", "-Wextra", "-Werror", "-I"]).arg(include()).arg("-I").arg(dir);
+    command
+}
+
+#[test]
+fn headers_compile_without_warning_in_c_and_cxx_and_rust() {
+    let dir = tempfile::tempdir().unwrap();
+    // All in one source each: every header is included twice, then all of them together.
+    let mut modules = String::new();
+    for (rank, (file, analysis)) in all_accepted().iter().enumerate() {
+        let what = file.display().to_string();
+        let name = format!("h{rank}.h");
+        write_header(analysis, Language::C, dir.path(), &name);
+        let source = dir.path().join("x.c");
+        std::fs::write(&source, format!("#include \"{name}\"\n#include \"{name}\"\n")).unwrap();
+        compile(gcc("gcc", "-std=gnu99", dir.path()).arg("-fsyntax-only").arg(&source), &what);
+        write_header(analysis, Language::Cxx, dir.path(), &name);
+        let source = dir.path().join("x.cc");
+        std::fs::write(&source, format!("#include \"{name}\"\n#include \"{name}\"\n")).unwrap();
+        compile(gcc("g++", "-std=c++11", dir.path()).arg("-fsyntax-only").arg(&source), &what);
+        write_header(analysis, Language::Rust, dir.path(), &format!("h{rank}.rs"));
+        writeln!(modules, "pub mod h{rank};").unwrap();
+    }
+    let source = dir.path().join("lib.rs");
+    std::fs::write(&source, modules).unwrap();
+    let mut rustc = Command::new("rustc");
+    rustc.args(["--edition=2021", "--crate-type=lib", "-Dwarnings", "--emit=metadata", "-o"]);
+    compile(rustc.arg(dir.path().join("x.rmeta")).arg(&source), "rust");
+}
+
+#[test]
+fn several_components_are_included_together_in_any_order() {
+    let dir = tempfile::tempdir().unwrap();
+    let demo = accepted(&path("tests/tools/rich.gen"));
+    write_header(&demo, Language::C, dir.path(), "a.h");
+    let other = dir.path().join("b.gen");
+    let text = std::fs::read_to_string(path("tests/tools/rich.gen")).unwrap();
+    std::fs::write(&other, text.replace("component demo", "component other")).unwrap();
+    write_header(&accepted(&other), Language::C, dir.path(), "b.h");
+    let source = dir.path().join("x.c");
+    // The codels have other prototypes in the other component: only types may be shared.
+    for (first, second) in [("a.h", "b.h"), ("b.h", "a.h")] {
+        let strip = |name: &str| {
+            let text = std::fs::read_to_string(dir.path().join(name)).unwrap();
+            let kept: Vec<_> = text
+                .lines()
+                .filter(|line| !line.starts_with("genom_event ") || !line.ends_with(");"))
+                .collect();
+            std::fs::write(dir.path().join(format!("types_{name}")), kept.join("\n")).unwrap();
+        };
+        strip(first);
+        strip(second);
+        std::fs::write(
+            &source,
+            format!("#include \"types_{first}\"\n#include \"types_{second}\"\n"),
+        )
+        .unwrap();
+        compile(gcc("gcc", "-std=gnu99", dir.path()).arg("-fsyntax-only").arg(&source), first);
+    }
+}
+
+/// A C program that prints size, alignment and offsets of every type of a header.
+fn measuring_program(analysis: &Analysis, expected: &mut String) -> String {
+    let spec = &analysis.specification;
+    let mut body = String::new();
+    for (id, kind) in spec.types.iter() {
+        let Ok(ty) = DataType::new(&spec.types, id) else { continue };
+        let c = spec.types.c_name(id);
+        let service_record = spec.components.iter().any(|component| {
+            component.services.iter().any(|s| [s.input, s.output, s.local].contains(&id))
+                || component.remotes.iter().any(|r| [r.input, r.output].contains(&id))
+        });
+        let measured = match kind {
+            Kind::Native { .. } => false,
+            Kind::Exception { members, .. } => !members.is_empty(),
+            Kind::Sequence { .. } | Kind::Optional { .. } => true,
+            kind => kind.name().is_some(),
+        };
+        if service_record || !measured {
+            continue;
+        }
+        writeln!(body, "  printf(\"{c} %zu %zu\\n\", sizeof({c}), __alignof__({c}));").unwrap();
+        writeln!(expected, "{c} {} {}", ty.size(), ty.align()).unwrap();
+        let mut offset = |member: &str, at: usize| {
+            writeln!(body, "  printf(\"  {member} %zu\\n\", offsetof({c}, {member}));").unwrap();
+            writeln!(expected, "  {member} {at}").unwrap();
+        };
+        if let Kind::Struct { members, .. } | Kind::Exception { members, .. } = kind {
+            for (rank, member) in members.iter().enumerate() {
+                offset(&member.name, ty.member_offset(rank).unwrap());
+            }
+        }
+        if let Kind::Union { members, .. } = kind {
+            for (rank, member) in members.iter().enumerate() {
+                offset(&format!("_u.{}", member.name), ty.member_offset(rank).unwrap());
+            }
+        }
+    }
+    format!(
+        "#include <stddef.h>\n#include <stdio.h>\n#include \"h.h\"\nint main(void) {{\n{body}  return 0;\n}}\n"
+    )
+}
+
+#[test]
+fn sizes_and_offsets_in_c_are_those_of_genomd() {
+    let dir = tempfile::tempdir().unwrap();
+    for (file, analysis) in all_accepted() {
+        write_header(&analysis, Language::C, dir.path(), "h.h");
+        let mut expected = String::new();
+        let source = dir.path().join("x.c");
+        std::fs::write(&source, measuring_program(&analysis, &mut expected)).unwrap();
+        let program = dir.path().join("x");
+        let what = file.display().to_string();
+        compile(gcc("gcc", "-std=gnu99", dir.path()).arg("-o").arg(&program).arg(&source), &what);
+        let output = Command::new(&program).output().unwrap();
+        assert_eq!(String::from_utf8_lossy(&output.stdout), expected, "{what}");
+    }
+    // The rich description must be among them, and measured in depth.
+    let mut expected = String::new();
+    measuring_program(&accepted(&path("tests/tools/rich.gen")), &mut expected);
+    assert!(expected.contains("demo_holder ") && expected.lines().count() > 80);
+}
+
+#[test]
+fn the_header_is_that_of_the_reference_to_the_letter() {
+    let analysis = accepted(&path("tests/tools/rich.gen"));
+    let text = header(&analysis.specification, Some("demo"), Language::C).unwrap();
+    // genom3.md 5.10 and around.
+    for line in [
+        "genom_event t_init(demo_ids *ids, const demo_mpin *mpin, const demo_mpout *mpout, const demo_name *name, const demo_note *note, const demo_point *point, const demo_matrix *matrix, const demo_colour *colour, const demo_shared *shared, const genom_context self);",
+        "genom_event t_step(const demo_r1 *r1, const genom_context self);",
+        "genom_event check(int32_t v, int32_t current, const genom_context self);",
+        "genom_event fc(const char *d, const char e[8], char g[8], char **c, const demo_s *h, demo_s *i, const sequence_long *j, sequence_long *k, const demo_arr2 l, demo_arr2 m, m_col n, m_col *o, bool p, const optional_long *q, const demo_e_sys_detail *r, const demo_text t, demo_text *u, uint64_t w, float x, demo_flag *y, const demo_opaque *lo, demo_opaque **lo2, const genom_context self);",
+        "genom_event fc2(const char *stb, int32_t sqa, demo_four *bsq, const demo_opaque *nat, demo_opaque **nat2, int32_t class_, int32_t input, int32_t *inout, demo_ids *all, const genom_context self);",
+        "genom_event act_start(int32_t x, int32_t *y, int32_t *z, const demo_pin *pin, const demo_pout *pout, const genom_context self);",
+        "genom_event act_step(int32_t a, int32_t self_, const genom_context self);",
+        "genom_event act_stop(int32_t z, const genom_context self);",
+        "  genom_event (*call)(i_long_type a, i_param b[3], char **d, genom_context self);",
+        "  demo_s *(*data)(const char *id, genom_context self);",
+        "  genom_event (*open)(const char *id, genom_context self);",
+        "  char *(*data)(genom_context self);",
+        "  demo_text *(*data)(genom_context self);",
+        "  double *(*data)(genom_context self);",
+        "GENOM_EVENT(demo_start, \"::demo::start\");",
+        "GENOM_EVENT(demo_ether, \"::demo::ether\");",
+        "GENOM_EVENT(demo_pause_start, \"::demo::pause::start\");",
+        "GENOM_EVENT(demo_e_sys_id, \"::demo::e_sys\");",
+        "demo_e_sys(demo_e_sys_detail *detail, genom_context self)",
+        "typedef void demo_e_void_detail;",
+        "#ifndef _demo_s_c_type",
+        "typedef uint32_t m_col;",
+        "  m_RED = 0,",
+        "  char _buffer[2][4];",
+        "  const uint32_t _maximum;",
+        "typedef struct node node;",
+        "  node *_buffer;",
+        "typedef int32_t demo_arr2[2][3];",
+        "typedef struct demo_opaque demo_opaque;",
+        "static const int8_t m_letter = 120;",
+        "static const char *const m_name = \"a\\n\\\"b\\\" \\\\q\";",
+        "static const m_col m_favourite = m_GREEN;",
+        "static const int32_t m_depth = -2147483648;",
+    ] {
+        let found = text.lines().any(|found| found == line);
+        assert!(found, "missing: {line}\nin:\n{text}");
+    }
+    expect_file!["rich.h"].assert_eq(&text);
+    let rust = header(&analysis.specification, Some("demo"), Language::Rust).unwrap();
+    expect_file!["rich.rs.txt"].assert_eq(&rust);
+}
+
+#[test]
+fn the_papers_codels_have_their_prototypes() {
+    let analysis = accepted(&path("tests/papers/figure-2010.gen"));
+    let text = header(&analysis.specification, None, Language::C).unwrap();
+    let servo = "genom_event demo_servo(double position, double *velocity, const demo_position *position_port, const genom_context self);";
+    assert!(text.contains(servo), "{text}");
+    assert!(text.contains("GENOM_EVENT(demo_main, \"::demo::main\");"), "{text}");
+}
+
+#[test]
+fn an_unknown_component_is_refused_with_those_there_are() {
+    let analysis = accepted(&path("tests/tools/rich.gen"));
+    let error = header(&analysis.specification, Some("nope"), Language::C).unwrap_err();
+    assert_eq!(error.to_string(), "there is no component `nope`; those described are: `demo`");
+}
