@@ -3,7 +3,9 @@
 use std::collections::{HashMap, HashSet};
 
 use genom::abi::{self, Passing};
-use genom_description::model::{Codel as ModelCodel, CodelParameter, PortDirection, Source, Span};
+use genom_description::model::{
+    Codel as ModelCodel, CodelParameter, Direction, PortDirection, Remote, Source, Span,
+};
 use genom_runtime::plan::Plan;
 use genom_types::{DataType, Kind, TypeId};
 
@@ -94,7 +96,10 @@ impl Comparison<'_> {
     fn argument(&mut self, parameter: &CodelParameter, told: &Argument) -> Result<(), String> {
         let model = self.plan.component();
         let wanted = match parameter.source {
-            Source::Remote(_) => return Err("the SDK has no remotes yet".to_owned()),
+            Source::Remote(remote) => {
+                let remote = model.remotes.get(remote).ok_or("there is no such remote")?;
+                return self.remote(remote, told);
+            }
             Source::Port(port) => {
                 let port = model.ports.get(port).ok_or("there is no such port")?;
                 match (port.direction, port.multiple) {
@@ -104,18 +109,7 @@ impl Comparison<'_> {
                     (PortDirection::Out, true) => Passing::MULTIPLE_OUT_PORT,
                 }
             }
-            _ => {
-                let kind = self.plan.specification().types.resolved(parameter.ty);
-                match Class::of(kind, parameter.direction) {
-                    Class::Value(_) | Class::Held => Passing::VALUE,
-                    Class::Address
-                        if parameter.direction == genom_description::model::Direction::In =>
-                    {
-                        Passing::SHARED
-                    }
-                    Class::Address => Passing::EXCLUSIVE,
-                }
-            }
+            _ => self.passing(parameter.ty, parameter.direction),
         };
         if told.passing != wanted {
             return Err(format!("{} is wanted, not {}", way(wanted), way(told.passing)));
@@ -125,6 +119,42 @@ impl Comparison<'_> {
             _ => parameter.ty,
         };
         self.ty(ty, told.ty)
+    }
+
+    /// How a datum is passed to a codel or a remote (genom3.md 5.5).
+    fn passing(&self, ty: TypeId, direction: Direction) -> Passing {
+        let kind = self.plan.specification().types.resolved(ty);
+        match Class::of(kind, direction) {
+            Class::Value(_) | Class::Held => Passing::VALUE,
+            Class::Address if direction == Direction::In => Passing::SHARED,
+            Class::Address => Passing::EXCLUSIVE,
+        }
+    }
+
+    /// Compares the parameters of a remote: the type of its argument lists them.
+    fn remote(&mut self, remote: &Remote, told: &Argument) -> Result<(), String> {
+        if told.passing != Passing::REMOTE {
+            return Err(format!("{} is wanted, not {}", way(Passing::REMOTE), way(told.passing)));
+        }
+        let table = self.table;
+        let Some(told) = told.ty.map(|rank| &table.types[rank]) else {
+            return Err("the library tells no parameters".to_owned());
+        };
+        let (wanted, found) = (remote.parameters.len(), told.members.len());
+        if wanted != found {
+            return Err(format!("{wanted} parameters are wanted, it has {found}"));
+        }
+        for (parameter, told) in remote.parameters.iter().zip(&told.members) {
+            let place = |why| format!("parameter `{}`: {why}", parameter.name);
+            let wanted = self.passing(parameter.ty, parameter.direction);
+            // For a parameter the offset is the number of its way of passing.
+            let found = u32::try_from(told.offset).map_or(Passing(u32::MAX), Passing);
+            if wanted != found {
+                return Err(place(format!("{} is wanted, not {}", way(wanted), way(found))));
+            }
+            self.ty(parameter.ty, told.ty).map_err(place)?;
+        }
+        Ok(())
     }
 
     /// Compares a type and everything in it.
@@ -242,6 +272,7 @@ fn way(passing: Passing) -> &'static str {
         Passing::OUT_PORT => "`OutPort`",
         Passing::MULTIPLE_IN_PORT => "`MultipleInPort`",
         Passing::MULTIPLE_OUT_PORT => "`MultipleOutPort`",
+        Passing::REMOTE => "a remote",
         _ => "a way this daemon does not know",
     }
 }
@@ -257,6 +288,7 @@ fn show_argument(table: &Table, argument: &Argument) -> String {
         Passing::OUT_PORT => format!("{name}: &mut OutPort<{ty}>"),
         Passing::MULTIPLE_IN_PORT => format!("{name}: &mut MultipleInPort<{ty}>"),
         Passing::MULTIPLE_OUT_PORT => format!("{name}: &mut MultipleOutPort<{ty}>"),
+        Passing::REMOTE => format!("{name}: &mut a remote"),
         _ => format!("{name}: ?"),
     }
 }
