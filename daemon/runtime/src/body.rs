@@ -23,6 +23,9 @@ pub enum Returned {
     Event(EventId),
     /// A string the plan does not know; [`Frame::returned`] tells it.
     Unknown,
+    /// The codel did not return: a C++ exception escaped, or an argument has no place. This is
+    /// `genom::unkex`, with what [`Frame::detail`] tells.
+    Failed,
 }
 
 /// One instance's code and memory.

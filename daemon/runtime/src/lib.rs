@@ -1,9 +1,39 @@
 //! The component model at work: tasks, activities, requests, exclusion (genom3.md 7).
 //!
-//! It calls codels and touches component memory only through [`body`], names no middleware and
-//! does no I/O of its own.
+//! A [`Plan`] is a component compiled into arrays. An [`Instance`] runs one on a
+//! [`Body`](body::Body), which is its code and memory. It calls codels and touches component
+//! memory only through [`body`], names no middleware and does no I/O of its own.
+//!
+//! Each task has a thread, which shares with the rest nothing but atomics, wait-free rings and
+//! the exclusion. Requests are served by control workers, order being kept per service. With a
+//! [`VirtualClock`] there are no threads: whoever steps it runs the tasks.
 
 #![forbid(unsafe_code)]
 
+mod api;
 pub mod body;
+mod clock;
+mod control;
+mod driven;
+mod engine;
+pub mod exclusion;
+mod instance;
+mod options;
 pub mod plan;
+mod shared;
+mod shutdown;
+mod start;
+mod statistics;
+mod task;
+mod watcher;
+
+pub use api::{Exception, Outcome, Progress, Reply, Wiring, WiringError, input_record};
+pub use clock::{Clock, VirtualClock};
+pub use engine::{ActivityPhase, ActivityStatus, NoSuchActivity};
+pub use instance::{Instance, NoSuchEvent};
+pub use options::{ACTIVITY_LIMIT, Options, TaskOptions};
+pub use plan::{Plan, PlanError};
+pub use shutdown::ShutdownError;
+pub use start::StartError;
+pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
+pub use watcher::{Change, Watcher};

@@ -45,20 +45,13 @@ impl Nodes {
                 service.through_ids && service.kind != ServiceKind::Attribute
             })
         };
-        for a in 0..count {
-            for b in a..count {
-                let ours = (beside(a) && beside(b)) || of_papers(a) || of_papers(b);
-                let excluded = matrix[a][b]
-                    || matrix[b][a]
-                    || a == b
-                    || (ours && touching(a).conflicts(&touching(b)));
-                matrix[a][b] = excluded;
-                matrix[b][a] = excluded;
-            }
-        }
-        let list = |row: &Vec<bool>| {
-            row.iter().enumerate().filter(|(_, set)| **set).map(|(node, _)| node).collect()
+        let excluded = |a: usize, b: usize| {
+            let ours = (beside(a) && beside(b)) || of_papers(a) || of_papers(b);
+            let given = a == b || matrix[a][b] || matrix[b][a];
+            given || (ours && touching(a).conflicts(&touching(b)))
         };
+        let conflicts =
+            (0..count).map(|a| (0..count).filter(|b| excluded(a, *b)).collect()).collect();
         let global = |node: usize| {
             model.codels.get(node).is_none_or(|codel| {
                 !codel.asynchronous
@@ -68,11 +61,7 @@ impl Nodes {
                         .any(|p| matches!(p.source, Source::Port(_) | Source::Remote(_)))
             })
         };
-        Self {
-            codels,
-            conflicts: matrix.iter().map(list).collect(),
-            global: (0..count).map(global).collect(),
-        }
+        Self { codels, conflicts, global: (0..count).map(global).collect() }
     }
 
     /// Nodes from a relation given as such, for tests of the lock.

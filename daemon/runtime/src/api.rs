@@ -1,0 +1,131 @@
+//! What users of an instance give and get: requests, outcomes, wiring.
+
+use std::fmt;
+
+use genom_types::{JsonError, Record};
+use serde_json::{Map, Value};
+
+use crate::plan::Plan;
+
+/// How a request goes on. Called with [`Progress::Accepted`] at most once, for activities, then
+/// with [`Progress::Done`] once; never by a real-time thread, and never holding a lock.
+pub type Reply = Box<dyn FnMut(Progress) + Send>;
+
+/// A step of a request.
+#[derive(Debug)]
+pub enum Progress {
+    /// The activity was accepted; it starts when nothing it interrupts runs any more.
+    Accepted {
+        /// Its id, for [`Instance::abort`](crate::Instance::abort).
+        activity: u32,
+    },
+    /// The final answer.
+    Done(Outcome),
+}
+
+/// How a service ended.
+#[derive(Debug)]
+pub enum Outcome {
+    /// With its outputs.
+    Success(Record),
+    /// With an exception.
+    Exception(Exception),
+}
+
+/// An exception, with its detail.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exception {
+    /// Its full name: `::demo::OUT_OF_RANGE`.
+    pub name: String,
+    /// Its members; null when it has none.
+    pub detail: Value,
+}
+
+impl fmt::Display for Exception {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.detail {
+            Value::Null => f.write_str(&self.name),
+            detail => write!(f, "{} {detail}", self.name),
+        }
+    }
+}
+
+/// What the supervisor does for the standard services (genom3.md 4.8).
+///
+/// Called by a control worker that holds no exclusion; the connecting itself is done within
+/// [`Instance::exclusively`](crate::Instance::exclusively).
+pub trait Wiring: Send + Sync {
+    /// Connects in port `local` (`port` or `port/element`) to out port `remote`.
+    ///
+    /// # Errors
+    /// When one of them is not there, or the middleware fails.
+    fn connect_port(&self, local: &str, remote: &str) -> Result<(), WiringError>;
+
+    /// Connects remote `local` to service `remote` of another component.
+    ///
+    /// # Errors
+    /// When one of them is not there, or the middleware fails.
+    fn connect_service(&self, local: &str, remote: &str) -> Result<(), WiringError>;
+
+    /// The instance asks to be shut down: service `kill`, or a permanent activity that failed.
+    ///
+    /// Must not shut it down before it returns: the caller is one of the instance's threads.
+    fn kill(&self);
+}
+
+/// Why something could not be connected.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum WiringError {
+    /// The component has no such in port.
+    #[error("there is no in port `{0}`")]
+    NoSuchInport(String),
+    /// There is no such out port.
+    #[error("there is no out port `{0}`")]
+    NoSuchOutport(String),
+    /// The middleware failed.
+    #[error("the port cannot be connected: {0}")]
+    PortIo(String),
+    /// The component has no such remote.
+    #[error("there is no remote `{0}`")]
+    NoSuchRemote(String),
+    /// There is no such service.
+    #[error("there is no service `{0}`")]
+    NoSuchService(String),
+    /// The middleware failed, or the service is another one than the remote expects.
+    #[error("the remote cannot be connected: {0}")]
+    RemoteIo(String),
+}
+
+impl WiringError {
+    /// The exception that stands for it (genom3.md 4.8).
+    #[must_use]
+    pub fn exception(&self) -> &'static str {
+        match self {
+            WiringError::NoSuchInport(_) => "::genom::no_such_inport",
+            WiringError::NoSuchOutport(_) => "::genom::no_such_outport",
+            WiringError::PortIo(_) => "::genom::port_io",
+            WiringError::NoSuchRemote(_) => "::genom::no_such_remote",
+            WiringError::NoSuchService(_) => "::genom::no_such_service",
+            WiringError::RemoteIo(_) => "::genom::remote_io",
+        }
+    }
+}
+
+/// The inputs of a service with the defaults of the `.gen` filled in (genom3.md 4.10); what has
+/// no default is zero.
+///
+/// # Errors
+/// A default value that does not fit its parameter.
+pub fn input_record(plan: &Plan, service: usize) -> Result<Option<Record>, JsonError> {
+    let Some(compiled) = plan.services().get(service) else { return Ok(None) };
+    let mut record = Record::new(&compiled.input);
+    for parameter in &plan.component().services[service].parameters {
+        let given = parameter.default.as_ref().and_then(|default| default.value.as_ref());
+        let is_input = compiled.input.member_index(&parameter.name).is_some();
+        if let (Some(value), true) = (given, is_input) {
+            let member = Map::from_iter([(parameter.name.clone(), value.clone())]);
+            record.merge_json(&Value::Object(member))?;
+        }
+    }
+    Ok(Some(record))
+}

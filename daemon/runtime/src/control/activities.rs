@@ -1,0 +1,170 @@
+//! Activities from acceptance to start, and how they are told to stop (genom3.md 7.5, 7.6).
+
+use std::sync::Arc;
+
+use super::{Afterwards, Control, Entry, Phase, Stage, interrupted};
+use crate::api::{Outcome, Progress, Reply};
+use crate::body::Frame;
+use crate::engine::{Engine, NoSuchActivity};
+use crate::task::run::{Marker, Run, Status};
+use crate::watcher::Change;
+
+impl Engine {
+    /// A run of this machine. All its memory is made here, none by the task.
+    pub(crate) fn new_run(&self, id: u32, machine: usize, frame: Box<dyn Frame>) -> Box<Run> {
+        let compiled = &self.shared.plan.machines()[machine];
+        Box::new(Run {
+            id,
+            machine,
+            frame,
+            marker: Arc::new(Marker::new(compiled.start)),
+            tokens: Vec::with_capacity(compiled.codels.len() + 1),
+            at_stop: false,
+            end: None,
+        })
+    }
+
+    /// 7.3.11: the activity is accepted; it starts when nothing it interrupts runs.
+    pub(crate) fn accept(&self, service: usize, frame: Box<dyn Frame>, mut reply: Reply) {
+        let compiled = &self.shared.plan.services()[service];
+        let (Some(machine), Some(task)) = (compiled.machine, compiled.task) else { return };
+        let mut after = Afterwards::default();
+        let run = {
+            let mut control = self.lock();
+            let run = self.new_run(control.new_id(), machine, frame);
+            // Once shutting down nothing starts any more, but the client is told as usual.
+            let stopping = control.phase != Phase::Running;
+            control.entries.push(Entry {
+                id: run.id,
+                service: Some(service),
+                task,
+                marker: Arc::clone(&run.marker),
+                stage: Stage::Accepting,
+                by: stopping.then(|| "kill".to_owned()),
+                reply: None,
+            });
+            run
+        };
+        let id = run.id;
+        if let Some(watcher) = &self.watcher {
+            watcher.changed(&Change::Accepted { activity: id, service });
+        }
+        reply(Progress::Accepted { activity: id });
+        {
+            let mut control = self.lock();
+            control.dirty = true;
+            let Some(at) = control.entries.iter().position(|entry| entry.id == id) else { return };
+            let entry = &mut control.entries[at];
+            entry.reply = Some(reply);
+            entry.stage = Stage::Pending(run);
+            if let Some(by) = entry.by.take() {
+                // Told to stop while the client was being told its id.
+                self.stop(&mut control, at, &by, &mut after);
+            }
+            self.examine(&mut control, &mut after);
+        }
+        self.shared.wake_control();
+        self.finish_off(after);
+    }
+
+    /// Asks an activity to stop, by its id.
+    pub(crate) fn abort(&self, id: u32, by: &str) -> Result<(), NoSuchActivity> {
+        let mut after = Afterwards::default();
+        {
+            let mut control = self.lock();
+            let is = |entry: &Entry| entry.id == id && entry.service.is_some();
+            let at = control.entries.iter().position(is).ok_or(NoSuchActivity { activity: id })?;
+            self.stop(&mut control, at, by, &mut after);
+            self.examine(&mut control, &mut after);
+        }
+        self.finish_off(after);
+        Ok(())
+    }
+
+    /// 7.6: tells the activities that `service` interrupts to stop, but for activity `but`.
+    pub(crate) fn interrupt(
+        &self,
+        control: &mut Control,
+        service: usize,
+        but: Option<u32>,
+        after: &mut Afterwards,
+    ) {
+        let interrupts = &self.shared.plan.services()[service].interrupts;
+        let by = &self.shared.plan.component().services[service].name;
+        for at in 0..control.entries.len() {
+            let entry = &control.entries[at];
+            if Some(entry.id) != but && entry.service.is_some_and(|other| interrupts[other]) {
+                self.stop(control, at, by, after);
+            }
+        }
+    }
+
+    /// 7.5: a stop request. A stop cannot be stopped again.
+    pub(crate) fn stop(&self, control: &mut Control, at: usize, by: &str, after: &mut Afterwards) {
+        let entry = &mut control.entries[at];
+        if entry.by.is_some() {
+            return;
+        }
+        match &entry.stage {
+            Stage::Accepting => entry.by = Some(by.to_owned()),
+            Stage::Pending(_) => {
+                entry.by = Some(by.to_owned());
+                after.ended(entry, Outcome::Exception(interrupted(by)));
+                let (task, service) = (entry.task, entry.service);
+                let stage = std::mem::replace(&mut entry.stage, Stage::Gone);
+                if let (Stage::Pending(run), Some(service)) = (stage, service) {
+                    self.give_frame(service, run.frame);
+                }
+                control.links[task].used -= 1;
+                control.dirty = true;
+            }
+            Stage::Sent if entry.marker.leave_init(Status::Cancelled) => {
+                entry.by = Some(by.to_owned());
+                after.ended(entry, Outcome::Exception(interrupted(by)));
+                entry.stage = Stage::Cancelled;
+                self.shared.tasks[entry.task].wake();
+                control.dirty = true;
+            }
+            Stage::Sent if entry.marker.status() == Status::Run => {
+                entry.by = Some(by.to_owned());
+                entry.marker.request_stop();
+                self.shared.tasks[entry.task].wake();
+            }
+            Stage::Sent | Stage::Cancelled | Stage::Gone => {}
+        }
+    }
+
+    /// 7.6: pending activities stop what they interrupt, the newest first, so that of two which
+    /// interrupt each other the newest wins; then those start that wait for nothing any more.
+    pub(crate) fn examine(&self, control: &mut Control, after: &mut Afterwards) {
+        for at in (0..control.entries.len()).rev() {
+            let Entry { id, service, stage, .. } = &control.entries[at];
+            if let (Stage::Pending(_), Some(service), id) = (stage, *service, *id) {
+                self.interrupt(control, service, Some(id), after);
+            }
+        }
+        control.entries.retain(|entry| !matches!(entry.stage, Stage::Gone));
+        for at in 0..control.entries.len() {
+            let entry = &control.entries[at];
+            let (Stage::Pending(_), Some(service)) = (&entry.stage, entry.service) else {
+                continue;
+            };
+            let interrupts = &self.shared.plan.services()[service].interrupts;
+            let blocks = |other: &Entry| {
+                other.id != entry.id
+                    && other.service.is_some_and(|service| interrupts[service])
+                    && other.is_running()
+            };
+            if control.entries.iter().any(blocks) {
+                continue;
+            }
+            let entry = &mut control.entries[at];
+            let task = entry.task;
+            let stage = std::mem::replace(&mut entry.stage, Stage::Sent);
+            if let Stage::Pending(run) = stage {
+                control.send(task, run);
+                self.shared.tasks[task].wake();
+            }
+        }
+    }
+}

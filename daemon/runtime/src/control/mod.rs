@@ -1,0 +1,192 @@
+//! Control: what requests, activities and shutdown share, under one lock that no task takes.
+
+pub(crate) mod activities;
+pub(crate) mod builtin;
+pub(crate) mod collect;
+pub(crate) mod requests;
+pub(crate) mod state_port;
+pub(crate) mod workers;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use genom_types::Record;
+use rtrb::{Consumer, Producer};
+use serde_json::{Value, json};
+
+use crate::api::{Exception, Outcome, Progress, Reply};
+use crate::plan::Plan;
+use crate::shared::Notice;
+use crate::task::run::{Marker, Run};
+use crate::watcher::Change;
+
+/// A request on its way.
+pub(crate) struct Request {
+    pub(crate) input: Record,
+    pub(crate) reply: Reply,
+}
+
+/// Requests of one service: one at a time, in order of arrival.
+#[derive(Default)]
+pub(crate) struct ServiceQueue {
+    pub(crate) waiting: VecDeque<Request>,
+    /// A worker is at one of its requests.
+    pub(crate) busy: bool,
+    /// It was executed successfully at least once (genom3.md 7.6).
+    pub(crate) ran: bool,
+}
+
+/// Where an activity is, as control sees it.
+pub(crate) enum Stage {
+    /// The client is being told its id.
+    Accepting,
+    /// Waits until what it interrupts has ended.
+    Pending(Box<Run>),
+    /// With its task.
+    Sent,
+    /// Answered already; its task will give it back.
+    Cancelled,
+    /// Answered, and nothing is left of it.
+    Gone,
+}
+
+/// An activity of a service, or a permanent one.
+pub(crate) struct Entry {
+    pub(crate) id: u32,
+    /// `None` for a permanent activity.
+    pub(crate) service: Option<usize>,
+    pub(crate) task: usize,
+    pub(crate) marker: Arc<Marker>,
+    pub(crate) stage: Stage,
+    /// Who asked it to stop, if anybody did: only the first counts.
+    pub(crate) by: Option<String>,
+    pub(crate) reply: Option<Reply>,
+}
+
+/// Control's ends of the rings to and from one task.
+pub(crate) struct TaskLink {
+    pub(crate) to: Producer<Box<Run>>,
+    pub(crate) from: Consumer<Box<Run>>,
+    pub(crate) notices: Option<Consumer<Notice>>,
+    /// Activities of services that have a slot.
+    pub(crate) used: usize,
+}
+
+/// Where an instance is in its life (genom3.md 7.2, 7.7).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Phase {
+    Starting,
+    Running,
+    /// Activities were told to stop; no new ones.
+    Stopping,
+    Stopped,
+}
+
+/// What control knows.
+pub(crate) struct Control {
+    pub(crate) phase: Phase,
+    pub(crate) next_id: u32,
+    /// In order of acceptance.
+    pub(crate) entries: Vec<Entry>,
+    pub(crate) services: Vec<ServiceQueue>,
+    /// Services with a request that a worker may take.
+    pub(crate) ready: VecDeque<usize>,
+    pub(crate) links: Vec<TaskLink>,
+    /// Requests that workers are at.
+    pub(crate) serving: usize,
+    /// Control contexts nobody uses.
+    pub(crate) contexts: Vec<usize>,
+    /// Workers that wait for a request.
+    pub(crate) idle: usize,
+    pub(crate) workers: Vec<std::thread::JoinHandle<()>>,
+    /// Threads of tasks and workers that have not ended.
+    pub(crate) alive: usize,
+    /// The list of activities changed since the state port was written.
+    pub(crate) dirty: bool,
+    /// How a permanent activity failed.
+    pub(crate) failure: Option<(usize, Exception)>,
+}
+
+/// What is to be done once the lock is released: replies and watchers may take their time.
+#[derive(Default)]
+pub(crate) struct Afterwards {
+    pub(crate) replies: Vec<(Reply, Progress)>,
+    pub(crate) changes: Vec<Change>,
+    /// A permanent activity failed: the component is to be shut down.
+    pub(crate) kill: bool,
+}
+
+impl Afterwards {
+    /// An activity ends: tells its client and the watchers.
+    pub(crate) fn ended(&mut self, entry: &mut Entry, outcome: Outcome) {
+        if let Some(service) = entry.service {
+            let exception = match &outcome {
+                Outcome::Success(_) => None,
+                Outcome::Exception(exception) => Some(exception.name.clone()),
+            };
+            self.changes.push(Change::Ended { activity: entry.id, service, exception });
+        }
+        if let Some(reply) = entry.reply.take() {
+            self.replies.push((reply, Progress::Done(outcome)));
+        }
+    }
+}
+
+impl Entry {
+    /// Whether its task executes it: started, and not ended.
+    pub(crate) fn is_running(&self) -> bool {
+        use crate::task::run::Status;
+        matches!(self.stage, Stage::Sent) && self.marker.status() != Status::Init
+    }
+}
+
+impl Control {
+    pub(crate) fn new(plan: &Plan, links: Vec<TaskLink>) -> Self {
+        let tasks = plan.component().tasks.len();
+        Self {
+            phase: Phase::Starting,
+            next_id: 1,
+            entries: Vec::new(),
+            services: plan.services().iter().map(|_| ServiceQueue::default()).collect(),
+            ready: VecDeque::new(),
+            links,
+            serving: 0,
+            // Taken from the end.
+            contexts: (tasks..plan.contexts()).rev().collect(),
+            idle: 0,
+            workers: Vec::new(),
+            alive: 0,
+            dirty: true,
+            failure: None,
+        }
+    }
+
+    /// genom3.md 7.3.11: ids count from 1, permanent activities included.
+    pub(crate) fn new_id(&mut self) -> u32 {
+        let id = self.next_id;
+        self.next_id = self.next_id.checked_add(1).unwrap_or(1);
+        id
+    }
+
+    /// Hands a run to its task.
+    pub(crate) fn send(&mut self, task: usize, run: Box<Run>) {
+        // The ring has room for every slot and the permanent activity.
+        let _ = self.links[task].to.push(run);
+    }
+}
+
+/// An exception of interface `genom`, which every service may end with.
+pub(crate) fn genom(name: &str, detail: Value) -> Exception {
+    Exception { name: format!("::genom::{name}"), detail }
+}
+
+/// genom3.md 7.5: told to stop, by this one.
+pub(crate) fn interrupted(by: &str) -> Exception {
+    genom("interrupted", json!({ "by": by }))
+}
+
+/// Whether control was asked to look, and takes the question.
+pub(crate) fn take_attention(shared: &crate::shared::Shared) -> bool {
+    shared.attention.swap(false, Ordering::AcqRel)
+}

@@ -1,0 +1,250 @@
+//! Requests: validation, attributes, functions, and the way to an activity (genom3.md 7.3).
+//!
+//! Order is kept per service. Requests of different services are served side by side, so one
+//! whose codel blocks holds up only what conflicts with it.
+
+use std::sync::Arc;
+
+use genom_description::model::ServiceKind;
+use genom_types::Record;
+use serde_json::{Value, json};
+
+use super::{Afterwards, Control, Phase, Request, genom, interrupted};
+use crate::api::{Exception, Outcome, Progress, Reply};
+use crate::body::{Frame, Returned};
+use crate::engine::{Engine, Guard};
+
+/// What a request came to before it is answered.
+enum Performed {
+    /// An attribute or function is done.
+    Done(Record),
+    /// An activity is validated and holds a slot.
+    Validated(Box<dyn Frame>),
+}
+
+impl Engine {
+    /// Queues a request; with a virtual clock it is served at once, on this thread.
+    pub(crate) fn submit(self: &Arc<Self>, service: usize, input: Record, mut reply: Reply) {
+        let Some(compiled) = self.shared.plan.services().get(service) else {
+            return reply(done(genom("no_such_service", Value::Null)));
+        };
+        if !input.ty().same_as(&compiled.input) {
+            return reply(done(genom("serialization", Value::Null)));
+        }
+        {
+            let mut control = self.lock();
+            if matches!(control.phase, Phase::Stopping | Phase::Stopped) {
+                drop(control);
+                return reply(done(interrupted("kill")));
+            }
+            let queue = &mut control.services[service];
+            queue.waiting.push_back(Request { input, reply });
+            if !queue.busy && queue.waiting.len() == 1 {
+                control.ready.push_back(service);
+            }
+        }
+        self.find_worker();
+    }
+
+    /// Serves the oldest request of a service that is ready; returns with the lock again.
+    pub(crate) fn serve_one<'a>(
+        &'a self,
+        mut control: Guard<'a, Control>,
+        service: usize,
+        context: usize,
+    ) -> Guard<'a, Control> {
+        let queue = &mut control.services[service];
+        let Some(request) = queue.waiting.pop_front() else { return control };
+        queue.busy = true;
+        control.serving += 1;
+        drop(control);
+        self.serve(service, request, context);
+        let mut control = self.lock();
+        control.serving -= 1;
+        let queue = &mut control.services[service];
+        queue.busy = false;
+        if !queue.waiting.is_empty() {
+            control.ready.push_back(service);
+        }
+        self.quiet.notify_all();
+        control
+    }
+
+    fn serve(&self, service: usize, request: Request, context: usize) {
+        let Request { input, mut reply } = request;
+        let performed = self.perform(service, &input, context);
+        // 7.3.8: something happened in the component, whatever the outcome.
+        self.shared.wake_tasks();
+        match performed {
+            Err(exception) => reply(done(exception)),
+            Ok(Performed::Done(output)) => {
+                self.interrupt_from(service);
+                reply(Progress::Done(Outcome::Success(output)));
+            }
+            Ok(Performed::Validated(frame)) => self.accept(service, frame, reply),
+        }
+    }
+
+    /// 7.3.10: an attribute or function interrupts without waiting, and counts as run.
+    fn interrupt_from(&self, service: usize) {
+        let mut after = Afterwards::default();
+        {
+            let mut control = self.lock();
+            control.services[service].ran = true;
+            self.interrupt(&mut control, service, None, &mut after);
+            self.examine(&mut control, &mut after);
+        }
+        self.finish_off(after);
+    }
+
+    fn perform(
+        &self,
+        service: usize,
+        input: &Record,
+        context: usize,
+    ) -> Result<Performed, Exception> {
+        let compiled = &self.shared.plan.services()[service];
+        let activity = compiled.kind == ServiceKind::Activity;
+        if activity {
+            self.take_slot(service)?;
+        }
+        let performed = self.perform_with_slot(service, input, context);
+        if activity && performed.is_err() {
+            self.release_slot(service);
+        }
+        performed
+    }
+
+    fn perform_with_slot(
+        &self,
+        service: usize,
+        input: &Record,
+        context: usize,
+    ) -> Result<Performed, Exception> {
+        let compiled = &self.shared.plan.services()[service];
+        self.check_order(service)?;
+        if let Some(builtin) = compiled.builtin {
+            self.builtin(builtin, input)?;
+            return Ok(Performed::Done(Record::new(&compiled.output)));
+        }
+        let mut frame = self.take_frame(service);
+        frame.begin(input);
+        match self.run_codels(service, frame.as_mut(), context) {
+            Err(exception) => {
+                self.give_frame(service, frame);
+                Err(exception)
+            }
+            Ok(()) if compiled.kind == ServiceKind::Activity => Ok(Performed::Validated(frame)),
+            Ok(()) => {
+                let output = frame.output().clone();
+                self.give_frame(service, frame);
+                Ok(Performed::Done(output))
+            }
+        }
+    }
+
+    /// 7.3.1: an activity needs a slot of its task.
+    fn take_slot(&self, service: usize) -> Result<(), Exception> {
+        let Some(task) = self.shared.plan.services()[service].task else { return Ok(()) };
+        let mut control = self.lock();
+        if control.links[task].used >= self.activity_limit {
+            return Err(genom("too_many_activities", Value::Null));
+        }
+        control.links[task].used += 1;
+        Ok(())
+    }
+
+    fn release_slot(&self, service: usize) {
+        if let Some(task) = self.shared.plan.services()[service].task {
+            self.lock().links[task].used -= 1;
+        }
+    }
+
+    /// 7.3.3, 7.6: `before` and `after`, at request time only.
+    fn check_order(&self, service: usize) -> Result<(), Exception> {
+        let model = &self.shared.plan.component().services[service];
+        let control = self.lock();
+        let ran = |other: &usize| control.services[*other].ran;
+        let allowed = model.after.iter().all(ran) && !model.before.iter().any(ran);
+        if allowed { Ok(()) } else { Err(genom("disallowed", Value::Null)) }
+    }
+
+    /// 7.3.5 to 7.3.7: validation, transfers, simple codels.
+    fn run_codels(
+        &self,
+        service: usize,
+        frame: &mut dyn Frame,
+        context: usize,
+    ) -> Result<(), Exception> {
+        let plan = &self.shared.plan;
+        let (model, compiled) = (&plan.component().services[service], &plan.services()[service]);
+        for &codel in &model.validates {
+            match self.call(frame, codel, context) {
+                Returned::Ok => {}
+                // Reported whatever it is: validation is not filtered.
+                returned => return Err(self.as_it_is(frame, returned)),
+            }
+        }
+        let node = plan.nodes().transfer(service);
+        if compiled.through_ids {
+            let _permit = self.shared.exclusion.enter(context, node);
+            frame.store();
+            if compiled.kind == ServiceKind::Attribute {
+                frame.fetch();
+            }
+        }
+        if compiled.kind == ServiceKind::Activity {
+            return Ok(());
+        }
+        for &codel in &model.codels {
+            match self.call(frame, codel, context) {
+                Returned::Ok => {}
+                returned => return Err(self.filtered(service, frame, returned)),
+            }
+        }
+        if compiled.through_ids && compiled.kind == ServiceKind::Function {
+            let _permit = self.shared.exclusion.enter(context, node);
+            frame.fetch();
+        }
+        Ok(())
+    }
+
+    fn call(&self, frame: &mut dyn Frame, codel: usize, context: usize) -> Returned {
+        let shared = &self.shared;
+        let permit = shared.exclusion.enter(context, shared.plan.nodes().codel(codel));
+        let begin = shared.clock.now();
+        shared.calls(context, Some(codel));
+        let returned = frame.call(codel, context);
+        shared.calls(context, None);
+        drop(permit);
+        shared.called(codel, shared.clock.now().saturating_sub(begin));
+        returned
+    }
+
+    /// What a codel returned, as an exception.
+    fn as_it_is(&self, frame: &dyn Frame, returned: Returned) -> Exception {
+        let detail = frame.detail().unwrap_or(Value::Null);
+        match returned {
+            Returned::Event(event) => {
+                Exception { name: self.shared.plan.event_name(event).to_owned(), detail }
+            }
+            Returned::Failed => genom("unkex", detail),
+            Returned::Unknown | Returned::Ok => Exception { name: frame.returned(), detail },
+        }
+    }
+
+    /// 7.3.7: what a function may not throw becomes `unkex`, with its name.
+    fn filtered(&self, service: usize, frame: &dyn Frame, returned: Returned) -> Exception {
+        let throws = &self.shared.plan.services()[service].throws;
+        let exception = self.as_it_is(frame, returned);
+        match returned {
+            Returned::Event(event) if throws.contains(event) => exception,
+            Returned::Failed => exception,
+            _ => genom("unkex", json!({ "what": exception.name })),
+        }
+    }
+}
+
+fn done(exception: Exception) -> Progress {
+    Progress::Done(Outcome::Exception(exception))
+}

@@ -1,0 +1,99 @@
+//! The threads that serve requests, and the one that answers for tasks.
+//!
+//! A virtual clock has none of them: whoever asks, or steps the clock, does the work.
+
+use std::sync::Arc;
+use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use super::{Phase, state_port::PERIOD_NS};
+use crate::engine::Engine;
+use crate::plan::CONTROL_WORKERS;
+
+/// Stack of control threads: they run validate codels and functions.
+const STACK: usize = 8 << 20;
+
+impl Engine {
+    /// Makes sure that somebody serves what is ready.
+    pub(crate) fn find_worker(self: &Arc<Self>) {
+        if self.driven.is_some() {
+            return self.serve_here();
+        }
+        let mut control = self.lock();
+        if control.ready.len() > control.idle && control.workers.len() < CONTROL_WORKERS {
+            let Some(context) = control.contexts.pop() else { return };
+            let (engine, rank) = (Arc::clone(self), control.workers.len());
+            let name = format!("{}:control-{rank}", self.name);
+            let thread = std::thread::Builder::new().name(name).stack_size(STACK);
+            match thread.spawn(move || engine.serve_until_stopped(context)) {
+                Ok(worker) => {
+                    control.alive += 1;
+                    control.workers.push(worker);
+                }
+                Err(error) => {
+                    // Others serve it later, if there are any.
+                    control.contexts.push(context);
+                    tracing::error!(instance = self.name, "no control thread: {error}");
+                }
+            }
+        }
+        drop(control);
+        self.work.notify_one();
+    }
+
+    /// Serves all that is ready on this thread.
+    fn serve_here(&self) {
+        let mut control = self.lock();
+        while let Some(context) = control.contexts.pop() {
+            let next = control.ready.pop_front();
+            if let Some(service) = next {
+                control = self.serve_one(control, service, context);
+            }
+            control.contexts.push(context);
+            if next.is_none() {
+                break;
+            }
+        }
+    }
+
+    fn serve_until_stopped(&self, context: usize) {
+        self.shared.exclusion.inheritance().announce(context, 0);
+        let mut control = self.lock();
+        while control.phase != Phase::Stopped {
+            control = match control.ready.pop_front() {
+                Some(service) => {
+                    let control = self.serve_one(control, service, context);
+                    if !control.ready.is_empty() {
+                        self.work.notify_one();
+                    }
+                    control
+                }
+                None => {
+                    control.idle += 1;
+                    let mut control =
+                        self.work.wait(control).unwrap_or_else(PoisonError::into_inner);
+                    control.idle -= 1;
+                    control
+                }
+            };
+        }
+        control.alive -= 1;
+        self.quiet.notify_all();
+    }
+
+    /// The control thread: answers for tasks until the instance has stopped.
+    pub(crate) fn attend_until_stopped(&self) {
+        let period = Duration::from_nanos(PERIOD_NS);
+        loop {
+            if !self.shared.attention.load(Ordering::Acquire) {
+                std::thread::park_timeout(period);
+            }
+            self.attend();
+            self.refresh_state();
+            if self.lock().phase == Phase::Stopped {
+                return;
+            }
+        }
+    }
+}

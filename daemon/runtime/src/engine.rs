@@ -1,0 +1,160 @@
+//! What the threads of an instance have in common.
+
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+
+use genom_description::model::Owner;
+
+use crate::api::Wiring;
+use crate::body::Frame;
+use crate::control::state_port::StateClock;
+use crate::control::{Control, Stage};
+use crate::driven::DrivenTask;
+use crate::shared::Shared;
+use crate::task::run::Status;
+use crate::watcher::Watcher;
+
+/// A lock held.
+pub(crate) type Guard<'a, T> = MutexGuard<'a, T>;
+
+/// Frames kept for the next request of a service.
+const SPARE_FRAMES: usize = 2;
+
+/// An instance at work.
+pub(crate) struct Engine {
+    pub(crate) name: String,
+    pub(crate) shared: Arc<Shared>,
+    pub(crate) wiring: Arc<dyn Wiring>,
+    pub(crate) watcher: Option<Arc<dyn Watcher>>,
+    pub(crate) activity_limit: usize,
+    control: Mutex<Control>,
+    /// A request is ready for a worker, or the workers are to end.
+    pub(crate) work: Condvar,
+    /// A request, an activity or a thread ended.
+    pub(crate) quiet: Condvar,
+    /// Frames for reuse, by service.
+    spare: Mutex<Vec<Vec<Box<dyn Frame>>>>,
+    /// Tasks of an instance on a virtual clock.
+    pub(crate) driven: Option<Mutex<Vec<DrivenTask>>>,
+    pub(crate) state_clock: StateClock,
+    /// Held while the state port is written.
+    pub(crate) writing: Mutex<()>,
+    /// Held by whoever excludes everything.
+    pub(crate) everything: Mutex<()>,
+    pub(crate) threads: Mutex<Vec<JoinHandle<()>>>,
+}
+
+/// There is no activity of this id.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no activity {activity}: it has ended, or never was")]
+pub struct NoSuchActivity {
+    /// What was asked for.
+    pub activity: u32,
+}
+
+/// An activity that has been accepted and not reported as ended.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct ActivityStatus {
+    /// Its id.
+    pub id: u32,
+    /// Its service; `None` for the permanent activity of a task.
+    pub service: Option<String>,
+    /// Its task.
+    pub task: String,
+    /// Where it is in its life.
+    pub phase: ActivityPhase,
+    /// Its state (the first one, if it is in several).
+    pub state: String,
+    /// Whether it waits for the next tick or event.
+    pub paused: bool,
+    /// Who told it to stop, if anybody did.
+    pub stopped_by: Option<String>,
+}
+
+/// Where an activity is in its life (genom3.md 7.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ActivityPhase {
+    /// Accepted, not started.
+    Init,
+    /// Running.
+    Run,
+    /// Told to stop, running its `stop` codel or what follows.
+    Stop,
+    /// Ended, its client is about to be told.
+    Ether,
+}
+
+/// Locks; a thread that panicked with the lock left nothing half done that others could not bear.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> Guard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Engine {
+    pub(crate) fn new(
+        options: crate::Options,
+        shared: Arc<Shared>,
+        control: Control,
+        driven: Option<Vec<DrivenTask>>,
+    ) -> Self {
+        let services = shared.plan.services().len();
+        Self {
+            name: options.name,
+            shared,
+            wiring: options.wiring,
+            watcher: options.watcher,
+            activity_limit: options.activity_limit,
+            control: Mutex::new(control),
+            work: Condvar::new(),
+            quiet: Condvar::new(),
+            spare: Mutex::new((0..services).map(|_| Vec::new()).collect()),
+            driven: driven.map(Mutex::new),
+            state_clock: StateClock::default(),
+            writing: Mutex::new(()),
+            everything: Mutex::new(()),
+            threads: Mutex::new(Vec::new()),
+        }
+    }
+
+    pub(crate) fn lock(&self) -> Guard<'_, Control> {
+        lock(&self.control)
+    }
+
+    pub(crate) fn take_frame(&self, service: usize) -> Box<dyn Frame> {
+        let spare = lock(&self.spare)[service].pop();
+        spare.unwrap_or_else(|| self.shared.body.frame(Owner::Service(service)))
+    }
+
+    pub(crate) fn give_frame(&self, service: usize, frame: Box<dyn Frame>) {
+        let mut spare = lock(&self.spare);
+        if spare[service].len() < SPARE_FRAMES {
+            spare[service].push(frame);
+        }
+    }
+
+    pub(crate) fn activities(&self) -> Vec<ActivityStatus> {
+        let model = self.shared.plan.component();
+        let control = self.lock();
+        let status = |entry: &crate::control::Entry| {
+            let (state, paused) = entry.marker.place();
+            let phase = match (&entry.stage, entry.marker.status()) {
+                (Stage::Accepting | Stage::Pending(_), _) => ActivityPhase::Init,
+                (Stage::Cancelled | Stage::Gone, _) => return None,
+                (Stage::Sent, Status::Init | Status::Cancelled) => ActivityPhase::Init,
+                (Stage::Sent, Status::Run) => ActivityPhase::Run,
+                (Stage::Sent, Status::Stop) => ActivityPhase::Stop,
+                (Stage::Sent, Status::Ether) => ActivityPhase::Ether,
+            };
+            Some(ActivityStatus {
+                id: entry.id,
+                service: entry.service.map(|service| model.services[service].name.clone()),
+                task: model.tasks[entry.task].name.clone(),
+                phase,
+                state: model.states.get(usize::from(state)).cloned().unwrap_or_default(),
+                paused,
+                stopped_by: entry.by.clone(),
+            })
+        };
+        control.entries.iter().filter_map(status).collect()
+    }
+}

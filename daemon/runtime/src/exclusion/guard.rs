@@ -1,0 +1,45 @@
+//! A lock for very short sections, whose holder inherits the priority of those who wait.
+
+use std::cell::Cell;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rustix::thread::futex;
+
+/// Priority-inheriting futex: the word is 0, or the holder's thread id (the kernel's protocol).
+#[derive(Debug, Default)]
+pub(super) struct PiLock {
+    word: AtomicU32,
+}
+
+/// Id of this thread as the kernel knows it.
+fn this_thread() -> u32 {
+    thread_local!(static ID: Cell<u32> = const { Cell::new(0) });
+    ID.with(|id| {
+        if id.get() == 0 {
+            id.set(rustix::thread::gettid().as_raw_nonzero().get().unsigned_abs());
+        }
+        id.get()
+    })
+}
+
+impl PiLock {
+    pub(super) fn lock(&self) {
+        let me = this_thread();
+        while self.word.compare_exchange(0, me, Ordering::Acquire, Ordering::Relaxed).is_err() {
+            if futex::lock_pi(&self.word, futex::Flags::PRIVATE, None).is_ok() {
+                // The kernel made us the holder; what the last one wrote is to be seen.
+                self.word.load(Ordering::Acquire);
+                return;
+            }
+            // Interrupted, or a kernel without this call: try again by hand.
+            std::thread::yield_now();
+        }
+    }
+
+    pub(super) fn unlock(&self) {
+        let me = this_thread();
+        if self.word.compare_exchange(me, 0, Ordering::Release, Ordering::Relaxed).is_err() {
+            let _ = futex::unlock_pi(&self.word, futex::Flags::PRIVATE);
+        }
+    }
+}

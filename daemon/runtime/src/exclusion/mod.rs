@@ -1,0 +1,249 @@
+//! Run-time exclusion of codels and data transfers (genom3.md 4.5, 7.10).
+//!
+//! Each context (a task, a control worker) runs at most one node at a time, so nobody holds one
+//! thing while waiting for another: there can be no deadlock. Free of contention, entering and
+//! leaving are one atomic operation each. Under contention arrivals that conflict are served in
+//! order of arrival; those that conflict with nobody, running or waiting, pass at once.
+//!
+//! It knows neither codels nor threads; [`Inheritance`] lends priorities.
+
+mod guard;
+mod inherit;
+mod mask;
+
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+use rustix::thread::futex;
+
+use crate::plan::Nodes;
+use guard::PiLock;
+use mask::{ALL, Masks, WAITERS};
+
+pub use inherit::Inheritance;
+pub(crate) use inherit::set_fifo;
+
+/// Waits for nothing.
+const IDLE: u32 = u32::MAX;
+/// Waits for, or holds, everything.
+const EVERYTHING: u32 = u32::MAX - 1;
+
+/// Who runs what, and who waits.
+#[derive(Debug)]
+pub struct Exclusion {
+    masks: Masks,
+    /// Bits of running nodes; the first word also holds [`ALL`] and [`WAITERS`].
+    running: Box<[AtomicU64]>,
+    /// Serialises the slow path. Its holder inherits the priority of those who wait for it.
+    guard: PiLock,
+    /// By context: what it waits for. Changed under `guard` only.
+    waiting: Box<[Waiting]>,
+    /// Last ticket drawn. Changed under `guard` only.
+    tickets: AtomicU64,
+    /// Counts departures while somebody waits: waiters sleep on it.
+    departures: AtomicU32,
+    inheritance: Inheritance,
+}
+
+#[derive(Debug)]
+struct Waiting {
+    node: AtomicU32,
+    ticket: AtomicU64,
+}
+
+/// The right to run one node, given back on drop.
+#[must_use]
+#[derive(Debug)]
+pub struct Permit<'a> {
+    exclusion: &'a Exclusion,
+    context: usize,
+    node: u32,
+    waited: bool,
+}
+
+impl Permit<'_> {
+    /// Whether something conflicting ran or waited first.
+    #[must_use]
+    pub fn waited(&self) -> bool {
+        self.waited
+    }
+}
+
+impl Drop for Permit<'_> {
+    fn drop(&mut self) {
+        self.exclusion.leave(self.context, self.node);
+    }
+}
+
+impl Exclusion {
+    /// For these nodes, and `contexts` contexts that run them.
+    #[must_use]
+    pub fn new(nodes: &Nodes, contexts: usize) -> Self {
+        let masks = Masks::new(nodes, contexts);
+        let idle = || Waiting { node: AtomicU32::new(IDLE), ticket: AtomicU64::new(0) };
+        Self {
+            running: (0..masks.words()).map(|_| AtomicU64::new(0)).collect(),
+            masks,
+            guard: PiLock::default(),
+            waiting: (0..contexts).map(|_| idle()).collect(),
+            tickets: AtomicU64::new(0),
+            departures: AtomicU32::new(0),
+            inheritance: Inheritance::new(contexts),
+        }
+    }
+
+    /// Priorities of the contexts' threads.
+    #[must_use]
+    pub fn inheritance(&self) -> &Inheritance {
+        &self.inheritance
+    }
+
+    /// Waits until nothing that conflicts with `node` runs, and runs it in `context`.
+    ///
+    /// A context enters one node at a time, and no node is run by two contexts at once.
+    #[inline]
+    pub fn enter(&self, context: usize, node: usize) -> Permit<'_> {
+        let node = u32::try_from(node).unwrap_or(EVERYTHING);
+        self.inheritance.runs(context, node);
+        let waited = !self.try_enter(context, node) && self.enter_slowly(context, node);
+        Permit { exclusion: self, context, node, waited }
+    }
+
+    /// Waits until no codel runs that could be disturbed, and keeps all others out.
+    ///
+    /// This is the "global lock" of genom3.md 7.8. Async codels without port or remote go on.
+    pub fn enter_all(&self, context: usize) -> Permit<'_> {
+        self.inheritance.runs(context, EVERYTHING);
+        let waited = self.enter_slowly(context, EVERYTHING);
+        Permit { exclusion: self, context, node: EVERYTHING, waited }
+    }
+
+    /// The node a context runs, or waits for.
+    #[must_use]
+    pub fn is_waiting(&self, context: usize) -> bool {
+        self.waiting.get(context).is_some_and(|w| w.node.load(Ordering::Relaxed) != IDLE)
+    }
+
+    #[inline]
+    fn try_enter(&self, context: usize, node: u32) -> bool {
+        let Some((need, bit)) = self.masks.fast(context, node) else { return false };
+        if bit == 0 {
+            return true;
+        }
+        let word = &self.running[0];
+        let mut seen = word.load(Ordering::Relaxed);
+        while seen & need == 0 {
+            let set = seen | bit;
+            match word.compare_exchange_weak(seen, set, Ordering::AcqRel, Ordering::Relaxed) {
+                Ok(_) => return true,
+                Err(now) => seen = now,
+            }
+        }
+        false
+    }
+
+    /// Returns whether it had to wait.
+    #[cold]
+    fn enter_slowly(&self, context: usize, node: u32) -> bool {
+        self.guard.lock();
+        let ticket = self.tickets.load(Ordering::Relaxed) + 1;
+        self.tickets.store(ticket, Ordering::Relaxed);
+        let place = &self.waiting[context];
+        place.ticket.store(ticket, Ordering::Relaxed);
+        place.node.store(node, Ordering::Relaxed);
+        // From here on nobody takes the fast path, and whoever leaves rings.
+        self.running[0].fetch_or(WAITERS, Ordering::SeqCst);
+        let mut waited = false;
+        loop {
+            // Read before looking at who runs: a departure after the look changes it.
+            let departures = self.departures.load(Ordering::Acquire);
+            if self.may_enter(context, node, ticket) {
+                break;
+            }
+            waited = true;
+            self.inheritance.lend(context, |other, its| self.holds_up(context, other, its));
+            self.guard.unlock();
+            // An interrupted or spurious return only looks again.
+            let _ = futex::wait(&self.departures, futex::Flags::PRIVATE, departures, None);
+            self.guard.lock();
+        }
+        self.set(context, node, true);
+        place.node.store(IDLE, Ordering::Relaxed);
+        if self.waiting.iter().all(|other| other.node.load(Ordering::Relaxed) == IDLE) {
+            self.running[0].fetch_and(!WAITERS, Ordering::SeqCst);
+        }
+        self.guard.unlock();
+        waited
+    }
+
+    /// Under `guard`: whether nothing that runs, and nothing that came earlier, conflicts.
+    fn may_enter(&self, context: usize, node: u32, ticket: u64) -> bool {
+        let free =
+            self.masks.need(node).enumerate().all(|(word, need)| {
+                self.running[word].load(Ordering::SeqCst) & need & !WAITERS == 0
+            });
+        free && self.waiting.iter().enumerate().all(|(other, place)| {
+            let its = place.node.load(Ordering::Relaxed);
+            other == context
+                || its == IDLE
+                || place.ticket.load(Ordering::Relaxed) > ticket
+                || !self.masks.conflict(node, its)
+        })
+    }
+
+    /// Under `guard`: whether `context` waits, directly or through those before it in the queue,
+    /// for context `other` that runs node `its`.
+    fn holds_up(&self, context: usize, other: usize, its: u32) -> bool {
+        let mine = &self.waiting[context];
+        let (node, ticket) =
+            (mine.node.load(Ordering::Relaxed), mine.ticket.load(Ordering::Relaxed));
+        let runs = self.is_set(other, its);
+        let directly = self.masks.conflict(node, its);
+        runs && (directly
+            || self.waiting.iter().any(|place| {
+                let theirs = place.node.load(Ordering::Relaxed);
+                theirs != IDLE
+                    && place.ticket.load(Ordering::Relaxed) < ticket
+                    && self.masks.conflict(node, theirs)
+                    && self.masks.conflict(theirs, its)
+            }))
+    }
+
+    fn is_set(&self, context: usize, node: u32) -> bool {
+        if node == EVERYTHING {
+            return self.running[0].load(Ordering::Acquire) & ALL != 0;
+        }
+        let (word, bit) = self.masks.bit(context, node);
+        bit != 0 && self.running[word].load(Ordering::SeqCst) & bit != 0
+    }
+
+    /// Marks a node as running, or not; returns what its word was.
+    fn set(&self, context: usize, node: u32, on: bool) -> u64 {
+        let (word, bit) = if node == EVERYTHING { (0, ALL) } else { self.masks.bit(context, node) };
+        if on {
+            self.running[word].fetch_or(bit, Ordering::SeqCst)
+        } else {
+            self.running[word].fetch_and(!bit, Ordering::SeqCst)
+        }
+    }
+
+    #[inline]
+    fn leave(&self, context: usize, node: u32) {
+        let before = self.set(context, node, false);
+        // Waiters are announced in the first word.
+        let first =
+            if self.running.len() == 1 { before } else { self.running[0].load(Ordering::SeqCst) };
+        if first & WAITERS != 0 {
+            self.ring(context);
+        }
+        self.inheritance.runs(context, IDLE);
+    }
+
+    #[cold]
+    fn ring(&self, context: usize) {
+        self.guard.lock();
+        self.inheritance.give_back(context);
+        self.guard.unlock();
+        self.departures.fetch_add(1, Ordering::Release);
+        let _ = futex::wake(&self.departures, futex::Flags::PRIVATE, i32::MAX as u32);
+    }
+}

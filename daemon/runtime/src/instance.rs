@@ -1,0 +1,198 @@
+//! A running instance of a component: what the daemon holds.
+
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use genom_description::model::{Component, Owner};
+use genom_types::Record;
+use serde_json::Value;
+
+use crate::api::Reply;
+use crate::body::Body;
+use crate::engine::{ActivityStatus, Engine, NoSuchActivity, lock};
+use crate::options::Options;
+use crate::plan::Plan;
+use crate::shutdown::ShutdownError;
+use crate::start::StartError;
+use crate::statistics::{CodelStatistics, Statistics, TaskStatistics};
+
+/// How long an instance that is dropped without shutdown has to end.
+const LAST_CHANCE: Duration = Duration::from_secs(1);
+
+/// A component at work. Share it by `Arc`; every method may be called by any thread that is not
+/// one of its tasks.
+pub struct Instance {
+    engine: Arc<Engine>,
+}
+
+/// The component has no event of this rank.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no external event number {sink}: the component has {known}")]
+pub struct NoSuchEvent {
+    /// What was asked for.
+    pub sink: usize,
+    /// How many there are.
+    pub known: usize,
+}
+
+impl Instance {
+    /// Starts an instance of the planned component (genom3.md 7.2).
+    ///
+    /// Ports are to be bound before, so that start codels find them. Blocks until the first
+    /// codel of every task was executed; from then on requests are served.
+    ///
+    /// # Errors
+    /// A start codel failed or hangs, or the system gives no thread. All is undone then.
+    pub fn start(
+        plan: Arc<Plan>,
+        body: Arc<dyn Body>,
+        options: Options,
+    ) -> Result<Self, StartError> {
+        Engine::start(&plan, body, options).map(|engine| Self { engine })
+    }
+
+    /// The component, compiled.
+    #[must_use]
+    pub fn plan(&self) -> &Arc<Plan> {
+        &self.engine.shared.plan
+    }
+
+    /// The instance name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.engine.name
+    }
+
+    /// Requests a service (genom3.md 7.3). `input` is a record of the service's input struct,
+    /// see [`input_record`](crate::input_record); `reply` is told how it goes, by a control
+    /// thread. On a virtual clock attributes and functions are served before this returns, and
+    /// activities run when the clock is stepped.
+    pub fn request(&self, service: usize, input: Record, reply: Reply) {
+        self.engine.submit(service, input, reply);
+    }
+
+    /// Asks an activity to stop, on behalf of its client (`interrupted { by: "client" }`).
+    ///
+    /// # Errors
+    /// No such activity: it was reported as ended, or it is a task's permanent one.
+    pub fn abort(&self, activity: u32) -> Result<(), NoSuchActivity> {
+        self.engine.abort(activity, "client")?;
+        // 7.5: a paused activity wakes, as it does after `abort_activity`.
+        self.engine.shared.wake_tasks();
+        Ok(())
+    }
+
+    /// Fires an external event: activities that handle its state get a token there
+    /// (dialects.md A). Others do not notice.
+    ///
+    /// # Errors
+    /// The component has no such event.
+    pub fn fire(&self, sink: usize) -> Result<(), NoSuchEvent> {
+        let known = self.plan().component().sinks.len();
+        if sink >= known {
+            return Err(NoSuchEvent { sink, known });
+        }
+        self.engine.shared.tasks.iter().for_each(|task| task.fire(sink));
+        Ok(())
+    }
+
+    /// Runs `work` while no codel runs that it could disturb: to bind ports and remotes
+    /// (genom3.md 7.8). Async codels without port or remote go on. Not to be called by a codel.
+    pub fn exclusively<R>(&self, work: impl FnOnce(&dyn Body) -> R) -> R {
+        let shared = &self.engine.shared;
+        let _turn = lock(&self.engine.everything);
+        let _permit = shared.exclusion.enter_all(shared.outside_context());
+        work(shared.body.as_ref())
+    }
+
+    /// Activities accepted and not ended, in order of acceptance, permanent ones included.
+    #[must_use]
+    pub fn activities(&self) -> Vec<ActivityStatus> {
+        self.engine.activities()
+    }
+
+    /// Last value of a port, as codels wrote or read it; `None` before the first.
+    #[must_use]
+    pub fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value> {
+        self.engine.shared.body.port_value(port, element)
+    }
+
+    /// Figures on tasks and codels since the start.
+    #[must_use]
+    pub fn statistics(&self) -> Statistics {
+        let shared = &self.engine.shared;
+        let model = self.plan().component();
+        let task = |(rank, task): (usize, &genom_description::model::Task)| {
+            let shared = &shared.tasks[rank];
+            TaskStatistics {
+                name: task.name.clone(),
+                period_ns: shared.timing.map(|timing| timing.period),
+                real_time: shared.real_time.load(Ordering::Relaxed),
+                cycles: shared.figures.cycles.read(),
+                lateness: shared.figures.lateness.read(),
+                overruns: shared.figures.overruns.read(),
+            }
+        };
+        let codel = |(rank, codel): (usize, &genom_description::model::Codel)| {
+            let figures = &shared.codels[rank];
+            let nanos = |d: Duration| u64::try_from(d.as_nanos()).unwrap_or(u64::MAX);
+            CodelStatistics {
+                name: codel.name.clone(),
+                owner: owner_name(model, codel.owner).to_owned(),
+                durations: figures.durations.read(),
+                wcet_ns: codel.wcet.map(nanos),
+                above_wcet: figures.above_wcet.read(),
+            }
+        };
+        Statistics {
+            tasks: model.tasks.iter().enumerate().map(task).collect(),
+            codels: model
+                .codels
+                .iter()
+                .enumerate()
+                .map(codel)
+                .filter(|codel| codel.durations.count > 0)
+                .collect(),
+            lost_changes: shared.lost.read(),
+        }
+    }
+
+    /// Shuts the instance down (genom3.md 7.7): activities are told to stop by "kill" and their
+    /// clients answered, then permanent activities stop in reverse order of tasks, then threads
+    /// end. A second call does nothing.
+    ///
+    /// Not to be called by one of its own threads, so neither by a codel nor in a reply.
+    ///
+    /// # Errors
+    /// Something did not end within `timeout`; the error names the codels. Other instances are
+    /// not affected.
+    pub fn shutdown(&self, timeout: Duration) -> Result<(), ShutdownError> {
+        self.engine.shutdown(timeout)
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        if let Err(error) = self.engine.shutdown(LAST_CHANCE) {
+            tracing::error!("{error}");
+        }
+    }
+}
+
+impl fmt::Debug for Instance {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Instance({})", self.name())
+    }
+}
+
+/// Task or service that a codel belongs to.
+pub(crate) fn owner_name(model: &Component, owner: Owner) -> &str {
+    match owner {
+        Owner::Task(task) => model.tasks.get(task).map_or("", |task| task.name.as_str()),
+        Owner::Service(service) => {
+            model.services.get(service).map_or("", |service| service.name.as_str())
+        }
+    }
+}

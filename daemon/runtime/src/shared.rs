@@ -1,0 +1,254 @@
+//! What control and tasks of an instance share: atomics, the exclusion, figures. No lock.
+
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
+use std::thread::Thread;
+
+use genom_description::model::Owner;
+use rtrb::Producer;
+
+use crate::body::Body;
+use crate::clock::Clock;
+use crate::exclusion::Exclusion;
+use crate::plan::{CONTROL_WORKERS, Plan};
+use crate::statistics::{CodelFigures, Counter, TaskFigures};
+use crate::task::timing::Timing;
+
+/// Shared by the threads of one instance.
+pub(crate) struct Shared {
+    pub(crate) plan: Arc<Plan>,
+    pub(crate) body: Arc<dyn Body>,
+    pub(crate) clock: Clock,
+    pub(crate) exclusion: Exclusion,
+    pub(crate) tasks: Box<[TaskShared]>,
+    pub(crate) codels: Box<[CodelFigures]>,
+    /// By codel: its `wcet` in nanoseconds, `u64::MAX` without.
+    wcet: Box<[u64]>,
+    /// By context: the codel that runs now, plus one.
+    current: Box<[AtomicU32]>,
+    /// The control thread, once it runs; a virtual clock needs none.
+    pub(crate) control: OnceLock<Thread>,
+    /// Whether control has something to look at.
+    pub(crate) attention: AtomicBool,
+    /// Notices that did not fit.
+    pub(crate) lost: Counter,
+}
+
+/// Shared between one task and the rest.
+#[derive(Debug)]
+pub(crate) struct TaskShared {
+    /// Ticks; `None` for an aperiodic task.
+    pub(crate) timing: Option<Timing>,
+    pub(crate) figures: TaskFigures,
+    /// Whether its thread got a real-time priority.
+    pub(crate) real_time: AtomicBool,
+    runnable: AtomicBool,
+    quit: AtomicBool,
+    /// The instance shuts down: do not sleep through it.
+    hurry: AtomicBool,
+    /// Bits of external events not yet taken.
+    fired: Box<[AtomicU64]>,
+    /// Whether the permanent activity's first codel was executed.
+    started: AtomicBool,
+    thread: OnceLock<Thread>,
+    /// Who waits for `started`.
+    starter: OnceLock<Thread>,
+}
+
+/// What a task tells watchers, through control.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Notice {
+    Moved { activity: u32, state: usize, paused: bool },
+    Overrun { task: usize, ticks: u64 },
+}
+
+impl Shared {
+    pub(crate) fn new(
+        plan: &Arc<Plan>,
+        body: Arc<dyn Body>,
+        clock: Clock,
+        timings: Vec<Option<Timing>>,
+    ) -> Self {
+        let model = plan.component();
+        let sinks = model.sinks.len().div_ceil(64);
+        let nanos = |d: std::time::Duration| u64::try_from(d.as_nanos()).unwrap_or(u64::MAX);
+        // One more context, for those who exclude everything.
+        let contexts = model.tasks.len() + CONTROL_WORKERS + 1;
+        Self {
+            body,
+            clock,
+            exclusion: Exclusion::new(plan.nodes(), contexts),
+            tasks: timings.into_iter().map(|timing| TaskShared::new(timing, sinks)).collect(),
+            codels: model.codels.iter().map(|_| CodelFigures::default()).collect(),
+            wcet: model.codels.iter().map(|codel| codel.wcet.map_or(u64::MAX, nanos)).collect(),
+            current: (0..contexts).map(|_| AtomicU32::new(0)).collect(),
+            control: OnceLock::new(),
+            attention: AtomicBool::new(false),
+            lost: Counter::default(),
+            plan: Arc::clone(plan),
+        }
+    }
+
+    /// The context that excludes everything; its users take turns.
+    pub(crate) fn outside_context(&self) -> usize {
+        self.tasks.len() + CONTROL_WORKERS
+    }
+
+    /// A codel was called and took so long.
+    #[inline]
+    pub(crate) fn called(&self, codel: usize, ns: u64) {
+        let figures = &self.codels[codel];
+        figures.durations.record(ns);
+        if ns > self.wcet[codel] {
+            figures.above_wcet.add(1);
+        }
+    }
+
+    /// Notes the codel that a context runs now.
+    #[inline]
+    pub(crate) fn calls(&self, context: usize, codel: Option<usize>) {
+        let number = codel.map_or(0, |codel| u32::try_from(codel + 1).unwrap_or(u32::MAX));
+        self.current[context].store(number, Ordering::Relaxed);
+    }
+
+    /// The codel that a context runs now.
+    pub(crate) fn current(&self, context: usize) -> Option<usize> {
+        (self.current[context].load(Ordering::Relaxed) as usize).checked_sub(1)
+    }
+
+    /// genom3.md 7.3.8, 7.4: something happened in the component.
+    pub(crate) fn wake_tasks(&self) {
+        self.tasks.iter().for_each(TaskShared::wake);
+    }
+
+    pub(crate) fn wake_control(&self) {
+        if !self.attention.swap(true, Ordering::AcqRel)
+            && let Some(thread) = self.control.get()
+        {
+            thread.unpark();
+        }
+    }
+
+    /// The node under which outputs are read from the IDS when an activity ends.
+    pub(crate) fn fetch_node(&self, owner: Owner) -> Option<usize> {
+        let Owner::Service(service) = owner else { return None };
+        let through = self.plan.services()[service].through_ids;
+        through.then(|| self.plan.nodes().transfer(service))
+    }
+
+    /// Tells watchers, or counts that it could not.
+    pub(crate) fn notify(&self, notices: &mut Option<Producer<Notice>>, notice: Notice) {
+        let Some(notices) = notices else { return };
+        if notices.push(notice).is_err() {
+            self.lost.add(1);
+        }
+        self.wake_control();
+    }
+}
+
+impl TaskShared {
+    fn new(timing: Option<Timing>, sinks: usize) -> Self {
+        Self {
+            timing,
+            figures: TaskFigures::default(),
+            real_time: AtomicBool::new(false),
+            // The first pass starts the permanent activity.
+            runnable: AtomicBool::new(true),
+            quit: AtomicBool::new(false),
+            hurry: AtomicBool::new(false),
+            fired: (0..sinks).map(|_| AtomicU64::new(0)).collect(),
+            started: AtomicBool::new(false),
+            thread: OnceLock::new(),
+            starter: OnceLock::new(),
+        }
+    }
+
+    pub(crate) fn wake(&self) {
+        self.runnable.store(true, Ordering::Release);
+        // A periodic task is woken by its ticks alone.
+        if self.timing.is_none() {
+            self.unpark();
+        }
+    }
+
+    fn unpark(&self) {
+        if let Some(thread) = self.thread.get() {
+            thread.unpark();
+        }
+    }
+
+    pub(crate) fn set_thread(&self, thread: Thread) {
+        let _ = self.thread.set(thread);
+        // What happened before is not to be missed.
+        self.unpark();
+    }
+
+    pub(crate) fn set_starter(&self, thread: Thread) {
+        let _ = self.starter.set(thread);
+    }
+
+    pub(crate) fn first_codel_done(&self) {
+        self.started.store(true, Ordering::Release);
+        if let Some(thread) = self.starter.get() {
+            thread.unpark();
+        }
+    }
+
+    pub(crate) fn is_started(&self) -> bool {
+        self.started.load(Ordering::Acquire)
+    }
+
+    pub(crate) fn is_runnable(&self) -> bool {
+        self.runnable.load(Ordering::Acquire)
+    }
+
+    pub(crate) fn take_runnable(&self) -> bool {
+        self.runnable.swap(false, Ordering::AcqRel)
+    }
+
+    pub(crate) fn quits(&self) -> bool {
+        self.quit.load(Ordering::Acquire)
+    }
+
+    pub(crate) fn quit(&self) {
+        self.quit.store(true, Ordering::Release);
+        self.hurry();
+    }
+
+    /// Whether to cut a long sleep short, once for each time it was asked.
+    pub(crate) fn take_hurry(&self) -> bool {
+        self.hurry.swap(false, Ordering::AcqRel)
+    }
+
+    pub(crate) fn hurry(&self) {
+        self.hurry.store(true, Ordering::Release);
+        self.runnable.store(true, Ordering::Release);
+        self.unpark();
+    }
+
+    /// An external event, by rank of its sink.
+    pub(crate) fn fire(&self, sink: usize) {
+        if let Some(word) = self.fired.get(sink / 64) {
+            word.fetch_or(1 << (sink % 64), Ordering::AcqRel);
+        }
+        self.wake();
+    }
+
+    /// Takes the states of the external events fired since the last time.
+    #[inline]
+    pub(crate) fn take_fired(&self, plan: &Plan, into: &mut Vec<u16>) {
+        into.clear();
+        for (word, bits) in self.fired.iter().enumerate() {
+            if bits.load(Ordering::Relaxed) == 0 {
+                continue;
+            }
+            let mut bits = bits.swap(0, Ordering::AcqRel);
+            while bits != 0 {
+                let sink = word * 64 + bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                let state = plan.component().sinks.get(sink).map(|sink| sink.state);
+                into.extend(state.and_then(|state| u16::try_from(state).ok()));
+            }
+        }
+    }
+}

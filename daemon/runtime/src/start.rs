@@ -1,0 +1,255 @@
+//! Start-up (genom3.md 7.2): threads, permanent activities, and what happens when one fails.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use genom_description::model::{Owner, Task};
+use rtrb::RingBuffer;
+
+use crate::api::Exception;
+use crate::body::Body;
+use crate::clock::Clock;
+use crate::control::{Control, Entry, Phase, Stage, TaskLink};
+use crate::driven::DrivenTask;
+use crate::engine::{Engine, lock};
+use crate::options::{Options, TaskOptions};
+use crate::plan::Plan;
+use crate::shared::Shared;
+use crate::task::runner::{Runner, TaskSide};
+use crate::task::timing::Timing;
+use crate::task::{scheduling, thread};
+
+/// Stack of a task that says nothing (genom3.md 7.4).
+const STACK: u64 = 8 << 20;
+/// Notices to watchers on their way.
+const NOTICES: usize = 4096;
+/// How long a failed start-up tries to undo what it did.
+const UNDO: Duration = Duration::from_secs(5);
+
+/// Why an instance did not start. Everything was undone.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StartError {
+    /// A task's first codel, or what it led to at once, ended with an exception.
+    #[error("task {task} of {instance} failed at start: {exception}")]
+    Failed {
+        /// The instance.
+        instance: String,
+        /// The task.
+        task: String,
+        /// How it failed.
+        exception: Box<Exception>,
+    },
+    /// A task's first codel did not return in time. Its thread is left behind.
+    #[error(
+        "codel {codel} of task {task} of {instance} has not returned after {after:?}: \
+         give it more time, or look at what it waits for"
+    )]
+    Hangs {
+        /// The instance.
+        instance: String,
+        /// The task.
+        task: String,
+        /// The codel.
+        codel: String,
+        /// How long it had.
+        after: Duration,
+    },
+    /// The system gave no thread.
+    #[error("task {task} of {instance} has no thread")]
+    NoThread {
+        /// The instance.
+        instance: String,
+        /// The task.
+        task: String,
+        /// What the system says.
+        #[source]
+        source: std::io::Error,
+    },
+}
+
+/// A period as the `.gen` or the configuration says.
+fn timing(task: &Task, options: &TaskOptions, epoch: u64) -> Option<Timing> {
+    let nanos = |d: Duration| u64::try_from(d.as_nanos()).unwrap_or(u64::MAX);
+    let period = options.period.filter(|_| task.period.is_some()).or(task.period)?;
+    Some(Timing::new(epoch, nanos(period), nanos(task.delay)))
+}
+
+impl Engine {
+    /// Starts an instance; when this returns, requests are served.
+    pub(crate) fn start(
+        plan: &Arc<Plan>,
+        body: Arc<dyn Body>,
+        mut options: Options,
+    ) -> Result<Arc<Self>, StartError> {
+        let model = plan.component();
+        let clock = options.clock.clone();
+        let of_task: Vec<TaskOptions> = model
+            .tasks
+            .iter()
+            .map(|task| options.tasks.remove(&task.name).unwrap_or_default())
+            .collect();
+        for name in options.tasks.keys() {
+            tracing::warn!(instance = options.name, "there is no task `{name}` to configure");
+        }
+        let epoch = clock.now();
+        let timings =
+            model.tasks.iter().zip(&of_task).map(|(task, o)| timing(task, o, epoch)).collect();
+        let shared = Arc::new(Shared::new(plan, body, clock.clone(), timings));
+        let watched = options.watcher.is_some();
+        let (links, sides): (Vec<_>, Vec<_>) =
+            model.tasks.iter().map(|_| rings(options.activity_limit, watched)).unzip();
+        let runners = sides.into_iter().enumerate();
+        let runners: Vec<Runner> =
+            runners.map(|(task, side)| Runner::new(Arc::clone(&shared), task, side)).collect();
+        let control = Control::new(plan, links);
+        let start_timeout = options.start_timeout;
+        let virtual_time = matches!(clock, Clock::Virtual(_));
+        let driven = virtual_time.then(|| Vec::with_capacity(runners.len()));
+        let engine = Arc::new(Self::new(options, shared, control, driven));
+        engine.write_state();
+        for (runner, task_options) in runners.into_iter().zip(of_task) {
+            let started = engine.start_task(runner, task_options, start_timeout);
+            if let Err(error) = started.and_then(|()| engine.check_failure()) {
+                if let Err(hang) = engine.shutdown(UNDO) {
+                    tracing::error!(instance = engine.name, "{hang}");
+                }
+                return Err(error);
+            }
+        }
+        engine.open(&clock);
+        Ok(engine)
+    }
+
+    /// 7.2.3: starts a task, and waits until its permanent activity's first codel was executed.
+    fn start_task(
+        self: &Arc<Self>,
+        runner: Runner,
+        options: TaskOptions,
+        timeout: Option<Duration>,
+    ) -> Result<(), StartError> {
+        let rank = runner.task();
+        self.send_permanent(rank, false);
+        if let Some(driven) = &self.driven {
+            let mut task = DrivenTask::new(runner);
+            task.start(self.shared.clock.now());
+            lock(driven).push(task);
+            return Ok(());
+        }
+        let me = &self.shared.tasks[rank];
+        me.set_starter(std::thread::current());
+        self.spawn(runner, options)?;
+        let begin = Instant::now();
+        while !me.is_started() {
+            let Some(timeout) = timeout else {
+                std::thread::park();
+                continue;
+            };
+            let spent = begin.elapsed();
+            if spent >= timeout {
+                let model = self.shared.plan.component();
+                let codel = self.shared.current(rank).map(|codel| model.codels[codel].name.clone());
+                return Err(StartError::Hangs {
+                    instance: self.name.clone(),
+                    task: model.tasks[rank].name.clone(),
+                    codel: codel.unwrap_or_default(),
+                    after: timeout,
+                });
+            }
+            std::thread::park_timeout(timeout - spent);
+        }
+        Ok(())
+    }
+
+    /// Makes the permanent activity of a task, and hands it over.
+    pub(crate) fn send_permanent(&self, task: usize, at_stop: bool) {
+        // Permanent activities come first among the machines, by task.
+        let frame = self.shared.body.frame(Owner::Task(task));
+        let mut control = self.lock();
+        let mut run = self.new_run(control.new_id(), task, frame);
+        run.at_stop = at_stop;
+        control.entries.push(Entry {
+            id: run.id,
+            service: None,
+            task,
+            marker: Arc::clone(&run.marker),
+            stage: Stage::Sent,
+            by: None,
+            reply: None,
+        });
+        control.send(task, run);
+    }
+
+    fn spawn(self: &Arc<Self>, runner: Runner, options: TaskOptions) -> Result<(), StartError> {
+        let rank = runner.task();
+        let task = &self.shared.plan.component().tasks[rank];
+        let name = format!("{}:{}", self.name, task.name);
+        let stack = usize::try_from(task.stack.unwrap_or(STACK)).unwrap_or(usize::MAX);
+        let wanted = scheduling::Wanted::new(task, options);
+        let engine = Arc::clone(self);
+        self.lock().alive += 1;
+        let spawned = std::thread::Builder::new().name(name).stack_size(stack).spawn(move || {
+            let shared = &engine.shared;
+            shared.tasks[rank].set_thread(std::thread::current());
+            wanted.apply(&engine.name, rank, shared);
+            thread::run(runner);
+            engine.lock().alive -= 1;
+            engine.quiet.notify_all();
+        });
+        match spawned {
+            Ok(handle) => {
+                lock(&self.threads).push(handle);
+                Ok(())
+            }
+            Err(source) => {
+                self.lock().alive -= 1;
+                Err(StartError::NoThread {
+                    instance: self.name.clone(),
+                    task: task.name.clone(),
+                    source,
+                })
+            }
+        }
+    }
+
+    fn check_failure(&self) -> Result<(), StartError> {
+        self.attend();
+        match self.lock().failure.clone() {
+            None => Ok(()),
+            Some((task, exception)) => Err(StartError::Failed {
+                instance: self.name.clone(),
+                task: self.shared.plan.component().tasks[task].name.clone(),
+                exception: Box::new(exception),
+            }),
+        }
+    }
+
+    /// 7.2.4: from here on requests are served.
+    fn open(self: &Arc<Self>, clock: &Clock) {
+        self.lock().phase = Phase::Running;
+        if let Clock::Virtual(clock) = clock {
+            let engine: Arc<dyn crate::clock::Driven> = Arc::<Self>::clone(self);
+            clock.drive(Arc::downgrade(&engine));
+            return;
+        }
+        let engine = Arc::clone(self);
+        let name = format!("{}:control", self.name);
+        let control = std::thread::Builder::new().name(name).spawn(move || {
+            let _ = engine.shared.control.set(std::thread::current());
+            engine.attend_until_stopped();
+        });
+        match control {
+            Ok(handle) => lock(&self.threads).push(handle),
+            Err(error) => tracing::error!(instance = self.name, "no control thread: {error}"),
+        }
+    }
+}
+
+/// The rings between control and one task.
+fn rings(limit: usize, watched: bool) -> (TaskLink, TaskSide) {
+    // Every slot, the permanent activity, and the one made again for the shutdown.
+    let (to, inbox) = RingBuffer::new(limit + 2);
+    let (outbox, from) = RingBuffer::new(limit + 2);
+    let (sender, receiver) = watched.then(|| RingBuffer::new(NOTICES)).unzip();
+    (TaskLink { to, from, notices: receiver, used: 0 }, TaskSide { inbox, outbox, notices: sender })
+}

@@ -1,0 +1,222 @@
+//! The rules of one task: which activity runs which codel next (genom3.md 7.4, 7.5).
+//!
+//! It knows states, codels, stop requests and external events. It knows no thread, clock or
+//! exclusion: the caller says when a pass is due, and calls the codels.
+
+use super::run::{Bad, End, Mode, Run, Status, Token};
+use crate::body::Returned;
+use crate::plan::{Plan, Transition};
+
+/// What the rules ask of their surroundings.
+pub(crate) trait Calls {
+    /// Runs a codel of this run.
+    fn call(&mut self, run: &mut Run, codel: usize) -> Returned;
+    /// A place of this run's marking moved.
+    fn moved(&mut self, run: &Run, token: Token);
+}
+
+/// What a pass did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Passed {
+    /// A codel yielded a state without pause: go on at once.
+    pub(crate) again: bool,
+    /// Something happened that others may wait for: wake every task.
+    pub(crate) moved: bool,
+}
+
+/// The activities of one task.
+#[derive(Debug)]
+pub(crate) struct Core {
+    /// In order of start: the order codels run in. Boxed as they came, and as they go back.
+    #[allow(clippy::vec_box)]
+    runs: Vec<Box<Run>>,
+    /// One transition of each place per tick (dialects.md A).
+    by_period: bool,
+}
+
+impl Core {
+    pub(crate) fn new(room: usize, by_period: bool) -> Self {
+        Self { runs: Vec::with_capacity(room), by_period }
+    }
+
+    /// Takes over a run that may start at the next pass that allows it.
+    pub(crate) fn admit(&mut self, run: Box<Run>) {
+        self.runs.push(run);
+    }
+
+    /// Whether there is no activity at all.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.runs.is_empty()
+    }
+
+    /// One pass: what is due starts, stops or resumes, then each activity runs one codel in each
+    /// of its active places.
+    pub(crate) fn pass(
+        &mut self,
+        plan: &Plan,
+        runnable: bool,
+        fired: &[u16],
+        calls: &mut impl Calls,
+    ) -> Passed {
+        for run in &mut self.runs {
+            prepare(run, plan, runnable);
+            fired.iter().for_each(|state| fire(run, plan, *state));
+        }
+        let mut passed = Passed::default();
+        for run in &mut self.runs {
+            if run.end.is_none() {
+                step(run, plan, self.by_period, calls, &mut passed);
+            }
+            passed.moved |= run.end.is_some();
+        }
+        passed
+    }
+
+    /// Hands over the runs that ended, in order.
+    pub(crate) fn take_ended(&mut self, mut take: impl FnMut(Box<Run>)) {
+        let mut at = 0;
+        while at < self.runs.len() {
+            if self.runs[at].end.is_some() {
+                take(self.runs.remove(at));
+            } else {
+                at += 1;
+            }
+        }
+    }
+}
+
+/// What is due before codels run: start, stop, resume (genom3.md 7.4, step 2).
+fn prepare(run: &mut Run, plan: &Plan, runnable: bool) {
+    let machine = &plan.machines()[run.machine];
+    let permanent = matches!(machine.owner, genom_description::model::Owner::Task(_));
+    let ready = |state| Token { state, mode: Mode::Ready };
+    match run.marker.status() {
+        Status::Cancelled => run.end = Some(End::Cancelled),
+        Status::Init if run.at_stop && runnable => {
+            run.marker.set(Status::Stop);
+            enter(run, ready(machine.stop), machine.codel(machine.stop).is_some());
+        }
+        Status::Init if runnable => {
+            if run.marker.leave_init(Status::Run) {
+                enter(run, ready(machine.start), machine.codel(machine.start).is_some());
+            } else {
+                run.end = Some(End::Cancelled);
+            }
+        }
+        Status::Run if run.marker.stop_requested() => {
+            run.marker.set(Status::Stop);
+            let stops = machine.codel(machine.stop).is_some();
+            enter(run, ready(machine.stop), stops);
+            if !stops && !permanent {
+                run.end = Some(End::Interrupted);
+            }
+        }
+        Status::Run | Status::Stop if runnable => {
+            let paused = run.tokens.iter_mut().filter(|token| token.mode == Mode::Paused);
+            paused.for_each(|token| token.mode = Mode::Ready);
+        }
+        _ => {}
+    }
+}
+
+/// Makes `token` the whole marking; without a codel there, there is nothing to do.
+fn enter(run: &mut Run, token: Token, has_codel: bool) {
+    run.tokens.clear();
+    if has_codel {
+        run.tokens.push(token);
+        run.marker.show(token);
+    } else {
+        run.end = Some(End::Success);
+    }
+}
+
+/// An external event puts a token on its place; sleeping places wake into it (dialects.md A).
+fn fire(run: &mut Run, plan: &Plan, state: u16) {
+    let active = matches!(run.marker.status(), Status::Run | Status::Stop);
+    if !active || run.end.is_some() || plan.machines()[run.machine].codel(state).is_none() {
+        return;
+    }
+    run.tokens.retain(|token| token.mode != Mode::Asleep);
+    match run.tokens.iter_mut().find(|token| token.state == state) {
+        Some(token) => token.mode = Mode::Ready,
+        // The room suffices: no two tokens are in one state here.
+        None => run.tokens.push(Token { state, mode: Mode::Ready }),
+    }
+}
+
+/// Runs the codel of each active place once and takes its transition (genom3.md 7.5).
+fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, passed: &mut Passed) {
+    let mut ran = false;
+    for at in 0..run.tokens.len() {
+        let Token { state, mode } = run.tokens[at];
+        if mode != Mode::Ready {
+            continue;
+        }
+        ran = true;
+        let Some(codel) = plan.machines()[run.machine].codel(state) else {
+            run.end = Some(End::Bad { from: state, to: Bad::Ok });
+            return;
+        };
+        let returned = calls.call(run, codel);
+        let token = match returned {
+            Returned::Event(event) => {
+                let table = plan.transitions(codel);
+                match table.get(usize::from(event.0)).copied().unwrap_or(Transition::Bad) {
+                    Transition::Go(state) if by_period => Token { state, mode: Mode::Paused },
+                    Transition::Go(state) => {
+                        passed.again = true;
+                        passed.moved = true;
+                        Token { state, mode: Mode::Ready }
+                    }
+                    Transition::Pause(state) => Token { state, mode: Mode::Paused },
+                    Transition::Sleep(state) => Token { state, mode: Mode::Asleep },
+                    Transition::End => Token { state, mode: Mode::Done },
+                    Transition::Throw => {
+                        run.end = Some(End::Thrown(event));
+                        return;
+                    }
+                    Transition::Bad => {
+                        run.end = Some(End::Bad { from: state, to: Bad::Event(event) });
+                        return;
+                    }
+                }
+            }
+            Returned::Failed => {
+                run.end = Some(End::Failed);
+                return;
+            }
+            Returned::Ok | Returned::Unknown => {
+                let to = if returned == Returned::Ok { Bad::Ok } else { Bad::Unknown };
+                run.end = Some(End::Bad { from: state, to });
+                return;
+            }
+        };
+        run.tokens[at] = token;
+        if token.mode != Mode::Done {
+            run.marker.show(token);
+            calls.moved(run, token);
+        }
+    }
+    if ran {
+        merge(&mut run.tokens);
+        if run.tokens.is_empty() {
+            run.end = Some(End::Success);
+        }
+    }
+}
+
+/// Drops finished places, and makes a set of the rest again.
+fn merge(tokens: &mut Vec<Token>) {
+    tokens.retain(|token| token.mode != Mode::Done);
+    let mut at = 1;
+    while at < tokens.len() {
+        let token = tokens[at];
+        match tokens[..at].iter_mut().find(|other| other.state == token.state) {
+            Some(other) => {
+                other.mode = other.mode.max(token.mode);
+                tokens.remove(at);
+            }
+            None => at += 1,
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! Execution tasks: the rules, the worker that applies them, and the thread that drives it.
+
+pub(crate) mod core;
+pub(crate) mod run;
+pub(crate) mod runner;
+pub(crate) mod scheduling;
+pub(crate) mod thread;
+pub(crate) mod timing;

@@ -1,0 +1,137 @@
+//! A task at work: its rules, with the exclusion, the figures and the way back to control.
+
+use std::sync::Arc;
+
+use rtrb::{Consumer, Producer};
+
+use super::core::{Calls, Core, Passed};
+use super::run::{End, Mode, Run, Token};
+use crate::body::Returned;
+use crate::shared::{Notice, Shared};
+
+/// What a task and control hand each other. Bounded and wait-free.
+pub(crate) struct TaskSide {
+    /// Runs to start.
+    pub(crate) inbox: Consumer<Box<Run>>,
+    /// Runs that ended.
+    pub(crate) outbox: Producer<Box<Run>>,
+    /// What watchers may want to know, if there are any.
+    pub(crate) notices: Option<Producer<Notice>>,
+}
+
+/// One task of an instance; a thread, or the stepper of a virtual clock, drives it.
+pub(crate) struct Runner {
+    shared: Arc<Shared>,
+    task: usize,
+    core: Core,
+    side: TaskSide,
+    /// Room for the states of external events.
+    fired: Vec<u16>,
+    /// Whether the permanent activity's first codel was executed.
+    started: bool,
+}
+
+impl Runner {
+    pub(crate) fn new(shared: Arc<Shared>, task: usize, side: TaskSide) -> Self {
+        let model = shared.plan.component();
+        let periodic = shared.tasks[task].timing.is_some();
+        let by_period = shared.plan.steps_by_period() && periodic;
+        let fired = Vec::with_capacity(model.sinks.len());
+        // As many runs as can be on their way.
+        let core = Core::new(side.inbox.buffer().capacity() + 2, by_period);
+        Self { shared, task, core, side, fired, started: false }
+    }
+
+    pub(crate) fn task(&self) -> usize {
+        self.task
+    }
+
+    pub(crate) fn shared(&self) -> &Arc<Shared> {
+        &self.shared
+    }
+
+    /// One pass at date `now`.
+    pub(crate) fn pass(&mut self, runnable: bool, now: u64) -> Passed {
+        while let Ok(run) = self.side.inbox.pop() {
+            self.core.admit(run);
+        }
+        let shared = &self.shared;
+        shared.tasks[self.task].take_fired(&shared.plan, &mut self.fired);
+        if self.core.is_empty() {
+            return Passed::default();
+        }
+        let mut calls = Caller { shared, task: self.task, now, notices: &mut self.side.notices };
+        let passed = self.core.pass(&shared.plan, runnable, &self.fired, &mut calls);
+        if passed.moved {
+            self.hand_back();
+            self.shared.wake_tasks();
+        }
+        if !self.started && runnable {
+            self.started = true;
+            self.shared.tasks[self.task].first_codel_done();
+        }
+        passed
+    }
+
+    fn hand_back(&mut self) {
+        let (shared, task, outbox) = (&self.shared, self.task, &mut self.side.outbox);
+        let mut any = false;
+        self.core.take_ended(|mut run| {
+            any = true;
+            let machine = &shared.plan.machines()[run.machine];
+            if let (Some(End::Success), Some(node)) = (run.end, shared.fetch_node(machine.owner)) {
+                // dialects.md A: outputs are read from the IDS at the end.
+                let _permit = shared.exclusion.enter(task, node);
+                run.frame.fetch();
+            }
+            // The outbox has room for every run there can be.
+            let _ = outbox.push(run);
+        });
+        if any {
+            shared.wake_control();
+        }
+    }
+
+    /// Tells watchers of ticks that came while the task was still at work.
+    pub(crate) fn overran(&mut self, ticks: u64) {
+        self.shared.tasks[self.task].figures.overruns.add(ticks);
+        let notice = Notice::Overrun { task: self.task, ticks };
+        self.shared.notify(&mut self.side.notices, notice);
+    }
+}
+
+/// Calls codels for the rules.
+struct Caller<'a> {
+    shared: &'a Shared,
+    task: usize,
+    /// Date at which the last codel ended: the start of the next one.
+    now: u64,
+    notices: &'a mut Option<Producer<Notice>>,
+}
+
+impl Calls for Caller<'_> {
+    #[inline]
+    fn call(&mut self, run: &mut Run, codel: usize) -> Returned {
+        let shared = self.shared;
+        let permit = shared.exclusion.enter(self.task, shared.plan.nodes().codel(codel));
+        if permit.waited() {
+            self.now = shared.clock.now();
+        }
+        shared.calls(self.task, Some(codel));
+        let returned = run.frame.call(codel, self.task);
+        shared.calls(self.task, None);
+        drop(permit);
+        let end = shared.clock.now();
+        shared.called(codel, end.saturating_sub(self.now));
+        self.now = end;
+        returned
+    }
+
+    fn moved(&mut self, run: &Run, token: Token) {
+        if self.notices.is_some() {
+            let (state, paused) = (usize::from(token.state), token.mode != Mode::Ready);
+            let notice = Notice::Moved { activity: run.id, state, paused };
+            self.shared.notify(self.notices, notice);
+        }
+    }
+}

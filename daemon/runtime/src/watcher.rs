@@ -1,0 +1,54 @@
+//! What happens inside an instance, for those who watch.
+
+/// Something that happened.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// An activity was accepted.
+    Accepted {
+        /// Its id.
+        activity: u32,
+        /// Its service.
+        service: usize,
+    },
+    /// A place of an activity's marking moved.
+    Moved {
+        /// The activity.
+        activity: u32,
+        /// The state it is in now, by rank in the component's states.
+        state: usize,
+        /// Whether it pauses before it runs.
+        paused: bool,
+    },
+    /// An activity ended.
+    Ended {
+        /// Its id.
+        activity: u32,
+        /// Its service.
+        service: usize,
+        /// Name of the exception it ended with; `None` for success.
+        exception: Option<String>,
+    },
+    /// Ticks came while a task was still at work.
+    Overrun {
+        /// The task.
+        task: usize,
+        /// How many.
+        ticks: u64,
+    },
+    /// A permanent activity ended with an exception: the component is to be shut down.
+    Failed {
+        /// Its task.
+        task: usize,
+        /// Name of the exception.
+        exception: String,
+    },
+}
+
+/// Watches an instance.
+pub trait Watcher: Send + Sync {
+    /// Called by control threads, never by a task's thread; in order for each activity.
+    ///
+    /// When it does not keep up, [`Change::Moved`] and [`Change::Overrun`] are dropped and
+    /// counted in [`Statistics::lost_changes`](crate::Statistics::lost_changes).
+    fn changed(&self, change: &Change);
+}
