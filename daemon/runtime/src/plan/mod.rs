@@ -151,6 +151,12 @@ impl Plan {
         &self.events
     }
 
+    /// Full names of the events by rank, as a host wants them.
+    #[must_use]
+    pub fn event_names(&self) -> Vec<String> {
+        self.events.iter().map(|event| event.name.clone()).collect()
+    }
+
     /// The event of this full name (`::demo::main`).
     #[must_use]
     pub fn event(&self, name: &str) -> Option<EventId> {
