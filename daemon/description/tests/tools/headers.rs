@@ -178,7 +178,7 @@ fn the_header_is_that_of_the_reference_to_the_letter() {
         "GENOM_EVENT(demo_ether, \"::demo::ether\");",
         "GENOM_EVENT(demo_pause_start, \"::demo::pause::start\");",
         "GENOM_EVENT(demo_e_sys_id, \"::demo::e_sys\");",
-        "demo_e_sys(demo_e_sys_detail *detail, genom_context self)",
+        "demo_e_sys(const demo_e_sys_detail *detail, genom_context self)",
         "typedef void demo_e_void_detail;",
         "#ifndef _demo_s_c_type",
         "typedef uint32_t m_col;",
@@ -216,4 +216,33 @@ fn an_unknown_component_is_refused_with_those_there_are() {
     let analysis = accepted(&path("tests/tools/rich.gen"));
     let error = header(&analysis.specification, Some("nope"), Language::C).unwrap_err();
     assert_eq!(error.to_string(), "there is no component `nope`; those described are: `demo`");
+}
+
+/// Components of the project, with the name of their hand-written header.
+const COMPONENTS: [&str; 3] =
+    ["components/demo", "components/demo/papers/2010", "components/demo/papers/2011"];
+
+#[test]
+fn codels_written_for_a_header_by_hand_compile_with_the_one_made_here() {
+    for folder in COMPONENTS {
+        let component = path("../..").join(folder);
+        let analysis = accepted(&component.join("demo.gen"));
+        let dir = tempfile::tempdir().unwrap();
+        write_header(&analysis, Language::C, dir.path(), "demo_c_types.h");
+        let mut sources = Vec::new();
+        for entry in std::fs::read_dir(component.join("codels")).unwrap() {
+            let file = entry.unwrap().path();
+            let name = file.file_name().unwrap().to_string_lossy().into_owned();
+            if name != "demo_c_types.h" {
+                std::fs::copy(&file, dir.path().join(&name)).unwrap();
+                sources.extend(Some(name).filter(|name| name.ends_with(".c")));
+            }
+        }
+        assert!(!sources.is_empty(), "{folder} has no codels in C");
+        for name in sources {
+            let source = dir.path().join(&name);
+            let what = format!("{folder}: {name}");
+            compile(gcc("gcc", "-std=gnu99", dir.path()).arg("-fsyntax-only").arg(&source), &what);
+        }
+    }
 }

@@ -48,7 +48,7 @@ typedef struct genom_incompatible_digest_detail {
 } genom_incompatible_digest_detail;
 
 static inline genom_event
-genom_incompatible_digest(genom_incompatible_digest_detail *detail, genom_context self)
+genom_incompatible_digest(const genom_incompatible_digest_detail *detail, genom_context self)
 {
   return self->raise(genom_incompatible_digest_id, detail, sizeof(*detail), self);
 }
@@ -63,7 +63,7 @@ typedef struct genom_bad_transition_detail {
 } genom_bad_transition_detail;
 
 static inline genom_event
-genom_bad_transition(genom_bad_transition_detail *detail, genom_context self)
+genom_bad_transition(const genom_bad_transition_detail *detail, genom_context self)
 {
   return self->raise(genom_bad_transition_id, detail, sizeof(*detail), self);
 }
@@ -77,7 +77,7 @@ typedef struct genom_interrupted_detail {
 } genom_interrupted_detail;
 
 static inline genom_event
-genom_interrupted(genom_interrupted_detail *detail, genom_context self)
+genom_interrupted(const genom_interrupted_detail *detail, genom_context self)
 {
   return self->raise(genom_interrupted_id, detail, sizeof(*detail), self);
 }
@@ -127,7 +127,7 @@ typedef struct genom_mwerr_detail {
 } genom_mwerr_detail;
 
 static inline genom_event
-genom_mwerr(genom_mwerr_detail *detail, genom_context self)
+genom_mwerr(const genom_mwerr_detail *detail, genom_context self)
 {
   return self->raise(genom_mwerr_id, detail, sizeof(*detail), self);
 }
@@ -400,7 +400,7 @@ typedef struct i_bad_detail {
 } i_bad_detail;
 
 static inline genom_event
-i_bad(i_bad_detail *detail, genom_context self)
+i_bad(const i_bad_detail *detail, genom_context self)
 {
   return self->raise(i_bad_id, detail, sizeof(*detail), self);
 }
@@ -420,7 +420,7 @@ typedef struct demo_e_sys_detail {
 } demo_e_sys_detail;
 
 static inline genom_event
-demo_e_sys(demo_e_sys_detail *detail, genom_context self)
+demo_e_sys(const demo_e_sys_detail *detail, genom_context self)
 {
   return self->raise(demo_e_sys_id, detail, sizeof(*detail), self);
 }

@@ -162,7 +162,7 @@ fn exception(out: &mut String, types: &TypeTable, name: &ScopedName, members: &[
         let body = lines(types, members);
         format!(
             "{event}typedef struct {c}_detail {{\n{body}}} {c}_detail;\n\n\
-             static inline genom_event\n{c}({c}_detail *detail, genom_context self)\n{{\n\
+             static inline genom_event\n{c}(const {c}_detail *detail, genom_context self)\n{{\n\
              \x20 return self->raise({c}_id, detail, sizeof(*detail), self);\n}}"
         )
     };
