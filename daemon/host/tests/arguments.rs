@@ -219,17 +219,17 @@ fn members_of_the_ids_are_passed_in_place() {
     let c = r#"
         #include <genom3/c/idlsequence.h>
         #include <genom3/c/context.h>
-        typedef struct { int32_t a; char *b; } st;
-        typedef struct { uint32_t _maximum, _length; st *_buffer; void (*_release)(void *); } sq;
-        typedef struct { uint32_t _maximum, _length; double _buffer[4]; } bs;
-        typedef struct { int32_t v; st s; sq q; bs b; } demo_ids;
+        typedef struct { int32_t a; char *b; } demo_s;
+        typedef struct { uint32_t _maximum, _length; demo_s *_buffer; void (*_release)(void *); } many;
+        typedef struct { uint32_t _maximum, _length; double _buffer[4]; } four;
+        typedef struct { int32_t v; demo_s st; many sq; four bsq; } demo_ids;
         genom_event init(demo_ids *ids, const genom_context self) {
-          ids->s.b = strdup("four");
-          genom_sequence_reserve(&ids->q, 2);
-          ids->q._length = 2;
-          ids->q._buffer[1].a = 38;
-          ids->b._length = 1;
-          ids->b._buffer[0] = 1;
+          ids->st.b = strdup("four");
+          genom_sequence_reserve(&ids->sq, 2);
+          ids->sq._length = 2;
+          ids->sq._buffer[1].a = 38;
+          ids->bsq._length = 1;
+          ids->bsq._buffer[0] = 1;
           return 0;
         }
         genom_event use_(const char *stb, int32_t sqa, double *b, int32_t *y,

@@ -13,6 +13,7 @@ use genom_description::source::SourceMap;
 use genom_host::contract::{Checked, check};
 use genom_host::{Component, Library};
 use genom_runtime::plan::Plan;
+use support::Scratch;
 
 const DEMO: &str = include_str!("../../../components/demo/demo.gen");
 
@@ -42,6 +43,18 @@ fn demo_rs() -> PathBuf {
         library.expect("cargo names the library it built")
     };
     BUILT.get_or_init(build).clone()
+}
+
+/// The demo in C, built with these options.
+fn demo_c(scratch: &Scratch, options: &[&str]) -> PathBuf {
+    let directory = root().join("components/demo");
+    let codels = directory.join("codels");
+    let includes = format!("-I{}", directory.display());
+    let sources = ["demo_codels.c", "demo_main_codels.c"].map(|name| codels.join(name));
+    let sources = sources.iter().map(|path| path.to_str().expect("a path in UTF-8"));
+    let arguments = ["-shared", "-fPIC", &includes].into_iter().chain(sources);
+    let arguments: Vec<&str> = arguments.chain(options.iter().copied()).collect();
+    scratch.cc("demo.so", "", &arguments)
 }
 
 /// Plan of the first component of a description, and where its lines are.
@@ -80,6 +93,93 @@ fn the_demo_in_rust_agrees_with_its_description() {
     let report = check(&Library::open(&demo_rs()).unwrap(), &plan, &|_| String::new());
     assert_eq!((report.checked, report.codels), (Checked::Descriptors, 8));
     assert_eq!(report.differences, []);
+}
+
+#[test]
+fn the_demo_in_c_agrees_with_its_description_by_its_debug_information() {
+    let scratch = Scratch::new();
+    for options in [&["-gdwarf-5"][..], &["-gdwarf-4", "-O2"], &["-gdwarf-3"]] {
+        let path = demo_c(&scratch, options);
+        disagree(path.clone(), DEMO, &expect!["loads"]);
+        let report = check(&Library::open(&path).unwrap(), &plan(DEMO).0, &|_| String::new());
+        assert_eq!((report.checked, report.codels), (Checked::DebugInformation, 8), "{options:?}");
+    }
+    let path = demo_c(&scratch, &["-g0"]);
+    let text = altered("demo_reset(inout current)", "demo_reset(in velocity)");
+    let report = check(&Library::open(&path).unwrap(), &plan(&text).0, &|_| String::new());
+    assert_eq!((report.checked, report.codels), (Checked::Unchecked, 0));
+}
+
+#[test]
+fn a_c_library_that_differs_is_refused_with_both_declarations() {
+    let scratch = Scratch::new();
+    let path = demo_c(&scratch, &[]);
+    let differs = |from, to, expected| disagree(path.clone(), &altered(from, to), &expected);
+    differs(
+        "double velocity;   /* m/s */",
+        "float velocity;",
+        expect![[r#"
+        demo.so: codel `demo_init` (demo.gen:52): argument 1 `ids`: `demo_ids.current`: `demo_state.velocity`: `float` is wanted, not `double`
+          .gen:    genom_event demo_init(demo_ids *ids, const demo_position *position, const genom_context self)
+          library: genom_event demo_init(demo_ids *ids, const demo_position *position, const genom_context self)
+        demo.so: codel `demo_reset` (demo.gen:71): argument 1 `current`: `demo_state.velocity`: `float` is wanted, not `double`
+          .gen:    genom_event demo_reset(demo_state *current, const genom_context self)
+          library: genom_event demo_reset(demo_state *current, const genom_context self)"#]],
+    );
+    differs(
+        "demo_reset(inout current)",
+        "demo_reset(inout velocity)",
+        expect![[r#"
+        demo.so: codel `demo_reset` (demo.gen:71): argument 1 `velocity`: `double` is wanted, not `demo_state`
+          .gen:    genom_event demo_reset(double *velocity, const genom_context self)
+          library: genom_event demo_reset(demo_state *current, const genom_context self)"#]],
+    );
+    differs(
+        "demo_check_goal(in goal)",
+        "demo_check_goal(in goal, in velocity)",
+        expect![[r#"
+        demo.so: codel `demo_check_goal` (demo.gen:79): 3 arguments are wanted, the context included; it takes 2
+          .gen:    genom_event demo_check_goal(double goal, double velocity, const genom_context self)
+          library: genom_event demo_check_goal(double goal, const genom_context self)"#]],
+    );
+    differs(
+        "typedef double gain;",
+        "typedef float gain;",
+        expect![[r#"
+            demo.so: codel `demo_servo` (demo.gen:81): argument 5 `parameter`: its data: `float` is wanted, not `demo_gain`
+              .gen:    genom_event demo_servo(double goal, double velocity, bool halted, demo_state *current, const demo_parameter *parameter, const demo_position *position, const genom_context self)
+              library: genom_event demo_servo(double goal, double velocity, bool halted, demo_state *current, const demo_parameter *parameter, const demo_position *position, const genom_context self)"#]],
+    );
+    differs(
+        "boolean halted;",
+        "long halted;",
+        expect![[r#"
+            demo.so: codel `demo_init` (demo.gen:52): argument 1 `ids`: `demo_ids.halted`: `int32_t` is wanted, not `bool`
+              .gen:    genom_event demo_init(demo_ids *ids, const demo_position *position, const genom_context self)
+              library: genom_event demo_init(demo_ids *ids, const demo_position *position, const genom_context self)
+            demo.so: codel `demo_begin` (demo.gen:80): argument 1 `halted`: `int32_t` is wanted, not `bool`
+              .gen:    genom_event demo_begin(int32_t *halted, const genom_context self)
+              library: genom_event demo_begin(bool *halted, const genom_context self)
+            demo.so: codel `demo_servo` (demo.gen:81): argument 3 `halted`: `int32_t` is wanted, not `bool`
+              .gen:    genom_event demo_servo(double goal, double velocity, int32_t halted, demo_state *current, const demo_parameter *parameter, const demo_position *position, const genom_context self)
+              library: genom_event demo_servo(double goal, double velocity, bool halted, demo_state *current, const demo_parameter *parameter, const demo_position *position, const genom_context self)
+            demo.so: codel `demo_halt` (demo.gen:84): argument 2 `halted`: `int32_t` is wanted, not `bool`
+              .gen:    genom_event demo_halt(demo_state *current, int32_t *halted, const demo_position *position, const genom_context self)
+              library: genom_event demo_halt(demo_state *current, bool *halted, const demo_position *position, const genom_context self)"#]],
+    );
+    let text = altered("port in gain parameter", "port out gain parameter").replacen(
+        "in parameter, out position",
+        "out parameter, out position",
+        1,
+    );
+    disagree(
+        path,
+        &text,
+        &expect![[r#"
+            demo.so: codel `demo_servo` (demo.gen:81): argument 5 `parameter`: a handle with data, write is wanted, not one with data, read
+              .gen:    genom_event demo_servo(double goal, double velocity, bool halted, demo_state *current, const demo_parameter *parameter, const demo_position *position, const genom_context self)
+              library: genom_event demo_servo(double goal, double velocity, bool halted, demo_state *current, const demo_parameter *parameter, const demo_position *position, const genom_context self)"#]],
+    );
 }
 
 #[test]

@@ -5,6 +5,7 @@
 
 mod declare;
 mod descriptors;
+mod dwarf;
 mod table;
 
 use std::path::Path;
@@ -36,6 +37,8 @@ pub struct Difference {
 pub enum Checked {
     /// The table that the Rust SDK exports.
     Descriptors,
+    /// The debug information of C and C++.
+    DebugInformation,
     /// Nothing: the library says nothing of its types.
     Unchecked,
 }
@@ -61,7 +64,12 @@ pub fn check(library: &Library, plan: &Plan, locate: &dyn Fn(Span) -> String) ->
             let (codels, differences) = descriptors::compare(&table, plan, locate);
             Report { checked: Checked::Descriptors, codels, differences }
         }
-        Ok(None) => Report { checked: Checked::Unchecked, codels: 0, differences: Vec::new() },
+        Ok(None) => match dwarf::compare(library, plan, locate) {
+            Some((codels, differences)) => {
+                Report { checked: Checked::DebugInformation, codels, differences }
+            }
+            None => Report { checked: Checked::Unchecked, codels: 0, differences: Vec::new() },
+        },
         Err(error) => {
             let difference = unreadable(library.path(), &error, locate(plan.component().span));
             Report { checked: Checked::Descriptors, codels: 0, differences: vec![difference] }

@@ -91,6 +91,11 @@ impl Library {
         elf::description_of(&self.path, &self.bytes)
     }
 
+    /// Contents of the file, as loaded.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
     /// Address of exported symbol `name` of this library or of what it is linked with.
     pub(crate) fn symbol(&self, name: &str) -> Option<usize> {
         self.handle.symbol(name)

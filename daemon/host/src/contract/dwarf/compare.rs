@@ -1,0 +1,400 @@
+//! A codel's C function against its description: arguments by genom3.md 5.5, layouts by 5.2.
+
+use std::collections::HashSet;
+
+use genom_description::model::{
+    Codel, CodelParameter, Direction, Parameter, Port, PortDirection, Source,
+};
+use genom_runtime::plan::Plan;
+use genom_types::{DataType, Kind, TypeId, TypeTable};
+use gimli::DwAte;
+
+use super::info::{At, DebugInfo};
+use super::node::{Composite, Function, Member, Node};
+use crate::ffi::{Class, Scalar};
+
+/// One comparison of a library with a plan.
+pub(super) struct Comparison<'a> {
+    info: &'a DebugInfo<'a>,
+    plan: &'a Plan,
+    /// Pairs that are equal, or being compared further up, or told already.
+    seen: HashSet<(TypeId, At)>,
+}
+
+type Outcome = Result<(), String>;
+
+impl<'a> Comparison<'a> {
+    /// A comparison that has seen nothing yet.
+    pub(super) fn new(info: &'a DebugInfo<'a>, plan: &'a Plan) -> Self {
+        Self { info, plan, seen: HashSet::new() }
+    }
+
+    fn types(&self) -> &'a TypeTable {
+        &self.plan.specification().types
+    }
+
+    /// Compares a codel with the function of its name.
+    pub(super) fn codel(&mut self, codel: &Codel, function: &Function) -> Outcome {
+        let wanted = codel.parameters.len() + 1;
+        let found = function.parameters.len();
+        if wanted != found {
+            return Err(format!(
+                "{wanted} arguments are wanted, the context included; it takes {found}"
+            ));
+        }
+        for (rank, (parameter, (_, at))) in
+            codel.parameters.iter().zip(&function.parameters).enumerate()
+        {
+            self.argument(parameter, *at)
+                .map_err(|why| format!("argument {} `{}`: {why}", rank + 1, parameter.name))?;
+        }
+        let context = function.parameters.last().and_then(|(_, at)| *at);
+        self.pointer(context).map_err(|why| format!("the context: {why}"))?;
+        self.pointer(function.result).map_err(|why| format!("the result: {why}"))?;
+        Ok(())
+    }
+
+    fn argument(&mut self, parameter: &CodelParameter, at: Option<At>) -> Outcome {
+        let model = self.plan.component();
+        match parameter.source {
+            Source::Port(rank) => {
+                let port = model.ports.get(rank).ok_or("there is no such port")?;
+                self.port(port, at)
+            }
+            Source::Remote(rank) => {
+                let remote = model.remotes.get(rank).ok_or("there is no such remote")?;
+                self.remote(&remote.parameters, at)
+            }
+            _ => self.passed(parameter.ty, parameter.direction, at),
+        }
+    }
+
+    /// A datum as an argument (genom3.md 5.5).
+    fn passed(&mut self, ty: TypeId, direction: Direction, at: Option<At>) -> Outcome {
+        let kind = self.types().resolved(ty);
+        match Class::of(kind, direction) {
+            Class::Value(scalar) => self.scalar(ty, scalar, at),
+            Class::Held => self.memory(ty, at),
+            Class::Address => {
+                let Some(target) = self.pointer(at)? else { return Ok(()) };
+                // A parameter `T x[a][b]` is a pointer to `T[b]`, `T (*x)[a][b]` one to the whole.
+                let (lengths, element) = self.dimensions(ty);
+                if let Some((_, rest)) = lengths.split_first() {
+                    return self
+                        .array(rest, element, target)
+                        .or_else(|why| self.array(&lengths, element, target).map_err(|_| why));
+                }
+                self.memory(ty, Some(target))
+            }
+        }
+    }
+
+    /// What a pointer leads to; `None` for `void *`, which may lead to anything.
+    fn pointer(&self, at: Option<At>) -> Result<Option<At>, String> {
+        match self.info.stripped(at) {
+            Some((_, Node::Pointer(target))) => {
+                Ok(target.filter(|_| self.info.stripped(target).is_some()))
+            }
+            Some((_, Node::Unknown)) => Ok(None),
+            _ => Err(format!("a pointer is wanted, not `{}`", self.info.spell(at))),
+        }
+    }
+
+    fn differ(&self, ty: TypeId, at: Option<At>) -> Outcome {
+        let (wanted, found) = (self.types().c_name(ty), self.info.spell(at));
+        Err(format!("`{wanted}` is wanted, not `{found}`"))
+    }
+
+    fn scalar(&self, ty: TypeId, scalar: Scalar, at: Option<At>) -> Outcome {
+        let agrees = match self.info.stripped(at) {
+            Some((_, Node::Base { size, encoding, .. })) => fits(scalar, size, encoding),
+            // An enum type of C itself is as good as uint32_t.
+            Some((_, Node::Enum { size, .. })) => scalar == Scalar::U32 && size == 4,
+            Some((_, Node::Unknown)) => true,
+            _ => false,
+        };
+        if agrees { Ok(()) } else { self.differ(ty, at) }
+    }
+
+    /// A datum in memory.
+    fn memory(&mut self, ty: TypeId, at: Option<At>) -> Outcome {
+        let types = self.types();
+        let ty = types.resolve(ty);
+        let Some((place, node)) = self.info.stripped(at) else { return self.differ(ty, at) };
+        if let Class::Value(scalar) = Class::of(types.kind(ty), Direction::In) {
+            return self.scalar(ty, scalar, at);
+        }
+        if matches!(node, Node::Unknown) || !self.seen.insert((ty, place)) {
+            return Ok(());
+        }
+        match (types.kind(ty), node) {
+            (Kind::Native { .. }, Node::Pointer(_)) => Ok(()),
+            (Kind::String { bound: None }, Node::Pointer(target)) => {
+                if self.is_character(target) {
+                    Ok(())
+                } else {
+                    self.differ(ty, at)
+                }
+            }
+            (Kind::Array { .. } | Kind::String { bound: Some(_) }, Node::Array { .. }) => {
+                let (lengths, element) = self.dimensions(ty);
+                self.array(&lengths, element, place)
+            }
+            (Kind::Union { .. }, Node::Struct(found)) => self.union(ty, &found, at),
+            (
+                Kind::Sequence { .. }
+                | Kind::Optional { .. }
+                | Kind::Struct { .. }
+                | Kind::Exception { .. },
+                Node::Struct(found),
+            ) => self.structure(ty, &found, at),
+            _ => self.differ(ty, at),
+        }
+    }
+
+    fn is_character(&self, at: Option<At>) -> bool {
+        match self.info.stripped(at) {
+            Some((_, Node::Base { size, .. })) => size == 1,
+            found => matches!(found, Some((_, Node::Unknown))),
+        }
+    }
+
+    /// Lengths of all dimensions, and the element: bounded strings are arrays of characters.
+    fn dimensions(&self, ty: TypeId) -> (Vec<u64>, Option<TypeId>) {
+        let (mut lengths, mut ty) = (Vec::new(), ty);
+        loop {
+            match self.types().resolved(ty) {
+                Kind::Array { element, length } => {
+                    lengths.push(u64::from(*length));
+                    ty = *element;
+                }
+                Kind::String { bound: Some(bound) } => {
+                    lengths.push(u64::from(*bound));
+                    return (lengths, None);
+                }
+                _ => return (lengths, Some(ty)),
+            }
+        }
+    }
+
+    /// An array; `element` is `None` for characters.
+    fn array(&mut self, lengths: &[u64], element: Option<TypeId>, at: At) -> Outcome {
+        let (mut found, mut inner) = (Vec::new(), Some(at));
+        while let Some((_, Node::Array { element, lengths })) = self.info.stripped(inner) {
+            found.extend(lengths);
+            inner = element;
+        }
+        let wanted: Vec<_> = lengths.iter().map(|length| Some(*length)).collect();
+        if found != wanted {
+            let length = |length: &u64| format!("[{length}]");
+            let wanted: String = lengths.iter().map(length).collect();
+            let wanted = if wanted.is_empty() { "a single element".to_owned() } else { wanted };
+            let found = self.info.spell(Some(at));
+            return Err(format!("an array {wanted} is wanted, not `{found}`"));
+        }
+        match element {
+            Some(element) => self.memory(element, inner),
+            None if self.is_character(inner) => Ok(()),
+            None => Err(format!("characters are wanted, not `{}`", self.info.spell(inner))),
+        }
+    }
+
+    fn structure(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Outcome {
+        // Only announced in this unit: nothing to compare.
+        let Some(size) = found.size else { return Ok(()) };
+        let types = self.types();
+        let name = types.c_name(ty);
+        let data = DataType::new(&self.plan.specification().types, ty);
+        let data = data.map_err(|error| error.to_string())?;
+        let wanted: Vec<(String, usize, Part)> = match types.kind(ty) {
+            Kind::Sequence { element, bound } => {
+                let buffer = match bound {
+                    Some(bound) => Part::Elements(*element, u64::from(*bound)),
+                    None => Part::Pointer(*element),
+                };
+                let parts =
+                    [("_maximum", Part::Word), ("_length", Part::Word), ("_buffer", buffer)];
+                let release = bound.is_none().then_some(("_release", Part::Any));
+                let parts = parts.into_iter().chain(release);
+                let offsets = data.layout().offsets.iter().copied();
+                parts.zip(offsets).map(|((name, part), at)| (name.to_owned(), at, part)).collect()
+            }
+            Kind::Optional { element } => {
+                let value = data.layout().offsets.first().copied().unwrap_or_default();
+                let present = ("_present".to_owned(), 0, Part::Flag);
+                vec![present, ("_value".to_owned(), value, Part::Datum(*element))]
+            }
+            _ => {
+                let members = types.members(ty).iter().enumerate();
+                let part = |(rank, member): (usize, &genom_types::Member)| {
+                    let offset = data.member_offset(rank).unwrap_or_default();
+                    (member.name.clone(), offset, Part::Datum(member.ty))
+                };
+                members.map(part).collect()
+            }
+        };
+        let names = |names: Vec<&str>| names.join(", ");
+        let (ours, theirs) = (
+            names(wanted.iter().map(|part| part.0.as_str()).collect()),
+            names(found.members.iter().map(|member| member.name.as_str()).collect()),
+        );
+        if ours != theirs {
+            let found = self.info.spell(at);
+            return Err(format!("`{name}` has members {ours}; `{found}` has {theirs}"));
+        }
+        for ((member, offset, part), found) in wanted.into_iter().zip(&found.members) {
+            self.part(part, found).map_err(|why| format!("`{name}.{member}`: {why}"))?;
+            if offset as u64 != found.offset {
+                let found = found.offset;
+                return Err(format!("`{name}.{member}`: offset {offset} is wanted, not {found}"));
+            }
+        }
+        if size != data.size() as u64 {
+            return Err(format!("`{name}`: size {} is wanted, not {size}", data.size()));
+        }
+        Ok(())
+    }
+
+    fn part(&mut self, part: Part, found: &Member) -> Outcome {
+        match part {
+            Part::Any => Ok(()),
+            Part::Datum(ty) => self.memory(ty, found.ty),
+            Part::Word | Part::Flag => {
+                let size = if matches!(part, Part::Word) { 4 } else { 1 };
+                match self.info.stripped(found.ty) {
+                    Some((_, Node::Base { size: has, .. })) if has == size => Ok(()),
+                    _ => {
+                        Err(format!("{size} bytes are wanted, not `{}`", self.info.spell(found.ty)))
+                    }
+                }
+            }
+            Part::Pointer(element) => match self.pointer(found.ty)? {
+                Some(target) => self.memory(element, Some(target)),
+                None => Ok(()),
+            },
+            Part::Elements(element, count) => {
+                let at = found.ty.ok_or("an array is wanted")?;
+                let (mut lengths, element) = self.dimensions(element);
+                lengths.insert(0, count);
+                self.array(&lengths, element, at)
+            }
+        }
+    }
+
+    /// `struct U { D _d; union { members } _u; }`.
+    fn union(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Outcome {
+        let Some(size) = found.size else { return Ok(()) };
+        let Kind::Union { discriminant, members, .. } = self.types().kind(ty) else {
+            return self.differ(ty, at);
+        };
+        let name = self.types().c_name(ty);
+        let data = DataType::new(&self.plan.specification().types, ty);
+        let data = data.map_err(|error| error.to_string())?;
+        let [tag, body] = found.members.as_slice() else { return self.differ(ty, at) };
+        self.memory(*discriminant, tag.ty).map_err(|why| format!("`{name}._d`: {why}"))?;
+        let Some((_, Node::Union(found))) = self.info.stripped(body.ty) else {
+            return Err(format!("`{name}._u` is no union"));
+        };
+        if size != data.size() as u64 || tag.offset != 0 || found.members.len() != members.len() {
+            return self.differ(ty, at);
+        }
+        for (rank, (wanted, found)) in members.iter().zip(&found.members).enumerate() {
+            let offset = data.member_offset(rank).unwrap_or_default() as u64;
+            if wanted.name != found.name || offset != body.offset + found.offset {
+                let found = &found.name;
+                return Err(format!("`{name}._u.{}` is wanted, not `{found}`", wanted.name));
+            }
+            self.memory(wanted.ty, found.ty)
+                .map_err(|why| format!("`{name}._u.{}`: {why}", wanted.name))?;
+        }
+        Ok(())
+    }
+
+    /// The handle of a port (genom3.md 5.7).
+    fn port(&mut self, port: &Port, at: Option<At>) -> Outcome {
+        let methods: &[&str] = match (port.direction, port.multiple) {
+            (PortDirection::In, _) => &["data", "read"],
+            (PortDirection::Out, false) => &["data", "write"],
+            (PortDirection::Out, true) => &["data", "write", "open", "close"],
+        };
+        let Some(handle) = self.handle(at, methods)? else { return Ok(()) };
+        let data = handle.members.first().map_or(Ok(None), |data| self.pointer(data.ty))?;
+        let Some((_, Node::Function(data))) = self.info.stripped(data) else { return Ok(()) };
+        let wanted = if port.multiple { 2 } else { 1 };
+        if data.parameters.len() != wanted {
+            let kind = if port.multiple { "multiple" } else { "simple" };
+            return Err(format!("the port is {kind}: its methods take {wanted} arguments"));
+        }
+        self.passed(port.ty, Direction::Out, data.result).map_err(|why| format!("its data: {why}"))
+    }
+
+    /// The handle of a remote (genom3.md 5.8).
+    fn remote(&mut self, parameters: &[Parameter], at: Option<At>) -> Outcome {
+        let Some(handle) = self.handle(at, &["call"])? else { return Ok(()) };
+        let call = handle.members.first().map_or(Ok(None), |call| self.pointer(call.ty))?;
+        let Some((_, Node::Function(call))) = self.info.stripped(call) else { return Ok(()) };
+        let (wanted, found) = (parameters.len() + 1, call.parameters.len());
+        if wanted != found {
+            return Err(format!("its call takes {wanted} arguments, not {found}"));
+        }
+        for (parameter, (_, at)) in parameters.iter().zip(&call.parameters) {
+            self.passed(parameter.ty, parameter.direction, *at)
+                .map_err(|why| format!("argument `{}` of its call: {why}", parameter.name))?;
+        }
+        Ok(())
+    }
+
+    /// A struct of functions; `None` when the library only announces it.
+    fn handle(&self, at: Option<At>, methods: &[&str]) -> Result<Option<Composite>, String> {
+        let target = self.pointer(at)?;
+        let Some((_, node)) = self.info.stripped(target) else { return Ok(None) };
+        let Node::Struct(found) = node else {
+            return Err(format!("a handle is wanted, not `{}`", self.info.spell(at)));
+        };
+        if found.size.is_none() {
+            return Ok(None);
+        }
+        let names: Vec<&str> = found.members.iter().map(|member| member.name.as_str()).collect();
+        if names != methods {
+            let (wanted, found) = (methods.join(", "), names.join(", "));
+            return Err(format!("a handle with {wanted} is wanted, not one with {found}"));
+        }
+        Ok(Some(found))
+    }
+}
+
+/// A member of a struct that C makes of an IDL type.
+enum Part {
+    /// A datum of this type.
+    Datum(TypeId),
+    /// A pointer to such data.
+    Pointer(TypeId),
+    /// That many such data in a row.
+    Elements(TypeId, u64),
+    /// `uint32_t`.
+    Word,
+    /// `bool`.
+    Flag,
+    /// Whatever it is.
+    Any,
+}
+
+/// Whether a basic type of C has the size and the meaning of a scalar.
+fn fits(scalar: Scalar, size: u64, encoding: DwAte) -> bool {
+    let signed = [gimli::DW_ATE_signed, gimli::DW_ATE_signed_char].contains(&encoding);
+    let unsigned = [gimli::DW_ATE_unsigned, gimli::DW_ATE_unsigned_char].contains(&encoding);
+    match scalar {
+        Scalar::Bool => size == 1 && (encoding == gimli::DW_ATE_boolean || unsigned),
+        // Plain `char` is signed or not by the platform.
+        Scalar::I8 => size == 1 && (signed || encoding == gimli::DW_ATE_unsigned_char),
+        Scalar::U8 => size == 1 && unsigned,
+        Scalar::I16 => size == 2 && signed,
+        Scalar::U16 => size == 2 && unsigned,
+        Scalar::I32 => size == 4 && signed,
+        Scalar::U32 => size == 4 && unsigned,
+        Scalar::I64 => size == 8 && signed,
+        Scalar::U64 => size == 8 && unsigned,
+        Scalar::F32 => size == 4 && encoding == gimli::DW_ATE_float,
+        Scalar::F64 => size == 8 && encoding == gimli::DW_ATE_float,
+    }
+}

@@ -1,0 +1,271 @@
+//! Finds functions and types in the debug information of a library.
+
+use std::collections::HashMap;
+
+use gimli::{
+    AttributeValue, DebuggingInformationEntry, DwTag, Dwarf, EndianSlice, EntriesTreeNode,
+    RunTimeEndian, Unit, UnitOffset,
+};
+use object::{Object, ObjectSection};
+
+use super::node::{Composite, Function, Member, Node};
+
+type Reader<'a> = EndianSlice<'a, RunTimeEndian>;
+type Entry<'a> = DebuggingInformationEntry<Reader<'a>>;
+
+/// The place of a type: rank of its unit, and offset there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct At {
+    unit: usize,
+    offset: UnitOffset,
+}
+
+/// Debug information, opened.
+pub(super) struct DebugInfo<'a> {
+    dwarf: Dwarf<Reader<'a>>,
+    units: Vec<Unit<Reader<'a>>>,
+}
+
+impl<'a> DebugInfo<'a> {
+    /// Opens the debug information in the ELF file `bytes`; `None` when it has none.
+    pub(super) fn new(bytes: &'a [u8]) -> gimli::Result<Option<Self>> {
+        let Ok(file) = object::File::parse(bytes) else { return Ok(None) };
+        let endian =
+            if file.is_little_endian() { RunTimeEndian::Little } else { RunTimeEndian::Big };
+        let section = |id: gimli::SectionId| -> gimli::Result<Reader<'a>> {
+            let data = file.section_by_name(id.name()).and_then(|section| section.data().ok());
+            Ok(EndianSlice::new(data.unwrap_or_default(), endian))
+        };
+        let dwarf = Dwarf::load(section)?;
+        let mut headers = dwarf.units();
+        let mut units = Vec::new();
+        while let Some(header) = headers.next()? {
+            units.push(dwarf.unit(header)?);
+        }
+        Ok((!units.is_empty()).then_some(Self { dwarf, units }))
+    }
+
+    /// The functions of these names that the library defines.
+    pub(super) fn functions<'n>(&self, names: &[&'n str]) -> HashMap<&'n str, Function> {
+        let mut found = HashMap::new();
+        for unit in 0..self.units.len() {
+            // A unit that cannot be read tells nothing; others may.
+            if let Err(why) = self.functions_of(unit, names, &mut found) {
+                tracing::debug!("debug information, unit {unit}: {why}");
+            }
+        }
+        found
+    }
+
+    fn functions_of<'n>(
+        &self,
+        unit: usize,
+        names: &[&'n str],
+        found: &mut HashMap<&'n str, Function>,
+    ) -> gimli::Result<()> {
+        let mut tree = self.units[unit].entries_tree(None)?;
+        let mut children = tree.root()?.children();
+        while let Some(child) = children.next()? {
+            let entry = child.entry();
+            let defined = entry.tag() == gimli::DW_TAG_subprogram
+                && entry.attr_value(gimli::DW_AT_declaration).is_none()
+                && entry.attr_value(gimli::DW_AT_external).is_some()
+                // A C++ function with a mangled name is another one.
+                && entry.attr_value(gimli::DW_AT_linkage_name).is_none();
+            if !defined {
+                continue;
+            }
+            let name = self.name(unit, entry);
+            if let Some(&name) = names.iter().find(|wanted| **wanted == name) {
+                found.insert(name, self.function(unit, child)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Result and parameters of a function, or of the type of one.
+    fn function(
+        &self,
+        unit: usize,
+        node: EntriesTreeNode<'_, '_, Reader<'a>>,
+    ) -> gimli::Result<Function> {
+        let result = self.ty(unit, node.entry());
+        let mut parameters = Vec::new();
+        let mut children = node.children();
+        while let Some(child) = children.next()? {
+            if child.entry().tag() == gimli::DW_TAG_formal_parameter {
+                let entry = child.entry();
+                parameters.push((self.name(unit, entry), self.ty(unit, entry)));
+            }
+        }
+        Ok(Function { result, parameters })
+    }
+
+    /// What is at a place.
+    pub(super) fn node(&self, at: At) -> Node {
+        self.read(at).unwrap_or(Node::Unknown)
+    }
+
+    fn read(&self, at: At) -> gimli::Result<Node> {
+        let mut tree = self.units[at.unit].entries_tree(Some(at.offset))?;
+        let node = tree.root()?;
+        let entry = node.entry();
+        let inner = self.ty(at.unit, entry);
+        let name = self.name(at.unit, entry);
+        let size = number(entry, gimli::DW_AT_byte_size);
+        Ok(match entry.tag() {
+            gimli::DW_TAG_base_type => Node::Base {
+                name,
+                size: size.unwrap_or(0),
+                encoding: match entry.attr_value(gimli::DW_AT_encoding) {
+                    Some(AttributeValue::Encoding(encoding)) => encoding,
+                    _ => gimli::DwAte(0),
+                },
+            },
+            gimli::DW_TAG_pointer_type
+            | gimli::DW_TAG_reference_type
+            | gimli::DW_TAG_rvalue_reference_type => Node::Pointer(inner),
+            gimli::DW_TAG_const_type => Node::Qualified("const", inner),
+            gimli::DW_TAG_volatile_type => Node::Qualified("volatile", inner),
+            gimli::DW_TAG_restrict_type => Node::Qualified("restrict", inner),
+            gimli::DW_TAG_atomic_type => Node::Qualified("_Atomic", inner),
+            gimli::DW_TAG_typedef => Node::Typedef(name, inner),
+            gimli::DW_TAG_enumeration_type => Node::Enum { name, size: size.unwrap_or(0) },
+            gimli::DW_TAG_structure_type | gimli::DW_TAG_class_type => {
+                Node::Struct(self.composite(at.unit, node, name, size)?)
+            }
+            gimli::DW_TAG_union_type => Node::Union(self.composite(at.unit, node, name, size)?),
+            gimli::DW_TAG_array_type => {
+                let mut lengths = Vec::new();
+                let mut children = node.children();
+                while let Some(child) = children.next()? {
+                    if child.entry().tag() == gimli::DW_TAG_subrange_type {
+                        let last = number(child.entry(), gimli::DW_AT_upper_bound);
+                        let count = number(child.entry(), gimli::DW_AT_count);
+                        lengths.push(count.or(last.and_then(|last| last.checked_add(1))));
+                    }
+                }
+                Node::Array { element: inner, lengths }
+            }
+            gimli::DW_TAG_subroutine_type => Node::Function(self.function(at.unit, node)?),
+            _ => Node::Unknown,
+        })
+    }
+
+    fn composite(
+        &self,
+        unit: usize,
+        node: EntriesTreeNode<'_, '_, Reader<'a>>,
+        name: String,
+        size: Option<u64>,
+    ) -> gimli::Result<Composite> {
+        let mut members = Vec::new();
+        let mut children = node.children();
+        while let Some(child) = children.next()? {
+            let entry = child.entry();
+            // Static data members of classes are external, and no part of the layout.
+            let own = is(entry, gimli::DW_TAG_member)
+                && entry.attr_value(gimli::DW_AT_external).is_none();
+            if own || is(entry, gimli::DW_TAG_inheritance) {
+                let offset = number(entry, gimli::DW_AT_data_member_location).unwrap_or(0);
+                let (name, ty) = (self.name(unit, entry), self.ty(unit, entry));
+                members.push(Member { name, offset, ty });
+            }
+        }
+        Ok(Composite { name, size, members })
+    }
+
+    fn name(&self, unit: usize, entry: &Entry<'a>) -> String {
+        let name = entry.attr_value(gimli::DW_AT_name);
+        let name = name.and_then(|name| self.dwarf.attr_string(&self.units[unit], name).ok());
+        name.map_or(String::new(), |name| name.to_string_lossy().into_owned())
+    }
+
+    /// The type that an entry refers to; `None` is `void`, or in a file elsewhere.
+    fn ty(&self, unit: usize, entry: &Entry<'a>) -> Option<At> {
+        match entry.attr_value(gimli::DW_AT_type)? {
+            AttributeValue::UnitRef(offset) => Some(At { unit, offset }),
+            AttributeValue::DebugInfoRef(offset) => {
+                let found = self.units.iter().enumerate().find_map(|(unit, candidate)| {
+                    Some((unit, offset.to_unit_offset(&candidate.header)?))
+                });
+                found.map(|(unit, offset)| At { unit, offset })
+            }
+            _ => None,
+        }
+    }
+
+    /// The type behind typedefs and qualifiers; `None` is `void`.
+    pub(super) fn stripped(&self, mut at: Option<At>) -> Option<(At, Node)> {
+        // As deep as no honest chain is.
+        for _ in 0..64 {
+            let here = at?;
+            match self.node(here) {
+                Node::Typedef(_, inner) | Node::Qualified(_, inner) => at = inner,
+                node => return Some((here, node)),
+            }
+        }
+        None
+    }
+
+    /// The C declaration of a function.
+    pub(super) fn declaration(&self, name: &str, function: &Function) -> String {
+        let parameters = function.parameters.iter().map(|(name, ty)| {
+            let ty = self.spell(*ty);
+            let space = if ty.ends_with('*') { "" } else { " " };
+            format!("{ty}{space}{name}")
+        });
+        let parameters: Vec<_> = parameters.collect();
+        format!("{} {name}({})", self.spell(function.result), parameters.join(", "))
+    }
+
+    /// A type as C writes it, by its typedef where it has one.
+    pub(super) fn spell(&self, at: Option<At>) -> String {
+        self.spell_to(at, 16)
+    }
+
+    fn spell_to(&self, at: Option<At>, depth: usize) -> String {
+        let Some(at) = at else { return "void".to_owned() };
+        if depth == 0 {
+            return "...".to_owned();
+        }
+        match self.node(at) {
+            // As <stdbool.h> spells it.
+            Node::Base { name, .. } if name == "_Bool" => "bool".to_owned(),
+            Node::Base { name, .. } | Node::Typedef(name, _) => name,
+            Node::Qualified(word, inner) => match inner.map(|inner| self.node(inner)) {
+                Some(Node::Pointer(_)) => format!("{} {word}", self.spell_to(inner, depth - 1)),
+                _ => format!("{word} {}", self.spell_to(inner, depth - 1)),
+            },
+            Node::Pointer(inner) => {
+                let inner = self.spell_to(inner, depth - 1);
+                let space = if inner.ends_with('*') { "" } else { " " };
+                format!("{inner}{space}*")
+            }
+            Node::Struct(composite) => tagged("struct", &composite.name),
+            Node::Union(composite) => tagged("union", &composite.name),
+            Node::Enum { name, .. } => tagged("enum", &name),
+            Node::Array { element, lengths } => {
+                let length = |length: &Option<u64>| {
+                    length.map_or("[]".to_owned(), |length| format!("[{length}]"))
+                };
+                let lengths: String = lengths.iter().map(length).collect();
+                format!("{}{lengths}", self.spell_to(element, depth - 1))
+            }
+            Node::Function(_) => "function".to_owned(),
+            Node::Unknown => "?".to_owned(),
+        }
+    }
+}
+
+fn tagged(keyword: &str, name: &str) -> String {
+    if name.is_empty() { format!("{keyword} {{...}}") } else { format!("{keyword} {name}") }
+}
+
+fn is(entry: &Entry<'_>, tag: DwTag) -> bool {
+    entry.tag() == tag
+}
+
+fn number(entry: &Entry<'_>, name: gimli::DwAt) -> Option<u64> {
+    entry.attr_value(name)?.udata_value()
+}
