@@ -171,11 +171,11 @@ impl BoundFrame {
         Returned::Unknown
     }
 
-    /// No event came: what happened is told by `genom::unkex`.
+    /// No event came: this is `genom::unkex`, with what happened as its detail.
     #[cold]
     fn fail(&mut self, what: String) -> Returned {
         self.last = Last::Failed(what);
-        self.inner.shared.events.id(UNKEX.as_bytes()).map_or(Returned::Unknown, Returned::Event)
+        Returned::Failed
     }
 
     #[cold]

@@ -72,7 +72,7 @@ impl Loaded {
         match frame.call(codel, context) {
             Returned::Ok => String::new(),
             Returned::Event(id) => self.plan.event_name(id).to_owned(),
-            Returned::Unknown => frame.returned(),
+            Returned::Unknown | Returned::Failed => frame.returned(),
         }
     }
 }
