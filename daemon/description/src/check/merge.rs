@@ -51,7 +51,7 @@ impl Checker {
         let (requires, codels) = (other.requires.clone(), other.codels_requires.clone());
         let throws = other.throws.clone();
         let body = &mut self.bodies[id];
-        body.docs.extend(docs);
+        add_docs(&mut body.docs, docs);
         add_throws(&mut body.throws, &throws);
         for (known, fresh) in [(&mut body.requires, requires), (&mut body.codels_requires, codels)]
         {
@@ -105,7 +105,7 @@ impl Checker {
                 codels: Vec::new(),
             },
         };
-        known.docs.extend(docs);
+        add_docs(&mut known.docs, docs);
         let clashes = [
             merge_given(&mut known.period, period, "period"),
             merge_given(&mut known.delay, delay, "delay"),
@@ -178,7 +178,7 @@ impl Checker {
             }
         };
         service.broken |= from.broken;
-        service.docs.extend(from.docs);
+        add_docs(&mut service.docs, from.docs);
         add_throws(&mut service.throws, &from.throws);
         for name in from.interrupts {
             if !service.interrupts.iter().any(|known| known.text == name.text) {
@@ -225,6 +225,16 @@ impl Checker {
             parameters.push(parameter);
         }
         parameters
+    }
+}
+
+/// Joins documentation. An interface may come in twice, by two ways: its lines do not, or they
+/// would double with each level.
+fn add_docs(known: &mut Vec<String>, fresh: Vec<String>) {
+    for line in fresh {
+        if !known.contains(&line) {
+            known.push(line);
+        }
     }
 }
 
