@@ -1,7 +1,7 @@
 //! Libraries of codels in Rust, and programs of the workspace, through cargo.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 use cargo_metadata::{Artifact, CrateType, Message};
 
@@ -10,7 +10,7 @@ use crate::{BuildError, Paths};
 
 /// Makes `library` of the package of the recipe's name.
 pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<(), BuildError> {
-    let artifacts = cargo_build(paths, &["--package", &recipe.name])?;
+    let artifacts = cargo_build(paths, Progress::Kept, &["--package", &recipe.name])?;
     let built = artifacts
         .iter()
         .filter(|artifact| artifact.target.crate_types.contains(&CrateType::CDyLib))
@@ -23,29 +23,60 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
     crate::copy_if_changed(built.as_std_path(), library)
 }
 
-/// Builds a program of the workspace and tells where it is.
+/// Builds programs of the workspace, each of a package of its name, and tells where they are.
+///
+/// It may take minutes: cargo's progress goes to standard error.
 ///
 /// # Errors
-/// Cargo cannot be run, or the program does not compile.
-pub fn build_program(paths: &Paths, name: &str) -> Result<PathBuf, BuildError> {
-    cargo_build(paths, &["--package", name, "--bin", name])?
-        .into_iter()
-        .filter(|artifact| artifact.target.name == name)
-        .find_map(|artifact| artifact.executable)
-        .map(cargo_metadata::camino::Utf8PathBuf::into_std_path_buf)
-        .ok_or(BuildError::NoArtifact { package: name.to_owned(), what: "program" })
+/// Cargo cannot be run, or a program does not compile.
+pub fn build_programs<const N: usize>(
+    paths: &Paths,
+    names: [&str; N],
+) -> Result<[PathBuf; N], BuildError> {
+    let arguments: Vec<&str> = names.iter().flat_map(|name| ["--package", *name]).collect();
+    let artifacts = cargo_build(paths, Progress::Shown, &arguments)?;
+    let mut programs = std::array::from_fn(|_| PathBuf::new());
+    for (name, program) in names.iter().zip(&mut programs) {
+        *program = artifacts
+            .iter()
+            .filter(|artifact| artifact.target.name == *name)
+            .find_map(|artifact| artifact.executable.as_deref())
+            .map(|path| path.as_std_path().to_owned())
+            .ok_or_else(|| BuildError::NoArtifact {
+                package: (*name).to_owned(),
+                what: "program",
+            })?;
+    }
+    Ok(programs)
 }
 
-/// `cargo build` in the same target directory; progress and errors go to standard error.
-fn cargo_build(paths: &Paths, arguments: &[&str]) -> Result<Vec<Artifact>, BuildError> {
+/// What becomes of cargo's standard error.
+enum Progress {
+    /// It is the user's.
+    Shown,
+    /// It is part of the error, if there is one.
+    Kept,
+}
+
+/// `cargo build` in the same target directory.
+fn cargo_build(
+    paths: &Paths,
+    progress: Progress,
+    arguments: &[&str],
+) -> Result<Vec<Artifact>, BuildError> {
     let program = std::env::var("CARGO").unwrap_or_else(|_| "cargo".to_owned());
     let mut command = Command::new(&program);
     command
         .current_dir(&paths.root)
-        .args(["build", "--quiet", "--message-format=json-render-diagnostics"])
+        .args(["build", "--message-format=json-render-diagnostics"])
         .args(arguments)
         .arg("--target-dir")
-        .arg(&paths.target);
+        .arg(&paths.target)
+        .stdin(Stdio::null());
+    match progress {
+        Progress::Shown => command.stderr(Stdio::inherit()),
+        Progress::Kept => command.arg("--quiet").stderr(Stdio::piped()),
+    };
     let output = command.output().map_err(|source| BuildError::Program {
         program: program.clone(),
         variable: "CARGO",

@@ -13,7 +13,7 @@ mod recipe;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-pub use cargo::build_program;
+pub use cargo::build_programs;
 pub use error::BuildError;
 use recipe::{Language, Recipe};
 

@@ -21,7 +21,7 @@ use serde_json::{Value, json};
 use axis::Axis;
 use daemon::Daemon;
 use failure::Failure;
-use genom_components::{Paths, build_all, build_program};
+use genom_components::{Paths, build_all, build_programs};
 
 /// Speed asked for, m/s.
 const SPEED: f64 = 0.5;
@@ -63,8 +63,7 @@ enum Event {
 fn run(arguments: &Arguments) -> Result<(), Failure> {
     say("Building genomd, genomctl and the components of this repository");
     let paths = Paths::of_workspace()?;
-    let genomd = build_program(&paths, "genomd")?;
-    let genomctl = build_program(&paths, "genomctl")?;
+    let [genomd, genomctl] = build_programs(&paths, ["genomd", "genomctl"])?;
     let components = build_all(&paths)?;
     let library = components
         .into_iter()
