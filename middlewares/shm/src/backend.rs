@@ -1,13 +1,13 @@
 //! One iceoryx2 node for a whole daemon, and the services opened from it.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use genom_middleware::describe::type_of_port;
 use genom_middleware::{
-    Address, Capabilities, DiscoverError, Endpoint, Middleware, OpenError, Policy, Publisher,
-    Subscription,
+    Address, Capabilities, Client, DiscoverError, Endpoint, Middleware, OpenError, Policy,
+    Publisher, Served, ServiceHandler, ServiceType, Subscription,
 };
 use genom_types::DataType;
 use iceoryx2::prelude::*;
@@ -16,6 +16,7 @@ use iceoryx2::service::builder::publish_subscribe::{
 };
 use iceoryx2::service::static_config::StaticConfig;
 
+use crate::calls::{self, Worker};
 use crate::error::ShmError;
 use crate::options::Options;
 use crate::raw::{self, Ipc, RawService};
@@ -42,6 +43,8 @@ pub struct Shm {
 }
 
 pub(crate) struct Inner {
+    /// Made when the first service is served or called.
+    worker: Mutex<Option<Arc<Worker>>>,
     /// Its thread is stopped before the node goes.
     pub(crate) upkeep: Upkeep,
     pub(crate) ground: Arc<Ground>,
@@ -96,7 +99,20 @@ impl Shm {
             })?;
         node.try_cleanup_dead_nodes();
         let ground = Arc::new(Ground { node, options });
-        Ok(Self { inner: Arc::new(Inner { upkeep: Upkeep::start(), ground }) })
+        Ok(Self {
+            inner: Arc::new(Inner { worker: Mutex::default(), upkeep: Upkeep::start(), ground }),
+        })
+    }
+}
+
+impl Inner {
+    /// The thread that hands on requests and responses.
+    pub(crate) fn worker(&self, at: &Address) -> Result<Arc<Worker>, OpenError> {
+        let mut worker = self.worker.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(worker) = &*worker {
+            return Ok(Arc::clone(worker));
+        }
+        Ok(Arc::clone(worker.insert(Arc::new(Worker::start(&self.ground, at)?))))
     }
 }
 
@@ -253,8 +269,8 @@ impl Middleware for Shm {
             zero_copy: false,
             cross_process: true,
             cross_host: false,
-            services: false,
-            native_services: false,
+            services: true,
+            native_services: true,
         }
     }
 
@@ -269,6 +285,19 @@ impl Middleware for Shm {
         policy: Policy,
     ) -> Result<Box<dyn Subscription>, OpenError> {
         Ok(Box::new(subscription::open(&self.inner, at, ty, policy)?))
+    }
+
+    fn serve(
+        &self,
+        at: &Address,
+        service: &ServiceType,
+        handler: Arc<dyn ServiceHandler>,
+    ) -> Result<Box<dyn Served>, OpenError> {
+        Ok(Box::new(calls::serve(&self.inner, at, service, handler)?))
+    }
+
+    fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
+        Ok(Box::new(calls::client(&self.inner, at, service)?))
     }
 
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {

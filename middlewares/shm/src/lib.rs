@@ -8,6 +8,7 @@
 //! only at run time.
 
 mod backend;
+mod calls;
 mod discover;
 mod error;
 mod options;

@@ -80,10 +80,12 @@ impl ServiceHandler for Adder {
             return replies.finish(Self::outcome(n));
         }
         let id = ActivityId(n);
+        // Held from before the caller knows of the activity: who finishes it finds it.
+        let mut running = self.running.lock().unwrap();
         replies.accepted(id);
         replies.feedback("::demo::start");
         replies.feedback("::demo::main");
-        self.running.lock().unwrap().insert(id, replies);
+        running.insert(id, replies);
     }
 
     fn cancel(&self, id: ActivityId) {

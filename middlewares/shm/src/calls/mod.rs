@@ -1,0 +1,128 @@
+//! Services over iceoryx2's request-response, `<instance>/<service>`.
+//!
+//! Requests and responses are byte slices: a request is the input as a CDR message, a response is
+//! a [`frame`]. One request gets many responses; dropping it on either side tells the other. A
+//! thread of each daemon is woken by an event when anything was sent, and hands it on.
+
+mod client;
+mod frame;
+mod server;
+mod worker;
+
+use genom_middleware::describe::types_of_service;
+use genom_middleware::{Address, OpenError, ServiceKind, ServiceType};
+use iceoryx2::prelude::*;
+use iceoryx2::service::builder::request_response::{
+    RequestResponseCreateError as Create, RequestResponseOpenError as Open,
+};
+use iceoryx2::service::port_factory::request_response::PortFactory as CallFactory;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::backend::{Ground, attribute, failed};
+use crate::raw::Ipc;
+
+pub(crate) use client::open as client;
+pub(crate) use server::open as serve;
+pub(crate) use worker::Worker;
+
+type CallService = CallFactory<Ipc, [u8], (), [u8], ()>;
+
+/// Requests of one client under way at a time.
+const REQUESTS: usize = 32;
+/// Responses that wait for the caller's thread; more lose the oldest, never the last.
+const RESPONSES: usize = 64;
+/// Callers of one service.
+const CALLERS: usize = 32;
+/// First room for messages; it doubles as needed.
+const FIRST_ROOM: usize = 512;
+/// How long others may take to finish what they are doing to a service.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Attributes that say what a service takes and gives.
+const SERVICE_KEYS: [&str; 2] = ["genom.service", "genom.digests"];
+
+fn attributes(service: &ServiceType) -> [(&'static str, String); 2] {
+    let kind = match service.kind {
+        ServiceKind::Attribute => "attribute",
+        ServiceKind::Function => "function",
+        ServiceKind::Activity => "activity",
+    };
+    let text = format!("{} -> {}", service.input.name(), service.output.name());
+    // The spelling is for people; what matters fits.
+    let spelling: String = text.chars().take(120).collect();
+    let digests = format!("{kind} {} {}", service.input.digest(), service.output.digest());
+    let [spelled, digested] = SERVICE_KEYS;
+    [(spelled, format!("{kind} {spelling}")), (digested, digests)]
+}
+
+/// Opens the service, or creates it.
+fn service(ground: &Ground, at: &Address, ty: &ServiceType) -> Result<CallService, OpenError> {
+    let name = Ground::service_name(&at.to_string(), at)?;
+    let ours = attributes(ty);
+    let end = Instant::now() + PATIENCE;
+    loop {
+        let builder = || ground.node.service_builder(&name).request_response::<[u8], [u8]>();
+        let trouble = match builder().open() {
+            Ok(service) => return agree(at, ty, &ours, service),
+            Err(Open::DoesNotExist) => {
+                let mut attributes = AttributeSpecifier::new();
+                for (key, value) in &ours {
+                    if let (Ok(key), Ok(value)) = ((*key).try_into(), value.as_str().try_into())
+                        && let Ok(more) = attributes.clone().define(&key, &value)
+                    {
+                        attributes = more;
+                    }
+                }
+                let create = builder()
+                    .max_servers(1)
+                    .max_clients(CALLERS)
+                    .max_nodes(CALLERS + 1)
+                    .max_active_requests_per_client(REQUESTS)
+                    .max_response_buffer_size(RESPONSES)
+                    .enable_safe_overflow_for_responses(true)
+                    .create_with_attributes(&attributes);
+                match create {
+                    Ok(service) => return Ok(service),
+                    Err(
+                        error @ (Create::AlreadyExists
+                        | Create::IsBeingCreatedByAnotherInstance
+                        | Create::HangsInCreation),
+                    ) => error.to_string(),
+                    Err(error) => return Err(failed(at, &error.to_string())),
+                }
+            }
+            Err(
+                error @ (Open::IsMarkedForDestruction
+                | Open::HangsInCreation
+                | Open::ServiceInCorruptedState),
+            ) => {
+                ground.node.try_cleanup_dead_nodes();
+                error.to_string()
+            }
+            Err(error) => return Err(failed(at, &error.to_string())),
+        };
+        if Instant::now() > end {
+            return Err(failed(at, &trouble));
+        }
+        thread::yield_now();
+    }
+}
+
+fn agree(
+    at: &Address,
+    ty: &ServiceType,
+    ours: &[(&'static str, String); 2],
+    service: CallService,
+) -> Result<CallService, OpenError> {
+    let theirs = SERVICE_KEYS.map(|key| attribute(service.attributes(), key).unwrap_or_default());
+    let [_, (_, digests)] = ours;
+    if theirs.last() == Some(digests) {
+        return Ok(service);
+    }
+    Err(OpenError::TypeMismatch {
+        address: at.clone(),
+        ours: types_of_service(ty),
+        theirs: theirs.join(", digests of "),
+    })
+}

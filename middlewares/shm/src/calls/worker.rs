@@ -1,0 +1,131 @@
+//! The thread that hands on requests and responses.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use genom_middleware::{Address, OpenError};
+use iceoryx2::port::notifier::Notifier;
+
+use super::client::Call;
+use super::server::Server;
+use crate::backend::{Ground, failed};
+use crate::raw::Ipc;
+
+/// The event that wakes all daemons of a prefix.
+const WAKE: &str = "genom.wake";
+/// Daemons on one machine.
+const DAEMONS: usize = 64;
+/// How often it looks though nobody rang: for peers that were killed.
+const PERIOD: Duration = Duration::from_millis(200);
+
+pub(crate) struct Worker {
+    shared: Arc<Shared>,
+    bell: Arc<Bell>,
+    thread: Option<JoinHandle<()>>,
+}
+
+#[derive(Default)]
+struct Shared {
+    servers: Mutex<Vec<Weak<Server>>>,
+    calls: Mutex<Vec<Arc<Call>>>,
+    stop: AtomicBool,
+}
+
+/// Wakes all daemons.
+pub(super) struct Bell(Notifier<Ipc>);
+
+impl Bell {
+    pub(super) fn ring(&self) {
+        // Whoever could not be woken looks by itself a little later.
+        let _ = self.0.notify();
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Worker {
+    pub(crate) fn start(ground: &Arc<Ground>, at: &Address) -> Result<Self, OpenError> {
+        let name = Ground::service_name(WAKE, at)?;
+        let event = ground
+            .node
+            .service_builder(&name)
+            .event()
+            .max_listeners(DAEMONS)
+            .max_notifiers(DAEMONS)
+            .max_nodes(DAEMONS)
+            .open_or_create()
+            .map_err(|error| failed(at, &error.to_string()))?;
+        let listener =
+            event.listener_builder().create().map_err(|error| failed(at, &error.to_string()))?;
+        let notifier =
+            event.notifier_builder().create().map_err(|error| failed(at, &error.to_string()))?;
+        let shared = Arc::new(Shared::default());
+        let (own, ground) = (Arc::clone(&shared), Arc::clone(ground));
+        let thread = thread::Builder::new()
+            .name("shm-calls".to_owned())
+            .spawn(move || {
+                while !own.stop.load(Ordering::SeqCst) {
+                    let mut rang = false;
+                    let waited = listener.timed_wait(|_| rang = true, PERIOD);
+                    if waited.is_err() {
+                        thread::park_timeout(PERIOD);
+                    }
+                    if !rang && !lock(&own.calls).is_empty() {
+                        ground.node.try_cleanup_dead_nodes();
+                    }
+                    own.work();
+                }
+            })
+            .map_err(|error| failed(at, &error.to_string()))?;
+        Ok(Self { shared, bell: Arc::new(Bell(notifier)), thread: Some(thread) })
+    }
+
+    pub(super) fn bell(&self) -> &Arc<Bell> {
+        &self.bell
+    }
+
+    pub(super) fn add_server(&self, server: &Arc<Server>) {
+        let mut servers = lock(&self.shared.servers);
+        servers.retain(|other| other.strong_count() > 0);
+        servers.push(Arc::downgrade(server));
+    }
+
+    pub(super) fn add_call(&self, call: Arc<Call>) {
+        lock(&self.shared.calls).push(call);
+    }
+}
+
+impl Shared {
+    /// Hands on all there is. No lock is held while somebody else's code runs.
+    fn work(&self) {
+        let servers: Vec<_> = lock(&self.servers).iter().filter_map(Weak::upgrade).collect();
+        for server in servers {
+            server.work();
+        }
+        let calls = lock(&self.calls).clone();
+        for call in calls {
+            if call.work() {
+                lock(&self.calls).retain(|other| !Arc::ptr_eq(other, &call));
+            }
+        }
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.shared.stop.store(true, Ordering::SeqCst);
+        self.bell.ring();
+        for call in lock(&self.shared.calls).drain(..) {
+            call.lose();
+        }
+        if let Some(thread) = self.thread.take()
+            && thread.thread().id() != thread::current().id()
+        {
+            let _ = thread.join();
+        }
+    }
+}
