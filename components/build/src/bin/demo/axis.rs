@@ -13,7 +13,7 @@ const WIDTH: usize = 50;
 /// A sample of port `position`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct State {
-    position: f64,
+    pub(crate) position: f64,
     velocity: f64,
 }
 

@@ -18,7 +18,7 @@ use std::time::Duration;
 use clap::Parser;
 use serde_json::{Value, json};
 
-use axis::Axis;
+use axis::{Axis, State};
 use daemon::Daemon;
 use failure::Failure;
 use genom_components::{Paths, build_all, build_programs};
@@ -78,12 +78,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     daemon.ask(&["call", "demo", "set_speed", &json!({ "velocity": SPEED }).to_string()])?;
 
     say(&format!("$ genomctl start demo goto '{{\"goal\": {GOAL}}}'"));
-    go(&daemon)?;
-
-    let reply = daemon.ask(&["call", "demo", "get_position"])?;
-    let unexpected = || Failure::Unexpected { what: "the position", found: reply.clone() };
-    let outcome: Value = serde_json::from_str(&reply).map_err(|_| unexpected())?;
-    let position = outcome["result"]["position"].as_f64().ok_or_else(unexpected)?;
+    let position = go(&daemon)?.position;
 
     daemon.stop()?;
     if position != GOAL {
@@ -93,8 +88,8 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Starts `goto` and shows the axis until it ends.
-fn go(daemon: &Daemon) -> Result<(), Failure> {
+/// Starts `goto`, shows the axis until it ends, and tells where it is then.
+fn go(daemon: &Daemon) -> Result<State, Failure> {
     let axis = Axis::new(GOAL);
     let (events, happened) = mpsc::channel();
     let mut echo = daemon.echo("demo/position", 30)?;
@@ -111,12 +106,22 @@ fn go(daemon: &Daemon) -> Result<(), Failure> {
             let end = daemon.ask(&["start", "demo", "goto", &goal, "--wait"]);
             let _ = events.send(Event::Ended(end));
         });
-        let ended = watch(&axis, &happened, daemon);
+        let end = watch(&axis, &happened, daemon).and_then(|()| rest(daemon));
         // The stream has no end of its own.
         echo.end();
+        if let Ok(state) = &end {
+            axis.show(state);
+        }
         axis.finish();
-        ended
+        end
     })
+}
+
+/// Where the axis is now. The stream leaves out samples that come too fast, the last among them.
+fn rest(daemon: &Daemon) -> Result<State, Failure> {
+    let reply = daemon.ask(&["call", "demo", "get_position"])?;
+    let outcome: Value = serde_json::from_str(&reply).unwrap_or_default();
+    outcome["result"].to_string().parse()
 }
 
 /// Shows samples until the activity ends.
