@@ -6,10 +6,11 @@ use iceoryx2::service::static_config::StaticConfig;
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern as Pattern;
 
 use crate::backend::{BACKEND, TYPE_KEY, attribute};
+use crate::calls::SERVICE_KEY;
 use crate::queue;
 use crate::raw::{self, Ipc};
 
-/// Every end of every publish-subscribe service.
+/// Every end of every publish-subscribe service, and every server.
 pub(crate) fn list(node: &Node<Ipc>) -> Result<Vec<Endpoint>, DiscoverError> {
     let mut services = Vec::new();
     <Ipc as Service>::list(node.config(), |service| {
@@ -19,9 +20,12 @@ pub(crate) fn list(node: &Node<Ipc>) -> Result<Vec<Endpoint>, DiscoverError> {
     .map_err(|error| DiscoverError { backend: BACKEND.to_owned(), why: error.to_string() })?;
     let mut seen = Vec::new();
     for service in services {
-        let Pattern::PublishSubscribe(_) = service.messaging_pattern() else { continue };
-        if !service.name().as_str().starts_with(queue::PREFIX) {
-            ends(node, &service, &mut seen);
+        match service.messaging_pattern() {
+            Pattern::PublishSubscribe(_) if !service.name().as_str().starts_with(queue::PREFIX) => {
+                ends(node, &service, &mut seen);
+            }
+            Pattern::RequestResponse(_) => servers(node, &service, &mut seen),
+            _ => {}
         }
     }
     Ok(seen)
@@ -46,4 +50,16 @@ fn ends(node: &Node<Ipc>, service: &StaticConfig, seen: &mut Vec<Endpoint>) {
             ty: ty.clone(),
         }));
     }
+}
+
+/// The servers of one service of ours; others carry types this cannot open.
+fn servers(node: &Node<Ipc>, service: &StaticConfig, seen: &mut Vec<Endpoint>) {
+    let builder = node.service_builder(service.name()).request_response::<[u8], [u8]>();
+    let Ok(open) = builder.open() else { return };
+    let ty = attribute(service.attributes(), SERVICE_KEY).unwrap_or_default();
+    seen.extend((0..open.dynamic_config().number_of_servers()).map(|_| Endpoint {
+        kind: EndpointKind::Service,
+        address: service.name().to_string(),
+        ty: ty.clone(),
+    }));
 }

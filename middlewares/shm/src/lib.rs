@@ -4,6 +4,9 @@
 //! travel in their C layout under a stable type name ([`typing`]), so that a peer that only knows
 //! iceoryx2 reads and writes them; others travel as CDR in a byte slice.
 //!
+//! Writing a value of fixed size costs one small allocation, which is iceoryx2's own (its handle
+//! of a loaned sample); reading costs none.
+//!
 //! The `unsafe` code is `raw`, which is also all that uses iceoryx2's interface for types known
 //! only at run time.
 

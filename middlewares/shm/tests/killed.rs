@@ -2,13 +2,21 @@
 
 mod world;
 
+use std::time::Duration;
+
 use genom_middleware::conformance::samples::{note, number, numbered, other_state, state};
 use genom_middleware::conformance::{World, eventually};
-use genom_middleware::{Address, Middleware, Policy, Reading, Subscription};
+use genom_middleware::reply::{Reply, pair};
+use genom_middleware::{
+    Address, CallError, Middleware, Policy, Reading, ServiceKind, ServiceType, Subscription,
+};
 use genom_types::Record;
 
 use world::ShmWorld;
 use world::process::Process;
+
+/// Only a failing test waits this long.
+const WATCHDOG: Duration = Duration::from_secs(60);
 
 const WRITER: &str = env!("CARGO_BIN_EXE_shm-writer");
 
@@ -106,4 +114,20 @@ fn another_process_sees_the_last_value_of_every_kind() {
     eventually("the note arrives", || notes.read(&mut got) == Ok(Reading::New));
     assert_eq!(got.to_json()["rows"].as_array().map(Vec::len), Some(5));
     process.end();
+}
+
+#[test]
+fn the_caller_of_a_killed_service_is_told() {
+    let world = ShmWorld::new();
+    let shm = world.open();
+    let goto = ServiceType { kind: ServiceKind::Activity, input: state(), output: state() };
+    let mut client = shm.client(&Address::new("demo", "goto"), &goto).unwrap();
+    for _ in 0..2 {
+        let process = start(&world);
+        let (replies, reply) = pair();
+        let _running = client.request(&numbered(1), Box::new(replies)).unwrap();
+        assert!(matches!(reply.next(WATCHDOG), Ok(Reply::Accepted(_))));
+        process.kill();
+        assert_eq!(reply.wait(WATCHDOG).err(), Some(CallError::Gone));
+    }
 }

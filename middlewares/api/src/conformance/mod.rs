@@ -68,6 +68,7 @@ macro_rules! conformance {
                 services::a_service_that_leaves_tells_its_caller,
                 services::a_second_server_of_an_address_is_refused,
                 services::a_service_of_other_types_is_refused,
+                services::services_show_while_they_are_served,
             }
         }
     )+};

@@ -11,7 +11,7 @@ use super::harness::{World, eventually};
 use super::samples::{note, number, numbered, other_state, state};
 use crate::reply::{Reply, pair};
 use crate::{
-    ActivityId, Address, CallError, Client, Middleware, OpenError, Outcome, Replies,
+    ActivityId, Address, CallError, Client, EndpointKind, Middleware, OpenError, Outcome, Replies,
     ServiceHandler, ServiceKind, ServiceType,
 };
 
@@ -304,4 +304,24 @@ pub fn a_service_of_other_types_is_refused(world: &dyn World) {
             }
         });
     }
+}
+
+/// Services are seen while they are served, and leave nothing behind.
+pub fn services_show_while_they_are_served(world: &dyn World) {
+    let Some((a, b)) = sides(world) else { return };
+    let function = service(ServiceKind::Function);
+    let shows = || {
+        let seen = b.discover().expect("a list");
+        seen.iter()
+            .any(|end| end.kind == EndpointKind::Service && end.address == goto().to_string())
+    };
+    let mut client = b.client(&goto(), &function).unwrap();
+    assert!(!shows(), "a caller is no service");
+    let served = a.serve(&goto(), &function, Arc::new(Adder::default())).unwrap();
+    eventually("the service shows", shows);
+    assert_eq!(success(answered(&mut *client, 5)), 1005);
+    drop(served);
+    eventually("the service is gone", || !shows());
+    drop((client, a, b));
+    assert_eq!(world.leftovers(), Vec::<String>::new());
 }

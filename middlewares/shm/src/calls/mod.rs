@@ -39,8 +39,10 @@ const FIRST_ROOM: usize = 512;
 /// How long others may take to finish what they are doing to a service.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Attributes that say what a service takes and gives.
-const SERVICE_KEYS: [&str; 2] = ["genom.service", "genom.digests"];
+/// Attribute that says what a service takes and gives, for people.
+pub(crate) const SERVICE_KEY: &str = "genom.service";
+/// Attribute with kind and digests, by which callers and servers agree.
+const DIGESTS_KEY: &str = "genom.digests";
 
 fn attributes(service: &ServiceType) -> [(&'static str, String); 2] {
     let kind = match service.kind {
@@ -52,8 +54,7 @@ fn attributes(service: &ServiceType) -> [(&'static str, String); 2] {
     // The spelling is for people; what matters fits.
     let spelling: String = text.chars().take(120).collect();
     let digests = format!("{kind} {} {}", service.input.digest(), service.output.digest());
-    let [spelled, digested] = SERVICE_KEYS;
-    [(spelled, format!("{kind} {spelling}")), (digested, digests)]
+    [(SERVICE_KEY, format!("{kind} {spelling}")), (DIGESTS_KEY, digests)]
 }
 
 /// Opens the service, or creates it.
@@ -115,7 +116,8 @@ fn agree(
     ours: &[(&'static str, String); 2],
     service: CallService,
 ) -> Result<CallService, OpenError> {
-    let theirs = SERVICE_KEYS.map(|key| attribute(service.attributes(), key).unwrap_or_default());
+    let theirs = [SERVICE_KEY, DIGESTS_KEY]
+        .map(|key| attribute(service.attributes(), key).unwrap_or_default());
     let [_, (_, digests)] = ours;
     if theirs.last() == Some(digests) {
         return Ok(service);
