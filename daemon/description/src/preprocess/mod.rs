@@ -151,8 +151,8 @@ impl<'a> Preprocessor<'a> {
             if token.kind == Kind::End {
                 return;
             }
-            let buffer = Arc::clone(&self.buffers[token.text.buffer as usize]);
-            let text = slice(&buffer, token.text);
+            let buffer = self.buffers.get(token.text.buffer as usize);
+            let text = buffer.map_or("", |buffer| slice(buffer, token.text));
             self.lexer.take(token, text, &mut self.diagnostics);
         }
     }

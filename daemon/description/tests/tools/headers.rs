@@ -99,17 +99,18 @@ fn measuring_program(analysis: &Analysis, expected: &mut String) -> String {
     for (id, kind) in spec.types.iter() {
         let Ok(ty) = DataType::new(&spec.types, id) else { continue };
         let c = spec.types.c_name(id);
-        let service_record = spec.components.iter().any(|component| {
-            component.services.iter().any(|s| [s.input, s.output, s.local].contains(&id))
-                || component.remotes.iter().any(|r| [r.input, r.output].contains(&id))
-        });
+        // Structs made of parameters are no types of the header.
+        let record = match kind.name().map(|name| name.segments()) {
+            Some([_, _, part]) => ["input", "output", "local"].contains(&part.as_str()),
+            _ => false,
+        };
         let measured = match kind {
             Kind::Native { .. } => false,
             Kind::Exception { members, .. } => !members.is_empty(),
             Kind::Sequence { .. } | Kind::Optional { .. } => true,
             kind => kind.name().is_some(),
         };
-        if service_record || !measured {
+        if record || !measured {
             continue;
         }
         writeln!(body, "  printf(\"{c} %zu %zu\\n\", sizeof({c}), __alignof__({c}));").unwrap();
@@ -135,16 +136,21 @@ fn measuring_program(analysis: &Analysis, expected: &mut String) -> String {
 }
 
 #[test]
-fn sizes_and_offsets_in_c_are_those_of_genomd() {
+fn sizes_and_offsets_in_c_and_cxx_are_those_of_genomd() {
+    let languages =
+        [("gcc", "-std=gnu99", Language::C, "x.c"), ("g++", "-std=c++11", Language::Cxx, "x.cc")];
     let dir = tempfile::tempdir().unwrap();
-    for (file, analysis) in all_accepted() {
-        write_header(&analysis, Language::C, dir.path(), "h.h");
+    for ((file, analysis), (compiler, standard, language, name)) in
+        all_accepted().iter().flat_map(|one| languages.map(|language| (one, language)))
+    {
+        write_header(analysis, language, dir.path(), "h.h");
         let mut expected = String::new();
-        let source = dir.path().join("x.c");
-        std::fs::write(&source, measuring_program(&analysis, &mut expected)).unwrap();
+        let source = dir.path().join(name);
+        std::fs::write(&source, measuring_program(analysis, &mut expected)).unwrap();
         let program = dir.path().join("x");
-        let what = file.display().to_string();
-        compile(gcc("gcc", "-std=gnu99", dir.path()).arg("-o").arg(&program).arg(&source), &what);
+        let what = format!("{} in {compiler}", file.display());
+        let mut command = gcc(compiler, standard, dir.path());
+        compile(command.arg("-o").arg(&program).arg(&source), &what);
         let output = Command::new(&program).output().unwrap();
         assert_eq!(String::from_utf8_lossy(&output.stdout), expected, "{what}");
     }
@@ -200,6 +206,26 @@ fn the_header_is_that_of_the_reference_to_the_letter() {
     expect_file!["rich.h"].assert_eq(&text);
     let rust = header(&analysis.specification, Some("demo"), Language::Rust).unwrap();
     expect_file!["rich.rs.txt"].assert_eq(&rust);
+}
+
+#[test]
+fn structs_made_of_parameters_are_not_in_the_header() {
+    let mut written = 0;
+    for (file, analysis) in all_accepted() {
+        let text = header(&analysis.specification, None, Language::C).unwrap();
+        let components = analysis.specification.components.iter();
+        let services = components.flat_map(|c| c.services.iter().map(move |s| (&c.name, &s.name)));
+        let interfaces = analysis.specification.interfaces.iter();
+        let others = interfaces.flat_map(|i| i.services.iter().map(move |s| (&i.name, s)));
+        for (owner, service) in services.chain(others) {
+            written += 1;
+            for part in ["input", "output", "local"] {
+                let tag = format!("struct {owner}_{service}_{part} ");
+                assert!(!text.contains(&tag), "{tag}in {}", file.display());
+            }
+        }
+    }
+    assert!(written > 50, "only {written} services");
 }
 
 #[test]

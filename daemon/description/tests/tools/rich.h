@@ -864,16 +864,6 @@ typedef struct sequence_long sequence_long;
 #endif
 #endif /* _sequence_long_c_type */
 
-#ifndef _i_r1_local_c_type
-# define _i_r1_local_c_type
-struct i_r1_local {
-};
-#ifndef _i_r1_local_forward_c_type
-# define _i_r1_local_forward_c_type
-typedef struct i_r1_local i_r1_local;
-#endif
-#endif /* _i_r1_local_c_type */
-
 #ifndef _m_depth_c_type
 # define _m_depth_c_type
 static const int32_t m_depth = -2147483648;

@@ -125,7 +125,27 @@ fn records(spec: &Specification) -> HashSet<TypeId> {
         let remotes = component.remotes.iter().flat_map(|r| [r.input, r.output]);
         services.chain(remotes).collect::<Vec<_>>()
     };
-    spec.components.iter().flat_map(of_component).collect()
+    let mut records: HashSet<TypeId> = spec.components.iter().flat_map(of_component).collect();
+    // Those of interfaces are only known by name: `::interface::service::input`. A struct that
+    // something holds was written by somebody.
+    let services: HashSet<(&str, &str)> = spec
+        .interfaces
+        .iter()
+        .flat_map(|i| i.services.iter().map(|service| (i.name.as_str(), service.as_str())))
+        .collect();
+    let held: HashSet<TypeId> =
+        spec.types.iter().flat_map(|(id, _)| order::contained(&spec.types, id)).collect();
+    for (id, kind) in spec.types.iter() {
+        if let Kind::Struct { name, .. } = kind
+            && let [interface, service, part] = name.segments()
+            && matches!(part.as_str(), "input" | "output" | "local")
+            && services.contains(&(interface.as_str(), service.as_str()))
+            && !held.contains(&id)
+        {
+            records.insert(id);
+        }
+    }
+    records
 }
 
 fn refuse_any(types: &TypeTable) -> Result<(), HeaderError> {

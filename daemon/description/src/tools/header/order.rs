@@ -53,7 +53,7 @@ pub(super) fn order(types: &TypeTable, without: &HashSet<TypeId>) -> Vec<Step> {
 }
 
 /// What must be complete before the type is.
-fn contained(types: &TypeTable, id: TypeId) -> Vec<TypeId> {
+pub(super) fn contained(types: &TypeTable, id: TypeId) -> Vec<TypeId> {
     match types.kind(id) {
         Kind::Array { element, .. }
         | Kind::Sequence { element, .. }
