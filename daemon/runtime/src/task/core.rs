@@ -59,8 +59,9 @@ impl Core {
         calls: &mut impl Calls,
     ) -> Passed {
         for run in &mut self.runs {
-            prepare(run, plan, runnable);
+            // Events first: they are for those that were active when they were fired.
             fired.iter().for_each(|state| fire(run, plan, *state));
+            prepare(run, plan, runnable);
         }
         let mut passed = Passed::default();
         for run in &mut self.runs {

@@ -1,0 +1,78 @@
+//! Rules of genom3.md 7 and dialects.md as sessions: see `scenarios/README.md`.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod support;
+
+use std::path::PathBuf;
+
+fn directory() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/scenarios")
+}
+
+#[track_caller]
+fn check(name: &str) {
+    let path = directory().join(format!("{name}.txt"));
+    let expected = std::fs::read_to_string(&path).unwrap();
+    let found = support::transcript::replay(&expected);
+    if std::env::var_os("UPDATE_EXPECT").is_some() {
+        std::fs::write(&path, &found).unwrap();
+    } else if expected != found {
+        let first = expected.lines().zip(found.lines()).position(|(a, b)| a != b);
+        let line = first.unwrap_or_else(|| expected.lines().count().min(found.lines().count())) + 1;
+        panic!("{}:{line} differs. Found:\n{found}", path.display());
+    }
+}
+
+macro_rules! scenarios {
+    ($($name:ident)*) => {
+        $(#[test] fn $name() { check(stringify!($name)); })*
+        const ALL: &[&str] = &[$(stringify!($name)),*];
+    };
+}
+
+scenarios! {
+    a_function_interrupts_after_its_codels_and_does_not_wait
+    a_function_runs_its_codels_in_order_until_one_fails
+    a_pause_in_a_periodic_task_lasts_until_the_next_tick
+    a_pause_in_an_aperiodic_task_lasts_until_something_happens
+    a_permanent_activity_that_fails_takes_the_component_with_it
+    a_sleeping_place_waits_for_an_external_event_or_stop
+    a_start_codel_that_fails_undoes_the_start
+    a_stop_cannot_be_stopped_again
+    a_stop_without_stop_codel_ends_as_interrupted
+    a_task_runs_as_many_activities_as_it_has_slots
+    abort_activity_knows_running_activities_only
+    activities_end_by_what_their_codels_return
+    activities_of_a_task_interleave_one_codel_at_a_time
+    activities_of_several_tasks_run_on_their_own
+    after_and_before_look_at_what_ran_successfully
+    an_activity_stopped_before_it_started_never_starts
+    an_attribute_validates_then_stores_then_fetches
+    an_external_event_adds_a_place_while_others_stay_active
+    an_interrupting_activity_waits_until_the_interrupted_one_has_ended
+    delay_shifts_the_ticks_of_a_task
+    nothing_is_served_after_a_shutdown
+    of_two_pending_that_interrupt_each_other_the_newest_wins
+    permanent_activities_start_in_order_before_requests
+    several_instances_of_one_activity_run_at_once
+    shutdown_stops_activities_then_tasks_in_reverse_order
+    standard_services_ask_the_supervisor
+    stop_takes_all_places
+    the_2010_paper_stops_on_an_emergency
+    the_2010_paper_takes_one_transition_a_period
+    the_2011_paper_runs_as_the_2010_one_does
+    the_newest_of_several_waiting_for_a_stop_wins
+    two_places_that_meet_become_one
+}
+
+#[test]
+fn every_scenario_file_is_played() {
+    for entry in std::fs::read_dir(directory()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_some_and(|extension| extension == "txt") {
+            let name = path.file_stem().unwrap().to_str().unwrap();
+            assert!(ALL.contains(&name), "{name}.txt is not in the list");
+        }
+    }
+}
