@@ -13,19 +13,20 @@ use crate::model::{Dialect, Span};
 use crate::syntax::{self, Export, IdsDeclaration, Name};
 
 impl Checker {
-    pub(super) fn body(&mut self, dcl: &syntax::Body, interface: bool) {
+    /// Each part of the text is let go as soon as it is understood.
+    pub(super) fn body(&mut self, dcl: syntax::Body, interface: bool) {
         let Some(id) = self.open_body(&dcl.name, interface) else { return };
         let outer = std::mem::replace(&mut self.scope, self.bodies[id].scope);
-        for export in &dcl.exports {
+        for export in dcl.exports {
             match export {
-                Export::Idl(idl) => self.idl(idl),
-                Export::Property(property) => self.body_property(id, property),
-                Export::Ids(ids) => self.ids(id, ids),
-                Export::Task(task) => self.task(id, task),
-                Export::Port(port) => self.port(id, port),
-                Export::Service(service) => self.service(id, service),
+                Export::Idl(idl) => self.idl(&idl),
+                Export::Property(property) => self.body_property(id, &property),
+                Export::Ids(ids) => self.ids(id, &ids),
+                Export::Task(task) => self.task(id, &task),
+                Export::Port(port) => self.port(id, &port),
+                Export::Service(service) => self.service(id, &service),
                 Export::Events(names) => names.iter().for_each(|name| self.event_sink(id, name)),
-                Export::Pragma(pragma, span) => self.pragma(pragma, *span),
+                Export::Pragma(pragma, span) => self.pragma(&pragma, span),
             }
         }
         self.close_body(id);

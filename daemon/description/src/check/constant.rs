@@ -147,7 +147,15 @@ impl Checker {
         refused: &'static str,
     ) -> Option<Value> {
         let resolved = self.types.resolve(ty);
-        let kind = self.types.kind(resolved).clone();
+        // Enums are large and compared by type; the other kinds that matter are small.
+        let kind = match self.types.kind(resolved) {
+            Kind::Enum { .. } => None,
+            Kind::Struct { .. } | Kind::Exception { .. } | Kind::Union { .. } => Some(Kind::Any),
+            small => Some(small.clone()),
+        };
+        let Some(kind) = kind else {
+            return self.fit_enum(value, resolved, span, refused);
+        };
         let fitted = match &kind {
             Kind::Optional { element } => return self.fit(value, *element, span, refused),
             Kind::Boolean => matches!(value, Value::Boolean(_)).then(|| value.clone()),
@@ -170,12 +178,6 @@ impl Checker {
                 _ => None,
             },
             Kind::String { .. } => matches!(value, Value::Text(_)).then(|| value.clone()),
-            Kind::Enum { .. } => match value {
-                Value::Enumerator(other, rank) if self.types.equal(other, resolved) => {
-                    Some(Value::Enumerator(resolved, rank))
-                }
-                _ => None,
-            },
             _ => {
                 if !self.is_error(resolved) {
                     let name = self.type_name(ty);
@@ -201,6 +203,25 @@ impl Checker {
             }
         }
         fitted
+    }
+
+    fn fit_enum(
+        &mut self,
+        value: Value,
+        ty: TypeId,
+        span: Span,
+        refused: &'static str,
+    ) -> Option<Value> {
+        match value {
+            Value::Enumerator(other, rank) if self.types.equal(other, ty) => {
+                Some(Value::Enumerator(ty, rank))
+            }
+            other => {
+                let message = format!("{} cannot become {}", other.kind(), self.type_name(ty));
+                self.push(Diagnostic::error(refused, span, message));
+                None
+            }
+        }
     }
 
     /// genom3.md 3.10: GenoM3 checks no range; we warn.

@@ -86,7 +86,7 @@ impl Checker {
         place: &mut Place,
     ) -> Result<Json, Refused> {
         let ty = self.walked(ty);
-        match self.types.kind(ty).clone() {
+        match *self.types.kind(ty) {
             Kind::Struct { .. } | Kind::Exception { .. } | Kind::Union { .. } => {
                 self.record(items, ty, place)
             }

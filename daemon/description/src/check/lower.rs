@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use genom_types::{Digester, Kind, Member, ScopedName, TypeId};
+use indexmap::IndexMap;
 
 use super::Checker;
 use super::clock::duration;
@@ -24,6 +25,14 @@ struct Records {
     input: TypeId,
     output: TypeId,
     local: TypeId,
+}
+
+/// What the model takes over from a service.
+struct Moved {
+    validates: Vec<CodelState>,
+    codels: Vec<CodelState>,
+    parameters: Vec<state::Parameter>,
+    locals: Vec<state::Parameter>,
 }
 
 /// Structs made so far, by body and rank of the service.
@@ -74,12 +83,18 @@ impl Checker {
         let records: Vec<Records> =
             (0..self.bodies[id].services.len()).map(|rank| self.records(id, rank, made)).collect();
         let remotes = self.lower_remotes(id, made);
-        let body = &self.bodies[id];
         let mut codels = Vec::new();
         let mut tasks = Vec::new();
-        for (rank, task) in body.tasks.values().enumerate() {
+        // Moved out, not copied: large components are mostly this.
+        let mut taken = std::mem::take(&mut self.bodies[id].services);
+        let mut task_codels: Vec<Vec<CodelState>> = Vec::new();
+        for task in self.bodies[id].tasks.values_mut() {
+            task_codels.push(std::mem::take(&mut task.codels));
+        }
+        let body = &self.bodies[id];
+        for (rank, (task, own)) in body.tasks.values().zip(task_codels).enumerate() {
             let owner = Owner::Task(rank);
-            let ranks = add_codels(&mut codels, &task.codels, owner, &remotes);
+            let ranks = add_codels(&mut codels, own, owner, &remotes);
             let mut throws = body.throws.clone();
             add_throws(&mut throws, &task.throws);
             tasks.push(Task {
@@ -96,11 +111,20 @@ impl Checker {
             });
         }
         let mut services = Vec::new();
-        for (rank, (service, made)) in body.services.values().zip(&records).enumerate() {
+        for (rank, made) in records.iter().enumerate() {
             let owner = Owner::Service(rank);
-            let validates = add_codels(&mut codels, &service.validates, owner, &remotes);
-            let ranks = add_codels(&mut codels, &service.codels, owner, &remotes);
-            let service = self.lower_service(id, service, *made, validates, ranks);
+            let own = taken.get_index_mut(rank).map(|(_, service)| Moved {
+                validates: std::mem::take(&mut service.validates),
+                codels: std::mem::take(&mut service.codels),
+                parameters: std::mem::take(&mut service.parameters),
+                locals: std::mem::take(&mut service.locals),
+            });
+            let (Some(own), Some((_, service))) = (own, taken.get_index(rank)) else { continue };
+            let mut service = self.lower_service(id, service, *made, &taken);
+            service.validates = add_codels(&mut codels, own.validates, owner, &remotes);
+            service.codels = add_codels(&mut codels, own.codels, owner, &remotes);
+            service.parameters = own.parameters.into_iter().map(lower_parameter).collect();
+            service.locals = own.locals.into_iter().map(lower_parameter).collect();
             services.push(service);
         }
         let mut throws = body.throws.clone();
@@ -151,8 +175,7 @@ impl Checker {
         id: BodyId,
         service: &state::Service,
         records: Records,
-        validates: Vec<usize>,
-        codels: Vec<usize>,
+        all: &IndexMap<Box<str>, state::Service>,
     ) -> Service {
         let body = &self.bodies[id];
         let mut throws = body.throws.clone();
@@ -163,9 +186,9 @@ impl Checker {
         add_throws(&mut throws, &service.throws);
         let ranks = |names: &[syntax::Name]| -> Vec<usize> {
             if names.iter().any(|name| &*name.text == "all") {
-                return (0..body.services.len()).collect();
+                return (0..all.len()).collect();
             }
-            names.iter().filter_map(|name| body.services.get_index_of(&name.text)).collect()
+            names.iter().filter_map(|name| all.get_index_of(&name.text)).collect()
         };
         let ordered = |given: &state::Given<Vec<syntax::Name>>| {
             given.as_ref().map(|(names, _)| ranks(names)).unwrap_or_default()
@@ -180,8 +203,8 @@ impl Checker {
             },
             name: service.name.to_string(),
             doc: joined(&service.docs),
-            parameters: service.parameters.iter().map(lower_parameter).collect(),
-            locals: service.locals.iter().map(lower_parameter).collect(),
+            parameters: Vec::new(),
+            locals: Vec::new(),
             input: records.input,
             output: records.output,
             local: records.local,
@@ -189,8 +212,8 @@ impl Checker {
             interrupts: ranks(&service.interrupts),
             before: ordered(&service.before),
             after: ordered(&service.after),
-            validates,
-            codels,
+            validates: Vec::new(),
+            codels: Vec::new(),
             throws,
             standard: service.standard,
             through_ids: service.through_ids,
@@ -220,7 +243,7 @@ impl Checker {
             list.push(Remote {
                 name,
                 interface: interface.name.to_string(),
-                parameters: service.parameters.iter().map(lower_parameter).collect(),
+                parameters: service.parameters.iter().cloned().map(lower_parameter).collect(),
                 input: records.input,
                 output: records.output,
                 throws,
@@ -331,7 +354,7 @@ fn complete(component: &mut Component) {
 
 fn add_codels(
     codels: &mut Vec<Codel>,
-    from: &[CodelState],
+    from: Vec<CodelState>,
     owner: Owner,
     remotes: &[Remote],
 ) -> Vec<usize> {
@@ -340,18 +363,16 @@ fn add_codels(
         let kind = match codel.role {
             Role::Validate => CodelKind::Validate,
             Role::Simple => CodelKind::Simple,
-            Role::Machine => {
-                CodelKind::Fsm { triggers: codel.triggers.clone(), yields: codel.yields.clone() }
-            }
+            Role::Machine => CodelKind::Fsm { triggers: codel.triggers, yields: codel.yields },
         };
-        let parameters = codel.parameters.iter().map(|p| CodelParameter {
-            name: p.name.to_string(),
+        let parameters = codel.parameters.into_iter().map(|p| CodelParameter {
+            name: p.name.into_string(),
             direction: p.direction,
             ty: match &p.source {
                 Source::Remote(rank) => remotes.get(*rank).map_or(p.ty, |remote| remote.input),
                 _ => p.ty,
             },
-            source: p.source.clone(),
+            source: p.source,
             span: p.span,
         });
         codels.push(Codel {
@@ -367,13 +388,13 @@ fn add_codels(
     (first..codels.len()).collect()
 }
 
-fn lower_parameter(parameter: &state::Parameter) -> Parameter {
+fn lower_parameter(parameter: state::Parameter) -> Parameter {
     Parameter {
-        name: parameter.name.to_string(),
+        name: parameter.name.into_string(),
         direction: parameter.direction,
         ty: parameter.ty,
-        default: parameter.default.clone(),
-        target: parameter.target.as_ref().map(|t| AttributeTarget { path: t.path.clone() }),
+        default: parameter.default,
+        target: parameter.target.map(|t| AttributeTarget { path: t.path }),
         span: parameter.span,
     }
 }

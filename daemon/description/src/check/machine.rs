@@ -12,12 +12,12 @@ impl Checker {
     /// The checks of an activity of a component.
     // genom3.md 3.6 S13, S14.
     pub(super) fn check_activity(&mut self, id: BodyId, rank: usize) {
-        let Some((_, service)) = self.bodies[id].services.get_index(rank) else { return };
+        let Some((_, service)) = self.bodies[id].services.get_index_mut(rank) else { return };
         if service.kind != ServiceKind::Activity || self.lost.contains(&service.name) {
             return;
         }
         let (name, span, broken) = (service.name.clone(), service.span, service.broken);
-        let codels = service.codels.clone();
+        let codels = std::mem::take(&mut service.codels);
         if service.task.is_none() && !broken {
             let help = match self.bodies[id].tasks.keys().next() {
                 Some(task) => format!("write `task {task};` in it"),
@@ -37,12 +37,18 @@ impl Checker {
             return;
         }
         self.check_machine(id, &codels, Some((&name, span)));
+        if let Some((_, service)) = self.bodies[id].services.get_index_mut(rank) {
+            service.codels = codels;
+        }
     }
 
     pub(super) fn check_task_machine(&mut self, id: BodyId, rank: usize) {
-        let Some((_, task)) = self.bodies[id].tasks.get_index(rank) else { return };
-        let codels = task.codels.clone();
+        let Some((_, task)) = self.bodies[id].tasks.get_index_mut(rank) else { return };
+        let codels = std::mem::take(&mut task.codels);
         self.check_machine(id, &codels, None);
+        if let Some((_, task)) = self.bodies[id].tasks.get_index_mut(rank) {
+            task.codels = codels;
+        }
     }
 
     /// Whether a state needs no codel: the end, and `sleep` where there are external events.

@@ -53,14 +53,14 @@ pub(crate) fn check(
 ) -> (Specification, Vec<Diagnostic>) {
     let mut checker = Checker::new(tree.lost);
     if let Some(standard) = standard {
-        for statement in &standard.statements {
+        for statement in standard.statements {
             checker.statement(statement);
         }
     }
     let (statements, mut refused) = papers::gather(tree.statements, root_of);
     checker.diagnostics.append(&mut refused);
-    for (statement, dialect) in &statements {
-        checker.dialect = *dialect;
+    for (statement, dialect) in statements {
+        checker.dialect = dialect;
         checker.statement(statement);
     }
     checker.finish()
@@ -124,12 +124,12 @@ impl Checker {
         self.diagnostics.push(diagnostic);
     }
 
-    fn statement(&mut self, statement: &Statement) {
+    fn statement(&mut self, statement: Statement) {
         match statement {
-            Statement::Idl(idl) => self.idl(idl),
+            Statement::Idl(idl) => self.idl(&idl),
             Statement::Component(body) => self.body(body, false),
             Statement::Interface(body) => self.body(body, true),
-            Statement::Pragma(pragma, span) => self.pragma(pragma, *span),
+            Statement::Pragma(pragma, span) => self.pragma(&pragma, span),
             // `papers::gather` has put these into their component, or refused them.
             Statement::Outside(_) => {}
         }
