@@ -39,7 +39,7 @@ pub enum Reading {
 pub trait Publisher: Send {
     /// Publishes a copy of the value; a reader that comes later still sees it.
     ///
-    /// Real-time: a bounded copy, no blocking, and no allocation for types of fixed size.
+    /// Real-time: a bounded copy, no blocking, and no allocation of ours for types of fixed size.
     ///
     /// # Errors
     /// When the value has no encoding or the middleware refuses it; nothing was published then.

@@ -3,8 +3,8 @@
 mod world;
 
 use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{basic, number, numbered, state};
-use genom_middleware::{Address, Middleware, OpenError, Policy, Reading};
+use genom_middleware::conformance::samples::{basic, note, number, numbered, state};
+use genom_middleware::{Address, Middleware, OpenError, Policy, ReadError, Reading};
 use genom_types::{Kind, Record};
 use serde_json::json;
 
@@ -107,5 +107,44 @@ fn a_typed_peer_with_another_type_is_refused_by_iceoryx2() {
     let _writer = shm.publisher(&position(), &state()).unwrap();
     let peer = Process::start(PEER, &world, &["wrong", "demo/position"]);
     assert_eq!(peer.says(), "IncompatibleTypes");
+    peer.end();
+}
+
+#[test]
+fn what_a_peer_writes_wrong_is_refused_and_counted_and_the_value_stays() {
+    let world = ShmWorld::new();
+    let shm = world.open();
+    let mut reader = shm.subscription(&position(), &note(), Policy::Latest).unwrap();
+    let mut peer = Process::start(PEER, &world, &["write-bytes", "demo/position"]);
+    assert_eq!(peer.says(), "ready");
+    let mut good = Vec::new();
+    let mut value = Record::new(&note());
+    value.merge_json(&json!({"text": "hi", "rows": [[1, 2], []]})).unwrap();
+    value.encode_message(&mut good).unwrap();
+    let mut send = |bytes: &[u8]| {
+        let words: Vec<String> = bytes.iter().map(u8::to_string).collect();
+        peer.tell(&words.join(" "));
+        assert_eq!(peer.says(), "sent");
+    };
+    let mut got = Record::new(&note());
+    send(&good);
+    eventually("the note arrives", || reader.read(&mut got) == Ok(Reading::New));
+    assert_eq!(got.to_json(), value.to_json());
+    // Cut at every length, and with a length beyond the sample.
+    let mut wrong: Vec<Vec<u8>> = (1..good.len()).map(|end| good[..end].to_vec()).collect();
+    wrong.push([&good[..4], &[255, 255, 255, 255], &good[8..]].concat());
+    for (n, bytes) in wrong.iter().enumerate() {
+        send(bytes);
+        let mut reading = Ok(Reading::Same);
+        eventually("the sample is refused", || {
+            reading = reader.read(&mut got);
+            reading != Ok(Reading::Same)
+        });
+        assert_eq!(reading, Err(ReadError::Serialization), "{bytes:?}");
+        assert_eq!(reader.dropped(), n as u64 + 1);
+        assert_eq!(got.to_json(), value.to_json());
+    }
+    send(&good);
+    eventually("the note arrives", || reader.read(&mut got) == Ok(Reading::New));
     peer.end();
 }

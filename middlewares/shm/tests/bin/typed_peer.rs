@@ -1,7 +1,7 @@
 //! A program that knows iceoryx2 and nothing else: it declares the type and the name of a port,
 //! and reads or writes it. The tests drive it over its standard input and output.
 //!
-//! `shm-typed-peer PREFIX ROOT read|write|create|read-double SERVICE`
+//! `shm-typed-peer PREFIX ROOT read|read-double|write|create|write-bytes|wrong SERVICE`
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program of the tests")]
 
@@ -71,6 +71,18 @@ fn main() {
                 let count: u64 = line.parse().unwrap();
                 let values = std::array::from_fn(|i| count as f64 + i as f64);
                 writer.send_copy(State { count, values }).unwrap();
+                println!("sent");
+            }
+        }
+        "write-bytes" => {
+            let port = node.service_builder(&name).publish_subscribe::<[u8]>().open().unwrap();
+            let writer = port.publisher_builder().initial_max_slice_len(64).create().unwrap();
+            println!("ready");
+            // One line is one sample, as decimal bytes.
+            for line in lines {
+                let bytes: Vec<u8> = line.split(' ').map(|byte| byte.parse().unwrap()).collect();
+                let sample = writer.loan_slice_uninit(bytes.len()).unwrap();
+                sample.write_from_slice(&bytes).send().unwrap();
                 println!("sent");
             }
         }
