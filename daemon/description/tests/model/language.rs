@@ -86,3 +86,15 @@ fn several_validates_run_in_order_and_attributes_may_have_codels() {
     assert_eq!(names, ["a", "b"]);
     assert_eq!(c.codels_requires, ["a", "b"]);
 }
+
+#[test]
+fn a_component_as_people_write_them_reads() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/model/real/flyer.gen");
+    // Requiring this package would need it to be installed: `require` only lists it.
+    let specification = super::legal(genom_description::read(&[path], &Default::default()));
+    let flyer = component(&specification, "flyer");
+    assert_eq!(flyer.remotes.len(), 1);
+    assert_eq!(flyer.doc.as_deref(), Some("Flies.\\nOr not."));
+    assert_eq!(flyer.tasks.len(), 2);
+    assert_eq!(specification.masquerades.len(), 1);
+}
