@@ -79,6 +79,7 @@ pub fn read_files(inputs: &[PathBuf], options: &Options, files: &dyn Files) -> A
     let standard = options.standard_interface && !declares_genom(&tree);
     let standard = standard.then(|| {
         let (tokens, _) = tokenize_text("<genom>", STANDARD, &mut sources);
+        sources.mark_synthetic("<genom>");
         parse(&tokens).0
     });
     let root_of = |file: u32| {

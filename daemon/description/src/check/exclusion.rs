@@ -242,6 +242,9 @@ impl Checker {
     /// Async codels share nothing with other contexts.
     // genom3.md 3.7 K24, 4.5.
     pub(super) fn check_async(&mut self, component: &Component) {
+        if !component.codels.iter().any(|codel| codel.asynchronous) {
+            return;
+        }
         let exempt = start_and_stop(component);
         for (node, codel) in component.codels.iter().enumerate().filter(|(_, c)| c.asynchronous) {
             let other = component.exclusion(node).iter().find(|other| !exempt.contains(other));

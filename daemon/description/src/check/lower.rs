@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use genom_types::{Digester, Kind, Member, ScopedName, TypeId};
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 
 use super::Checker;
 use super::clock::duration;
@@ -127,13 +127,9 @@ impl Checker {
             service.locals = own.locals.into_iter().map(lower_parameter).collect();
             services.push(service);
         }
-        let mut throws = body.throws.clone();
-        for task in &tasks {
-            add_throws(&mut throws, &task.throws);
-        }
-        for service in &services {
-            add_throws(&mut throws, &service.throws);
-        }
+        let all = tasks.iter().map(|task| &task.throws);
+        let all = all.chain(services.iter().map(|service| &service.throws)).flatten();
+        let throws: IndexSet<TypeId> = body.throws.iter().chain(all).copied().collect();
         let mut component = Component {
             name: body.name.to_string(),
             dialect: body.dialect,
@@ -160,7 +156,7 @@ impl Checker {
                     span: *span,
                 })
                 .collect(),
-            throws,
+            throws: throws.into_iter().collect(),
             exclusion: Vec::new(),
             digest: String::new(),
             span: body.span,

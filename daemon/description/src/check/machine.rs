@@ -97,7 +97,8 @@ impl Checker {
             start.into_iter().chain(stop).chain(sinks.iter().copied()).collect();
         let reached = reach(&roots, codels, &by_state);
         self.check_yields(id, codels, &by_state, &reached);
-        if activity.is_none() || start.is_some() {
+        // A state that was misspelt leaves its codel unreached: said once.
+        if self.diagnostics.len() == count && (activity.is_none() || start.is_some()) {
             self.check_reached(id, codels, &reached);
         }
         // What a missing codel leads to is not known.

@@ -180,6 +180,13 @@ impl SourceMap {
         }
     }
 
+    /// Says that the files of this name are text of our own.
+    pub(crate) fn mark_synthetic(&mut self, name: &str) {
+        for file in self.files.iter_mut().filter(|file| file.path == Path::new(name)) {
+            file.synthetic = true;
+        }
+    }
+
     pub(crate) fn record_expansion(&mut self, place: Span, name: &str, definition: Span) {
         self.expansions
             .entry(place)

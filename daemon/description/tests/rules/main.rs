@@ -7,6 +7,7 @@
 mod codels;
 mod components;
 mod constants;
+mod drawn;
 mod echo;
 mod explained;
 mod initialisers;
