@@ -1,5 +1,7 @@
 //! The formatter: same meaning, same comments, and once is enough.
 
+use std::sync::LazyLock;
+
 use expect_test::{Expect, expect};
 use genom_description::tools::{FormatError, describe, format_text};
 use genom_description::{Analysis, Options, read_text};
@@ -218,5 +220,42 @@ proptest! {
             }
             Err(error) => prop_assert_ne!(error, FormatError::Changed, "{:?}", text),
         }
+    }
+}
+
+/// Small descriptions whose blanks may be changed at will: no string, comment or directive.
+static PLAIN: LazyLock<Vec<String>> = LazyLock::new(|| {
+    let mut files: Vec<_> = std::fs::read_dir(path("tests/cases"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|file| file.extension().is_some_and(|e| e == "gen"))
+        .collect();
+    files.sort();
+    let texts = files.iter().map(|file| std::fs::read_to_string(file).unwrap());
+    texts.filter(|text| !text.contains(['"', '\'', '#', '\\']) && !text.contains("/")).collect()
+});
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn however_it_is_written_it_is_formatted_to_the_same_meaning(
+        case in any::<prop::sample::Index>(),
+        blanks in prop::collection::vec(
+            prop::sample::select(vec![" ", "\n", "\n\n\n", "\t", " // c\n", " /* c */ ", "/*\n * c */", "\r\n"]),
+            1..40,
+        ),
+    ) {
+        prop_assert!(PLAIN.len() > 40);
+        let text = case.get(&PLAIN);
+        let mut blanks = blanks.iter().cycle();
+        let words: Vec<_> = text.split_whitespace().collect();
+        let written: String = words.iter().flat_map(|word| [*word, blanks.next().unwrap_or(&" ")]).collect();
+        let once = format_text(&written).unwrap();
+        let twice = format_text(&once);
+        prop_assert_eq!(twice.as_deref(), Ok(once.as_str()), "{:?}", written);
+        let options = Options { standard_interface: false, ..Options::default() };
+        let before = meaning(&read_text("a.gen", text, &options));
+        prop_assert_eq!(before, meaning(&read_text("a.gen", &once, &options)), "{}", once);
     }
 }
