@@ -2,6 +2,7 @@
 
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+pub(crate) mod closures;
 pub(crate) mod scripted;
 pub(crate) mod transcript;
 

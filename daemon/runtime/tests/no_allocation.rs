@@ -1,0 +1,113 @@
+//! genom3.md 7.4 under design.md 6: a task's tick allocates nothing.
+
+#![allow(unsafe_code, clippy::unwrap_used, clippy::panic)]
+
+mod support;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::Arc;
+use std::sync::Mutex;
+use std::sync::mpsc::channel;
+
+use genom_runtime::{Change, Watcher};
+use support::closures::{Closures, Codel, LONG, next, request};
+
+thread_local!(static CALLS: Cell<u64> = const { Cell::new(0) });
+
+struct Counting;
+
+fn count() {
+    // A thread that ends may still free; it has nothing to count.
+    let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
+}
+
+// SAFETY: everything is left to the system's allocator; counting touches no heap.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        count();
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(at, layout) }
+    }
+    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count();
+        // SAFETY: the caller's promise.
+        unsafe { System.realloc(at, layout, size) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+struct Blind;
+
+impl Watcher for Blind {
+    fn changed(&self, _: &Change) {}
+}
+
+#[test]
+fn ten_thousand_ticks_allocate_nothing() {
+    const WARM: u64 = 100;
+    const TICKS: u64 = 10_000;
+    let (sender, counted) = channel();
+    let state = Mutex::new((0u64, 0u64));
+    let tick: Codel = Arc::new(move || {
+        let calls = CALLS.with(Cell::get);
+        let mut state = state.lock().unwrap();
+        state.0 += 1;
+        if state.0 == WARM {
+            state.1 = calls;
+        }
+        if state.0 == WARM + TICKS {
+            sender.send(calls - state.1).unwrap();
+        }
+        "pause::start"
+    });
+    let again = |event: &'static str| -> Codel { Arc::new(move || event) };
+    let body = Closures::new(
+        "component test {
+           ids { long a; };
+           event beat;
+           task t { period 100 us; codel<start> tick(inout a) yield pause::start; };
+           task u { };
+           function f() { codel fun(inout a); };
+           activity busy() {
+             task t;
+             codel<start> one() yield main;
+             codel<main> two() yield pause::start;
+             codel<beat> extra() yield ether;
+           };
+           activity brief() { task t; codel<start> end() yield ether; };
+           activity aside() { task u; codel<start> wait(in a) yield pause::start; };
+         };",
+        &[
+            ("tick", tick),
+            ("one", again("main")),
+            ("two", again("pause::start")),
+            ("end", again("ether")),
+            ("extra", again("ether")),
+            ("wait", again("pause::start")),
+        ],
+    );
+    let instance = body.start_with(|options| options.watcher = Some(Arc::new(Blind)));
+    let _busy = [request(&instance, "busy"), request(&instance, "busy")];
+    let _aside = request(&instance, "aside");
+    // Activities come and go, and requests contend, while the ticks are counted.
+    let allocated = loop {
+        if let Ok(allocated) = counted.try_recv() {
+            break allocated;
+        }
+        let short = request(&instance, "brief");
+        next(&short);
+        assert_eq!(next(&short), "done");
+        assert_eq!(next(&request(&instance, "f")), "done");
+        instance.fire(0).unwrap();
+    };
+    assert_eq!(allocated, 0);
+    instance.shutdown(LONG).unwrap();
+}

@@ -1,0 +1,196 @@
+//! A body whose codels are closures, for tests with real threads.
+
+use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use genom_description::model::Owner;
+use genom_middleware::{Publisher, Subscription};
+use genom_runtime::body::{Body, EventId, Frame, Opener, RemoteCall, Returned};
+use genom_runtime::{
+    Instance, Options, Outcome, Plan, Progress, Wiring, WiringError, input_record,
+};
+use genom_types::Record;
+use serde_json::{Value, json};
+
+/// How long a test waits for what must happen.
+pub(crate) const LONG: Duration = Duration::from_secs(30);
+
+/// What a codel does; it returns an event without scope, or `ok`.
+pub(crate) type Codel = Arc<dyn Fn() -> &'static str + Send + Sync>;
+
+/// A component in Rust.
+pub(crate) struct Closures {
+    pub(crate) plan: Arc<Plan>,
+    /// By codel of the model.
+    codels: Vec<Option<Codel>>,
+    events: HashMap<&'static str, EventId>,
+    /// Writes of the state port.
+    pub(crate) states: AtomicU64,
+}
+
+impl Closures {
+    pub(crate) fn new(gen_text: &str, codels: &[(&str, Codel)]) -> Arc<Self> {
+        let plan = super::plan(gen_text);
+        let find = |name: &str| codels.iter().find(|(codel, _)| *codel == name);
+        let codels =
+            plan.component().codels.iter().map(|c| find(&c.name).map(|c| Arc::clone(&c.1)));
+        let codels = codels.collect();
+        let scope = plan.component().scope();
+        let names = ["start", "stop", "ether", "main", "pause::main", "pause::start", "E"];
+        let events = names
+            .iter()
+            .filter_map(|name| plan.event(&format!("{scope}::{name}")).map(|event| (*name, event)));
+        let events = events.collect();
+        Arc::new(Self { plan, codels, events, states: AtomicU64::new(0) })
+    }
+
+    pub(crate) fn start(self: &Arc<Self>) -> Instance {
+        self.start_with(|_| {})
+    }
+
+    #[track_caller]
+    pub(crate) fn start_with(self: &Arc<Self>, change: impl FnOnce(&mut Options)) -> Instance {
+        let mut options = Options::new("test", Arc::new(Nobody));
+        change(&mut options);
+        let body: Arc<dyn Body> = Arc::<Self>::clone(self);
+        Instance::start(Arc::clone(&self.plan), body, options).unwrap()
+    }
+}
+
+/// Requests a service; what it says comes through the channel.
+#[track_caller]
+pub(crate) fn request(instance: &Instance, service: &str) -> Receiver<String> {
+    let plan = instance.plan();
+    let rank = plan.service(service).unwrap();
+    let (sender, receiver) = channel();
+    let reply = Box::new(move |progress| {
+        let _ = sender.send(match progress {
+            Progress::Accepted { activity } => format!("accepted {activity}"),
+            Progress::Done(Outcome::Success(_)) => "done".into(),
+            Progress::Done(Outcome::Exception(exception)) => exception.to_string(),
+        });
+    });
+    instance.request(rank, input_record(plan, rank).unwrap().unwrap(), reply);
+    receiver
+}
+
+/// The next thing a request says.
+#[track_caller]
+pub(crate) fn next(receiver: &Receiver<String>) -> String {
+    receiver.recv_timeout(LONG).expect("an answer in time")
+}
+
+impl Body for Closures {
+    fn frame(&self, owner: Owner) -> Box<dyn Frame> {
+        let service = match owner {
+            Owner::Service(service) => &self.plan.services()[service],
+            Owner::Task(_) => &self.plan.services()[0],
+        };
+        Box::new(ClosureFrame {
+            codels: self.codels.clone(),
+            events: self.events.clone(),
+            output: Record::new(&service.output),
+        })
+    }
+
+    fn bind_out(&self, _: usize, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
+    fn bind_in(&self, _: usize, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
+    fn bind_remote(&self, _: usize, _: Option<Box<dyn RemoteCall>>) {}
+    fn set_opener(&self, _: Box<dyn Opener>) {}
+
+    fn port_value(&self, _: usize, _: Option<&str>) -> Option<Value> {
+        None
+    }
+
+    fn write_port(&self, _: usize, _: &Record) {
+        self.states.fetch_add(1, Ordering::SeqCst);
+    }
+}
+
+struct ClosureFrame {
+    codels: Vec<Option<Codel>>,
+    events: HashMap<&'static str, EventId>,
+    output: Record,
+}
+
+impl Frame for ClosureFrame {
+    fn begin(&mut self, _: &Record) {}
+    fn store(&mut self) {}
+    fn fetch(&mut self) {}
+
+    fn call(&mut self, codel: usize, _: usize) -> Returned {
+        let event = self.codels[codel].as_ref().map_or("ok", |codel| codel());
+        if event == "ok" {
+            return Returned::Ok;
+        }
+        self.events.get(event).map_or(Returned::Unknown, |event| Returned::Event(*event))
+    }
+
+    fn returned(&self) -> String {
+        "::unknown".into()
+    }
+
+    fn detail(&self) -> Option<Value> {
+        Some(json!({ "code": 1 }))
+    }
+
+    fn output(&self) -> &Record {
+        &self.output
+    }
+}
+
+/// No supervisor.
+struct Nobody;
+
+impl Wiring for Nobody {
+    fn connect_port(&self, _: &str, _: &str) -> Result<(), WiringError> {
+        Ok(())
+    }
+
+    fn connect_service(&self, _: &str, _: &str) -> Result<(), WiringError> {
+        Ok(())
+    }
+
+    fn kill(&self) {}
+}
+
+/// A gate that codels wait at; `arrivals` tells who is there.
+pub(crate) struct Gate {
+    open: Mutex<Receiver<()>>,
+    arrivals: Mutex<std::sync::mpsc::Sender<()>>,
+}
+
+/// The other side of a gate.
+pub(crate) struct Keeper {
+    pub(crate) open: std::sync::mpsc::Sender<()>,
+    pub(crate) arrivals: Receiver<()>,
+}
+
+pub(crate) fn gate() -> (Gate, Keeper) {
+    let (open, opened) = channel();
+    let (arrive, arrivals) = channel();
+    (Gate { open: Mutex::new(opened), arrivals: Mutex::new(arrive) }, Keeper { open, arrivals })
+}
+
+impl Gate {
+    /// Waits until the keeper opens, or is gone.
+    pub(crate) fn pass(&self) {
+        let _ = self.arrivals.lock().unwrap().send(());
+        let _ = self.open.lock().unwrap().recv();
+    }
+}
+
+impl Keeper {
+    /// Waits until somebody stands at the gate.
+    #[track_caller]
+    pub(crate) fn wait(&self) {
+        self.arrivals.recv_timeout(LONG).expect("somebody at the gate in time");
+    }
+
+    pub(crate) fn let_one_pass(&self) {
+        self.open.send(()).unwrap();
+    }
+}
