@@ -323,3 +323,48 @@ fn an_attribute_stores_into_the_ids_and_fetches_from_there() {
     frame.fetch();
     assert_eq!(frame.output().to_json(), json!({ "a": "text", "b": 3 }));
 }
+
+/// Component with a codel of `count` doubles, longs and texts in turn, and their sum.
+fn many(count: usize) -> f64 {
+    let mut gen_ = Gen::new();
+    let types =
+        [gen_.ty(Kind::Float), gen_.ty(Kind::Short), gen_.string(None), gen_.ty(Kind::Double)];
+    let c_types = ["float", "int16_t", "const char *", "double"];
+    let names: Vec<String> = (0..count).map(|i| format!("x{i}")).collect();
+    let inputs = names.iter().enumerate().map(|(i, name)| (In, name.as_str(), types[i % 4]));
+    let parameters: Vec<_> = inputs.chain([(Out, "y", types[3])]).collect();
+    let (service, codel) = gen_.function("f", &parameters);
+    let declared = (0..count).map(|i| format!("{} x{i}, ", c_types[i % 4])).collect::<String>();
+    let summed = (0..count).map(|i| match i % 4 {
+        2 => format!("*y += {} * atoi(x{i});", i + 1),
+        _ => format!("*y += {} * x{i};", i + 1),
+    });
+    let c = format!(
+        "#include <stdint.h>\n#include <stdlib.h>\n#include <genom3/c/context.h>
+        genom_event f({declared}double *y, const genom_context self) {{ {} return 0; }}",
+        summed.collect::<String>()
+    );
+    let value = |i: usize| match i % 4 {
+        2 => json!(format!("{i}")),
+        1 => json!(-(i as i64)),
+        _ => json!(i as f64 + 0.5),
+    };
+    let input: Value = names.iter().enumerate().map(|(i, n)| (n.clone(), value(i))).collect();
+    let (event, output) = load(gen_, &c).run(service, codel, input);
+    assert_eq!(event, "");
+    output["y"].as_f64().unwrap_or(f64::NAN)
+}
+
+#[test]
+fn any_number_of_arguments_arrives_in_order() {
+    // In registers only, on the stack too, and more of either kind than the short way takes.
+    for count in [0, 1, 2, 5, 9, 13, 14, 17, 18, 24, 25, 26, 40] {
+        let expected: f64 = (0..count)
+            .map(|i| {
+                let x = i as f64;
+                (x + 1.0) * [x + 0.5, -x, x, x + 0.5][i % 4]
+            })
+            .sum();
+        assert_eq!(many(count), expected, "{count} arguments");
+    }
+}

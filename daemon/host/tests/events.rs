@@ -206,14 +206,18 @@ fn all_missing_codels_are_told_at_once_with_file_and_place() {
     gen_.function("there", &[(In, "x", long)]);
     gen_.function("gone", &[(In, "x", long)]);
     gen_.function("mangled", &[(In, "x", long)]);
+    gen_.function("kill", &[]);
     let cpp = "extern \"C\" const char *there(int, const void *) { return 0; }
         const char *mangled(int, const void *) { return 0; }";
-    let compile = |scratch: &support::Scratch| scratch.cxx("demo.so", cpp, &["-shared", "-fPIC"]);
+    let compile = |scratch: &support::Scratch| {
+        scratch.cxx("demo.so", cpp, &["-shared", "-fPIC", "-Wl,--no-as-needed"])
+    };
     let errors = try_load_with(gen_, compile).err().unwrap();
     let directory = errors.library.parent().unwrap().display().to_string();
     expect![[r#"
         demo.so: codel `gone` (demo.gen:2) is not defined
-        demo.so: codel `mangled` (demo.gen:3) is not defined; it has the C++ function `_Z7manglediPKv`: declare it extern "C", or include the component's header"#]]
+        demo.so: codel `mangled` (demo.gen:3) is not defined; it has the C++ function `_Z7manglediPKv`: declare it extern "C", or include the component's header
+        demo.so: codel `kill` (demo.gen:4) is not defined; libc.so.6 has a function of that name, which is no codel"#]]
     .assert_eq(&errors.to_string().replace(&format!("{directory}/"), ""));
 }
 

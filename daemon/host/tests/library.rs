@@ -155,3 +155,55 @@ fn a_description_that_is_no_text_is_refused() {
     let path = scratch.library("demo.so", r#"const char genom_description[] = "\xff\xfe";"#);
     assert!(matches!(embedded_description(&path), Err(OpenError::Description { .. })));
 }
+
+#[test]
+fn a_library_with_a_thread_of_its_own_ends_it_when_it_is_closed() {
+    let scratch = Scratch::new();
+    let (made, ended) = (scratch.path().join("made"), scratch.path().join("ended"));
+    let path = scratch.cc(
+        "demo.so",
+        &format!(
+            r#"
+            #include <pthread.h>
+            #include <semaphore.h>
+            #include <stdio.h>
+            static pthread_t thread; static sem_t stop;
+            static void *run(void *_) {{ sem_wait(&stop); return 0; }}
+            __attribute__((constructor)) static void make(void) {{
+                sem_init(&stop, 0, 0);
+                if (!pthread_create(&thread, 0, run, 0)) fclose(fopen("{}", "w"));
+            }}
+            __attribute__((destructor)) static void end(void) {{
+                sem_post(&stop);
+                if (!pthread_join(thread, 0)) fclose(fopen("{}", "w"));
+            }}"#,
+            made.display(),
+            ended.display()
+        ),
+        &["-shared", "-fPIC", "-pthread"],
+    );
+    let library = Library::open(&path).unwrap();
+    assert!(made.exists() && !ended.exists());
+    drop(library);
+    assert!(ended.exists());
+}
+
+#[test]
+fn two_loads_of_one_file_share_nothing_and_a_rebuilt_one_loads_anew() {
+    let scratch = Scratch::new();
+    let first = scratch.library("demo.so", r#"const char genom_description[] = "one";"#);
+    let one = Library::open(&first).unwrap();
+    let again = Library::open(&first).unwrap();
+    scratch.library("demo.so", r#"const char genom_description[] = "two";"#);
+    let two = Library::open(&first).unwrap();
+    let text = |library: &Library| library.description().unwrap().unwrap().text;
+    assert_eq!([&one, &again, &two].map(text), ["one", "one", "two"]);
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
+    let copies: std::collections::HashSet<_> = maps
+        .lines()
+        .filter_map(|line| line.split_once("/genomd-library-"))
+        .filter(|(_, rest)| rest.ends_with("/demo.so"))
+        .map(|(_, rest)| rest.to_owned())
+        .collect();
+    assert!(copies.len() >= 3, "{copies:?}");
+}

@@ -56,14 +56,20 @@ impl Workshop<'_> {
         {
             return None;
         }
-        let function = self.library.symbol(&codel.name);
-        if function.is_none() {
+        let found = self.library.function(&codel.name);
+        if !matches!(found, Ok(Some(_))) {
             checker.errors.push(LoadError::MissingCodel {
                 codel: codel.name.clone(),
                 place: (checker.locate)(codel.span),
-                hint: self.hint(&codel.name),
+                hint: match &found {
+                    Err(system) => {
+                        format!("; {system} has a function of that name, which is no codel")
+                    }
+                    Ok(_) => self.hint(&codel.name),
+                },
             });
         }
+        let function = found.ok().flatten();
         let mut arguments = Vec::new();
         let mut wrong = false;
         for parameter in &codel.parameters {
@@ -83,7 +89,7 @@ impl Workshop<'_> {
         let function = function.filter(|_| !wrong)?;
         let classes = arguments.iter().map(|argument| argument.class);
         let classes: Vec<Class> = classes.chain([Class::Address]).collect();
-        let Some(interface) = Interface::new(classes.into_iter()) else {
+        let Some(interface) = Interface::new(&classes) else {
             checker.errors.push(LoadError::NoClosures);
             return None;
         };

@@ -76,7 +76,7 @@ pub(super) struct Member {
 /// The table of `library`, if it has one.
 pub(super) fn read(library: &Library) -> Result<Option<Table>, TableError> {
     let symbol = abi::COMPONENT_SYMBOL.to_str().unwrap_or_default();
-    let Some(at) = library.symbol(symbol) else { return Ok(None) };
+    let Some(at) = library.own_symbol(symbol) else { return Ok(None) };
     let at = at as *const abi::Component;
     // SAFETY: the symbol is the SDK's table; its first fields never move.
     let (found, size) = unsafe { ((*at).abi_major, (*at).size) };

@@ -5,6 +5,7 @@ use std::ffi::{c_char, c_int, c_void};
 
 use libffi::middle::{Cif, Type};
 
+use super::registers::Plan;
 use super::{Class, Scalar};
 
 /// Bytes kept of what a C++ exception says: as in `genom_unkex_detail`.
@@ -19,6 +20,16 @@ unsafe extern "C" {
         what: *mut c_char,
         room: usize,
     ) -> c_int;
+
+    fn genom_host_guarded_registers(
+        function: *const c_void,
+        result: *mut *const c_char,
+        integers: *const u64,
+        count: usize,
+        floats: *const f64,
+        what: *mut c_char,
+        room: usize,
+    ) -> c_int;
 }
 
 /// A C++ exception escaped; its text is in the buffer given.
@@ -27,7 +38,11 @@ pub(crate) struct Thrown;
 
 /// How to call functions of one C type that return an event.
 #[derive(Debug)]
-pub(crate) struct Interface(Cif);
+pub(crate) struct Interface {
+    cif: Cif,
+    /// The way past libffi.
+    registers: Option<Plan>,
+}
 
 // SAFETY: after it is made, the interface is only read; what its pointers lead to is its own.
 unsafe impl Send for Interface {}
@@ -36,13 +51,15 @@ unsafe impl Sync for Interface {}
 
 impl Interface {
     /// The interface of `genom_event f(arguments)`; `None` when libffi cannot make it.
-    pub(crate) fn new(arguments: impl ExactSizeIterator<Item = Class>) -> Option<Self> {
-        Cif::try_new(arguments.map(ffi_type), Type::pointer()).ok().map(Self)
+    pub(crate) fn new(arguments: &[Class]) -> Option<Self> {
+        let types = arguments.iter().copied().map(ffi_type);
+        let cif = Cif::try_new(types, Type::pointer()).ok()?;
+        Some(Self { cif, registers: Plan::new(arguments) })
     }
 
     /// Gives the interface away, for a function that is called from C.
     pub(super) fn into_cif(self) -> Cif {
-        self.0
+        self.cif
     }
 
     /// Calls `function`; `arguments` lead to the values, one for each argument of the interface.
@@ -57,16 +74,33 @@ impl Interface {
         what: &mut [u8; WHAT],
     ) -> Result<*const c_char, Thrown> {
         let mut result: *const c_char = std::ptr::null();
-        // SAFETY: the caller's promise; `result` has the size of the return type.
-        let threw = unsafe {
-            genom_host_guarded_call(
-                self.0.as_raw_ptr().cast(),
-                function as *const c_void,
-                (&raw mut result).cast(),
-                arguments.as_mut_ptr(),
-                what.as_mut_ptr().cast(),
-                WHAT,
-            )
+        let function = function as *const c_void;
+        let what = what.as_mut_ptr().cast();
+        let threw = match &self.registers {
+            // SAFETY: the caller's promise; both arrays have the sizes that the guard reads.
+            Some(plan) => unsafe {
+                let values = plan.read(arguments);
+                genom_host_guarded_registers(
+                    function,
+                    &raw mut result,
+                    values.integers.as_ptr(),
+                    plan.integers(),
+                    values.floats.as_ptr().cast(),
+                    what,
+                    WHAT,
+                )
+            },
+            // SAFETY: the caller's promise; `result` has the size of the return type.
+            None => unsafe {
+                genom_host_guarded_call(
+                    self.cif.as_raw_ptr().cast(),
+                    function,
+                    (&raw mut result).cast(),
+                    arguments.as_mut_ptr(),
+                    what,
+                    WHAT,
+                )
+            },
         };
         if threw == 0 { Ok(result) } else { Err(Thrown) }
     }

@@ -47,7 +47,7 @@ impl NativeFunction {
         callback: Callback<T>,
         data: T,
     ) -> Option<Self> {
-        let cif = Box::new(Interface::new(arguments.iter().copied())?.into_cif());
+        let cif = Box::new(Interface::new(arguments)?.into_cif());
         let bound = Box::new(Bound { callback, data });
         let (closure, code) = low::try_closure_alloc()?;
         // SAFETY: `closure` was allocated just now; `cif` and `bound` live in boxes that go only

@@ -1,7 +1,8 @@
-// Calls a codel through libffi and stops the C++ exceptions it lets escape: unwinding further,
+// Calls a codel and stops the C++ exceptions it lets escape: unwinding further,
 // into Rust, would abort the daemon. Costs nothing as long as nothing is thrown.
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <cxxabi.h>
@@ -31,12 +32,11 @@ static void tell_type(char *what, std::size_t room)
   std::free(name);
 }
 
-// 0: the function returned; 1: it threw, and what[0..room] says what.
-extern "C" int genom_host_guarded_call(
-  void *cif, void (*function)(void), void *result, void **arguments, char *what, std::size_t room)
+// Runs `call` and tells whether it threw: what[0..room] then says what.
+template <typename F> static int guarded(F call, char *what, std::size_t room)
 {
   try {
-    ffi_call(cif, function, result, arguments);
+    call();
     return 0;
   } catch (const abi::__forced_unwind &) {
     throw;  // the thread is being cancelled: that must go on
@@ -48,4 +48,42 @@ extern "C" int genom_host_guarded_call(
     tell_type(what, room);
   }
   return 1;
+}
+
+// Through libffi: any interface.
+extern "C" int genom_host_guarded_call(
+  void *cif, void (*function)(void), void *result, void **arguments, char *what, std::size_t room)
+{
+  return guarded([&] { ffi_call(cif, function, result, arguments); }, what, room);
+}
+
+// Without libffi, where integers and floating-point numbers go to registers of their own, numbered
+// apart (x86-64 System V, AArch64): a function takes its arguments from the registers of its
+// prototype and from the stack in order, whatever else is passed.
+typedef std::uint64_t I;
+typedef const char *(*function8)(I, I, I, I, I, I, I, I, double, double, double, double, double,
+                                 double, double, double);
+typedef const char *(*function14)(I, I, I, I, I, I, I, I, I, I, I, I, I, I, double, double, double,
+                                  double, double, double, double, double);
+
+extern "C" int genom_host_guarded_registers(
+  void (*function)(void), const char **result, const I *i, std::size_t count, const double *d,
+  char *what, std::size_t room)
+{
+  if (count <= 8) {
+    const function8 f = reinterpret_cast<function8>(function);
+    return guarded(
+      [&] {
+        *result = f(i[0], i[1], i[2], i[3], i[4], i[5], i[6], i[7], d[0], d[1], d[2], d[3], d[4],
+                    d[5], d[6], d[7]);
+      },
+      what, room);
+  }
+  const function14 f = reinterpret_cast<function14>(function);
+  return guarded(
+    [&] {
+      *result = f(i[0], i[1], i[2], i[3], i[4], i[5], i[6], i[7], i[8], i[9], i[10], i[11], i[12],
+                  i[13], d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7]);
+    },
+    what, room);
 }

@@ -3,6 +3,7 @@
 mod call;
 mod class;
 mod closure;
+mod registers;
 
 pub(crate) use call::{Interface, WHAT};
 pub(crate) use class::{Class, Scalar};

@@ -36,23 +36,32 @@ impl Handle {
     }
 }
 
-/// Address ranges that `file` is mapped to and that nothing may write.
-pub(super) fn constants(file: &Path) -> Vec<Range<usize>> {
-    let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
-    let name = file.to_string_lossy();
-    maps.lines().filter_map(|line| constant_range(line, &name)).collect()
+/// Part of a file in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Mapping {
+    /// Where it lies.
+    pub(super) range: Range<usize>,
+    /// Whether the process may write there.
+    pub(super) writable: bool,
+    /// The file.
+    pub(super) file: String,
 }
 
-/// The range of a line of `/proc/self/maps` that maps `file` without the right to write.
-fn constant_range(line: &str, file: &str) -> Option<Range<usize>> {
+/// Every file that is mapped now.
+pub(super) fn mappings() -> Vec<Mapping> {
+    let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    maps.lines().filter_map(mapping).collect()
+}
+
+/// Reads a line of `/proc/self/maps`.
+fn mapping(line: &str) -> Option<Mapping> {
     // from-to rights offset device inode path
     let mut words = line.splitn(6, ' ');
     let (from, to) = words.next()?.split_once('-')?;
-    let rights = words.next()?;
-    let path = words.nth(3)?.trim_start();
-    let mapped = path == file && !rights.contains('w');
+    let writable = words.next()?.contains('w');
+    let file = words.nth(3)?.trim_start().to_owned();
     let address = |text| usize::from_str_radix(text, 16).ok();
-    mapped.then_some(address(from)?..address(to)?)
+    Some(Mapping { range: address(from)?..address(to)?, writable, file })
 }
 
 #[cfg(test)]
@@ -60,12 +69,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_unwritable_mappings_of_the_file_are_constant() {
+    fn a_line_of_maps_is_read() {
         let line = "7f00-7f10 r--p 00000000 08:01 42      /tmp/my lib.so";
-        assert_eq!(constant_range(line, "/tmp/my lib.so"), Some(0x7f00..0x7f10));
-        assert_eq!(constant_range(line, "/tmp/lib.so"), None);
-        let writable = "7f00-7f10 rw-p 00000000 08:01 42      /tmp/my lib.so";
-        assert_eq!(constant_range(writable, "/tmp/my lib.so"), None);
-        assert_eq!(constant_range("garbage", "garbage"), None);
+        let file = "/tmp/my lib.so".to_owned();
+        assert_eq!(mapping(line), Some(Mapping { range: 0x7f00..0x7f10, writable: false, file }));
+        assert!(mapping("7f00-7f10 rw-p 00000000 08:01 42 /x").is_some_and(|m| m.writable));
+        assert_eq!(mapping("garbage"), None);
+        assert_eq!(mapping("7f00-7f10 rw-p 00000000 00:00 0"), None, "no file");
     }
 }

@@ -10,11 +10,30 @@ mod linker;
 pub use elf::{EmbeddedDescription, embedded_description};
 pub use error::OpenError;
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use copy::PrivateCopy;
-use linker::Handle;
+use linker::{Handle, Mapping};
+
+/// Libraries of the system, by the beginning of their file's name: a codel is none of theirs.
+const SYSTEM: &[&str] = &[
+    "libc.",
+    "libc-",
+    "libm.",
+    "libm-",
+    "libpthread",
+    "libdl",
+    "librt",
+    "libstdc++",
+    "libgcc_s",
+    "ld-",
+];
+
+/// The parts of `file` in memory.
+fn own(file: &Path) -> Vec<Mapping> {
+    let name = file.to_string_lossy();
+    linker::mappings().into_iter().filter(|mapping| mapping.file == name).collect()
+}
 
 /// An open library. Closing is dropping: no thread may still run its code then.
 #[derive(Debug)]
@@ -24,7 +43,8 @@ pub struct Library {
     _copy: Option<PrivateCopy>,
     path: PathBuf,
     bytes: Vec<u8>,
-    constants: Vec<Range<usize>>,
+    /// Its own parts in memory, not those of libraries it needs.
+    mappings: Vec<Mapping>,
 }
 
 impl Library {
@@ -51,8 +71,8 @@ impl Library {
         };
         match Handle::open(copy.path()) {
             Ok(handle) => {
-                let constants = linker::constants(copy.path());
-                Ok(Self { handle, _copy: Some(copy), path, bytes, constants })
+                let mappings = own(copy.path());
+                Ok(Self { handle, _copy: Some(copy), path, bytes, mappings })
             }
             // A temporary directory mounted `noexec`.
             Err(said) if said.contains("failed to map segment") => Self::open_beside(path, bytes),
@@ -62,7 +82,7 @@ impl Library {
 
     /// Loads a copy made beside the original, or else the original.
     fn open_beside(path: PathBuf, bytes: Vec<u8>) -> Result<Self, OpenError> {
-        let load = |file: &Path| Handle::open(file).map(|handle| (handle, linker::constants(file)));
+        let load = |file: &Path| Handle::open(file).map(|handle| (handle, own(file)));
         let loaded = copy::beside(&path, &bytes, load).unwrap_or_else(|why| {
             tracing::warn!(
                 "{}: loaded in place, no copy beside it: {why}; once rebuilt it needs a restart \
@@ -72,7 +92,7 @@ impl Library {
             load(&path.canonicalize().unwrap_or_else(|_| path.clone()))
         });
         match loaded {
-            Ok((handle, constants)) => Ok(Self { handle, _copy: None, path, bytes, constants }),
+            Ok((handle, mappings)) => Ok(Self { handle, _copy: None, path, bytes, mappings }),
             Err(said) => Err(OpenError::from_linker(path, &said)),
         }
     }
@@ -101,6 +121,29 @@ impl Library {
         self.handle.symbol(name)
     }
 
+    /// Address of symbol `name` that this library itself exports.
+    pub(crate) fn own_symbol(&self, name: &str) -> Option<usize> {
+        self.symbol(name).filter(|at| self.mappings.iter().any(|own| own.range.contains(at)))
+    }
+
+    /// Address of C function `name`, of this library or of one made for it.
+    ///
+    /// # Errors
+    /// The name of the system library that has a function of this name: not what is meant.
+    pub(crate) fn function(&self, name: &str) -> Result<Option<usize>, String> {
+        let Some(at) = self.symbol(name) else { return Ok(None) };
+        if self.own_symbol(name).is_some() {
+            return Ok(Some(at));
+        }
+        let mapped = linker::mappings().into_iter().find(|mapping| mapping.range.contains(&at));
+        let file = mapped.map_or(String::new(), |mapping| mapping.file);
+        let base = file.rsplit('/').next().unwrap_or_default();
+        match SYSTEM.iter().any(|system| base.starts_with(system)) {
+            true => Err(base.to_owned()),
+            false => Ok(Some(at)),
+        }
+    }
+
     /// The C++ function of that name, if it has one without C linkage.
     pub(crate) fn mangled(&self, function: &str) -> Option<String> {
         elf::mangled(&self.bytes, function)
@@ -108,6 +151,6 @@ impl Library {
 
     /// Whether the byte at `address` lies in this library's memory that nothing writes.
     pub(crate) fn is_constant(&self, address: usize) -> bool {
-        self.constants.iter().any(|range| range.contains(&address))
+        self.mappings.iter().any(|own| !own.writable && own.range.contains(&address))
     }
 }
