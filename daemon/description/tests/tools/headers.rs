@@ -272,3 +272,14 @@ fn codels_written_for_a_header_by_hand_compile_with_the_one_made_here() {
         }
     }
 }
+
+#[test]
+fn codels_in_cxx_can_use_every_type() {
+    let dir = tempfile::tempdir().unwrap();
+    write_header(&accepted(&path("tests/tools/rich.gen")), Language::Cxx, dir.path(), "h.h");
+    let program = dir.path().join("x");
+    let mut command = gcc("g++", "-std=c++11", dir.path());
+    command.arg("-o").arg(&program).arg(path("tests/tools/codels.cc"));
+    compile(&mut command, "codels.cc");
+    assert!(Command::new(&program).status().unwrap().success(), "the types misbehave");
+}
