@@ -4,6 +4,7 @@ mod directives;
 mod drawing;
 mod inputs;
 mod lexer;
+#[cfg(test)]
 mod limits;
 mod macros;
 #[cfg(test)]
