@@ -111,6 +111,28 @@ fn the_demo_in_c_agrees_with_its_description_by_its_debug_information() {
 }
 
 #[test]
+fn the_figures_of_both_papers_agree_with_their_codels() {
+    let scratch = Scratch::new();
+    for paper in ["2010", "2011"] {
+        let directory = root().join("components/demo/papers").join(paper);
+        let source = directory.join("codels/demo_codels.c");
+        let include = format!("-I{}", directory.display());
+        let source = source.to_str().expect("a path in UTF-8");
+        let path = scratch.cc("demo.so", "", &["-shared", "-fPIC", &include, source]);
+        let description = directory.join("demo.gen");
+        let analysis = genom_description::read(&[description], &Default::default());
+        assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
+        let plan = Plan::new(&Arc::new(analysis.specification), 0).expect("a plan");
+        let library = Library::open(&path).unwrap();
+        let report = check(&library, &plan, &|_| "demo.gen".to_owned());
+        assert_eq!(report.checked, Checked::DebugInformation, "{paper}");
+        assert_eq!(report.differences, [], "{paper}");
+        let loaded = Component::load(library, &plan, &|_| "demo.gen".to_owned());
+        assert_eq!(loaded.err().map(|errors| errors.to_string()), None, "{paper}");
+    }
+}
+
+#[test]
 fn a_c_library_that_differs_is_refused_with_both_declarations() {
     let scratch = Scratch::new();
     let path = demo_c(&scratch, &[]);
