@@ -173,6 +173,14 @@ fn a_c_library_that_differs_is_refused_with_both_declarations() {
               library: genom_event demo_servo(double goal, double velocity, bool halted, demo_state *current, const demo_parameter *parameter, const demo_position *position, const genom_context self)"#]],
     );
     differs(
+        "string<64> what;",
+        "string<32> what;",
+        expect![[r#"
+        demo.so: exception `::demo::OUT_OF_RANGE` (demo.gen:7): `demo_OUT_OF_RANGE_detail.what`: an array [32] is wanted, not `char[64]`
+          .gen:    { double value; double lower; double upper; char[32] what; }
+          library: { double value; double lower; double upper; char[64] what; }"#]],
+    );
+    differs(
         "boolean halted;",
         "long halted;",
         expect![[r#"
