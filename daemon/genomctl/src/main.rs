@@ -1,2 +1,47 @@
-//! TBD
-fn main() {}
+//! `genomctl`: the supervisor's command line.
+//!
+//! A client of the daemon's RPC, plus verbs on descriptions that need no daemon. It knows
+//! nothing that the daemon does not tell it.
+
+#![forbid(unsafe_code)]
+
+mod args;
+mod client;
+mod failure;
+mod inputs;
+mod names;
+mod session;
+mod sse;
+mod table;
+mod verbs;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::args::Cli;
+use crate::session::Session;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let code = if error.use_stderr() { 2 } else { 0 };
+            // A closed pipe is the reader's choice, not a failure.
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    let json = cli.json;
+    let session = Session::new(cli.connection, json);
+    // One query, one thread: starting a pool would cost more than the query.
+    let outcome = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .build()
+        .map_err(failure::Failure::Io)
+        .and_then(|runtime| runtime.block_on(verbs::run(cli.verb, &session)));
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(json),
+    }
+}

@@ -1,0 +1,178 @@
+//! Why a verb failed, how it is told and the exit status it gives.
+
+use std::io;
+use std::process::ExitCode;
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+/// Why a verb failed.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// What was typed makes no sense; nothing was sent.
+    #[error("{message}")]
+    Usage { message: String, help: Option<String> },
+    /// No daemon behind the socket.
+    #[error("no genomd answers on {target}: {source}")]
+    Unreachable { target: String, source: io::Error },
+    /// The daemon went away in the middle of a reply or a stream.
+    #[error("genomd on {target} went away")]
+    Lost { target: String },
+    /// The daemon refused; nothing was changed.
+    #[error("{}", .0.message)]
+    Refused(Refusal),
+    /// The service ran and ended with an exception.
+    #[error("{what} ended with {exception}{}", shown(.detail))]
+    Exception { what: String, exception: String, detail: Value },
+    /// The reply is not one of a genomd of this version.
+    #[error("the reply of genomd on {target} is not understood: {why}")]
+    Reply { target: String, why: String },
+    /// A description is refused; what is wrong was shown.
+    #[error("{} in the description", counted(*.errors, *.warnings))]
+    Description { errors: usize, warnings: usize },
+    /// Files or the terminal.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}
+
+/// The daemon's one shape of errors.
+#[derive(Clone, Debug, Deserialize)]
+pub(crate) struct Refusal {
+    /// Stable name of the reason, such as `no_such_service`.
+    #[serde(default)]
+    pub(crate) code: String,
+    /// One sentence.
+    pub(crate) message: String,
+    /// The place in the request, as a JSON pointer or a path.
+    #[serde(default, rename = "where")]
+    pub(crate) place: Option<String>,
+    /// The way out.
+    #[serde(default)]
+    pub(crate) help: Option<String>,
+}
+
+fn counted(errors: usize, warnings: usize) -> String {
+    let plural =
+        |count: usize, word| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+    match (errors, warnings) {
+        (0, warnings) => plural(warnings, "warning"),
+        (errors, 0) => plural(errors, "error"),
+        (errors, warnings) => {
+            format!("{}, {}", plural(errors, "error"), plural(warnings, "warning"))
+        }
+    }
+}
+
+fn shown(detail: &Value) -> String {
+    match detail {
+        Value::Null => String::new(),
+        Value::Object(members) if members.is_empty() => String::new(),
+        detail => format!(" {detail}"),
+    }
+}
+
+impl Failure {
+    /// Wrong usage, with a way out.
+    pub(crate) fn usage(message: impl Into<String>, help: impl Into<String>) -> Self {
+        Failure::Usage { message: message.into(), help: Some(help.into()) }
+    }
+
+    /// The lines for standard error.
+    pub(crate) fn text(&self) -> String {
+        let mut text = format!("error: {self}\n");
+        if let Some(place) = self.place() {
+            text.push_str(&format!("  at: {place}\n"));
+        }
+        if let Some(help) = self.help() {
+            text.push_str(&format!("help: {help}\n"));
+        }
+        text
+    }
+
+    fn place(&self) -> Option<&str> {
+        match self {
+            Failure::Refused(refusal) => refusal.place.as_deref().filter(|at| !at.is_empty()),
+            _ => None,
+        }
+    }
+
+    fn help(&self) -> Option<String> {
+        match self {
+            Failure::Usage { help, .. } => help.clone(),
+            Failure::Unreachable { .. } => Some(
+                "start one with `genomd LIBRARY...`, or name its socket with --socket".to_owned(),
+            ),
+            Failure::Refused(refusal) => refusal.help.clone(),
+            _ => None,
+        }
+    }
+
+    /// The failure in the daemon's shape of errors, for `--json`.
+    fn data(&self) -> Value {
+        let code = match self {
+            Failure::Usage { .. } => "usage",
+            Failure::Unreachable { .. } => "unreachable",
+            Failure::Lost { .. } => "lost",
+            Failure::Refused(refusal) => &refusal.code,
+            // The outcome itself was printed on standard output.
+            Failure::Exception { .. } => "exception",
+            Failure::Reply { .. } => "not_understood",
+            Failure::Description { .. } => "description",
+            Failure::Io(_) => "io",
+        };
+        json!({"error": {
+            "code": code, "message": self.to_string(), "where": self.place(), "help": self.help(),
+        }})
+    }
+
+    /// Tells it on standard error; a closed pipe is success.
+    pub(crate) fn report(self, json: bool) -> ExitCode {
+        if let Failure::Io(error) = &self
+            && error.kind() == io::ErrorKind::BrokenPipe
+        {
+            return ExitCode::SUCCESS;
+        }
+        use io::Write as _;
+        let text = if json { format!("{}\n", self.data()) } else { self.text() };
+        let _ = io::stderr().lock().write_all(text.as_bytes());
+        ExitCode::from(match self {
+            Failure::Usage { .. } => 2,
+            Failure::Unreachable { .. } | Failure::Lost { .. } => 3,
+            _ => 1,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use expect_test::expect;
+
+    #[test]
+    fn a_refusal_tells_place_and_way_out() {
+        let refusal = serde_json::from_value(json!({
+            "code": "bad_input", "message": "goal: expected a number, found \"x\"",
+            "where": "/goal", "help": "goal is a double",
+        }));
+        let failure = Failure::Refused(refusal.unwrap());
+        expect![[r#"
+            error: goal: expected a number, found "x"
+              at: /goal
+            help: goal is a double
+        "#]]
+        .assert_eq(&failure.text());
+    }
+
+    #[test]
+    fn an_exception_shows_its_detail() {
+        let failure = Failure::Exception {
+            what: "demo/goto".into(),
+            exception: "::demo::TOO_FAR".into(),
+            detail: json!({"goal": 9.0}),
+        };
+        expect![[r#"
+            error: demo/goto ended with ::demo::TOO_FAR {"goal":9.0}
+        "#]]
+        .assert_eq(&failure.text());
+    }
+}

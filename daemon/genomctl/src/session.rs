@@ -1,0 +1,67 @@
+//! What every verb works with: the daemon, and where the answer goes.
+
+use std::io::{self, Write as _};
+
+use hyper::Method;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use crate::args::Connection;
+use crate::client::Client;
+use crate::failure::Failure;
+
+/// One run of `genomctl`.
+#[derive(Debug)]
+pub(crate) struct Session {
+    /// The daemon to ask.
+    pub(crate) client: Client,
+    /// `--json`: replies as the daemon sent them.
+    pub(crate) json: bool,
+}
+
+impl Session {
+    /// A session with the daemon named on the command line; nothing is sent yet.
+    pub(crate) fn new(connection: Connection, json: bool) -> Self {
+        Self { client: Client::new(connection), json }
+    }
+
+    /// `GET path`.
+    pub(crate) async fn get(&self, path: &str) -> Result<Value, Failure> {
+        self.client.request(Method::GET, path, None).await
+    }
+
+    /// `POST path` with a JSON body.
+    pub(crate) async fn post(&self, path: &str, body: &Value) -> Result<Value, Failure> {
+        self.client.request(Method::POST, path, Some(body)).await
+    }
+
+    /// `DELETE path`.
+    pub(crate) async fn delete(&self, path: &str) -> Result<Value, Failure> {
+        self.client.request(Method::DELETE, path, None).await
+    }
+
+    /// Prints a reply: as it is with `--json`, else as `render` words it.
+    pub(crate) fn show<R: DeserializeOwned>(
+        &self,
+        reply: Value,
+        render: impl FnOnce(&R) -> String,
+    ) -> Result<(), Failure> {
+        if self.json {
+            return self.print(&format!("{reply}\n"));
+        }
+        self.print(&render(&self.read(reply)?))
+    }
+
+    /// The reply as the type a verb expects.
+    pub(crate) fn read<R: DeserializeOwned>(&self, reply: Value) -> Result<R, Failure> {
+        serde_json::from_value(reply).map_err(|error| self.client.misread(error.to_string()))
+    }
+
+    /// Writes on standard output, at once: the reader may be a pipe that follows a stream.
+    pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
+        let mut out = io::stdout().lock();
+        out.write_all(text.as_bytes())?;
+        out.flush()?;
+        Ok(())
+    }
+}

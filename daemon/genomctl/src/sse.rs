@@ -1,0 +1,109 @@
+//! Reads server-sent events (the HTML standard's event streams) from a reply's body.
+
+use std::collections::VecDeque;
+
+use http_body_util::BodyExt;
+use hyper::body::Incoming;
+
+/// One event.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Event {
+    /// `event:`, empty for plain messages.
+    pub(crate) kind: String,
+    /// `data:` lines, joined.
+    pub(crate) data: String,
+}
+
+/// The events of one reply, in order.
+pub(crate) struct EventStream {
+    body: Incoming,
+    parser: Parser,
+}
+
+impl EventStream {
+    /// Reads from `body`.
+    pub(crate) fn new(body: Incoming) -> Self {
+        Self { body, parser: Parser::default() }
+    }
+
+    /// The next event; `None` when the daemon closed the stream.
+    pub(crate) async fn next(&mut self) -> Option<Event> {
+        loop {
+            if let Some(event) = self.parser.ready.pop_front() {
+                return Some(event);
+            }
+            let frame = self.body.frame().await?.ok()?;
+            if let Some(bytes) = frame.data_ref() {
+                self.parser.feed(bytes);
+            }
+        }
+    }
+}
+
+/// Cuts bytes into events; a frame may end anywhere.
+#[derive(Debug, Default)]
+struct Parser {
+    /// Bytes of a line that is not complete yet.
+    line: Vec<u8>,
+    /// The event that the next empty line completes.
+    event: Event,
+    /// Whether `event` holds data: an event without data is dropped.
+    filled: bool,
+    ready: VecDeque<Event>,
+}
+
+impl Parser {
+    fn feed(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            if byte == b'\n' {
+                let line = String::from_utf8_lossy(&std::mem::take(&mut self.line)).into_owned();
+                self.take_line(line.trim_end_matches('\r'));
+            } else {
+                self.line.push(byte);
+            }
+        }
+    }
+
+    fn take_line(&mut self, line: &str) {
+        if line.is_empty() {
+            let event = std::mem::take(&mut self.event);
+            if std::mem::take(&mut self.filled) {
+                self.ready.push_back(event);
+            }
+            return;
+        }
+        let (field, value) = line.split_once(':').unwrap_or((line, ""));
+        let value = value.strip_prefix(' ').unwrap_or(value);
+        match field {
+            "event" => self.event.kind = value.to_owned(),
+            "data" => {
+                if self.filled {
+                    self.event.data.push('\n');
+                }
+                self.event.data.push_str(value);
+                self.filled = true;
+            }
+            // `id`, `retry`, and comments that keep the connection alive.
+            _ => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn events_survive_any_cut() {
+        let text = b": hello\r\nevent: value\ndata: {\"a\":1}\n\ndata: x\ndata: y\n\n";
+        for cut in 0..text.len() {
+            let mut parser = Parser::default();
+            parser.feed(&text[..cut]);
+            parser.feed(&text[cut..]);
+            let found: Vec<Event> = parser.ready.into();
+            let first = Event { kind: "value".into(), data: "{\"a\":1}".into() };
+            let second = Event { kind: String::new(), data: "x\ny".into() };
+            assert_eq!(found, [first, second]);
+        }
+    }
+}

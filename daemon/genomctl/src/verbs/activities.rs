@@ -1,0 +1,52 @@
+//! `genomctl activities`: what runs, and what ended lately.
+
+use serde::Deserialize;
+
+use crate::failure::Failure;
+use crate::names::url;
+use crate::session::Session;
+use crate::table::table;
+
+/// List the activities of a component, running and lately ended.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Instance name of the component.
+    component: String,
+}
+
+#[derive(Debug, Deserialize)]
+struct Reply {
+    activities: Vec<Activity>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Activity {
+    activity: u64,
+    service: String,
+    status: String,
+    #[serde(default)]
+    state: String,
+    #[serde(default)]
+    exception: Option<String>,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let reply = session.get(&url(["components", &args.component, "activities"])).await?;
+    session.show(reply, render)
+}
+
+fn render(reply: &Reply) -> String {
+    let rows: Vec<_> = reply
+        .activities
+        .iter()
+        .map(|activity| {
+            vec![
+                activity.activity.to_string(),
+                activity.service.clone(),
+                activity.status.clone(),
+                activity.exception.clone().unwrap_or_else(|| activity.state.clone()),
+            ]
+        })
+        .collect();
+    table(&["ACTIVITY", "SERVICE", "STATUS", "STATE"], &rows)
+}

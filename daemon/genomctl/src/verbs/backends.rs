@@ -1,0 +1,88 @@
+//! `genomctl backends`: the middlewares of the daemon.
+
+use serde::Deserialize;
+
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::table::table;
+
+/// List the middlewares that the daemon knows, what they can do and what is visible on them.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Also list the ports and services visible on them.
+    #[arg(long, short)]
+    visible: bool,
+}
+
+#[derive(Debug, Deserialize)]
+struct Reply {
+    default: String,
+    middlewares: Vec<Middleware>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Middleware {
+    name: String,
+    version: String,
+    #[serde(default)]
+    capabilities: Option<Capabilities>,
+    #[serde(default)]
+    endpoints: Vec<Endpoint>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Capabilities {
+    variable_size: bool,
+    zero_copy: bool,
+    cross_process: bool,
+    cross_host: bool,
+    native_services: bool,
+}
+
+#[derive(Debug, Deserialize)]
+struct Endpoint {
+    kind: String,
+    address: String,
+    ty: String,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let path = if args.visible { "/middlewares?visible=true" } else { "/middlewares" };
+    let reply = session.get(path).await?;
+    session.show(reply, render)
+}
+
+fn render(reply: &Reply) -> String {
+    let rows: Vec<_> = reply
+        .middlewares
+        .iter()
+        .map(|middleware| {
+            let mark = if middleware.name == reply.default { "*" } else { "" };
+            vec![
+                format!("{}{mark}", middleware.name),
+                middleware.version.clone(),
+                middleware.capabilities.as_ref().map_or_else(|| "not open".into(), words),
+            ]
+        })
+        .collect();
+    let mut out = table(&["BACKEND", "VERSION", "CAPABILITIES"], &rows);
+    for middleware in &reply.middlewares {
+        for endpoint in &middleware.endpoints {
+            let Endpoint { kind, address, ty } = endpoint;
+            out.push_str(&format!("{}: {kind} {address} ({ty})\n", middleware.name));
+        }
+    }
+    out
+}
+
+fn words(capabilities: &Capabilities) -> String {
+    let named = [
+        ("variable-size", capabilities.variable_size),
+        ("zero-copy", capabilities.zero_copy),
+        ("cross-process", capabilities.cross_process),
+        ("cross-host", capabilities.cross_host),
+        ("native-services", capabilities.native_services),
+    ];
+    let words: Vec<_> = named.iter().filter(|(_, has)| *has).map(|(word, _)| *word).collect();
+    words.join(", ")
+}

@@ -1,0 +1,32 @@
+//! `genomctl call`: a service from request to end.
+
+use crate::failure::Failure;
+use crate::names::url;
+use crate::session::Session;
+use crate::verbs::{outcome, start};
+
+/// Call a service and wait for its outputs.
+///
+/// An activity is started and waited for, as with `start --wait`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Instance name of the component.
+    component: String,
+    /// The service.
+    service: String,
+    /// Inputs: '{"velocity": 0.5}' or velocity=0.5; what is missing takes its default.
+    inputs: Vec<String>,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let inputs = crate::inputs::parse(&args.inputs)?;
+    let path = url(["components", &args.component, "services", &args.service]);
+    let reply = session.post(&path, &inputs).await?;
+    let so_far: outcome::Outcome = session.read(reply.clone())?;
+    match so_far.activity {
+        Some(activity) if !so_far.ended() => {
+            start::wait_for(session, &args.component, &args.service, activity).await
+        }
+        _ => outcome::show(session, &format!("{}/{}", args.component, args.service), reply),
+    }
+}

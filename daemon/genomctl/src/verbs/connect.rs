@@ -1,0 +1,54 @@
+//! `genomctl connect`: an in port to an out port, or a remote to a service.
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use crate::failure::Failure;
+use crate::names::Path2;
+use crate::session::Session;
+
+/// Connect an in port to an out port, of this daemon or of another one.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
+    inport: Path2,
+    /// The out port that feeds it.
+    outport: Path2,
+    /// What the reader gets of the samples it has not read: latest, queue:N or ring:N.
+    #[arg(long)]
+    policy: Option<String>,
+    /// Middleware to use [default: that of the out port].
+    #[arg(long)]
+    backend: Option<String>,
+    /// Connect also when the out port does not exist yet: it may come later.
+    #[arg(long)]
+    wait: bool,
+}
+
+#[derive(Debug, Deserialize)]
+struct Reply {
+    #[serde(rename = "in")]
+    inport: String,
+    #[serde(rename = "out")]
+    outport: String,
+    backend: String,
+    policy: String,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let mut body = Map::new();
+    body.insert("in".into(), args.inport.to_string().into());
+    body.insert("out".into(), args.outport.to_string().into());
+    body.extend(args.policy.map(|policy| ("policy".to_owned(), Value::from(policy))));
+    body.extend(args.backend.map(|backend| ("backend".to_owned(), Value::from(backend))));
+    if args.wait {
+        body.insert("wait".into(), true.into());
+    }
+    let reply = session.post("/connections", &Value::Object(body)).await?;
+    session.show(reply, render)
+}
+
+fn render(reply: &Reply) -> String {
+    let Reply { inport, outport, backend, policy } = reply;
+    format!("{inport} reads {outport} ({backend}, {policy})\n")
+}

@@ -1,0 +1,67 @@
+//! `genomctl echo`: values of a port as they come.
+
+use serde_json::Value;
+
+use crate::failure::Failure;
+use crate::names::{Path2, encode, url};
+use crate::session::Session;
+
+/// Print the values of a port as they come, one a line, until Ctrl-C.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
+    port: Path2,
+    /// Stop after this many values.
+    #[arg(short = 'n', long, value_name = "COUNT")]
+    count: Option<u64>,
+    /// At most this many values a second.
+    #[arg(long, value_name = "HERTZ")]
+    rate: Option<f64>,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let (port, element) = args.port.port();
+    let mut path = url(["components", &args.port.component, "ports", port, "stream"]);
+    let mut query = Vec::new();
+    query.extend(args.rate.map(|rate| format!("rate={rate}")));
+    query.extend(element.map(|element| format!("element={}", encode(element))));
+    if !query.is_empty() {
+        path.push('?');
+        path.push_str(&query.join("&"));
+    }
+    let mut events = session.client.stream(&path).await?;
+    let mut left = args.count.unwrap_or(u64::MAX);
+    while left > 0 {
+        let event = tokio::select! {
+            event = events.next() => event,
+            _ = tokio::signal::ctrl_c() => return Ok(()),
+        };
+        let Some(event) = event else { return Err(session.client.lost()) };
+        match event.kind.as_str() {
+            "value" => {
+                session.print(&render(&event.data, session.json))?;
+                left -= 1;
+            }
+            "end" => return Err(ended(&args.port, &event.data)),
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// One value a line: the value alone for a plain number, JSON for the rest.
+fn render(data: &str, json: bool) -> String {
+    match serde_json::from_str::<Value>(data) {
+        Ok(Value::String(text)) if !json => format!("{text}\n"),
+        _ => format!("{data}\n"),
+    }
+}
+
+fn ended(port: &Path2, why: &str) -> Failure {
+    Failure::Refused(crate::failure::Refusal {
+        code: "ended".to_owned(),
+        message: format!("{port} is no more: {why}"),
+        place: None,
+        help: None,
+    })
+}

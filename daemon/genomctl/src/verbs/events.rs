@@ -1,0 +1,55 @@
+//! `genomctl events`: what changes in the daemon, as it happens.
+
+use serde_json::Value;
+
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Print what changes in the daemon as it happens, one a line, until Ctrl-C.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Stop after this many events.
+    #[arg(short = 'n', long, value_name = "COUNT")]
+    count: Option<u64>,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let mut events = session.client.stream("/events").await?;
+    let mut left = args.count.unwrap_or(u64::MAX);
+    while left > 0 {
+        let event = tokio::select! {
+            event = events.next() => event,
+            _ = tokio::signal::ctrl_c() => return Ok(()),
+        };
+        let Some(event) = event else { return Err(session.client.lost()) };
+        let text = if session.json { format!("{}\n", event.data) } else { render(&event.data) };
+        session.print(&text)?;
+        left -= 1;
+    }
+    Ok(())
+}
+
+/// The kind of event, then its members as `key=value`.
+fn render(data: &str) -> String {
+    let Ok(Value::Object(members)) = serde_json::from_str(data) else {
+        return format!("{data}\n");
+    };
+    let mut line = members.get("event").and_then(Value::as_str).unwrap_or_default().to_owned();
+    for (key, value) in members.iter().filter(|(key, _)| *key != "event") {
+        let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+        line.push_str(&format!(" {key}={value}"));
+    }
+    line.push('\n');
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_event_is_one_line() {
+        let data = r#"{"event":"activity_ended","component":"demo","activity":3}"#;
+        assert_eq!(render(data), "activity_ended component=demo activity=3\n");
+    }
+}

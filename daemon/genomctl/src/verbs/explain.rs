@@ -1,0 +1,48 @@
+//! `genomctl explain`: what a code of a diagnostic means. No daemon.
+
+use genom_description::diagnostic::{Explanation, explain, explanations};
+
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Explain a code that `check` shows, such as E0301.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The code; all codes when left out.
+    code: Option<String>,
+}
+
+pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    let Some(code) = &args.code else {
+        let all: String =
+            explanations().map(|one| format!("{}  {}\n", one.code, one.title)).collect();
+        return session.print(&all);
+    };
+    match explain(code) {
+        Some(explanation) => session.print(&render(explanation)),
+        None => Err(Failure::usage(
+            format!("there is no code `{code}`"),
+            "`genomctl explain` lists them",
+        )),
+    }
+}
+
+fn render(explanation: &Explanation) -> String {
+    let Explanation { code, title, rule, text, example } = explanation;
+    let rule = if rule.is_empty() { String::new() } else { format!(" (rule {rule})") };
+    let example: String = example.lines().map(|line| format!("    {line}\n")).collect();
+    format!("{code}: {title}{rule}\n\n{}\n\nFor instance:\n\n{example}", text.trim())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_code_is_explained_with_an_example() {
+        for explanation in explanations() {
+            let shown = render(explanation);
+            assert!(shown.starts_with(explanation.code) && shown.contains("For instance:"));
+        }
+    }
+}

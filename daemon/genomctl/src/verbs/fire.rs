@@ -1,0 +1,21 @@
+//! `genomctl fire`: an external event.
+
+use crate::failure::Failure;
+use crate::names::url;
+use crate::session::Session;
+
+/// Fire an external event of a component.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Instance name of the component.
+    component: String,
+    /// The event.
+    event: String,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let path = url(["components", &args.component, "events", &args.event]);
+    let reply = session.post(&path, &serde_json::json!({})).await?;
+    session
+        .show(reply, |_: &serde_json::Value| format!("{}/{} fired\n", args.component, args.event))
+}

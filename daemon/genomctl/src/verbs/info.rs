@@ -1,0 +1,196 @@
+//! `genomctl info`: what a component offers.
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::failure::Failure;
+use crate::names::url;
+use crate::session::Session;
+
+/// Describe a component, or one of its services.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Instance name of the component.
+    component: String,
+    /// One service only.
+    service: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Reply {
+    name: String,
+    component: String,
+    version: String,
+    #[serde(default)]
+    doc: Option<String>,
+    backend: String,
+    library: String,
+    services: Vec<Service>,
+    ports: Vec<Port>,
+    tasks: Vec<Task>,
+    #[serde(default)]
+    events: Vec<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Service {
+    name: String,
+    kind: String,
+    #[serde(default)]
+    doc: Option<String>,
+    #[serde(default)]
+    task: Option<String>,
+    parameters: Vec<Parameter>,
+    #[serde(default)]
+    throws: Vec<String>,
+    #[serde(default)]
+    interrupts: Vec<String>,
+    #[serde(default)]
+    standard: bool,
+}
+
+#[derive(Debug, Deserialize)]
+struct Parameter {
+    name: String,
+    direction: String,
+    #[serde(rename = "type")]
+    ty: String,
+    #[serde(default)]
+    doc: Option<String>,
+    #[serde(default)]
+    default: Option<Value>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Port {
+    name: String,
+    direction: String,
+    multiple: bool,
+    #[serde(rename = "type")]
+    ty: String,
+    #[serde(default)]
+    doc: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Task {
+    name: String,
+    #[serde(default)]
+    period: Option<f64>,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let mut segments = vec!["components", &args.component];
+    if let Some(service) = &args.service {
+        segments.extend(["services", service]);
+        let reply = session.get(&url(segments)).await?;
+        return session.show(reply, |service: &Service| render_service(service, ""));
+    }
+    let reply = session.get(&url(segments)).await?;
+    session.show(reply, render)
+}
+
+fn render(reply: &Reply) -> String {
+    let mut out = format!("{} ({} {})\n", reply.name, reply.component, reply.version);
+    push_doc(&mut out, "  ", reply.doc.as_deref());
+    out.push_str(&format!("  backend {}, library {}\n", reply.backend, reply.library));
+    for task in &reply.tasks {
+        match task.period {
+            Some(period) => out.push_str(&format!("task {} every {period} s\n", task.name)),
+            None => out.push_str(&format!("task {}\n", task.name)),
+        }
+    }
+    for port in &reply.ports {
+        let multiple = if port.multiple { "multiple " } else { "" };
+        let Port { direction, ty, name, .. } = port;
+        out.push_str(&format!("port {multiple}{direction} {ty} {name}\n"));
+        push_doc(&mut out, "    ", port.doc.as_deref());
+    }
+    for event in &reply.events {
+        out.push_str(&format!("event {event}\n"));
+    }
+    for service in reply.services.iter().filter(|service| !service.standard) {
+        out.push_str(&render_service(service, ""));
+    }
+    for service in reply.services.iter().filter(|service| service.standard) {
+        out.push_str(&render_service(service, "standard "));
+    }
+    out
+}
+
+fn render_service(service: &Service, prefix: &str) -> String {
+    let Service { kind, name, .. } = service;
+    let parameters: Vec<String> = service.parameters.iter().map(signature).collect();
+    let mut out = format!("{prefix}{kind} {name}({})\n", parameters.join(", "));
+    push_doc(&mut out, "    ", service.doc.as_deref());
+    for parameter in &service.parameters {
+        if let Some(doc) = &parameter.doc {
+            out.push_str(&format!("    {}: {doc}\n", parameter.name));
+        }
+    }
+    let mut facts = Vec::new();
+    facts.extend(service.task.as_ref().map(|task| format!("task {task}")));
+    // What every service may end with says nothing of this one.
+    let throws = service.throws.iter().filter(|name| !name.starts_with("::genom::"));
+    let throws: Vec<String> = throws.cloned().collect();
+    for (word, names) in [("interrupts", &service.interrupts), ("throws", &throws)] {
+        if !names.is_empty() && prefix.is_empty() {
+            facts.push(format!("{word} {}", names.join(", ")));
+        }
+    }
+    if !facts.is_empty() {
+        out.push_str(&format!("    [{}]\n", facts.join("; ")));
+    }
+    out
+}
+
+fn signature(parameter: &Parameter) -> String {
+    let Parameter { direction, ty, name, .. } = parameter;
+    match &parameter.default {
+        Some(default) => format!("{direction} {ty} {name} = {default}"),
+        None => format!("{direction} {ty} {name}"),
+    }
+}
+
+fn push_doc(out: &mut String, indent: &str, doc: Option<&str>) {
+    for line in doc.unwrap_or_default().lines().map(str::trim).filter(|line| !line.is_empty()) {
+        out.push_str(&format!("{indent}{line}\n"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use expect_test::expect;
+    use serde_json::json;
+
+    #[test]
+    fn a_component_reads_like_its_description() {
+        let reply = serde_json::from_value(json!({
+            "name": "arm", "component": "demo", "version": "1.0", "doc": "A servo.",
+            "backend": "shm", "library": "/x/demo.so",
+            "tasks": [{"name": "main", "period": 0.005}],
+            "ports": [{"name": "position", "direction": "out", "multiple": false, "type": "double"}],
+            "events": ["emergency"],
+            "services": [{
+                "name": "goto", "kind": "activity", "task": "main", "doc": "Moves.",
+                "parameters": [{"name": "goal", "direction": "in", "type": "double",
+                                "default": 1.0, "doc": "where to"}],
+                "interrupts": ["goto"], "throws": ["::demo::TOO_FAR"],
+            }],
+        }));
+        expect![[r#"
+            arm (demo 1.0)
+              A servo.
+              backend shm, library /x/demo.so
+            task main every 0.005 s
+            port out double position
+            event emergency
+            activity goto(in double goal = 1.0)
+                Moves.
+                goal: where to
+                [task main; interrupts goto; throws ::demo::TOO_FAR]
+        "#]]
+        .assert_eq(&render(&reply.unwrap()));
+    }
+}

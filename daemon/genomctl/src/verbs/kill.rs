@@ -1,0 +1,18 @@
+//! `genomctl kill`: asks the daemon to stop, and waits until it has.
+
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Stop the daemon: activities are interrupted, components unloaded.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {}
+
+pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
+    // The event stream is the sign of life: it closes when the daemon is gone.
+    let mut alive = session.client.stream("/events").await?;
+    let reply = session.post("/shutdown", &json!({})).await?;
+    while alive.next().await.is_some() {}
+    session.show(reply, |_: &Value| "stopped\n".to_owned())
+}

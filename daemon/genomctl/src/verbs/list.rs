@@ -1,0 +1,49 @@
+//! `genomctl list`: the components that run.
+
+use serde::Deserialize;
+
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::table::table;
+
+/// List the components that run.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {}
+
+#[derive(Debug, Deserialize)]
+struct Reply {
+    components: Vec<Component>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Component {
+    name: String,
+    component: String,
+    state: String,
+    backend: String,
+    activities: usize,
+    library: String,
+}
+
+pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
+    let reply = session.get("/components").await?;
+    session.show(reply, render)
+}
+
+fn render(reply: &Reply) -> String {
+    let rows: Vec<_> = reply
+        .components
+        .iter()
+        .map(|component| {
+            vec![
+                component.name.clone(),
+                component.component.clone(),
+                component.state.clone(),
+                component.backend.clone(),
+                component.activities.to_string(),
+                component.library.clone(),
+            ]
+        })
+        .collect();
+    table(&["NAME", "COMPONENT", "STATE", "BACKEND", "ACTIVITIES", "LIBRARY"], &rows)
+}

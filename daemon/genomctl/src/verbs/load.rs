@@ -1,0 +1,61 @@
+//! `genomctl load`: one more component in the daemon.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Load a component into the running daemon.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Library of codels (.so), description (.gen), or a name on the daemon's component path.
+    library: PathBuf,
+    /// Description, when it is neither in the library nor beside it.
+    #[arg(long, value_name = "FILE")]
+    gen_file: Option<PathBuf>,
+    /// Instance name [default: the component's name].
+    #[arg(long)]
+    name: Option<String>,
+    /// Middleware of its ports [default: that of the daemon].
+    #[arg(long)]
+    backend: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Reply {
+    name: String,
+    component: String,
+    backend: String,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let mut body = Map::new();
+    body.insert("library".into(), absolute(&args.library)?);
+    if let Some(path) = &args.gen_file {
+        body.insert("gen".into(), absolute(path)?);
+    }
+    body.extend(args.name.map(|name| ("name".to_owned(), Value::from(name))));
+    body.extend(args.backend.map(|backend| ("backend".to_owned(), Value::from(backend))));
+    let reply = session.post("/components", &Value::Object(body)).await?;
+    session.show(reply, render)
+}
+
+/// The daemon has another working directory: what exists here is sent with its full path.
+fn absolute(path: &Path) -> Result<Value, Failure> {
+    let full = if path.exists() { std::path::absolute(path)? } else { path.to_owned() };
+    match full.to_str() {
+        Some(text) => Ok(text.into()),
+        None => Err(Failure::usage(
+            format!("{} is not UTF-8", path.display()),
+            "rename the file, or its directory",
+        )),
+    }
+}
+
+fn render(reply: &Reply) -> String {
+    let Reply { name, component, backend } = reply;
+    format!("{name} runs (component {component}, backend {backend})\n")
+}

@@ -1,0 +1,85 @@
+//! The verbs, one file each: arguments, request, and a pure rendering of the reply.
+
+mod abort;
+mod activities;
+mod backends;
+mod call;
+mod check;
+mod completion;
+mod connect;
+mod connections;
+mod disconnect;
+mod echo;
+mod events;
+mod explain;
+mod fire;
+mod info;
+mod kill;
+mod list;
+mod load;
+mod outcome;
+mod ports;
+mod start;
+mod stats;
+mod unload;
+mod wait;
+
+use clap::Subcommand;
+
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Verb {
+    List(list::Args),
+    Info(info::Args),
+    Call(call::Args),
+    Start(start::Args),
+    Wait(wait::Args),
+    Abort(abort::Args),
+    Activities(activities::Args),
+    Ports(ports::Args),
+    Echo(echo::Args),
+    Connect(connect::Args),
+    Disconnect(disconnect::Args),
+    Connections(connections::Args),
+    Load(load::Args),
+    Unload(unload::Args),
+    Fire(fire::Args),
+    Events(events::Args),
+    Stats(stats::Args),
+    Backends(backends::Args),
+    Kill(kill::Args),
+    Check(check::Args),
+    Explain(explain::Args),
+    Completion(completion::Args),
+}
+
+/// Does it.
+pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
+    match verb {
+        Verb::List(args) => list::run(args, session).await,
+        Verb::Info(args) => info::run(args, session).await,
+        Verb::Call(args) => call::run(args, session).await,
+        Verb::Start(args) => start::run(args, session).await,
+        Verb::Wait(args) => wait::run(args, session).await,
+        Verb::Abort(args) => abort::run(args, session).await,
+        Verb::Activities(args) => activities::run(args, session).await,
+        Verb::Ports(args) => ports::run(args, session).await,
+        Verb::Echo(args) => echo::run(args, session).await,
+        Verb::Connect(args) => connect::run(args, session).await,
+        Verb::Disconnect(args) => disconnect::run(args, session).await,
+        Verb::Connections(args) => connections::run(args, session).await,
+        Verb::Load(args) => load::run(args, session).await,
+        Verb::Unload(args) => unload::run(args, session).await,
+        Verb::Fire(args) => fire::run(args, session).await,
+        Verb::Events(args) => events::run(args, session).await,
+        Verb::Stats(args) => stats::run(args, session).await,
+        Verb::Backends(args) => backends::run(args, session).await,
+        Verb::Kill(args) => kill::run(args, session).await,
+        Verb::Check(args) => check::run(&args, session),
+        Verb::Explain(args) => explain::run(&args, session),
+        Verb::Completion(args) => completion::run(&args, session),
+    }
+}

@@ -1,0 +1,98 @@
+//! `genomctl stats`: how the tasks do.
+
+use serde::Deserialize;
+
+use crate::failure::Failure;
+use crate::names::url;
+use crate::session::Session;
+use crate::table::table;
+
+/// Show the statistics of the tasks of a component.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Instance name of the component.
+    component: String,
+}
+
+#[derive(Debug, Deserialize)]
+struct Reply {
+    tasks: Vec<Task>,
+}
+
+#[derive(Debug, Deserialize)]
+struct Task {
+    name: String,
+    period_ns: Option<u64>,
+    real_time: bool,
+    cycles: Durations,
+    lateness: Durations,
+    overruns: u64,
+}
+
+#[derive(Debug, Deserialize)]
+struct Durations {
+    count: u64,
+    mean_ns: u64,
+    p99_ns: u64,
+    max_ns: u64,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let reply = session.get(&url(["components", &args.component, "tasks"])).await?;
+    session.show(reply, render)
+}
+
+fn render(reply: &Reply) -> String {
+    let rows: Vec<_> = reply
+        .tasks
+        .iter()
+        .map(|task| {
+            vec![
+                task.name.clone(),
+                task.period_ns.map_or_else(|| "-".to_owned(), duration),
+                if task.real_time { "yes" } else { "no" }.to_owned(),
+                task.cycles.count.to_string(),
+                task.overruns.to_string(),
+                duration(task.cycles.mean_ns),
+                duration(task.cycles.max_ns),
+                duration(task.lateness.p99_ns),
+            ]
+        })
+        .collect();
+    let header =
+        ["TASK", "PERIOD", "REAL-TIME", "CYCLES", "OVERRUNS", "WORK", "LONGEST", "LATENESS P99"];
+    table(&header, &rows)
+}
+
+/// Three digits and a unit.
+fn duration(ns: u64) -> String {
+    #[allow(clippy::cast_precision_loss, reason = "three digits are shown")]
+    let value = ns as f64;
+    match ns {
+        0..1_000 => format!("{ns} ns"),
+        1_000..1_000_000 => format!("{:.3} us", value / 1e3),
+        1_000_000..1_000_000_000 => format!("{:.3} ms", value / 1e6),
+        _ => format!("{:.3} s", value / 1e9),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use expect_test::expect;
+    use serde_json::json;
+
+    #[test]
+    fn a_task_is_one_line() {
+        let durations = |ns| json!({"count": 7, "last_ns": ns, "mean_ns": ns, "p50_ns": ns, "p99_ns": ns, "max_ns": ns});
+        let reply = serde_json::from_value(json!({"tasks": [{
+            "name": "main", "period_ns": 5_000_000, "real_time": false,
+            "cycles": durations(900), "lateness": durations(85_000), "overruns": 0,
+        }]}));
+        expect![[r#"
+            TASK  PERIOD    REAL-TIME  CYCLES  OVERRUNS  WORK    LONGEST  LATENESS P99
+            main  5.000 ms  no         7       0         900 ns  900 ns   85.000 us
+        "#]]
+        .assert_eq(&render(&reply.unwrap()));
+    }
+}

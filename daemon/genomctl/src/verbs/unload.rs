@@ -1,0 +1,17 @@
+//! `genomctl unload`: stops a component and takes it out of the daemon.
+
+use crate::failure::Failure;
+use crate::names::url;
+use crate::session::Session;
+
+/// Stop a component and unload its library.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Instance name of the component.
+    component: String,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let reply = session.delete(&url(["components", &args.component])).await?;
+    session.show(reply, |_: &serde_json::Value| format!("{} unloaded\n", args.component))
+}

@@ -1,0 +1,60 @@
+//! `genomctl wait`: until an activity has ended.
+
+use serde_json::Value;
+
+use crate::failure::Failure;
+use crate::names::{activity_number, url};
+use crate::session::Session;
+use crate::verbs::outcome::{self, Outcome};
+
+/// Wait until an activity has ended, and tell how.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Instance name of the component.
+    component: String,
+    /// Number of the activity.
+    activity: String,
+    /// Give up after this many seconds.
+    #[arg(long, value_name = "SECONDS")]
+    timeout: Option<f64>,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let activity = activity_number(&args.activity)?;
+    let what = format!("{} activity {activity}", args.component);
+    let Some(seconds) = args.timeout else {
+        let reply = until_ended(session, &args.component, activity).await?;
+        return outcome::show(session, &what, reply);
+    };
+    let reply = session.get(&path(&args.component, activity, seconds)).await?;
+    let outcome: Outcome = session.read(reply.clone())?;
+    if outcome.ended() {
+        return outcome::show(session, &what, reply);
+    }
+    Err(Failure::Refused(crate::failure::Refusal {
+        code: "timeout".to_owned(),
+        message: format!("{what} still runs after {seconds} s"),
+        place: None,
+        help: Some(format!("`genomctl abort {} {activity}` stops it", args.component)),
+    }))
+}
+
+/// Asks again and again, each time for as long as the daemon holds a request.
+pub(super) async fn until_ended(
+    session: &Session,
+    component: &str,
+    activity: u64,
+) -> Result<Value, Failure> {
+    loop {
+        let reply = session.get(&path(component, activity, 60.0)).await?;
+        let outcome: Outcome = session.read(reply.clone())?;
+        if outcome.ended() {
+            return Ok(reply);
+        }
+    }
+}
+
+fn path(component: &str, activity: u64, seconds: f64) -> String {
+    let number = activity.to_string();
+    format!("{}?wait={seconds}", url(["components", component, "activities", &number]))
+}
