@@ -1,2 +1,76 @@
-//! TBD
-fn main() {}
+//! `genomd`: runs GenoM3 components on a middleware chosen at run time.
+//!
+//! Only wires the parts: settings, components, the control plane, and the end.
+
+#![forbid(unsafe_code)]
+
+mod bus;
+mod cli;
+mod config;
+mod daemon;
+mod flag;
+mod hosting;
+mod locate;
+mod logs;
+mod nearest;
+mod registry;
+mod rpc;
+mod run;
+mod wiring;
+
+use std::io::Write as _;
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+use crate::cli::Cli;
+use crate::config::{Config, Settings};
+use crate::run::Refusal;
+
+fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            let code = if error.use_stderr() { 2 } else { 0 };
+            // A closed pipe is the reader's choice, not a failure.
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    if cli.version {
+        let _ = std::io::stdout().lock().write_all(version().as_bytes());
+        return ExitCode::SUCCESS;
+    }
+    match settings(cli).and_then(run::run) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(refusal) => refusal.report(),
+    }
+}
+
+/// The command line over the configuration file, with everything checked that can be.
+fn settings(cli: Cli) -> Result<Settings, Refusal> {
+    let config = match &cli.config {
+        Some(path) => Config::read(path).map_err(Refusal::usage)?,
+        None => Config::default(),
+    };
+    let settings = Settings::new(cli, config).map_err(Refusal::usage)?;
+    logs::start(&settings.log).map_err(Refusal::usage)?;
+    registry::check(&settings.backend).map_err(Refusal::usage)?;
+    for backend in settings.backends.keys() {
+        registry::check(backend).map_err(Refusal::usage)?;
+    }
+    for component in &settings.components {
+        if let Some(backend) = &component.backend {
+            registry::check(backend).map_err(Refusal::usage)?;
+        }
+    }
+    Ok(settings)
+}
+
+fn version() -> String {
+    let mut text = format!("genomd {}\n", env!("CARGO_PKG_VERSION"));
+    for known in registry::known() {
+        text.push_str(&format!("backend {} ({})\n", known.name, known.version));
+    }
+    text
+}

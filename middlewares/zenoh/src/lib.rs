@@ -1,1 +1,3 @@
 //! TBD
+
+#![forbid(unsafe_code)]

@@ -3,6 +3,8 @@
 //! What they expand to calls unsafe functions of `genom` alone, under the contract between a
 //! host and a codel, so that crates of codels may forbid unsafe code.
 
+#![forbid(unsafe_code)]
+
 mod codel;
 mod data;
 mod name;

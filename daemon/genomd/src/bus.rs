@@ -1,0 +1,132 @@
+//! What changes in the daemon, numbered, for whoever listens; the last ones are kept.
+//!
+//! Telling never waits: a listener that does not keep up is told that it lost changes.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use serde::Serialize;
+use serde_json::Value;
+use tokio::sync::broadcast;
+
+/// Something that changed.
+#[derive(Clone, Debug, Serialize)]
+#[serde(tag = "event", rename_all = "snake_case")]
+pub(crate) enum Change {
+    /// A component runs.
+    ComponentLoaded { component: String, backend: String },
+    /// A component stopped and is gone.
+    ComponentUnloaded { component: String },
+    /// A component stopped by itself; the reason was logged.
+    ComponentFailed { component: String, why: String },
+    /// An activity was accepted.
+    ActivityStarted { component: String, service: String, activity: u64 },
+    /// An activity entered a state.
+    Transition { component: String, service: String, activity: u64, state: String, paused: bool },
+    /// An activity ended, with outputs or an exception.
+    ActivityEnded {
+        component: String,
+        service: String,
+        activity: u64,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        exception: Option<String>,
+    },
+    /// Ticks came while a task was still at work.
+    Overrun { component: String, task: String, ticks: u64 },
+    /// An in port was connected.
+    Connected {
+        #[serde(rename = "in")]
+        inport: String,
+        #[serde(rename = "out")]
+        outport: String,
+        backend: String,
+        policy: String,
+    },
+    /// An in port was disconnected.
+    Disconnected {
+        #[serde(rename = "in")]
+        inport: String,
+    },
+    /// An external event was fired.
+    EventFired { component: String, name: String },
+    /// The daemon stops.
+    Stopping {},
+}
+
+/// A change and its number.
+#[derive(Clone, Debug)]
+pub(crate) struct Numbered {
+    /// From 1, without gaps.
+    pub(crate) id: u64,
+    /// The change as JSON.
+    pub(crate) data: Arc<Value>,
+}
+
+/// Changes kept for listeners that come back (`Last-Event-ID`).
+const KEPT: usize = 1024;
+
+/// Where changes are told and heard.
+#[derive(Debug)]
+pub(crate) struct Bus {
+    past: Mutex<Past>,
+    live: broadcast::Sender<Numbered>,
+}
+
+#[derive(Debug, Default)]
+struct Past {
+    last: u64,
+    kept: VecDeque<Numbered>,
+}
+
+impl Bus {
+    /// A bus on which nothing was told yet.
+    pub(crate) fn new() -> Self {
+        Self { past: Mutex::default(), live: broadcast::Sender::new(KEPT) }
+    }
+
+    /// Tells a change to all listeners.
+    pub(crate) fn tell(&self, change: &Change) {
+        let data = Arc::new(serde_json::to_value(change).unwrap_or_default());
+        let mut past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
+        past.last += 1;
+        let numbered = Numbered { id: past.last, data };
+        if past.kept.len() == KEPT {
+            past.kept.pop_front();
+        }
+        past.kept.push_back(numbered.clone());
+        // Under the lock, so that numbers are heard in order. Nobody listening is no error.
+        let _ = self.live.send(numbered);
+    }
+
+    /// The kept changes after number `after` (none: from now on), and those to come.
+    pub(crate) fn listen(
+        &self,
+        after: Option<u64>,
+    ) -> (Vec<Numbered>, broadcast::Receiver<Numbered>) {
+        let past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
+        let missed = after.map_or_else(Vec::new, |after| {
+            past.kept.iter().filter(|change| change.id > after).cloned().collect()
+        });
+        (missed, self.live.subscribe())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_listener_that_comes_back_misses_nothing() {
+        let bus = Bus::new();
+        for _ in 0..3 {
+            bus.tell(&Change::Stopping {});
+        }
+        let (missed, mut live) = bus.listen(Some(1));
+        assert_eq!(missed.iter().map(|change| change.id).collect::<Vec<_>>(), [2, 3]);
+        bus.tell(&Change::Disconnected { inport: "a/b".into() });
+        let next = live.try_recv().unwrap();
+        assert_eq!(next.id, 4);
+        assert_eq!(next.data.to_string(), r#"{"event":"disconnected","in":"a/b"}"#);
+        assert!(bus.listen(None).0.is_empty());
+    }
+}

@@ -1,0 +1,56 @@
+//! What is typed on genomd's command line; `config::Settings` is what it means.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::Parser;
+
+/// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
+/// here.
+///
+/// Exit status: 0 stopped on request; 1 a component was refused; 2 wrong usage or
+/// configuration; 3 the daemon's own socket or middleware could not be opened.
+#[derive(Debug, Default, Parser)]
+#[command(name = "genomd", max_term_width = 100, disable_version_flag = true)]
+pub(crate) struct Cli {
+    /// Components to run: libraries (demo.so), descriptions (demo.gen), or names on the
+    /// component path (demo).
+    #[arg(value_name = "LIB")]
+    pub(crate) components: Vec<PathBuf>,
+    /// Middleware of ports and services [default: local].
+    #[arg(long, short)]
+    pub(crate) backend: Option<String>,
+    /// Configuration (TOML); see configs/default.toml for every key.
+    #[arg(long, short, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Instance name, when one component is given [default: the component's name].
+    #[arg(long)]
+    pub(crate) name: Option<String>,
+    /// Description, when one component is given and its description is neither in the library
+    /// nor beside it.
+    #[arg(long = "gen", value_name = "FILE")]
+    pub(crate) gen_file: Option<PathBuf>,
+    /// Directory to look for components in; may be repeated, comes before GENOM_PATH.
+    #[arg(long, value_name = "DIRECTORY")]
+    pub(crate) path: Vec<PathBuf>,
+    /// Directories to look for components in, separated by colons.
+    #[arg(long, hide = true, env = "GENOM_PATH", value_delimiter = ':')]
+    pub(crate) genom_path: Vec<PathBuf>,
+    /// Directory for the descriptions' #include; may be repeated.
+    #[arg(long, short = 'I', value_name = "DIRECTORY")]
+    pub(crate) include: Vec<PathBuf>,
+    /// Socket to listen on [default: $XDG_RUNTIME_DIR/genomd.sock, else
+    /// /tmp/genomd-UID/genomd.sock].
+    #[arg(long, value_name = "PATH", env = "GENOMD_SOCKET")]
+    pub(crate) socket: Option<PathBuf>,
+    /// Also listen on this loopback address.
+    #[arg(long, value_name = "ADDRESS:PORT")]
+    pub(crate) listen: Option<SocketAddr>,
+    /// What to log on standard error: error, warn, info, debug, trace, or a filter such as
+    /// info,genomd=debug [default: info].
+    #[arg(long, value_name = "FILTER")]
+    pub(crate) log: Option<String>,
+    /// Print the version, the middlewares this daemon knows and their versions.
+    #[arg(long, short = 'V')]
+    pub(crate) version: bool,
+}

@@ -1,0 +1,91 @@
+//! What the parts of the daemon share.
+
+use std::sync::Arc;
+
+use tokio::sync::Semaphore;
+
+use crate::bus::{Bus, Change};
+use crate::config::{LoadRequest, Settings};
+use crate::flag::Flag;
+use crate::hosting::{self, Components, Hosted, LoadError, UnloadError};
+use crate::registry::Backends;
+
+/// The daemon.
+pub(crate) struct Daemon {
+    pub(crate) settings: Settings,
+    /// The middlewares in use.
+    pub(crate) backends: Backends,
+    /// The components that run, or are about to.
+    pub(crate) components: Components,
+    /// Where changes are told.
+    pub(crate) bus: Arc<Bus>,
+    /// Slots for open streams.
+    pub(crate) streams: Arc<Semaphore>,
+    /// Somebody asked to stop: nothing is loaded any more.
+    stop: Flag,
+    /// Everything stopped: streams and connections end.
+    pub(crate) closed: Flag,
+}
+
+impl Daemon {
+    /// A daemon without components.
+    pub(crate) fn new(settings: Settings) -> Arc<Self> {
+        Arc::new(Self {
+            backends: Backends::new(settings.backends.clone()),
+            components: Components::default(),
+            bus: Arc::new(Bus::new()),
+            streams: Arc::new(Semaphore::new(settings.rpc.max_streams)),
+            stop: Flag::new(),
+            closed: Flag::new(),
+            settings,
+        })
+    }
+
+    /// Loads and starts a component. Blocks: files, codels.
+    pub(crate) fn load(self: &Arc<Self>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+        if self.stopping() {
+            return Err(LoadError::Stopping);
+        }
+        let hosted = hosting::load::load(self, request)?;
+        self.bus.tell(&Change::ComponentLoaded {
+            component: hosted.name.clone(),
+            backend: hosted.backend.clone(),
+        });
+        Ok(hosted)
+    }
+
+    /// Stops a component and closes its library. Blocks until its codels have ended.
+    pub(crate) fn unload(&self, name: &str) -> Result<(), UnloadError> {
+        self.components.remove(name, self.settings.stop_timeout)?;
+        self.bus.tell(&Change::ComponentUnloaded { component: name.to_owned() });
+        Ok(())
+    }
+
+    /// Unloads everything, last loaded first.
+    pub(crate) fn unload_all(&self) {
+        for hosted in self.components.all().iter().rev() {
+            let name = hosted.name.clone();
+            if let Err(error) = self.unload(&name) {
+                tracing::error!("{error}");
+            }
+        }
+    }
+
+    /// Asks for the end; asking again changes nothing.
+    pub(crate) fn ask_to_stop(&self, why: &str) {
+        if self.stop.raise() {
+            tracing::info!("stopping: {why}");
+            self.bus.tell(&Change::Stopping {});
+        }
+    }
+
+    /// Whether the end was asked for.
+    pub(crate) fn stopping(&self) -> bool {
+        self.stop.is_up()
+    }
+
+    /// Waits until the end is asked for.
+    pub(crate) async fn asked_to_stop(&self) {
+        self.stop.raised().await;
+    }
+}

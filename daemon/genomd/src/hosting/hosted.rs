@@ -1,0 +1,297 @@
+//! One component that runs: the runtime's instance, and what supervisors see of it.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use genom_description::model::{Component as Model, PortDirection};
+use genom_host::Component;
+use genom_middleware::{Address, Middleware, Served, Subscription};
+use genom_runtime::body::{Body, RemoteCall};
+use genom_runtime::plan::Plan;
+use genom_runtime::{ActivityPhase, Instance, Options, Outcome, Progress, input_record};
+use genom_types::{DataType, JsonError, Record, TypeTable};
+use serde_json::{Value, json};
+use tokio::sync::mpsc;
+
+use super::activities::{Activity, ActivityLog, Ending};
+use super::load::LoadError;
+use super::watch::BusWatcher;
+use crate::daemon::Daemon;
+use crate::flag::Flag;
+use crate::wiring::requests::SupervisorWiring;
+use crate::wiring::{Wires, publish, serve};
+
+/// What a request gets first.
+#[derive(Debug)]
+pub(crate) enum Answer {
+    /// The end: of an attribute, a function, or an activity that was not accepted.
+    Ended(Ending),
+    /// An activity was accepted.
+    Accepted(Arc<Activity>),
+    /// The component stopped before it answered.
+    Gone,
+}
+
+/// A component that runs.
+pub(crate) struct Hosted {
+    /// Instance name.
+    pub(crate) name: String,
+    /// Middleware of its ports and services.
+    pub(crate) backend: String,
+    /// The library, as it was found.
+    pub(crate) library: PathBuf,
+    /// Its activities, running and lately ended.
+    pub(crate) activities: Arc<ActivityLog>,
+    /// What its ports are tied to.
+    pub(crate) wiring: Arc<Wires>,
+    /// Raised when it is unloaded: streams end.
+    pub(crate) gone: Flag,
+    /// Raised when it asked for its own end.
+    pub(crate) killed: Flag,
+    plan: Arc<Plan>,
+    instance: Instance,
+    /// Its services on the middleware; withdrawn first.
+    served: Mutex<Vec<Box<dyn Served>>>,
+}
+
+impl Hosted {
+    /// Binds the ports, then starts the tasks and waits for their start codels.
+    pub(crate) fn start(
+        daemon: &Arc<Daemon>,
+        name: String,
+        library: PathBuf,
+        plan: Arc<Plan>,
+        component: Component,
+        middleware: Arc<dyn Middleware>,
+    ) -> Result<Arc<Self>, LoadError> {
+        let (wiring, killed) = (Arc::new(Wires::default()), Flag::new());
+        let bound = |error| LoadError::Bind { name: name.clone(), source: Box::new(error) };
+        publish::bind(&component, &plan, &name, &middleware, &wiring).map_err(bound)?;
+        let supervisor = Arc::new(SupervisorWiring::new(daemon, &name, &killed));
+        let watcher = Arc::new(BusWatcher::new(&daemon.bus, &name, &plan));
+        let body: Arc<dyn Body> = Arc::new(component);
+        let mut options = Options::new(name.as_str(), supervisor);
+        options.watcher = Some(watcher);
+        options.start_timeout = Some(daemon.settings.start_timeout);
+        let instance = Instance::start(Arc::clone(&plan), body, options)
+            .map_err(|error| LoadError::Start { name: name.clone(), why: error.to_string() })?;
+        let hosted = Arc::new(Self {
+            backend: middleware.name().to_owned(),
+            library,
+            activities: Arc::new(ActivityLog::new(daemon.settings.rpc.keep_results)),
+            wiring,
+            gone: Flag::new(),
+            killed,
+            plan,
+            instance,
+            served: Mutex::default(),
+            name,
+        });
+        let served = serve::serve(&hosted, &middleware).map_err(|error| {
+            // It runs already: it must stop before its memory goes.
+            let why = hosted.stop(daemon.settings.stop_timeout);
+            if let Err(why) = why {
+                tracing::error!("{}: {why}", hosted.name);
+            }
+            LoadError::Bind { name: hosted.name.clone(), source: Box::new(error) }
+        })?;
+        *hosted.served.lock().unwrap_or_else(PoisonError::into_inner) = served;
+        Ok(hosted)
+    }
+
+    /// The component's description.
+    pub(crate) fn model(&self) -> &Model {
+        self.plan.component()
+    }
+
+    /// The types of its description.
+    pub(crate) fn types(&self) -> &Arc<TypeTable> {
+        &self.plan.specification().types
+    }
+
+    /// The component, compiled.
+    pub(crate) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Address of a port or service, or of an element of a multiple port.
+    pub(crate) fn address(&self, name: &str, element: Option<&str>) -> Address {
+        match element {
+            Some(element) => Address::new(self.name.as_str(), format!("{name}/{element}")),
+            None => Address::new(self.name.as_str(), name),
+        }
+    }
+
+    /// Type of a port's data.
+    pub(crate) fn port_type(&self, port: usize) -> Option<&DataType> {
+        self.plan.port_type(port)
+    }
+
+    /// Last value of a port, or of an element of a multiple one.
+    pub(crate) fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value> {
+        self.instance.port_value(port, element)
+    }
+
+    /// The inputs of a service: the defaults of the description, then what was given.
+    pub(crate) fn input(&self, service: usize, given: &Value) -> Result<Record, JsonError> {
+        let empty = || Record::new(&self.plan.services()[service].input);
+        let mut record = input_record(&self.plan, service)?.unwrap_or_else(empty);
+        record.merge_json(given)?;
+        Ok(record)
+    }
+
+    /// Sends a request; `progress` hears how it goes on, from the component's control threads.
+    pub(crate) fn submit(
+        &self,
+        service: usize,
+        input: Record,
+        mut progress: impl FnMut(Heard) + Send + 'static,
+    ) {
+        let mut tracked = Tracked {
+            log: Arc::clone(&self.activities),
+            service: self.model().services[service].name.clone(),
+            running: None,
+        };
+        self.instance.request(
+            service,
+            input,
+            Box::new(move |step| match step {
+                Progress::Accepted { activity } => {
+                    progress(Heard::Accepted(tracked.started(activity)));
+                }
+                Progress::Done(outcome) => {
+                    tracked.ended(ending(&outcome));
+                    progress(Heard::Ended(outcome));
+                }
+            }),
+        );
+    }
+
+    /// Sends a request and waits for its first answer.
+    pub(crate) async fn request(&self, service: usize, input: Record) -> Answer {
+        let (sender, mut answers) = mpsc::unbounded_channel();
+        self.submit(service, input, move |heard| {
+            // A caller that went away is no error of the component.
+            let _ = sender.send(match heard {
+                Heard::Accepted(activity) => Answer::Accepted(activity),
+                Heard::Ended(outcome) => Answer::Ended(ending(&outcome)),
+            });
+        });
+        answers.recv().await.unwrap_or(Answer::Gone)
+    }
+
+    /// Asks an activity to stop; whether it was there to be asked.
+    pub(crate) fn abort(&self, number: u64) -> bool {
+        u32::try_from(number).is_ok_and(|number| self.instance.abort(number).is_ok())
+    }
+
+    /// Fires an external event, by rank of its sink.
+    pub(crate) fn fire(&self, sink: usize) {
+        if let Err(error) = self.instance.fire(sink) {
+            tracing::warn!("{}: {error}", self.name);
+        }
+    }
+
+    /// State an activity is in, or `waiting` before it starts.
+    pub(crate) fn state(&self, number: u64) -> Option<String> {
+        let activities = self.instance.activities();
+        let found = activities.into_iter().find(|info| u64::from(info.id) == number)?;
+        Some(if found.phase == ActivityPhase::Init { "waiting".to_owned() } else { found.state })
+    }
+
+    /// Figures on its tasks and codels.
+    pub(crate) fn statistics(&self) -> Value {
+        serde_json::to_value(self.instance.statistics()).unwrap_or_default()
+    }
+
+    /// Connects an in port, or disconnects it, with all codels excluded (genom3.md 7.8).
+    pub(crate) fn bind_in(
+        &self,
+        port: usize,
+        element: Option<&str>,
+        subscription: Option<Box<dyn Subscription>>,
+    ) {
+        self.instance.exclusively(|body| body.bind_in(port, element, subscription));
+    }
+
+    /// Connects a remote, or disconnects it, with all codels excluded.
+    pub(crate) fn bind_remote(&self, remote: usize, call: Option<Box<dyn RemoteCall>>) {
+        self.instance.exclusively(|body| body.bind_remote(remote, call));
+    }
+
+    /// Interrupts activities, runs stop codels, ends the threads and lets go of the ports.
+    pub(crate) fn stop(&self, timeout: Duration) -> Result<(), String> {
+        self.served.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        let stopped = self.instance.shutdown(timeout).map_err(|error| error.to_string());
+        self.gone.raise();
+        if stopped.is_ok() {
+            // Streams may hold the instance a moment longer; the middleware is free already.
+            self.instance.exclusively(|body| self.release_ports(body));
+        }
+        stopped
+    }
+
+    fn release_ports(&self, body: &dyn Body) {
+        for (index, port) in self.model().ports.iter().enumerate() {
+            let elements: Vec<Option<String>> = if port.multiple {
+                self.wiring.elements(index).into_iter().map(Some).collect()
+            } else {
+                vec![None]
+            };
+            for element in elements {
+                match port.direction {
+                    PortDirection::Out => body.bind_out(index, element.as_deref(), None),
+                    PortDirection::In => body.bind_in(index, element.as_deref(), None),
+                }
+            }
+        }
+    }
+}
+
+/// How a request goes on.
+#[derive(Debug)]
+pub(crate) enum Heard {
+    /// It is an activity, and accepted.
+    Accepted(Arc<Activity>),
+    /// It ended.
+    Ended(Outcome),
+}
+
+/// Keeps the log of activities in step with one request.
+struct Tracked {
+    log: Arc<ActivityLog>,
+    service: String,
+    running: Option<Arc<Activity>>,
+}
+
+impl Tracked {
+    fn started(&mut self, number: u32) -> Arc<Activity> {
+        let activity = self.log.started(u64::from(number), &self.service);
+        self.running = Some(Arc::clone(&activity));
+        activity
+    }
+
+    fn ended(&mut self, ending: Ending) {
+        if let Some(activity) = self.running.take() {
+            self.log.ended(&activity, ending);
+        }
+    }
+}
+
+impl Drop for Tracked {
+    fn drop(&mut self) {
+        // A component that could not be stopped in time: who waits must not wait for ever.
+        let (name, detail) = ("::genom::interrupted".to_owned(), json!({"by": "kill"}));
+        self.ended(Ending::Exception { name, detail });
+    }
+}
+
+fn ending(outcome: &Outcome) -> Ending {
+    match outcome {
+        Outcome::Success(outputs) => Ending::Done(outputs.to_json()),
+        Outcome::Exception(exception) => {
+            Ending::Exception { name: exception.name.clone(), detail: exception.detail.clone() }
+        }
+    }
+}

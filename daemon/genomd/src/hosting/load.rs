@@ -1,0 +1,149 @@
+//! Loading: find, read, check, lay out, bind, start. Nothing stays when a step refuses.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use genom_description::diagnostic::Severity;
+use genom_description::diagnostic::render::human;
+use genom_description::model::Specification;
+use genom_description::{Analysis, Options, preprocess, read, read_text};
+use genom_host::{Component, Library};
+use genom_middleware::OpenError;
+use genom_runtime::plan::{Plan, PlanError};
+
+use crate::config::LoadRequest;
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use crate::locate::{self, Description, LocateError, Located};
+use crate::registry::BackendError;
+use crate::wiring::requests::unload_killed;
+
+/// A component could not be loaded; nothing of it stays.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum LoadError {
+    /// The daemon stops.
+    #[error("the daemon stops: nothing is loaded any more")]
+    Stopping,
+    /// No such middleware.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// Library or description not found.
+    #[error(transparent)]
+    Locate(#[from] LocateError),
+    /// The description has errors: drawn, with their places.
+    #[error("{0}")]
+    Description(String),
+    /// The description declares no component, or several.
+    #[error("{}: {found}", path.display())]
+    NotOne { path: PathBuf, found: String },
+    /// The instance name cannot name anything.
+    #[error("`{0}` cannot name an instance: use letters, digits and _, a letter first")]
+    Name(String),
+    /// Another component has the name.
+    #[error("a component named {0} runs already: give this one another name (--name)")]
+    Taken(String),
+    /// The library is none, or does not open.
+    #[error(transparent)]
+    Library(#[from] genom_host::OpenError),
+    /// The library does not fit the description.
+    #[error(transparent)]
+    Mismatch(#[from] genom_host::LoadErrors),
+    /// The description cannot be run.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// A port could not be opened.
+    #[error("{name}: {source}")]
+    Bind { name: String, source: Box<OpenError> },
+    /// A start codel failed (genom3.md 7.2).
+    #[error("{name} does not start: {why}")]
+    Start { name: String, why: String },
+}
+
+/// Loads a component and starts it. Blocks.
+pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+    let backend = request.backend.as_ref().unwrap_or(&daemon.settings.backend);
+    let middleware = daemon.backends.get(backend)?;
+    let located = locate::locate(request, &daemon.settings.path)?;
+    let analysis = analyse(&located, &daemon.settings.include)?;
+    let index = choose(&analysis.specification, &located)?;
+    let model = &analysis.specification.components[index];
+    let name = request.name.clone().unwrap_or_else(|| model.name.clone());
+    if !is_name(&name) {
+        return Err(LoadError::Name(name));
+    }
+    let Some(reservation) = daemon.components.reserve(&name) else {
+        return Err(LoadError::Taken(name));
+    };
+    let specification = Arc::new(analysis.specification);
+    let sources = &analysis.sources;
+    let plan = Arc::new(Plan::new(&specification, index)?);
+    let library = Library::open(&located.library)?;
+    let place = |span| {
+        let at = sources.location(span);
+        format!("{}:{}", at.path.display(), at.line)
+    };
+    let component = Component::load(library, &plan, &place)?;
+    let hosted = Hosted::start(daemon, name, located.library, plan, component, middleware)?;
+    reservation.keep(Arc::clone(&hosted));
+    if hosted.killed.is_up() {
+        unload_killed(&Arc::downgrade(daemon), &hosted.name);
+    }
+    Ok(hosted)
+}
+
+/// Reads the description; its warnings are logged, its errors refuse it.
+fn analyse(located: &Located, include: &[PathBuf]) -> Result<Analysis, LoadError> {
+    let preprocess =
+        preprocess::Options { include_dirs: include.to_vec(), ..preprocess::Options::default() };
+    let options = Options { preprocess, ..Options::default() };
+    let analysis = match &located.description {
+        Description::File(path) => read(&[path], &options),
+        Description::Embedded { name, text } => {
+            read_text(&name.display().to_string(), text, &options)
+        }
+    };
+    let drawn = human(&analysis.diagnostics, &analysis.sources, false);
+    if analysis.has_errors() {
+        return Err(LoadError::Description(drawn));
+    }
+    let warnings = analysis.diagnostics.iter().filter(|said| said.severity == Severity::Warning);
+    if warnings.count() > 0 {
+        tracing::warn!("{}\n{drawn}", described(located).display());
+    }
+    Ok(analysis)
+}
+
+fn described(located: &Located) -> &Path {
+    match &located.description {
+        Description::File(path) | Description::Embedded { name: path, .. } => path,
+    }
+}
+
+/// The one component of a description.
+fn choose(specification: &Specification, located: &Located) -> Result<usize, LoadError> {
+    let refuse =
+        |found: String| Err(LoadError::NotOne { path: described(located).to_owned(), found });
+    match specification.components.as_slice() {
+        [_] => Ok(0),
+        [] => refuse("declares no component".to_owned()),
+        several => {
+            // A description may hold the components it uses: the file's name tells which is meant.
+            let stem = described(located).file_stem().unwrap_or_default().to_string_lossy();
+            if let Some(index) = several.iter().position(|component| component.name == stem) {
+                return Ok(index);
+            }
+            let names: Vec<_> = several.iter().map(|component| component.name.as_str()).collect();
+            refuse(format!(
+                "declares components {}, and the file's name is none of them",
+                names.join(", ")
+            ))
+        }
+    }
+}
+
+/// Instance names stand in addresses, file names and URLs.
+fn is_name(name: &str) -> bool {
+    name.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        && name.len() <= 64
+}

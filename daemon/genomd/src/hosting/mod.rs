@@ -1,0 +1,115 @@
+//! The components of the daemon: loaded, running, unloaded.
+
+mod activities;
+pub(crate) mod describe;
+mod hosted;
+pub(crate) mod load;
+mod watch;
+
+use std::sync::{Arc, PoisonError, RwLock};
+use std::time::Duration;
+
+use indexmap::IndexMap;
+
+pub(crate) use activities::{Activity, Ending};
+pub(crate) use hosted::{Answer, Heard, Hosted};
+pub(crate) use load::LoadError;
+
+/// A component could not be unloaded.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum UnloadError {
+    /// It does not run.
+    #[error("{0} does not run: it is being loaded or unloaded")]
+    NotThere(String),
+    /// A codel did not return in time.
+    #[error("{name} does not stop: {why}; its library stays loaded until the daemon ends")]
+    Stuck { name: String, why: String },
+}
+
+/// Where a component is in its life.
+#[derive(Clone)]
+enum Slot {
+    /// Its name is taken; requests do not see it yet.
+    Loading,
+    Running(Arc<Hosted>),
+    /// Requests do not see it any more; its name is free when its codels have ended.
+    Stopping,
+}
+
+/// The components by instance name, in the order they were loaded.
+#[derive(Default)]
+pub(crate) struct Components {
+    slots: RwLock<IndexMap<String, Slot>>,
+}
+
+impl Components {
+    /// The component of that name, if it runs.
+    pub(crate) fn get(&self, name: &str) -> Option<Arc<Hosted>> {
+        match self.slots.read().unwrap_or_else(PoisonError::into_inner).get(name) {
+            Some(Slot::Running(hosted)) => Some(Arc::clone(hosted)),
+            _ => None,
+        }
+    }
+
+    /// All that run, in the order they were loaded.
+    pub(crate) fn all(&self) -> Vec<Arc<Hosted>> {
+        let slots = self.slots.read().unwrap_or_else(PoisonError::into_inner);
+        let running = slots.values().filter_map(|slot| match slot {
+            Slot::Running(hosted) => Some(Arc::clone(hosted)),
+            _ => None,
+        });
+        running.collect()
+    }
+
+    /// Takes a name for a component that is about to be loaded.
+    fn reserve(&self, name: &str) -> Option<Reservation<'_>> {
+        let mut slots = self.slots.write().unwrap_or_else(PoisonError::into_inner);
+        if slots.contains_key(name) {
+            return None;
+        }
+        slots.insert(name.to_owned(), Slot::Loading);
+        Some(Reservation { components: self, name: name.to_owned(), kept: false })
+    }
+
+    /// Stops a component, waits for its codels and frees its name.
+    pub(crate) fn remove(&self, name: &str, timeout: Duration) -> Result<(), UnloadError> {
+        let Some(Slot::Running(hosted)) = self.exchange_running(name, Slot::Stopping) else {
+            return Err(UnloadError::NotThere(name.to_owned()));
+        };
+        let stopped = hosted.stop(timeout);
+        drop(hosted);
+        self.slots.write().unwrap_or_else(PoisonError::into_inner).shift_remove(name);
+        stopped.map_err(|why| UnloadError::Stuck { name: name.to_owned(), why })
+    }
+
+    fn exchange_running(&self, name: &str, new: Slot) -> Option<Slot> {
+        let mut slots = self.slots.write().unwrap_or_else(PoisonError::into_inner);
+        let slot = slots.get_mut(name).filter(|slot| matches!(slot, Slot::Running(_)))?;
+        Some(std::mem::replace(slot, new))
+    }
+}
+
+/// A name taken; given back unless a component moves in.
+struct Reservation<'a> {
+    components: &'a Components,
+    name: String,
+    kept: bool,
+}
+
+impl Reservation<'_> {
+    /// The component runs under this name from now on.
+    fn keep(mut self, hosted: Arc<Hosted>) {
+        self.kept = true;
+        let mut slots = self.components.slots.write().unwrap_or_else(PoisonError::into_inner);
+        slots.insert(self.name.clone(), Slot::Running(hosted));
+    }
+}
+
+impl Drop for Reservation<'_> {
+    fn drop(&mut self) {
+        if !self.kept {
+            let mut slots = self.components.slots.write().unwrap_or_else(PoisonError::into_inner);
+            slots.shift_remove(&self.name);
+        }
+    }
+}

@@ -1,0 +1,211 @@
+//! Finds the two halves of a component: its library of codels and its description.
+
+use std::path::{Path, PathBuf};
+
+use genom_host::{EmbeddedDescription, embedded_description};
+
+use crate::config::LoadRequest;
+
+/// Where both halves are.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Located {
+    /// The library.
+    pub(crate) library: PathBuf,
+    /// The description.
+    pub(crate) description: Description,
+}
+
+/// Where a description is.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) enum Description {
+    /// In a file.
+    File(PathBuf),
+    /// In the library, under this name for messages.
+    Embedded { name: PathBuf, text: String },
+}
+
+/// One half is missing.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum LocateError {
+    /// No library.
+    #[error(
+        "no library for {}: there is neither {}; build the component, or name its directory \
+         with --path or GENOM_PATH",
+        .wanted.display(),
+        list(.tried)
+    )]
+    NoLibrary { wanted: PathBuf, tried: Vec<PathBuf> },
+    /// No description.
+    #[error(
+        "no description for {}: it has none inside, and there is no {}; put one beside it, or \
+         name it with --gen",
+        .library.display(),
+        .beside.display()
+    )]
+    NoDescription { library: PathBuf, beside: PathBuf },
+    /// `--gen` names no file.
+    #[error("{}: no such description", .0.display())]
+    NoSuchDescription(PathBuf),
+    /// The library cannot be read.
+    #[error(transparent)]
+    Library(#[from] genom_host::OpenError),
+}
+
+fn list(paths: &[PathBuf]) -> String {
+    let shown: Vec<_> = paths.iter().map(|path| path.display().to_string()).collect();
+    shown.join(" nor ")
+}
+
+/// Finds library and description of a request; `path` is the component path.
+pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located, LocateError> {
+    let wanted = &request.library;
+    let named_gen = wanted.extension().is_some_and(|extension| extension == "gen");
+    let library = if named_gen {
+        find_description(wanted, path)
+            .and_then(|found| beside(&found).or_else(|| on_path(wanted, path)))
+    } else if is_library(wanted) {
+        existing(wanted.clone()).or_else(|| named_on_path(wanted, path))
+    } else {
+        beside(wanted).or_else(|| on_path(wanted, path))
+    };
+    let Some(library) = library else {
+        if named_gen && find_description(wanted, path).is_none() {
+            return Err(LocateError::NoSuchDescription(wanted.clone()));
+        }
+        return Err(LocateError::NoLibrary {
+            wanted: wanted.clone(),
+            tried: if is_library(wanted) { vec![wanted.clone()] } else { candidates(wanted) },
+        });
+    };
+    let description = match &request.gen_file {
+        Some(file) if file.is_file() => Description::File(file.clone()),
+        Some(file) => return Err(LocateError::NoSuchDescription(file.clone())),
+        None if named_gen => Description::File(
+            find_description(wanted, path)
+                .ok_or_else(|| LocateError::NoSuchDescription(wanted.clone()))?,
+        ),
+        None => description_of(&library)?,
+    };
+    Ok(Located { library, description })
+}
+
+fn is_library(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.ends_with(".so") || name.contains(".so.")
+}
+
+fn existing(path: PathBuf) -> Option<PathBuf> {
+    path.is_file().then_some(path)
+}
+
+/// A path without a directory is looked for on the component path as well.
+fn is_bare(path: &Path) -> bool {
+    path.components().count() == 1
+}
+
+fn named_on_path(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
+    if !is_bare(wanted) {
+        return None;
+    }
+    path.iter().find_map(|directory| existing(directory.join(wanted)))
+}
+
+fn find_description(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
+    existing(wanted.to_owned()).or_else(|| named_on_path(wanted, path))
+}
+
+/// The library of a description or name, in the same directory.
+fn beside(wanted: &Path) -> Option<PathBuf> {
+    candidates(wanted).into_iter().find_map(existing)
+}
+
+/// The library of a description or name on the component path: in a directory of it, or in the
+/// directory of that name in one.
+fn on_path(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
+    let stem = wanted.file_stem()?;
+    path.iter().find_map(|directory| {
+        beside(&directory.join(stem)).or_else(|| beside(&directory.join(stem).join(stem)))
+    })
+}
+
+/// `demo.so`, `libdemo_codels.so` (the name GenoM3's projects give) and `libdemo.so`.
+fn candidates(wanted: &Path) -> Vec<PathBuf> {
+    let stem = wanted.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    [format!("{stem}.so"), format!("lib{stem}_codels.so"), format!("lib{stem}.so")]
+        .into_iter()
+        .map(|name| wanted.with_file_name(name))
+        .collect()
+}
+
+fn description_of(library: &Path) -> Result<Description, LocateError> {
+    let beside = library.with_file_name(format!("{}.gen", component_name(library)));
+    if let Some(EmbeddedDescription { text, name }) = embedded_description(library)? {
+        // Its #include lines are relative to the library's directory.
+        let name = name.map_or_else(|| beside.clone(), |name| library.with_file_name(name));
+        return Ok(Description::Embedded { name, text });
+    }
+    match existing(beside.clone()) {
+        Some(file) => Ok(Description::File(file)),
+        None => Err(LocateError::NoDescription { library: library.to_owned(), beside }),
+    }
+}
+
+/// `demo` of `demo.so`, `libdemo_codels.so`, `libdemo.so.1` or `libdemo_codels-1.2.so`.
+fn component_name(library: &Path) -> String {
+    let file = library.file_name().unwrap_or_default().to_string_lossy();
+    let stem = file.split(".so").next().unwrap_or_default();
+    let stem = stem.strip_prefix("lib").unwrap_or(stem);
+    match stem.split_once("_codels") {
+        Some((name, _)) => name.to_owned(),
+        None => stem.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn request(library: PathBuf) -> LoadRequest {
+        LoadRequest { library, ..LoadRequest::default() }
+    }
+
+    fn scratch(files: &[&str]) -> tempfile::TempDir {
+        let scratch = tempfile::tempdir().unwrap();
+        for file in files {
+            let path = scratch.path().join(file);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, "").unwrap();
+        }
+        scratch
+    }
+
+    #[test]
+    fn a_description_finds_its_library() {
+        let scratch = scratch(&["demo.gen", "libdemo_codels.so", "x/arm.gen", "lib/arm/arm.so"]);
+        let at = |name: &str| scratch.path().join(name);
+        let found = locate(&request(at("demo.gen")), &[]).unwrap();
+        assert_eq!(found.library, at("libdemo_codels.so"));
+        assert_eq!(found.description, Description::File(at("demo.gen")));
+        let found = locate(&request(at("x/arm.gen")), &[at("lib")]).unwrap();
+        assert_eq!(found.library, at("lib/arm/arm.so"));
+    }
+
+    #[test]
+    fn what_is_missing_is_told_with_the_places_tried() {
+        let scratch = scratch(&["demo.gen"]);
+        let told = locate(&request(scratch.path().join("demo.gen")), &[]).unwrap_err().to_string();
+        assert!(told.contains("demo.so nor ") && told.contains("libdemo_codels.so"), "{told}");
+        let told = locate(&request("nothing.gen".into()), &[]).unwrap_err().to_string();
+        assert_eq!(told, "nothing.gen: no such description");
+    }
+
+    #[test]
+    fn names_of_libraries_give_the_component() {
+        for name in
+            ["demo.so", "libdemo.so", "libdemo_codels.so", "libdemo_codels-1.2.so", "libdemo.so.1"]
+        {
+            assert_eq!(component_name(Path::new(name)), "demo", "{name}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! The middlewares of this daemon. The one place that knows which there are.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_middleware::Middleware;
+use serde::Deserialize;
+
+use crate::nearest::nearest;
+
+/// A middleware this daemon was built with.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Known {
+    /// What `--backend` calls it.
+    pub(crate) name: &'static str,
+    /// Version of the library behind it.
+    pub(crate) version: &'static str,
+    /// Opens it with its section of the configuration.
+    open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, String>,
+}
+
+/// Every middleware there is; adding one means adding a line here.
+pub(crate) fn known() -> &'static [Known] {
+    &[
+        Known {
+            name: "local",
+            version: env!("CARGO_PKG_VERSION"),
+            open: |options| {
+                read::<NoOptions>(options)?;
+                Ok(Arc::new(genom_local::Local::new()))
+            },
+        },
+        Known {
+            name: "shm",
+            version: "iceoryx2 0.10",
+            open: |options| {
+                let ShmOptions { prefix, root } = read(options)?;
+                let options = genom_shm::Options { prefix, root, ..genom_shm::Options::default() };
+                match genom_shm::Shm::open(options) {
+                    Ok(shm) => Ok(Arc::new(shm)),
+                    Err(error) => Err(error.to_string()),
+                }
+            },
+        },
+    ]
+}
+
+/// `[backends.local]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NoOptions {}
+
+/// `[backends.shm]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShmOptions {
+    /// Start of the names of shared memory: daemons with another prefix do not meet.
+    prefix: Option<String>,
+    /// Directory of the files that say what is there.
+    root: Option<PathBuf>,
+}
+
+fn read<T: serde::de::DeserializeOwned>(options: &toml::Table) -> Result<T, String> {
+    options.clone().try_into().map_err(|error: toml::de::Error| error.message().to_owned())
+}
+
+/// A middleware could not be had.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum BackendError {
+    /// No such middleware.
+    #[error("unknown backend `{name}`{}. This daemon knows: {}", meant(.name), names())]
+    Unknown { name: String },
+    /// It does not open on this machine.
+    #[error("backend {name} cannot be opened: {why}")]
+    Closed { name: String, why: String },
+}
+
+fn meant(name: &str) -> String {
+    nearest(name, known().iter().map(|known| known.name))
+        .map(|near| format!(" (did you mean `{near}`?)"))
+        .unwrap_or_default()
+}
+
+fn names() -> String {
+    known().iter().map(|known| known.name).collect::<Vec<_>>().join(", ")
+}
+
+/// Refuses a name that stands for no middleware.
+pub(crate) fn check(name: &str) -> Result<Known, BackendError> {
+    known()
+        .iter()
+        .find(|known| known.name == name)
+        .copied()
+        .ok_or_else(|| BackendError::Unknown { name: name.to_owned() })
+}
+
+/// The middlewares in use. Each is opened when first needed, and stays open.
+pub(crate) struct Backends {
+    /// Their sections of the configuration, by name.
+    options: BTreeMap<String, toml::Table>,
+    open: Mutex<BTreeMap<&'static str, Arc<dyn Middleware>>>,
+}
+
+impl Backends {
+    /// None open yet.
+    pub(crate) fn new(options: BTreeMap<String, toml::Table>) -> Self {
+        Self { options, open: Mutex::default() }
+    }
+
+    /// The middleware of that name, open.
+    pub(crate) fn get(&self, name: &str) -> Result<Arc<dyn Middleware>, BackendError> {
+        let known = check(name)?;
+        let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(middleware) = open.get(known.name) {
+            return Ok(Arc::clone(middleware));
+        }
+        let middleware = (known.open)(self.options.get(known.name).unwrap_or(&toml::Table::new()))
+            .map_err(|why| BackendError::Closed { name: name.to_owned(), why })?;
+        open.insert(known.name, Arc::clone(&middleware));
+        Ok(middleware)
+    }
+
+    /// Lets go of all: each closes when its last user has.
+    pub(crate) fn close(&self) {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
+    /// The middleware of that name, if something already uses it.
+    pub(crate) fn opened(&self, name: &str) -> Option<Arc<dyn Middleware>> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner).get(name).cloned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_backend_lists_the_known_ones() {
+        let told = check("smh").unwrap_err().to_string();
+        assert_eq!(
+            told,
+            "unknown backend `smh` (did you mean `shm`?). This daemon knows: local, shm"
+        );
+    }
+}

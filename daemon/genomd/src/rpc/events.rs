@@ -1,0 +1,71 @@
+//! External events to components, and what changes in the daemon as it happens.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::HeaderMap;
+use axum::response::sse::{Event, Sse};
+use serde_json::{Value, json};
+use tokio::sync::broadcast::error::RecvError;
+use tokio_stream::Stream;
+
+use crate::bus::{Change, Numbered};
+use crate::daemon::Daemon;
+use crate::rpc::components;
+use crate::rpc::error::RpcError;
+use crate::rpc::stream;
+
+/// `POST /components/{component}/events/{event}`
+pub(crate) async fn fire(
+    State(daemon): State<Arc<Daemon>>,
+    Path((component, event)): Path<(String, String)>,
+) -> Result<Json<Value>, RpcError> {
+    let hosted = components::find(&daemon, &component)?;
+    let sinks = &hosted.model().sinks;
+    let Some(index) = sinks.iter().position(|sink| sink.name == event) else {
+        let what = format!("{component} has no event");
+        let names = sinks.iter().map(|sink| sink.name.as_str());
+        return Err(RpcError::unknown("no_such_event", what, &event, names));
+    };
+    hosted.fire(index);
+    daemon.bus.tell(&Change::EventFired { component, name: event });
+    Ok(Json(json!({"fired": true})))
+}
+
+/// `GET /events`: what changes from now on, or since `Last-Event-ID`.
+pub(crate) async fn stream(
+    State(daemon): State<Arc<Daemon>>,
+    headers: HeaderMap,
+) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
+    let after =
+        headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.parse().ok());
+    let (missed, mut live) = daemon.bus.listen(after);
+    stream::open(&daemon, |writer| async move {
+        for change in missed {
+            if !writer.send(event(&change)).await {
+                return;
+            }
+        }
+        loop {
+            let change = tokio::select! {
+                change = live.recv() => change,
+                () = writer.closed() => return,
+            };
+            match change {
+                Ok(change) => {
+                    if !writer.send(event(&change)).await {
+                        return;
+                    }
+                }
+                // Too slow: the stream ends, and resumes where it was with Last-Event-ID.
+                Err(RecvError::Lagged(_) | RecvError::Closed) => return,
+            }
+        }
+    })
+}
+
+fn event(change: &Numbered) -> Event {
+    Event::default().event("change").id(change.id.to_string()).data(change.data.to_string())
+}

@@ -1,0 +1,138 @@
+//! A run of the daemon: open, load, serve, stop.
+
+use std::io::Write as _;
+use std::process::ExitCode;
+use std::sync::Arc;
+
+use tokio::signal::unix::{SignalKind, signal};
+
+use crate::config::Settings;
+use crate::daemon::Daemon;
+use crate::rpc;
+use crate::rpc::listen::{self, Socket};
+
+/// Why the daemon did not run, with its exit status.
+#[derive(Debug)]
+pub(crate) struct Refusal {
+    message: String,
+    status: u8,
+}
+
+impl Refusal {
+    /// 1: a component was refused.
+    fn component(error: impl std::fmt::Display) -> Self {
+        Self { message: error.to_string(), status: 1 }
+    }
+
+    /// 2: wrong usage or configuration.
+    pub(crate) fn usage(error: impl std::fmt::Display) -> Self {
+        Self { message: error.to_string(), status: 2 }
+    }
+
+    /// 3: the daemon's own socket or middleware.
+    fn own(error: impl std::fmt::Display) -> Self {
+        Self { message: error.to_string(), status: 3 }
+    }
+
+    /// Tells it on standard error.
+    pub(crate) fn report(&self) -> ExitCode {
+        // A drawing of a description's mistakes says `error` itself.
+        let prefix = if self.message.starts_with("error") { "" } else { "error: " };
+        let text = format!("{prefix}{}\n", self.message.trim_end());
+        let _ = std::io::stderr().lock().write_all(text.as_bytes());
+        ExitCode::from(self.status)
+    }
+}
+
+/// Runs until asked to stop.
+pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
+    let runtime = tokio::runtime::Builder::new_multi_thread()
+        .worker_threads(2)
+        .thread_name("genomd-rpc")
+        .enable_all()
+        .build()
+        .map_err(Refusal::own)?;
+    runtime.block_on(serve(settings))
+}
+
+async fn serve(settings: Settings) -> Result<(), Refusal> {
+    let signals = stop_signals().map_err(Refusal::own)?;
+    let socket = Socket::open(&settings.rpc.socket).map_err(Refusal::own)?;
+    let tcp = match settings.rpc.listen {
+        Some(address) => Some(listen::tcp(address).await.map_err(Refusal::own)?),
+        None => None,
+    };
+    let backend = settings.backend.clone();
+    let daemon = Daemon::new(settings);
+    daemon.backends.get(&backend).map_err(Refusal::own)?;
+    tokio::spawn(stop_on(signals, Arc::clone(&daemon)));
+
+    // Requests are served while components load: a slow start codel holds up nobody.
+    let max_connections = daemon.settings.rpc.max_connections;
+    let router = rpc::router(Arc::clone(&daemon));
+    let closed = daemon.closed.clone();
+    let (listener, socket) = socket.split();
+    let server = tokio::spawn(async move {
+        rpc::serve::serve(&listener, tcp, router, max_connections, closed).await;
+    });
+    let loaded = load_all(&daemon).await;
+    if loaded.is_ok() {
+        tracing::info!("ready on {}", daemon.settings.rpc.socket.display());
+        daemon.asked_to_stop().await;
+    }
+    stop(&daemon).await;
+    // Gone before the last stream ends: who waits for that finds nothing left.
+    drop(socket);
+    daemon.closed.raise();
+    if let Err(error) = server.await {
+        tracing::error!("the control plane ended badly: {error}");
+    }
+    loaded
+}
+
+/// Loads the components asked for, in order; stops at the first that is refused.
+async fn load_all(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
+    for request in daemon.settings.components.clone() {
+        let worker = Arc::clone(daemon);
+        let mut loading = tokio::task::spawn_blocking(move || worker.load(&request));
+        let loaded = tokio::select! {
+            loaded = &mut loading => loaded,
+            () = daemon.asked_to_stop() => loading.await,
+        };
+        match loaded {
+            Ok(Ok(hosted)) => tracing::info!("{} runs on {}", hosted.name, hosted.backend),
+            Ok(Err(error)) => return Err(Refusal::component(error)),
+            Err(error) => return Err(Refusal::own(error)),
+        }
+        if daemon.stopping() {
+            return Ok(());
+        }
+    }
+    Ok(())
+}
+
+/// Stops every component, last loaded first, while requests under way are still answered.
+async fn stop(daemon: &Arc<Daemon>) {
+    daemon.ask_to_stop("a component was refused");
+    let worker = Arc::clone(daemon);
+    if let Err(error) = tokio::task::spawn_blocking(move || worker.unload_all()).await {
+        tracing::error!("stopping the components ended badly: {error}");
+    }
+    daemon.backends.close();
+}
+
+type Signals = (tokio::signal::unix::Signal, tokio::signal::unix::Signal);
+
+fn stop_signals() -> std::io::Result<Signals> {
+    Ok((signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?))
+}
+
+async fn stop_on((mut interrupt, mut terminate): Signals, daemon: Arc<Daemon>) {
+    loop {
+        let name = tokio::select! {
+            _ = interrupt.recv() => "SIGINT",
+            _ = terminate.recv() => "SIGTERM",
+        };
+        daemon.ask_to_stop(name);
+    }
+}

@@ -1,0 +1,259 @@
+//! Connecting in ports to out ports of this daemon or of others, and back.
+
+use std::sync::Arc;
+
+use genom_description::model::PortDirection;
+use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy};
+
+use super::Connection;
+use crate::bus::Change;
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use crate::hosting::describe::direction;
+use crate::nearest::suggest;
+use crate::registry::BackendError;
+use crate::wiring::policy;
+
+/// A connection to make.
+#[derive(Clone, Debug)]
+pub(crate) struct ConnectRequest {
+    /// `component/port` or `component/port/element`, of this daemon.
+    pub(crate) inport: String,
+    /// The same, of any daemon.
+    pub(crate) outport: String,
+    pub(crate) policy: Policy,
+    /// By default the out port's, when it is in this daemon; else that of the in port.
+    pub(crate) backend: Option<String>,
+    /// Connect to an out port that is not there yet.
+    pub(crate) wait: bool,
+}
+
+/// A connection could not be made; what was there before still is.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ConnectError {
+    /// No such in port.
+    #[error("no_such_inport: {message}")]
+    NoSuchInport { message: String, help: String },
+    /// No such out port.
+    #[error("no_such_outport: {message}")]
+    NoSuchOutport { message: String, help: String },
+    /// The types differ.
+    #[error("{inport} reads {ours}, {outport} carries {theirs}")]
+    Type { inport: String, ours: String, outport: String, theirs: String },
+    /// No such middleware.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// The middleware refused.
+    #[error(transparent)]
+    Failed(Box<OpenError>),
+}
+
+impl ConnectError {
+    /// The way out.
+    pub(crate) fn help(&self) -> Option<&str> {
+        match self {
+            ConnectError::NoSuchInport { help, .. } | ConnectError::NoSuchOutport { help, .. } => {
+                Some(help)
+            }
+            ConnectError::Type { .. } => Some("make the two .gen types equal"),
+            _ => None,
+        }
+    }
+
+    fn inport(message: impl Into<String>, help: impl Into<String>) -> Self {
+        ConnectError::NoSuchInport { message: message.into(), help: help.into() }
+    }
+
+    fn outport(message: impl Into<String>, help: impl Into<String>) -> Self {
+        ConnectError::NoSuchOutport { message: message.into(), help: help.into() }
+    }
+}
+
+/// Makes a connection, in place of the one the in port had. Blocks while codels are excluded.
+pub(crate) fn connect(
+    daemon: &Arc<Daemon>,
+    request: &ConnectRequest,
+) -> Result<Connection, ConnectError> {
+    let (hosted, port, element) = reader(daemon, &request.inport)?;
+    let Some(outport) = Address::parse(&request.outport) else {
+        let message = format!("`{}` is no COMPONENT/PORT", request.outport);
+        return Err(ConnectError::outport(message, "write for instance demo/position"));
+    };
+    let local = daemon.components.get(&outport.instance);
+    let backend = match (&request.backend, &local) {
+        (Some(backend), _) => backend.clone(),
+        (None, Some(writer)) => writer.backend.clone(),
+        (None, None) => hosted.backend.clone(),
+    };
+    let middleware = daemon.backends.get(&backend)?;
+    let inport = hosted.address(&hosted.model().ports[port].name, element.as_deref());
+    match &local {
+        Some(writer) => check_local(writer, &outport, &backend, &hosted, port, &inport)?,
+        None if !request.wait => check_remote(middleware.as_ref(), &outport)?,
+        None => {}
+    }
+    let Some(ty) = hosted.port_type(port) else {
+        return Err(ConnectError::inport(format!("{inport} has no type"), "reload the component"));
+    };
+    let subscription =
+        middleware.subscription(&outport, ty, request.policy).map_err(|error| match error {
+            OpenError::TypeMismatch { ours, theirs, .. } => {
+                let (inport, outport) = (inport.to_string(), outport.to_string());
+                ConnectError::Type { inport, ours, outport, theirs }
+            }
+            error => ConnectError::Failed(Box::new(error)),
+        })?;
+    hosted.bind_in(port, element.as_deref(), Some(subscription));
+    let connection = Connection { inport, outport, backend, policy: request.policy };
+    hosted.wiring.connected(port, element.as_deref(), connection.clone());
+    daemon.bus.tell(&Change::Connected {
+        inport: connection.inport.to_string(),
+        outport: connection.outport.to_string(),
+        backend: connection.backend.clone(),
+        policy: policy::text(connection.policy),
+    });
+    Ok(connection)
+}
+
+/// Takes a connection away; whether there was one.
+pub(crate) fn disconnect(
+    daemon: &Daemon,
+    hosted: &Hosted,
+    port: usize,
+    element: Option<&str>,
+) -> bool {
+    if !hosted.wiring.disconnected(port, element) {
+        return false;
+    }
+    hosted.bind_in(port, element, None);
+    let address = hosted.address(&hosted.model().ports[port].name, element);
+    daemon.bus.tell(&Change::Disconnected { inport: address.to_string() });
+    true
+}
+
+/// The in port that an address names: component, index, element.
+fn reader(
+    daemon: &Daemon,
+    text: &str,
+) -> Result<(Arc<Hosted>, usize, Option<String>), ConnectError> {
+    let Some(address) = Address::parse(text) else {
+        let message = format!("`{text}` is no COMPONENT/PORT");
+        return Err(ConnectError::inport(message, "write for instance demo/parameter"));
+    };
+    let Some(hosted) = daemon.components.get(&address.instance) else {
+        let components = daemon.components.all();
+        let names = components.iter().map(|hosted| hosted.name.as_str());
+        let message = format!("no component `{}` in this daemon", address.instance);
+        return Err(ConnectError::inport(message, suggest(&address.instance, names)));
+    };
+    let (name, element) = split(&address);
+    let ports = &hosted.model().ports;
+    let found = ports.iter().position(|port| port.name == name);
+    let Some(index) = found.filter(|&index| ports[index].direction == PortDirection::In) else {
+        let message = match found {
+            Some(_) => format!("{}/{name} is an out port", hosted.name),
+            None => format!("{} has no port `{name}`", hosted.name),
+        };
+        let inports = ports.iter().filter(|port| port.direction == PortDirection::In);
+        let help = suggest(name, inports.map(|port| port.name.as_str()));
+        return Err(ConnectError::inport(message, help));
+    };
+    let help = match (ports[index].multiple, element) {
+        (true, None) => "name an element: COMPONENT/PORT/ELEMENT",
+        (false, Some(_)) => "it is a single port: name it without an element",
+        _ => {
+            let element = element.map(str::to_owned);
+            return Ok((hosted, index, element));
+        }
+    };
+    Err(ConnectError::inport(format!("`{text}` names no in port"), help))
+}
+
+/// Port and element of an address.
+pub(crate) fn split(address: &Address) -> (&str, Option<&str>) {
+    match address.name.split_once('/') {
+        Some((port, element)) => (port, Some(element)),
+        None => (&address.name, None),
+    }
+}
+
+/// The writer is in this daemon: everything about it is known.
+fn check_local(
+    writer: &Hosted,
+    outport: &Address,
+    backend: &str,
+    hosted: &Hosted,
+    port: usize,
+    inport: &Address,
+) -> Result<(), ConnectError> {
+    let (name, element) = split(outport);
+    let ports = &writer.model().ports;
+    let found = ports.iter().position(|port| port.name == name);
+    let Some(index) = found.filter(|&index| ports[index].direction == PortDirection::Out) else {
+        let message = match found {
+            Some(index) => {
+                format!("{}/{name} is an {} port", writer.name, direction(ports[index].direction))
+            }
+            None => format!("{} has no port `{name}`", writer.name),
+        };
+        let outports = ports.iter().filter(|port| port.direction == PortDirection::Out);
+        let help = suggest(name, outports.map(|port| port.name.as_str()));
+        return Err(ConnectError::outport(message, help));
+    };
+    if ports[index].multiple != element.is_some() {
+        let message = format!("{outport} names no out port");
+        let help = "a multiple port is named with an element, a single one without";
+        return Err(ConnectError::outport(message, help));
+    }
+    if writer.backend != backend {
+        let message = format!("{outport} is on {}, not on {backend}", writer.backend);
+        return Err(ConnectError::outport(message, "leave --backend out"));
+    }
+    if let (Some(ours), Some(theirs)) = (hosted.port_type(port), writer.port_type(index))
+        && !ours.same_as(theirs)
+    {
+        return Err(ConnectError::Type {
+            inport: inport.to_string(),
+            ours: ours.to_string(),
+            outport: outport.to_string(),
+            theirs: theirs.to_string(),
+        });
+    }
+    Ok(())
+}
+
+/// The writer is elsewhere: it must be visible, unless the caller is ready to wait.
+fn check_remote(middleware: &dyn Middleware, outport: &Address) -> Result<(), ConnectError> {
+    let backend = middleware.name();
+    if !middleware.capabilities().cross_process {
+        let message = format!(
+            "no component `{}` in this daemon, and {backend} reaches no other",
+            outport.instance
+        );
+        return Err(ConnectError::outport(message, "load both on another backend"));
+    }
+    let endpoints = middleware.discover().map_err(|error| {
+        ConnectError::Failed(Box::new(OpenError::Failed {
+            backend: error.backend,
+            address: outport.clone(),
+            why: error.why,
+        }))
+    })?;
+    let wanted = outport.to_string();
+    let mut visible: Vec<&str> = endpoints
+        .iter()
+        .filter(|endpoint| endpoint.kind == EndpointKind::Publisher)
+        .map(|endpoint| endpoint.address.as_str())
+        .collect();
+    if visible.contains(&wanted.as_str()) {
+        return Ok(());
+    }
+    visible.sort_unstable();
+    visible.dedup();
+    let message = format!("nobody publishes {wanted} on {backend}");
+    let help = format!(
+        "{}; a writer that comes later is waited for with --wait",
+        suggest(&wanted, visible.iter().copied())
+    );
+    Err(ConnectError::outport(message, help))
+}

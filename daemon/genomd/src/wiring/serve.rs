@@ -1,0 +1,81 @@
+//! Services of a component on its middleware, for callers outside the control plane.
+
+use std::sync::{Arc, Weak};
+
+use genom_description::model::ServiceKind as ModelKind;
+use genom_middleware::{
+    ActivityId, Middleware, OpenError, Outcome as Reply, Replies, Served, ServiceHandler,
+    ServiceKind, ServiceType,
+};
+use genom_runtime::Outcome;
+use genom_types::Record;
+
+use crate::hosting::{Heard, Hosted};
+
+/// Serves every service, if the middleware has services at all.
+pub(crate) fn serve(
+    hosted: &Arc<Hosted>,
+    middleware: &Arc<dyn Middleware>,
+) -> Result<Vec<Box<dyn Served>>, OpenError> {
+    let mut served = Vec::new();
+    for (index, service) in hosted.model().services.iter().enumerate() {
+        let compiled = &hosted.plan().services()[index];
+        let ty = ServiceType {
+            kind: match service.kind {
+                ModelKind::Attribute => ServiceKind::Attribute,
+                ModelKind::Function => ServiceKind::Function,
+                ModelKind::Activity => ServiceKind::Activity,
+            },
+            input: compiled.input.clone(),
+            output: compiled.output.clone(),
+        };
+        let handler = Arc::new(Handler { hosted: Arc::downgrade(hosted), service: index });
+        match middleware.serve(&hosted.address(&service.name, None), &ty, handler) {
+            Ok(one) => served.push(one),
+            // The control plane serves it all the same.
+            Err(OpenError::Unsupported { why, .. }) => {
+                tracing::debug!("{}/{}: {why}", hosted.name, service.name);
+            }
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(served)
+}
+
+/// One service for one component.
+struct Handler {
+    /// Weak: the component holds the handler.
+    hosted: Weak<Hosted>,
+    service: usize,
+}
+
+impl ServiceHandler for Handler {
+    fn request(&self, input: Record, replies: Box<dyn Replies>) {
+        // Dropping the replies tells the caller that the service is gone.
+        let Some(hosted) = self.hosted.upgrade() else { return };
+        let mut replies = Some(replies);
+        hosted.submit(self.service, input, move |heard| match heard {
+            Heard::Accepted(activity) => {
+                if let Some(replies) = &mut replies {
+                    replies.accepted(ActivityId(activity.number));
+                }
+            }
+            Heard::Ended(outcome) => {
+                if let Some(replies) = replies.take() {
+                    replies.finish(match outcome {
+                        Outcome::Success(record) => Reply::Success(record),
+                        Outcome::Exception(exception) => {
+                            Reply::Exception { name: exception.name, detail: exception.detail }
+                        }
+                    });
+                }
+            }
+        });
+    }
+
+    fn cancel(&self, id: ActivityId) {
+        if let Some(hosted) = self.hosted.upgrade() {
+            hosted.abort(id.0);
+        }
+    }
+}
