@@ -1,1 +1,21 @@
-//! TBD
+//! What the black-box tests share: daemons and commands run as users run them.
+//!
+//! It knows the programs, not their code: everything goes through command lines and sockets.
+
+#![forbid(unsafe_code)]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "part of tests: a failed step ends the test, and the message names it"
+)]
+
+mod build;
+mod command;
+mod daemon;
+mod http;
+
+pub use build::{component, program, repository};
+pub use command::{Finished, Running, WATCHDOG};
+pub use daemon::{Daemon, Home, Memory, path};
+pub use http::{Events, Reply, connect, request};

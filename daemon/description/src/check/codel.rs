@@ -36,9 +36,6 @@ impl Checker {
         codel: &Codel,
         mut known: impl Iterator<Item = &'s CodelState>,
     ) -> bool {
-        if !self.codel_names.contains(&codel.name.text) {
-            return true;
-        }
         let Some(other) = known.find(|other| other.syntax.name.text == codel.name.text) else {
             return true;
         };
@@ -69,7 +66,6 @@ impl Checker {
                     .help(format!("write `codel<...> {}(...)`", codel.name.text)),
             );
         }
-        self.codel_names.insert(codel.name.text.clone());
         let mut parameters: Vec<CodelParameter> = Vec::new();
         for (rank, dcl) in codel.parameters.iter().enumerate() {
             let fixed = fixed.and_then(|list| list.get(rank)).map(|p| p.qualifier);
@@ -240,7 +236,7 @@ impl Checker {
         let body = &self.bodies[id];
         let mut found = Vec::new();
         if let Some((rank, _)) = ids {
-            let span = body.ids_members.get(rank).copied();
+            let span = body.ids_members.get(rank).map(|(_, span)| *span);
             found.push((Qualifier::Ids, "ids", span.unwrap_or(body.span)));
         }
         if let Some(parameter) = local {

@@ -1,0 +1,179 @@
+//! A program that runs, its output read line by line, under a watchdog.
+
+use std::io::{BufRead as _, BufReader, Read};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// Nothing in the tests takes so long unless it hangs.
+pub const WATCHDOG: Duration = Duration::from_secs(60);
+
+/// A program that runs; killed when dropped.
+#[derive(Debug)]
+pub struct Running {
+    child: Child,
+    what: String,
+    lines: Receiver<String>,
+    errors: Option<JoinHandle<String>>,
+    /// Lines of standard error, for those who wait for one.
+    error_lines: Receiver<String>,
+}
+
+/// A program that ended.
+#[derive(Debug)]
+pub struct Finished {
+    /// Its exit status; `None` when a signal ended it.
+    pub code: Option<i32>,
+    /// Standard output, as far as nobody took lines of it.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+impl Running {
+    /// Starts a program.
+    #[must_use]
+    pub fn start(command: &mut Command) -> Self {
+        let what = format!("{command:?}");
+        let mut child = command
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap_or_else(|error| panic!("{what}: {error}"));
+        let (sender, lines) = channel();
+        let out = child.stdout.take().expect("piped");
+        thread::spawn(move || {
+            for line in BufReader::new(out).lines().map_while(Result::ok) {
+                if sender.send(line).is_err() {
+                    break;
+                }
+            }
+        });
+        let (sender, error_lines) = channel();
+        let err = child.stderr.take().expect("piped");
+        let errors = thread::spawn(move || {
+            let mut all = String::new();
+            let mut reader = BufReader::new(err);
+            let mut line = Vec::new();
+            while reader.read_until(b'\n', &mut line).is_ok_and(|read| read > 0) {
+                let text = String::from_utf8_lossy(&line).into_owned();
+                all.push_str(&text);
+                // Nobody may wait for lines: that is fine.
+                let _ = sender.send(text.trim_end().to_owned());
+                line.clear();
+            }
+            let mut rest = String::new();
+            let _ = reader.read_to_string(&mut rest);
+            all + &rest
+        });
+        Self { child, what, lines, errors: Some(errors), error_lines }
+    }
+
+    /// Its process id.
+    #[must_use]
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// The next line of standard output.
+    pub fn line(&self) -> String {
+        self.lines.recv_timeout(WATCHDOG).unwrap_or_else(|error| panic!("{}: {error}", self.what))
+    }
+
+    /// The next line of standard output that `wanted` says yes to.
+    pub fn line_where(&self, wanted: impl Fn(&str) -> bool) -> String {
+        let end = Instant::now() + WATCHDOG;
+        let mut seen = Vec::new();
+        loop {
+            match self.lines.recv_timeout(end.saturating_duration_since(Instant::now())) {
+                Ok(line) if wanted(&line) => return line,
+                Ok(line) => seen.push(line),
+                Err(error) => panic!("{}: {error}; lines so far: {seen:#?}", self.what),
+            }
+        }
+    }
+
+    /// The next line of standard error that `wanted` says yes to; `None` when it ended first.
+    pub fn error_line_where(&self, wanted: impl Fn(&str) -> bool) -> Option<String> {
+        let end = Instant::now() + WATCHDOG;
+        loop {
+            match self.error_lines.recv_timeout(end.saturating_duration_since(Instant::now())) {
+                Ok(line) if wanted(&line) => return Some(line),
+                Ok(_) => {}
+                Err(RecvTimeoutError::Disconnected) => return None,
+                Err(RecvTimeoutError::Timeout) => panic!("{}: says nothing", self.what),
+            }
+        }
+    }
+
+    /// Sends a signal by name: `TERM`, `INT`, `KILL`.
+    pub fn signal(&self, name: &str) {
+        let status = Command::new("kill")
+            .args(["-s", name, &self.child.id().to_string()])
+            .status()
+            .expect("kill runs");
+        assert!(status.success(), "{}: could not be signalled", self.what);
+    }
+
+    /// Waits for its end.
+    #[must_use]
+    pub fn finish(mut self) -> Finished {
+        let status = self.wait();
+        let mut out = String::new();
+        while let Ok(line) = self.lines.recv_timeout(WATCHDOG) {
+            out.push_str(&line);
+            out.push('\n');
+        }
+        let err = self.errors.take().map(|errors| errors.join().unwrap_or_default());
+        Finished { code: status.code(), out, err: err.unwrap_or_default() }
+    }
+
+    fn wait(&mut self) -> ExitStatus {
+        let pid = self.child.id();
+        let (ended, watched) = channel::<()>();
+        // The watchdog kills what hangs, so that `wait` returns; dropping `ended` calls it off.
+        let watchdog = thread::spawn(move || {
+            if watched.recv_timeout(WATCHDOG) == Err(RecvTimeoutError::Timeout) {
+                let _ = Command::new("kill").args(["-s", "KILL", &pid.to_string()]).status();
+                return true;
+            }
+            false
+        });
+        let status = self.child.wait().expect("a child can be waited for");
+        drop(ended);
+        assert!(!watchdog.join().unwrap_or(true), "{}: hangs", self.what);
+        status
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Finished {
+    /// Fails unless it ended with this exit status.
+    #[track_caller]
+    pub fn expect_code(&self, code: i32) -> &Self {
+        assert_eq!(self.code, Some(code), "out: {}\nerr: {}", self.out, self.err);
+        self
+    }
+
+    /// Fails unless standard error holds this text.
+    #[track_caller]
+    pub fn expect_err(&self, text: &str) -> &Self {
+        assert!(self.err.contains(text), "expected `{text}` in:\n{}", self.err);
+        self
+    }
+
+    /// Fails unless standard output is this text.
+    #[track_caller]
+    pub fn expect_out(&self, text: &str) -> &Self {
+        assert_eq!(self.out, text, "err: {}", self.err);
+        self
+    }
+}

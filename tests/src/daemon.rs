@@ -1,0 +1,243 @@
+//! A daemon of a test: its own socket, its own shared memory, gone with the test.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::command::{Finished, Running};
+use crate::program;
+
+/// Shared memory that only the daemons of one test use.
+#[derive(Debug)]
+pub struct Memory {
+    root: TempDir,
+    prefix: String,
+}
+
+impl Memory {
+    /// Shared memory that nobody else uses.
+    #[must_use]
+    pub fn new() -> Self {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let prefix = format!("gt{}_{number}_", std::process::id());
+        Self { root: TempDir::new().expect("a directory can be made"), prefix }
+    }
+
+    /// Directory of the files that say what is there.
+    #[must_use]
+    pub fn root(&self) -> &Path {
+        self.root.path()
+    }
+
+    /// Start of the names of everything.
+    #[must_use]
+    pub fn prefix(&self) -> &str {
+        &self.prefix
+    }
+
+    /// Every file of it, wherever.
+    #[must_use]
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut found = Vec::new();
+        let mut directories = vec![self.root.path().to_owned()];
+        while let Some(directory) = directories.pop() {
+            for entry in std::fs::read_dir(directory).into_iter().flatten().flatten() {
+                let path = entry.path();
+                if path.is_dir() { directories.push(path) } else { found.push(path) }
+            }
+        }
+        let segments = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+        found.extend(segments.map(|entry| entry.path()).filter(|path| {
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            // One lock a prefix stays for good: iceoryx2's own, by which starting nodes take turns.
+            name.starts_with(&self.prefix) && !name.ends_with(".global_mgmt")
+        }));
+        found.sort();
+        found
+    }
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Drop for Memory {
+    fn drop(&mut self) {
+        // What a killed daemon left, so that tests do not fill the machine.
+        let all = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
+        for entry in all {
+            if entry.file_name().to_string_lossy().starts_with(&self.prefix) {
+                let _ = std::fs::remove_file(entry.path());
+            }
+        }
+    }
+}
+
+/// Where a daemon keeps its own files.
+#[derive(Debug)]
+pub struct Home {
+    scratch: TempDir,
+    memory: Arc<Memory>,
+}
+
+impl Home {
+    /// A home, and shared memory of its own.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::with(&Arc::new(Memory::new()))
+    }
+
+    /// A home, on shared memory that others use too.
+    #[must_use]
+    pub fn with(memory: &Arc<Memory>) -> Self {
+        let scratch = TempDir::new().expect("a directory can be made");
+        let config =
+            format!("[backends.shm]\nprefix = {:?}\nroot = {:?}\n", memory.prefix(), memory.root());
+        std::fs::write(scratch.path().join("genomd.toml"), config).expect("a file can be written");
+        Self { scratch, memory: Arc::clone(memory) }
+    }
+
+    /// The daemon's socket.
+    #[must_use]
+    pub fn socket(&self) -> PathBuf {
+        self.scratch.path().join("run/genomd.sock")
+    }
+
+    /// Its shared memory.
+    #[must_use]
+    pub fn memory(&self) -> &Arc<Memory> {
+        &self.memory
+    }
+
+    /// A directory for files of the test.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.scratch.path()
+    }
+
+    fn command(&self, arguments: &[&str]) -> Command {
+        let mut command = Command::new(program("genomd"));
+        command.env_clear().env("PATH", std::env::var_os("PATH").unwrap_or_default());
+        command.current_dir(self.path());
+        command.arg("--config").arg(self.path().join("genomd.toml"));
+        command.arg("--socket").arg(self.socket()).args(arguments);
+        command
+    }
+
+    /// Starts a daemon here and waits until it is ready.
+    #[must_use]
+    #[track_caller]
+    pub fn start(self, arguments: &[&str]) -> Daemon {
+        let running = Running::start(&mut self.command(arguments));
+        if running.error_line_where(|line| line.contains("ready on ")).is_none() {
+            panic!("genomd does not start:\n{}", running.finish().err);
+        }
+        Daemon { running, home: self }
+    }
+
+    /// Starts a daemon here that is expected to refuse.
+    #[must_use]
+    pub fn refused(&self, arguments: &[&str]) -> Finished {
+        Running::start(&mut self.command(arguments)).finish()
+    }
+}
+
+impl Default for Home {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// A daemon that runs; killed when dropped.
+#[derive(Debug)]
+pub struct Daemon {
+    running: Running,
+    home: Home,
+}
+
+impl Daemon {
+    /// A daemon with these arguments, in a home of its own.
+    #[must_use]
+    #[track_caller]
+    pub fn start(arguments: &[&str]) -> Self {
+        Home::new().start(arguments)
+    }
+
+    /// A daemon with the demo on this backend.
+    #[must_use]
+    #[track_caller]
+    pub fn demo(backend: &str) -> Self {
+        let demo = crate::component("demo");
+        Self::start(&["--backend", backend, path(&demo.library)])
+    }
+
+    /// Where its files are.
+    #[must_use]
+    pub fn home(&self) -> &Home {
+        &self.home
+    }
+
+    /// Its process.
+    #[must_use]
+    pub fn process(&self) -> &Running {
+        &self.running
+    }
+
+    /// Starts a `genomctl`.
+    #[must_use]
+    pub fn spawn(&self, arguments: &[&str]) -> Running {
+        let mut command = Command::new(program("genomctl"));
+        command.env_clear().arg("--socket").arg(self.home.socket()).args(arguments);
+        Running::start(&mut command)
+    }
+
+    /// Runs a `genomctl` to its end.
+    #[must_use]
+    pub fn ctl(&self, arguments: &[&str]) -> Finished {
+        self.spawn(arguments).finish()
+    }
+
+    /// Runs a `genomctl --json` that must succeed; its reply.
+    #[track_caller]
+    #[must_use]
+    pub fn json(&self, arguments: &[&str]) -> Value {
+        let finished = self.ctl(&[&["--json"], arguments].concat());
+        finished.expect_code(0);
+        serde_json::from_str(&finished.out).expect("JSON")
+    }
+
+    /// A port as the daemon tells it: type, connection, value.
+    #[track_caller]
+    #[must_use]
+    pub fn port(&self, component: &str, name: &str) -> Value {
+        let reply = self.json(&["ports", component]);
+        let mut ports = reply["ports"].as_array().expect("ports").iter();
+        ports.find(|port| port["name"] == name).expect("the port").clone()
+    }
+
+    /// Follows what changes; events told after this returns are heard.
+    #[must_use]
+    pub fn events(&self) -> crate::Events {
+        crate::Events::open(&self.home.socket())
+    }
+
+    /// Sends a signal and waits for the end.
+    #[must_use]
+    pub fn stop(self, signal: &str) -> (Finished, Home) {
+        self.running.signal(signal);
+        (self.running.finish(), self.home)
+    }
+}
+
+/// A path as an argument.
+#[must_use]
+pub fn path(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}

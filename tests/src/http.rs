@@ -1,0 +1,102 @@
+//! Raw HTTP on the daemon's socket, for what genomctl never sends.
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+
+use serde_json::Value;
+
+use crate::WATCHDOG;
+
+/// A reply.
+#[derive(Debug)]
+pub struct Reply {
+    /// HTTP status.
+    pub status: u16,
+    /// Body as JSON; null when it is none.
+    pub body: Value,
+}
+
+impl Reply {
+    /// Stable name of the reason of a refusal.
+    #[must_use]
+    pub fn code(&self) -> &str {
+        self.body["error"]["code"].as_str().unwrap_or_default()
+    }
+}
+
+/// A connection to a daemon.
+#[must_use]
+pub fn connect(socket: &Path) -> UnixStream {
+    let stream = UnixStream::connect(socket).expect("the daemon listens");
+    stream.set_read_timeout(Some(WATCHDOG)).expect("a time-out can be set");
+    stream
+}
+
+/// One request on a connection of its own.
+#[must_use]
+pub fn request(socket: &Path, method: &str, path: &str, body: &str) -> Reply {
+    let mut stream = connect(socket);
+    let length = body.len();
+    write!(
+        stream,
+        "{method} {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\
+         Content-Length: {length}\r\n\r\n{body}"
+    )
+    .expect("the daemon reads");
+    let mut text = String::new();
+    stream.read_to_string(&mut text).expect("the daemon answers");
+    let status = text.split(' ').nth(1).and_then(|code| code.parse().ok()).expect("a status");
+    let body = text.split_once("\r\n\r\n").map_or("", |(_, body)| body);
+    Reply { status, body: serde_json::from_str(body).unwrap_or_default() }
+}
+
+/// What changes in a daemon, as it happens.
+#[derive(Debug)]
+pub struct Events {
+    lines: std::io::Lines<BufReader<UnixStream>>,
+}
+
+impl Events {
+    /// Opens the stream; it is open when this returns.
+    #[must_use]
+    pub(crate) fn open(socket: &Path) -> Self {
+        let mut stream = connect(socket);
+        write!(stream, "GET /events HTTP/1.1\r\nHost: x\r\n\r\n").expect("the daemon reads");
+        let mut lines = BufReader::new(stream).lines();
+        let status = lines.next().expect("an answer").expect("a line");
+        assert!(status.contains("200"), "{status}");
+        // The head ends with an empty line; the daemon listens before it sends it.
+        while !lines.next().expect("a head").expect("a line").is_empty() {}
+        Self { lines }
+    }
+
+    /// The next change that `wanted` says yes to; those before it are given up.
+    #[track_caller]
+    pub fn wait_for(&mut self, wanted: impl Fn(&Value) -> bool) -> Value {
+        let mut seen = Vec::new();
+        loop {
+            let line = match self.lines.next() {
+                Some(Ok(line)) => line,
+                end => panic!("the stream ended ({end:?}); seen: {seen:#?}"),
+            };
+            let Some(data) = line.strip_prefix("data: ") else { continue };
+            let change: Value = serde_json::from_str(data).expect("JSON");
+            if wanted(&change) {
+                return change;
+            }
+            seen.push(change);
+        }
+    }
+
+    /// Changes until one that `last` says yes to, that one included.
+    #[track_caller]
+    pub fn until(&mut self, last: impl Fn(&Value) -> bool) -> Vec<Value> {
+        let all = std::cell::RefCell::new(Vec::new());
+        self.wait_for(|change| {
+            all.borrow_mut().push(change.clone());
+            last(change)
+        });
+        all.into_inner()
+    }
+}
