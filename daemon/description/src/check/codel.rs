@@ -1,5 +1,6 @@
 //! Codels: where their arguments come from, what they yield (genom3.md 3.7, 4.4).
 
+use std::collections::HashMap;
 use std::rc::Rc;
 
 use genom_types::TypeId;
@@ -67,13 +68,13 @@ impl Checker {
             );
         }
         let mut parameters: Vec<CodelParameter> = Vec::new();
+        let mut seen: HashMap<Box<str>, Span> = HashMap::new();
         for (rank, dcl) in codel.parameters.iter().enumerate() {
             let fixed = fixed.and_then(|list| list.get(rank)).map(|p| p.qualifier);
             let Some(parameter) = self.codel_parameter(id, service, codel, dcl, role, fixed) else {
                 continue;
             };
-            if let Some(first) = parameters.iter().find(|p| p.name == parameter.name) {
-                let first = first.span;
+            if let Some(first) = seen.insert(parameter.name.clone(), parameter.span) {
                 self.duplicate_parameter(&parameter.name, parameter.span, first);
                 continue;
             }
