@@ -109,6 +109,8 @@ fn what_cannot_be_cut_into_tokens_is_left_alone() {
     assert_eq!(refused("a\n/* b"), FormatError::Unclosed { line: 2, what: "comment" });
     assert_eq!(refused("a\n\"b"), FormatError::Unclosed { line: 2, what: "string" });
     assert_eq!(refused("a \\\n b"), FormatError::Joined { line: 1 });
+    assert_eq!(refused("#define A \\ \nb"), FormatError::Joined { line: 1 });
+    assert_eq!(refused("a // b \\ \nc"), FormatError::Joined { line: 1 });
     assert_eq!(refused("a; # b"), FormatError::Stray { line: 1, what: '#' });
     assert_eq!(refused("a ??< b"), FormatError::Joined { line: 1 });
 }

@@ -148,11 +148,7 @@ impl Cutter<'_> {
                 _ => self.at += 1,
             }
         }
-        if self.at == self.text.len() && self.text.trim_end().ends_with('\\') {
-            // Joined to a line that is not there.
-            return Err(FormatError::Joined { line: self.line });
-        }
-        self.trim();
+        self.trim()?;
         Ok(PieceKind::Directive)
     }
 
@@ -173,19 +169,22 @@ impl Cutter<'_> {
 
     fn line_comment(&mut self) -> Result<PieceKind, FormatError> {
         let rest = self.text.get(self.at..).unwrap_or_default();
-        let length = rest.find('\n').unwrap_or(rest.len());
-        if rest.get(..length).is_some_and(|line| line.trim_end_matches('\r').ends_with('\\')) {
-            return Err(FormatError::Joined { line: self.line });
-        }
-        self.at += length;
-        self.trim();
+        self.at += rest.find('\n').unwrap_or(rest.len());
+        self.trim()?;
         Ok(PieceKind::Comment)
     }
 
-    /// Blanks at the end of a line are not part of the piece.
-    fn trim(&mut self) {
+    /// Blanks at the end of a line are not part of the piece. A backslash there would join the
+    /// next line, once it is the last character of its line.
+    fn trim(&mut self) -> Result<(), FormatError> {
         let before = self.text.get(..self.at).unwrap_or_default();
-        self.at = before.trim_end_matches([' ', '\t', '\r', '\x0b', '\x0c']).len();
+        let kept = before.trim_end_matches([' ', '\t', '\r', '\x0b', '\x0c']);
+        let last_line = self.at == self.text.len() && kept.trim_end().ends_with('\\');
+        if last_line || kept.ends_with('\\') {
+            return Err(FormatError::Joined { line: self.line });
+        }
+        self.at = kept.len();
+        Ok(())
     }
 
     fn block_comment(&mut self) -> Result<(), FormatError> {
