@@ -18,6 +18,9 @@ pub(super) struct Masks {
     words: usize,
     /// By node: word and bit; `Shared` nodes take their context's.
     places: Box<[Place]>,
+    /// By node, when one word holds all: what must be clear, and what to set (nothing for
+    /// [`Place::None`], [`OF_CONTEXT`] for [`Place::Shared`]).
+    quick: Box<[(u64, u64)]>,
     /// Word and bit of each context.
     contexts: Box<[(usize, u64)]>,
     /// By node, `words` each: what must not be set.
@@ -25,6 +28,9 @@ pub(super) struct Masks {
     /// What must not be set when everything is excluded.
     everything: Box<[u64]>,
 }
+
+/// Stands for the bit of the context.
+const OF_CONTEXT: u64 = u64::MAX;
 
 #[derive(Clone, Copy, Debug)]
 enum Place {
@@ -44,11 +50,17 @@ impl Masks {
             places.push(match (alone, global) {
                 (true, true) => Place::Shared,
                 (true, false) => Place::None,
-                (false, _) => {
-                    let (word, bit) = place(next);
-                    next += 1;
-                    Place::Own { word, bit, global }
-                }
+                // Two that never run at once and exclude the same need one bit.
+                (false, _) => match nodes.twin(node).and_then(|twin| places.get(twin)) {
+                    Some(Place::Own { word, bit, global: its }) if *its == global => {
+                        Place::Own { word: *word, bit: *bit, global }
+                    }
+                    _ => {
+                        let (word, bit) = place(next);
+                        next += 1;
+                        Place::Own { word, bit, global }
+                    }
+                },
             });
         }
         let words = next.div_ceil(USABLE).max(1);
@@ -72,8 +84,16 @@ impl Masks {
                 }
             }
         }
+        let quick = |(node, place): (usize, &Place)| match place {
+            Place::Own { bit, .. } => (needs[node * words] | WAITERS, *bit),
+            Place::Shared => (needs[node * words] | WAITERS, OF_CONTEXT),
+            Place::None => (0, 0),
+        };
+        let quick = places.iter().enumerate().map(quick);
+        let quick = if words == 1 { quick.collect() } else { Box::default() };
         Self {
             words,
+            quick,
             places: places.into(),
             contexts,
             needs: needs.into(),
@@ -99,11 +119,8 @@ impl Masks {
     /// that nobody waits for.
     #[inline]
     pub(super) fn fast(&self, context: usize, node: u32) -> Option<(u64, u64)> {
-        let (_, bit) = self.bit(context, node);
-        if bit == 0 {
-            return Some((0, 0));
-        }
-        (self.words == 1).then(|| (self.needs[node as usize] | WAITERS, bit))
+        let &(need, bit) = self.quick.get(node as usize)?;
+        Some((need, if bit == OF_CONTEXT { self.contexts[context].1 } else { bit }))
     }
 
     /// By word: what must be clear for `node` to run.

@@ -56,7 +56,9 @@ struct Waiting {
 pub struct Permit<'a> {
     exclusion: &'a Exclusion,
     context: usize,
-    node: u32,
+    /// Where its bit is, to clear it.
+    word: usize,
+    bit: u64,
     waited: bool,
 }
 
@@ -69,8 +71,9 @@ impl Permit<'_> {
 }
 
 impl Drop for Permit<'_> {
+    #[inline]
     fn drop(&mut self) {
-        self.exclusion.leave(self.context, self.node);
+        self.exclusion.leave(self.context, self.word, self.bit);
     }
 }
 
@@ -104,8 +107,12 @@ impl Exclusion {
     pub fn enter(&self, context: usize, node: usize) -> Permit<'_> {
         let node = u32::try_from(node).unwrap_or(EVERYTHING);
         self.inheritance.runs(context, node);
-        let waited = !self.try_enter(context, node) && self.enter_slowly(context, node);
-        Permit { exclusion: self, context, node, waited }
+        if let Some(bit) = self.try_enter(context, node) {
+            return Permit { exclusion: self, context, word: 0, bit, waited: false };
+        }
+        let waited = self.enter_slowly(context, node);
+        let (word, bit) = self.masks.bit(context, node);
+        Permit { exclusion: self, context, word, bit, waited }
     }
 
     /// Waits until no codel runs that could be disturbed, and keeps all others out.
@@ -114,7 +121,7 @@ impl Exclusion {
     pub fn enter_all(&self, context: usize) -> Permit<'_> {
         self.inheritance.runs(context, EVERYTHING);
         let waited = self.enter_slowly(context, EVERYTHING);
-        Permit { exclusion: self, context, node: EVERYTHING, waited }
+        Permit { exclusion: self, context, word: 0, bit: ALL, waited }
     }
 
     /// The node a context runs, or waits for.
@@ -123,22 +130,23 @@ impl Exclusion {
         self.waiting.get(context).is_some_and(|w| w.node.load(Ordering::Relaxed) != IDLE)
     }
 
+    /// The bit set, if nothing is in the way and one word holds all.
     #[inline]
-    fn try_enter(&self, context: usize, node: u32) -> bool {
-        let Some((need, bit)) = self.masks.fast(context, node) else { return false };
+    fn try_enter(&self, context: usize, node: u32) -> Option<u64> {
+        let (need, bit) = self.masks.fast(context, node)?;
         if bit == 0 {
-            return true;
+            return Some(0);
         }
         let word = &self.running[0];
         let mut seen = word.load(Ordering::Relaxed);
         while seen & need == 0 {
             let set = seen | bit;
             match word.compare_exchange_weak(seen, set, Ordering::AcqRel, Ordering::Relaxed) {
-                Ok(_) => return true,
+                Ok(_) => return Some(bit),
                 Err(now) => seen = now,
             }
         }
-        false
+        None
     }
 
     /// Returns whether it had to wait.
@@ -166,7 +174,8 @@ impl Exclusion {
             let _ = futex::wait(&self.departures, futex::Flags::PRIVATE, departures, None);
             self.guard.lock();
         }
-        self.set(context, node, true);
+        let (word, bit) = self.place(context, node);
+        self.running[word].fetch_or(bit, Ordering::SeqCst);
         place.node.store(IDLE, Ordering::Relaxed);
         if self.waiting.iter().all(|other| other.node.load(Ordering::Relaxed) == IDLE) {
             self.running[0].fetch_and(!WAITERS, Ordering::SeqCst);
@@ -209,29 +218,21 @@ impl Exclusion {
     }
 
     fn is_set(&self, context: usize, node: u32) -> bool {
-        if node == EVERYTHING {
-            return self.running[0].load(Ordering::Acquire) & ALL != 0;
-        }
-        let (word, bit) = self.masks.bit(context, node);
+        let (word, bit) = self.place(context, node);
         bit != 0 && self.running[word].load(Ordering::SeqCst) & bit != 0
     }
 
-    /// Marks a node as running, or not; returns what its word was.
-    fn set(&self, context: usize, node: u32, on: bool) -> u64 {
-        let (word, bit) = if node == EVERYTHING { (0, ALL) } else { self.masks.bit(context, node) };
-        if on {
-            self.running[word].fetch_or(bit, Ordering::SeqCst)
-        } else {
-            self.running[word].fetch_and(!bit, Ordering::SeqCst)
-        }
+    /// Word and bit that say that a node runs.
+    fn place(&self, context: usize, node: u32) -> (usize, u64) {
+        if node == EVERYTHING { (0, ALL) } else { self.masks.bit(context, node) }
     }
 
     #[inline]
-    fn leave(&self, context: usize, node: u32) {
-        let before = self.set(context, node, false);
+    fn leave(&self, context: usize, word: usize, bit: u64) {
+        // The bit is set, so this clears it; unlike `and`, it is one instruction.
+        let before = self.running[word].fetch_sub(bit, Ordering::SeqCst);
         // Waiters are announced in the first word.
-        let first =
-            if self.running.len() == 1 { before } else { self.running[0].load(Ordering::SeqCst) };
+        let first = if word == 0 { before } else { self.running[0].load(Ordering::SeqCst) };
         if first & WAITERS != 0 {
             self.ring(context);
         }

@@ -1,6 +1,6 @@
 //! What excludes what, as bit sets: the static half of genom3.md 4.5 and 7.10.
 
-use genom_description::model::{CodelKind, Component, ServiceKind, Source};
+use genom_description::model::{CodelKind, Component, Owner, ServiceKind, Source};
 
 use super::conflict::Touching;
 
@@ -15,6 +15,9 @@ pub struct Nodes {
     /// By node: whether `exclusively` waits for it. Async codels may block for long and are
     /// waited for only when they hold a port or remote that could change under them.
     global: Vec<bool>,
+    /// By node: the first one that never runs at the same time, because one task or one service
+    /// runs both, and that excludes the same others.
+    twins: Vec<Option<usize>>,
 }
 
 impl Nodes {
@@ -50,7 +53,7 @@ impl Nodes {
             let given = a == b || matrix[a][b] || matrix[b][a];
             given || (ours && touching(a).conflicts(&touching(b)))
         };
-        let conflicts =
+        let conflicts: Vec<Box<[usize]>> =
             (0..count).map(|a| (0..count).filter(|b| excluded(a, *b)).collect()).collect();
         let global = |node: usize| {
             model.codels.get(node).is_none_or(|codel| {
@@ -61,7 +64,16 @@ impl Nodes {
                         .any(|p| matches!(p.source, Source::Port(_) | Source::Remote(_)))
             })
         };
-        Self { codels, conflicts, global: (0..count).map(global).collect() }
+        let twins = twins(&conflicts, |node| match node.checked_sub(codels) {
+            Some(service) => (None, Some(service)),
+            None => match (&model.codels[node].kind, model.codels[node].owner) {
+                (CodelKind::Fsm { .. }, Owner::Task(task)) => (Some(task), None),
+                (CodelKind::Fsm { .. }, Owner::Service(rank)) => (model.services[rank].task, None),
+                (_, Owner::Service(rank)) => (None, Some(rank)),
+                (_, Owner::Task(_)) => (None, None),
+            },
+        });
+        Self { codels, conflicts, global: (0..count).map(global).collect(), twins }
     }
 
     /// Nodes from a relation given as such, for tests of the lock.
@@ -77,7 +89,7 @@ impl Nodes {
                 (0..count).filter(with).collect()
             })
             .collect();
-        Self { codels: count, conflicts, global: vec![true; count] }
+        Self { codels: count, conflicts, global: vec![true; count], twins: vec![None; count] }
     }
 
     /// The node of a codel.
@@ -90,6 +102,12 @@ impl Nodes {
     #[must_use]
     pub fn transfer(&self, service: usize) -> usize {
         self.codels + service
+    }
+
+    /// An earlier node that never runs while this one does and excludes the same others.
+    #[must_use]
+    pub fn twin(&self, node: usize) -> Option<usize> {
+        self.twins.get(node).copied().flatten()
     }
 
     /// Number of nodes.
@@ -115,4 +133,16 @@ impl Nodes {
     pub fn is_global(&self, node: usize) -> bool {
         self.global.get(node).copied().unwrap_or(true)
     }
+}
+
+/// By node: the first one of the same runner that excludes the same others.
+fn twins(
+    conflicts: &[Box<[usize]>],
+    runner: impl Fn(usize) -> (Option<usize>, Option<usize>),
+) -> Vec<Option<usize>> {
+    let others = |node: usize| conflicts[node].iter().filter(move |other| **other != node);
+    let same = |a: usize, b: usize| {
+        runner(a) == runner(b) && runner(a) != (None, None) && others(a).eq(others(b))
+    };
+    (0..conflicts.len()).map(|node| (0..node).find(|before| same(*before, node))).collect()
 }
