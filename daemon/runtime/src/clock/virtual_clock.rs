@@ -14,6 +14,9 @@ pub(crate) trait Driven: Send + Sync {
 }
 
 /// Time that advances when it is told.
+///
+/// One thread does everything, so a codel that waits for another component's activity waits for
+/// ever; attributes and functions of others are served where they are asked for.
 #[derive(Default)]
 pub struct VirtualClock {
     now: AtomicU64,

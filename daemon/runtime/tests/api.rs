@@ -1,0 +1,178 @@
+//! What the daemon sees of an instance: refusals, watching, overrides.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod support;
+
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use genom_runtime::{
+    ActivityPhase, Change, Instance, Outcome, Plan, PlanError, Progress, TaskOptions, Watcher,
+};
+use genom_types::Record;
+use support::closures::{Closures, Codel, LONG, next, request};
+
+const GEN: &str = "component test {
+  ids { long a; };
+  exception E { long code; };
+  task t { period 2 ms; };
+  attribute set(in a = 4);
+  function f(in double x, out double y) { codel c(in x, out y); };
+  activity job() {
+    task t;
+    codel<start> first() yield main;
+    codel<main> second() yield pause::main, ether;
+    codel<stop> last() yield ether;
+    throw E;
+  };
+};";
+
+fn codel(event: &'static str) -> Codel {
+    Arc::new(move || event)
+}
+
+fn answer(instance: &Instance, service: usize, input: Record) -> String {
+    let (sender, receiver) = channel();
+    let reply = Box::new(move |progress| {
+        if let Progress::Done(Outcome::Exception(exception)) = progress {
+            let _ = sender.send(exception.to_string());
+        }
+    });
+    instance.request(service, input, reply);
+    receiver.recv_timeout(LONG).unwrap()
+}
+
+#[test]
+fn inputs_of_another_service_are_refused_as_serialization() {
+    // genom3.md 7.3.2.
+    let body = Closures::new(GEN, &[]);
+    let instance = body.start();
+    let (set, f) = (body.plan.service("set").unwrap(), body.plan.service("f").unwrap());
+    let input = Record::new(&body.plan.services()[f].input);
+    assert_eq!(answer(&instance, set, input.clone()), "::genom::serialization");
+    assert_eq!(answer(&instance, 1000, input), "::genom::no_such_service");
+    instance.shutdown(LONG).unwrap();
+}
+
+#[test]
+fn inputs_start_from_the_defaults_of_the_gen() {
+    // genom3.md 4.10: what has no default is zero.
+    let plan = support::plan(GEN);
+    let shown = |name| {
+        let rank = plan.service(name).unwrap();
+        genom_runtime::input_record(&plan, rank).unwrap().unwrap().to_json().to_string()
+    };
+    assert_eq!(shown("set"), "{\"a\":4}");
+    assert_eq!(shown("f"), "{\"x\":0.0}");
+    assert!(genom_runtime::input_record(&plan, 1000).unwrap().is_none());
+}
+
+#[test]
+fn a_component_that_is_not_there_is_no_plan() {
+    let plan = support::plan(GEN);
+    let error = Plan::new(plan.specification(), 7).unwrap_err();
+    assert!(matches!(error, PlanError::NoComponent { component: 7, known: 1 }), "{error}");
+}
+
+#[test]
+fn every_string_a_codel_may_return_is_an_event_of_the_plan() {
+    // genom3.md 5.3.
+    let plan = support::plan(GEN);
+    for name in [
+        "::test::start",
+        "::test::pause::main",
+        "::test::E",
+        "::genom::bad_transition",
+        "::genom::syserr",
+        "::genom::unkex",
+        "::genom::fatal",
+    ] {
+        let event = plan.event(name).unwrap_or_else(|| panic!("{name}"));
+        assert_eq!(plan.event_name(event), name);
+        assert_eq!(plan.event_names()[usize::from(event.0)], name);
+    }
+    assert_eq!(plan.event("::test::nothing"), None);
+    assert_eq!(plan.contexts(), 1 + genom_runtime::plan::CONTROL_WORKERS);
+}
+
+struct Changes(Mutex<Sender<Change>>);
+
+impl Watcher for Changes {
+    fn changed(&self, change: &Change) {
+        let _ = self.0.lock().unwrap().send(change.clone());
+    }
+}
+
+#[test]
+fn a_watcher_sees_each_activity_from_acceptance_to_end_in_order() {
+    let codels = [("first", codel("main")), ("second", codel("ether"))];
+    let body = Closures::new(GEN, &codels);
+    let (sender, changes) = channel();
+    let instance = body.start_with(|options| {
+        options.watcher = Some(Arc::new(Changes(Mutex::new(sender))));
+    });
+    for activity in 2..20 {
+        let job = request(&instance, "job");
+        assert_eq!(next(&job), format!("accepted {activity}"));
+        assert_eq!(next(&job), "done");
+        let service = body.plan.service("job").unwrap();
+        let state = body.plan.component().states.iter().position(|s| s == "main").unwrap();
+        let mut seen = Vec::new();
+        while !matches!(seen.last(), Some(Change::Ended { .. })) {
+            let change = changes.recv_timeout(LONG).unwrap();
+            if !matches!(change, Change::Overrun { .. }) {
+                seen.push(change);
+            }
+        }
+        assert_eq!(
+            seen,
+            [
+                Change::Accepted { activity, service },
+                Change::Moved { activity, state, paused: false },
+                Change::Ended { activity, service, exception: None },
+            ]
+        );
+    }
+    instance.shutdown(LONG).unwrap();
+    assert_eq!(instance.statistics().lost_changes, 0);
+}
+
+#[test]
+fn a_configuration_changes_the_period_of_a_task() {
+    let body = Closures::new(GEN, &[("first", codel("main")), ("second", codel("pause::main"))]);
+    let instance = body.start_with(|options| {
+        let period = Some(Duration::from_millis(7));
+        let task = TaskOptions { period, cpus: vec![0], ..Default::default() };
+        options.tasks.insert("t".into(), task);
+    });
+    assert_eq!(instance.statistics().tasks[0].period_ns, Some(7_000_000));
+    let job = request(&instance, "job");
+    assert_eq!(next(&job), "accepted 2");
+    // Activities are seen as they are: by id, state and phase.
+    loop {
+        let activities = instance.activities();
+        let activity = activities.iter().find(|activity| activity.id == 2).unwrap();
+        assert_eq!(activity.service.as_deref(), Some("job"));
+        if activity.phase == ActivityPhase::Run && activity.state == "main" && activity.paused {
+            break;
+        }
+        std::thread::yield_now();
+    }
+    instance.abort(2).unwrap();
+    instance.shutdown(LONG).unwrap();
+}
+
+#[test]
+fn an_instance_that_is_dropped_ends_its_threads() {
+    let body = Closures::new(GEN, &[("first", codel("main")), ("second", codel("pause::main"))]);
+    let instance = body.start();
+    let job = request(&instance, "job");
+    assert_eq!(next(&job), "accepted 2");
+    drop(instance);
+    // No stop codel is given here, so what it returns is no transition.
+    assert!(next(&job).starts_with("::genom::"), "the client is told");
+    // The threads held the body; they have ended.
+    assert_eq!(Arc::strong_count(&body), 1);
+}
