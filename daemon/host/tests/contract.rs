@@ -5,8 +5,7 @@
 mod support;
 
 use std::path::PathBuf;
-use std::process::Command;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 use expect_test::{Expect, expect};
 use genom_description::source::SourceMap;
@@ -14,48 +13,9 @@ use genom_host::contract::{Checked, check};
 use genom_host::{Component, Library};
 use genom_runtime::plan::Plan;
 use support::Scratch;
+use support::demo::{in_c, in_rust, root};
 
 const DEMO: &str = include_str!("../../../components/demo/demo.gen");
-
-/// The root of the repository.
-fn root() -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
-}
-
-/// The demo in Rust, built once.
-fn demo_rs() -> PathBuf {
-    static BUILT: OnceLock<PathBuf> = OnceLock::new();
-    let build = || {
-        let mut cargo = Command::new(env!("CARGO"));
-        cargo.args(["build", "--quiet", "--offline", "--message-format", "json"]);
-        cargo.args(["--package", "demo-rs", "--lib"]).current_dir(root());
-        let output = cargo.output().expect("cargo runs");
-        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-        let messages = String::from_utf8(output.stdout).expect("text");
-        let library = messages.lines().rev().find_map(|line| {
-            let message: serde_json::Value = serde_json::from_str(line).ok()?;
-            let files = message["filenames"].as_array()?.iter();
-            files
-                .filter_map(|file| file.as_str())
-                .find(|file| file.ends_with(".so"))
-                .map(PathBuf::from)
-        });
-        library.expect("cargo names the library it built")
-    };
-    BUILT.get_or_init(build).clone()
-}
-
-/// The demo in C, built with these options.
-fn demo_c(scratch: &Scratch, options: &[&str]) -> PathBuf {
-    let directory = root().join("components/demo");
-    let codels = directory.join("codels");
-    let includes = format!("-I{}", directory.display());
-    let sources = ["demo_codels.c", "demo_main_codels.c"].map(|name| codels.join(name));
-    let sources = sources.iter().map(|path| path.to_str().expect("a path in UTF-8"));
-    let arguments = ["-shared", "-fPIC", &includes].into_iter().chain(sources);
-    let arguments: Vec<&str> = arguments.chain(options.iter().copied()).collect();
-    scratch.cc("demo.so", "", &arguments)
-}
 
 /// Plan of the first component of a description, and where its lines are.
 fn plan(text: &str) -> (Plan, SourceMap) {
@@ -88,9 +48,9 @@ fn altered(from: &str, to: &str) -> String {
 
 #[test]
 fn the_demo_in_rust_agrees_with_its_description() {
-    disagree(demo_rs(), DEMO, &expect!["loads"]);
+    disagree(in_rust(), DEMO, &expect!["loads"]);
     let (plan, _) = plan(DEMO);
-    let report = check(&Library::open(&demo_rs()).unwrap(), &plan, &|_| String::new());
+    let report = check(&Library::open(&in_rust()).unwrap(), &plan, &|_| String::new());
     assert_eq!((report.checked, report.codels), (Checked::Descriptors, 8));
     assert_eq!(report.differences, []);
 }
@@ -99,21 +59,43 @@ fn the_demo_in_rust_agrees_with_its_description() {
 fn the_demo_in_c_agrees_with_its_description_by_its_debug_information() {
     let scratch = Scratch::new();
     for options in [&["-gdwarf-5"][..], &["-gdwarf-4", "-O2"], &["-gdwarf-3"]] {
-        let path = demo_c(&scratch, options);
+        let path = in_c(&scratch, options);
         disagree(path.clone(), DEMO, &expect!["loads"]);
         let report = check(&Library::open(&path).unwrap(), &plan(DEMO).0, &|_| String::new());
         assert_eq!((report.checked, report.codels), (Checked::DebugInformation, 8), "{options:?}");
     }
-    let path = demo_c(&scratch, &["-g0"]);
+    let path = in_c(&scratch, &["-g0"]);
     let text = altered("demo_reset(inout current)", "demo_reset(in velocity)");
     let report = check(&Library::open(&path).unwrap(), &plan(&text).0, &|_| String::new());
     assert_eq!((report.checked, report.codels), (Checked::Unchecked, 0));
 }
 
 #[test]
+fn the_figures_of_both_papers_agree_with_their_codels() {
+    let scratch = Scratch::new();
+    for paper in ["2010", "2011"] {
+        let directory = root().join("components/demo/papers").join(paper);
+        let source = directory.join("codels/demo_codels.c");
+        let include = format!("-I{}", directory.display());
+        let source = source.to_str().expect("a path in UTF-8");
+        let path = scratch.cc("demo.so", "", &["-shared", "-fPIC", &include, source]);
+        let description = directory.join("demo.gen");
+        let analysis = genom_description::read(&[description], &Default::default());
+        assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
+        let plan = Plan::new(&Arc::new(analysis.specification), 0).expect("a plan");
+        let library = Library::open(&path).unwrap();
+        let report = check(&library, &plan, &|_| "demo.gen".to_owned());
+        assert_eq!(report.checked, Checked::DebugInformation, "{paper}");
+        assert_eq!(report.differences, [], "{paper}");
+        let loaded = Component::load(library, &plan, &|_| "demo.gen".to_owned());
+        assert_eq!(loaded.err().map(|errors| errors.to_string()), None, "{paper}");
+    }
+}
+
+#[test]
 fn a_c_library_that_differs_is_refused_with_both_declarations() {
     let scratch = Scratch::new();
-    let path = demo_c(&scratch, &[]);
+    let path = in_c(&scratch, &[]);
     let differs = |from, to, expected| disagree(path.clone(), &altered(from, to), &expected);
     differs(
         "double velocity;   /* m/s */",
@@ -151,6 +133,14 @@ fn a_c_library_that_differs_is_refused_with_both_declarations() {
               library: genom_event demo_servo(double goal, double velocity, bool halted, demo_state *current, const demo_parameter *parameter, const demo_position *position, const genom_context self)"#]],
     );
     differs(
+        "string<64> what;",
+        "string<32> what;",
+        expect![[r#"
+        demo.so: exception `::demo::OUT_OF_RANGE` (demo.gen:7): `demo_OUT_OF_RANGE_detail.what`: an array [32] is wanted, not `char[64]`
+          .gen:    { double value; double lower; double upper; char[32] what; }
+          library: { double value; double lower; double upper; char[64] what; }"#]],
+    );
+    differs(
         "boolean halted;",
         "long halted;",
         expect![[r#"
@@ -186,7 +176,7 @@ fn a_c_library_that_differs_is_refused_with_both_declarations() {
 fn a_member_of_another_type_is_told_with_both_declarations() {
     let text = altered("double velocity;   /* m/s */", "float velocity;");
     disagree(
-        demo_rs(),
+        in_rust(),
         &text,
         &expect![[r#"
         demo.so: codel `demo_init` (demo.gen:52): argument 1 `ids`: ::demo::ids::current: ::demo::state::velocity: float is wanted, not double
@@ -199,7 +189,7 @@ fn a_member_of_another_type_is_told_with_both_declarations() {
 fn an_argument_more_or_another_direction_is_told() {
     let text = altered("demo_reset(inout current)", "demo_reset(in current)");
     disagree(
-        demo_rs(),
+        in_rust(),
         &text,
         &expect![[r#"
         demo.so: codel `demo_reset` (demo.gen:71): argument 1 `current`: `&T` is wanted, not `&mut T`
@@ -208,7 +198,7 @@ fn an_argument_more_or_another_direction_is_told() {
     );
     let text = altered("demo_check_goal(in goal)", "demo_check_goal(in goal, in velocity)");
     disagree(
-        demo_rs(),
+        in_rust(),
         &text,
         &expect![[r#"
         demo.so: codel `demo_check_goal` (demo.gen:79): 2 arguments before the context are wanted, it takes 1
@@ -225,7 +215,7 @@ fn a_port_of_another_direction_and_an_exception_of_another_shape_are_told() {
         1,
     );
     disagree(
-        demo_rs(),
+        in_rust(),
         &text,
         &expect![[r#"
         demo.so: codel `demo_servo` (demo.gen:81): argument 5 `parameter`: `OutPort` is wanted, not `InPort`
@@ -234,7 +224,7 @@ fn a_port_of_another_direction_and_an_exception_of_another_shape_are_told() {
     );
     let text = altered("string<64> what;", "string<32> what;");
     disagree(
-        demo_rs(),
+        in_rust(),
         &text,
         &expect![[r#"
         demo.so: exception ::demo::OUT_OF_RANGE (demo.gen:7): ::demo::OUT_OF_RANGE::what: string<32>: bound or length 32 is wanted, not 64

@@ -194,7 +194,8 @@ impl Parts {
     }
 
     /// The instance; `None` without memory for executable code. Nothing else is wrong any more.
-    fn assemble(self, plan: &Plan, library: Library) -> Option<Inner> {
+    fn assemble(self, plan: &Plan, mut library: Library) -> Option<Inner> {
+        library.forget_contents();
         let model = plan.component();
         let events: Vec<String> = plan.events().iter().map(|event| event.name.clone()).collect();
         let given = GIVEN.iter().copied().chain(self.details.names());

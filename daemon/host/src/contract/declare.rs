@@ -12,6 +12,13 @@ pub(super) fn codel(component: &Component, types: &TypeTable, codel: &Codel) -> 
     format!("genom_event {}({})", codel.name, parameters.join(", "))
 }
 
+/// `{ double x; char[64] what; }`: the members of a struct or exception.
+pub(super) fn members(types: &TypeTable, ty: TypeId) -> String {
+    let members = types.members(ty).iter();
+    let members = members.map(|member| format!("{} {};", types.c_name(member.ty), member.name));
+    format!("{{ {} }}", members.collect::<Vec<_>>().join(" "))
+}
+
 fn argument(component: &Component, types: &TypeTable, parameter: &CodelParameter) -> String {
     let name = &parameter.name;
     let object = match parameter.source {

@@ -111,6 +111,11 @@ impl Library {
         elf::description_of(&self.path, &self.bytes)
     }
 
+    /// Gives back the memory that holds the contents of the file: nothing more is asked of them.
+    pub(crate) fn forget_contents(&mut self) {
+        self.bytes = Vec::new();
+    }
+
     /// Contents of the file, as loaded.
     pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes

@@ -120,6 +120,27 @@ mod tests {
     }
 
     #[test]
+    fn a_large_value_is_copied_at_first_and_while_somebody_looks() {
+        let mut table = TypeTable::default();
+        let element = table.add(Kind::Octet);
+        let length = u32::try_from(LARGE).unwrap() + 1;
+        let array = table.add(Kind::Array { element, length });
+        let mut value = Record::new(&DataType::new(&Arc::new(table), array).unwrap());
+        let snapshot = Snapshot::new(value.ty());
+        let mut offer = |byte| {
+            value.set_bytes(&vec![byte; LARGE + 1]).unwrap();
+            // SAFETY: only this thread offers.
+            unsafe { snapshot.offer(&value) };
+        };
+        let first = |value: Option<Value>| value.unwrap()[0].clone();
+        offer(1);
+        offer(2);
+        assert_eq!(first(snapshot.latest()), 1, "the second was not copied: nobody had looked");
+        offer(3);
+        assert_eq!(first(snapshot.latest()), 3);
+    }
+
+    #[test]
     fn a_reader_beside_a_writer_sees_values_grow_and_none_torn() {
         let mut table = TypeTable::default();
         let element = table.add(Kind::Long);

@@ -117,7 +117,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// A datum in memory.
-    fn memory(&mut self, ty: TypeId, at: Option<At>) -> Outcome {
+    pub(super) fn memory(&mut self, ty: TypeId, at: Option<At>) -> Outcome {
         let types = self.types();
         let ty = types.resolve(ty);
         let Some((place, node)) = self.info.stripped(at) else { return self.differ(ty, at) };

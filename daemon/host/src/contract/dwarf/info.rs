@@ -20,6 +20,12 @@ pub(super) struct At {
     offset: UnitOffset,
 }
 
+/// What was looked for and is there.
+pub(super) struct Found<'n> {
+    pub(super) functions: HashMap<&'n str, Function>,
+    pub(super) typedefs: HashMap<&'n str, At>,
+}
+
 /// Debug information, opened.
 pub(super) struct DebugInfo<'a> {
     dwarf: Dwarf<Reader<'a>>,
@@ -45,39 +51,40 @@ impl<'a> DebugInfo<'a> {
         Ok((!units.is_empty()).then_some(Self { dwarf, units }))
     }
 
-    /// The functions of these names that the library defines.
-    pub(super) fn functions<'n>(&self, names: &[&'n str]) -> HashMap<&'n str, Function> {
-        let mut found = HashMap::new();
+    /// The functions of these names that the library defines, and the typedefs of those names.
+    pub(super) fn find<'n>(&self, functions: &[&'n str], typedefs: &[&'n str]) -> Found<'n> {
+        let mut found = Found { functions: HashMap::new(), typedefs: HashMap::new() };
         for unit in 0..self.units.len() {
             // A unit that cannot be read tells nothing; others may.
-            if let Err(why) = self.functions_of(unit, names, &mut found) {
+            if let Err(why) = self.find_in(unit, functions, typedefs, &mut found) {
                 tracing::debug!("debug information, unit {unit}: {why}");
             }
         }
         found
     }
 
-    fn functions_of<'n>(
+    fn find_in<'n>(
         &self,
         unit: usize,
-        names: &[&'n str],
-        found: &mut HashMap<&'n str, Function>,
+        functions: &[&'n str],
+        typedefs: &[&'n str],
+        found: &mut Found<'n>,
     ) -> gimli::Result<()> {
         let mut tree = self.units[unit].entries_tree(None)?;
         let mut children = tree.root()?.children();
         while let Some(child) = children.next()? {
             let entry = child.entry();
-            let defined = entry.tag() == gimli::DW_TAG_subprogram
-                && entry.attr_value(gimli::DW_AT_declaration).is_none()
-                && entry.attr_value(gimli::DW_AT_external).is_some()
-                // A C++ function with a mangled name is another one.
-                && entry.attr_value(gimli::DW_AT_linkage_name).is_none();
-            if !defined {
-                continue;
-            }
+            let wanted = match entry.tag() {
+                gimli::DW_TAG_typedef => typedefs,
+                gimli::DW_TAG_subprogram if is_defined(entry) => functions,
+                _ => continue,
+            };
             let name = self.name(unit, entry);
-            if let Some(&name) = names.iter().find(|wanted| **wanted == name) {
-                found.insert(name, self.function(unit, child)?);
+            let Some(&name) = wanted.iter().find(|wanted| **wanted == name) else { continue };
+            if is(entry, gimli::DW_TAG_typedef) {
+                found.typedefs.insert(name, At { unit, offset: entry.offset() });
+            } else {
+                found.functions.insert(name, self.function(unit, child)?);
             }
         }
         Ok(())
@@ -219,6 +226,19 @@ impl<'a> DebugInfo<'a> {
         format!("{} {name}({})", self.spell(function.result), parameters.join(", "))
     }
 
+    /// The members of a struct: `{ double x; char what[64]; }`.
+    pub(super) fn layout(&self, at: At) -> String {
+        match self.stripped(Some(at)) {
+            Some((_, Node::Struct(found))) => {
+                let member =
+                    |member: &Member| format!("{} {};", self.spell(member.ty), member.name);
+                let members: Vec<_> = found.members.iter().map(member).collect();
+                format!("{{ {} }}", members.join(" "))
+            }
+            _ => self.spell(Some(at)),
+        }
+    }
+
     /// A type as C writes it, by its typedef where it has one.
     pub(super) fn spell(&self, at: Option<At>) -> String {
         self.spell_to(at, 16)
@@ -260,6 +280,14 @@ impl<'a> DebugInfo<'a> {
 
 fn tagged(keyword: &str, name: &str) -> String {
     if name.is_empty() { format!("{keyword} {{...}}") } else { format!("{keyword} {name}") }
+}
+
+/// Whether an entry of a function is that of its C definition.
+fn is_defined(entry: &Entry<'_>) -> bool {
+    entry.attr_value(gimli::DW_AT_declaration).is_none()
+        && entry.attr_value(gimli::DW_AT_external).is_some()
+        // A C++ function with a mangled name is another one.
+        && entry.attr_value(gimli::DW_AT_linkage_name).is_none()
 }
 
 fn is(entry: &Entry<'_>, tag: DwTag) -> bool {
