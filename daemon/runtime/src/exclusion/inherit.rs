@@ -15,7 +15,12 @@ pub struct Inheritance {
     /// Whether any context is real-time; otherwise there is nothing to lend, nor to note.
     enabled: AtomicBool,
     contexts: Box<[Context]>,
+    /// Gives a thread a `SCHED_FIFO` priority, or with 0 none.
+    schedule: Schedule,
 }
+
+/// Changes a thread's scheduling; `false` when that is not allowed.
+type Schedule = fn(thread_priority::ThreadId, i32) -> bool;
 
 #[derive(Debug)]
 struct Context {
@@ -31,6 +36,10 @@ struct Context {
 
 impl Inheritance {
     pub(super) fn new(contexts: usize) -> Self {
+        Self::with(contexts, set_priority)
+    }
+
+    fn with(contexts: usize, schedule: Schedule) -> Self {
         let context = || Context {
             node: AtomicU32::new(IDLE),
             own: AtomicI32::new(0),
@@ -40,6 +49,7 @@ impl Inheritance {
         Self {
             enabled: AtomicBool::new(false),
             contexts: (0..contexts).map(|_| context()).collect(),
+            schedule,
         }
     }
 
@@ -74,7 +84,7 @@ impl Inheritance {
                 continue;
             }
             let Some(thread) = other.thread.get() else { continue };
-            if set_fifo(*thread, priority) {
+            if (self.schedule)(*thread, priority) {
                 other.lent.store(priority, Ordering::Relaxed);
             }
         }
@@ -86,19 +96,20 @@ impl Inheritance {
         if context.lent.swap(0, Ordering::Relaxed) == 0 {
             return;
         }
-        let Some(thread) = context.thread.get() else { return };
-        match context.own.load(Ordering::Relaxed) {
-            0 => {
-                let policy = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
-                let Ok(middle) = 50u8.try_into() else { return };
-                let priority = ThreadPriority::Crossplatform(middle);
-                let _ = thread_priority::set_thread_priority_and_policy(*thread, priority, policy);
-            }
-            own => {
-                set_fifo(*thread, own);
-            }
+        if let Some(thread) = context.thread.get() {
+            (self.schedule)(*thread, context.own.load(Ordering::Relaxed));
         }
     }
+}
+
+fn set_priority(thread: thread_priority::ThreadId, priority: i32) -> bool {
+    if priority > 0 {
+        return set_fifo(thread, priority);
+    }
+    let policy = ThreadSchedulePolicy::Normal(NormalThreadSchedulePolicy::Other);
+    let Ok(middle) = 50u8.try_into() else { return false };
+    let priority = ThreadPriority::Crossplatform(middle);
+    thread_priority::set_thread_priority_and_policy(thread, priority, policy).is_ok()
 }
 
 /// Makes a thread real-time with this `SCHED_FIFO` priority; `false` when that is not allowed.
@@ -108,4 +119,72 @@ pub(crate) fn set_fifo(thread: thread_priority::ThreadId, priority: i32) -> bool
     let Ok(value) = percent.try_into() else { return false };
     let priority = ThreadPriority::Crossplatform(value);
     thread_priority::set_thread_priority_and_policy(thread, priority, policy).is_ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex, mpsc};
+
+    use super::*;
+    use crate::exclusion::Exclusion;
+    use crate::plan::Nodes;
+
+    static CHANGES: Mutex<Vec<i32>> = Mutex::new(Vec::new());
+
+    fn note(_: thread_priority::ThreadId, priority: i32) -> bool {
+        CHANGES.lock().unwrap().push(priority);
+        true
+    }
+
+    #[test]
+    fn whoever_holds_up_a_real_time_context_has_its_priority_until_it_leaves() {
+        // 2 waits for 1, which waits for 0: the first is lent the priority of the last.
+        let nodes = Nodes::of_pairs(3, &[(0, 1), (1, 2)]);
+        let mut exclusion = Exclusion::new(&nodes, 3);
+        exclusion.inheritance = Inheritance::with(3, note);
+        let exclusion = Arc::new(exclusion);
+        // Noted from the start on, as in an instance with a real-time task.
+        exclusion.inheritance().enabled.store(true, Ordering::Relaxed);
+        let (entered, enters) = mpsc::channel();
+        let (leave, leaves) = mpsc::channel::<()>();
+        let run = |context: usize, priority: i32| {
+            let (exclusion, entered) = (Arc::clone(&exclusion), entered.clone());
+            move || {
+                exclusion.inheritance().announce(context, priority);
+                let permit = exclusion.enter(context, context);
+                entered.send(context).unwrap();
+                permit.waited()
+            }
+        };
+        let low = {
+            let run = Arc::clone(&exclusion);
+            let entered = entered.clone();
+            std::thread::spawn(move || {
+                run.inheritance().announce(0, 0);
+                let _permit = run.enter(0, 0);
+                entered.send(0).unwrap();
+                leaves.recv().unwrap();
+            })
+        };
+        assert_eq!(enters.recv().unwrap(), 0);
+        let middle = std::thread::spawn(run(1, 0));
+        let begin = std::time::Instant::now();
+        let wait = || {
+            assert!(begin.elapsed().as_secs() < 30, "nothing happens");
+            std::thread::yield_now();
+        };
+        while !exclusion.is_waiting(1) {
+            wait();
+        }
+        let high = std::thread::spawn(run(2, 40));
+        while CHANGES.lock().unwrap().is_empty() {
+            wait();
+        }
+        leave.send(()).unwrap();
+        low.join().unwrap();
+        assert!(middle.join().unwrap() && high.join().unwrap());
+        // Lent and given back; the middle one may have been lent it too, once it ran.
+        let changes = CHANGES.lock().unwrap().clone();
+        assert!(changes == [40, 0] || changes == [40, 0, 40, 0], "{changes:?}");
+    }
 }
