@@ -37,6 +37,13 @@ impl TypeTable {
         }
     }
 
+    /// Adds a member to a struct that may still grow (the IDS of a component being read).
+    pub fn add_member(&mut self, id: TypeId, member: Member) {
+        if let Some(Kind::Struct { members, .. }) = self.kinds.get_mut(id.index()) {
+            members.push(member);
+        }
+    }
+
     /// What the type is, typedefs not followed.
     ///
     /// `id` comes from this table or from one it was cloned from.

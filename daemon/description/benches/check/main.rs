@@ -3,6 +3,7 @@
 #![allow(missing_docs, clippy::print_stdout)]
 
 mod generate;
+mod shapes;
 
 use std::time::{Duration, Instant};
 
@@ -24,5 +25,18 @@ fn main() {
         }
         let rate = count as f64 / best.as_secs_f64();
         println!("{count:>8} {best:>10.1?} {rate:>12.0} {errors:>8}");
+    }
+
+    println!("\n{:22} {:>10} {:>10}   (time should grow eightfold)", "", 2_500, 20_000);
+    for (name, text) in shapes::all() {
+        let time = |count: usize| {
+            let text = text(count);
+            let start = Instant::now();
+            let analysis = read_text("big.gen", &text, &Options::default());
+            let elapsed = start.elapsed();
+            drop(analysis);
+            elapsed
+        };
+        println!("{name:22} {:>10.1?} {:>10.1?}", time(2_500), time(20_000));
     }
 }

@@ -149,7 +149,7 @@ impl Checker {
                     // I7.
                     Some(ty) if self.declare_in(scope, name, Entity::Member, "E0407") => {
                         let member = Member { name: name.text.to_string(), ty };
-                        self.bodies[id].ids_members.push((member, name.span));
+                        self.add_ids_member(id, member, name.span);
                     }
                     Some(_) => {}
                     None => _ = self.lost.insert(name.text.clone()),
@@ -157,7 +157,6 @@ impl Checker {
             }
         }
         self.scope = outer;
-        self.update_ids(id);
     }
 
     /// Makes the struct of the IDS, empty, if there is none.
@@ -181,16 +180,10 @@ impl Checker {
         self.bodies[id].ids_scope = scope;
     }
 
-    /// Brings the struct of the IDS up to date with its members.
-    pub(super) fn update_ids(&mut self, id: BodyId) {
-        let body = &self.bodies[id];
-        let Some(ty) = body.ids else { return };
-        let Kind::Struct { name, .. } = self.types.kind(ty).clone() else { return };
-        let members = body.ids_members.iter().map(|(member, _)| member.clone()).collect();
-        let span = self.facts(ty).span.unwrap_or(body.span);
-        let kind = Kind::Struct { name, members };
-        self.is_too_deep(&kind, span);
-        self.complete_type(ty, kind, span);
+    pub(super) fn add_ids_member(&mut self, id: BodyId, member: Member, span: Span) {
+        let Some(ids) = self.bodies[id].ids else { return };
+        self.bodies[id].ids_members.push(span);
+        self.grow_type(ids, member, span);
     }
 
     /// An interface by name, or a report with `unknown` as its code.

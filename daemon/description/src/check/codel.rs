@@ -37,6 +37,9 @@ impl Checker {
         codel: &Codel,
         mut known: impl Iterator<Item = &'s CodelState>,
     ) -> bool {
+        if !self.codel_names.contains(&codel.name.text) {
+            return true;
+        }
         let Some(other) = known.find(|other| other.syntax.name.text == codel.name.text) else {
             return true;
         };
@@ -67,6 +70,7 @@ impl Checker {
                     .help(format!("write `codel<...> {}(...)`", codel.name.text)),
             );
         }
+        self.codel_names.insert(codel.name.text.clone());
         let mut parameters: Vec<CodelParameter> = Vec::new();
         let mut seen: HashMap<Box<str>, Span> = HashMap::new();
         for (rank, dcl) in codel.parameters.iter().enumerate() {
@@ -237,7 +241,7 @@ impl Checker {
         let body = &self.bodies[id];
         let mut found = Vec::new();
         if let Some((rank, _)) = ids {
-            let span = body.ids_members.get(rank).map(|(_, span)| *span);
+            let span = body.ids_members.get(rank).copied();
             found.push((Qualifier::Ids, "ids", span.unwrap_or(body.span)));
         }
         if let Some(parameter) = local {

@@ -3,7 +3,7 @@
 //! Accesses are sorted by what they touch, the port or the first member of the IDS, and by who
 //! runs them: only those that may conflict are compared.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::Checker;
 use crate::diagnostic::Diagnostic;
@@ -267,27 +267,29 @@ impl Checker {
 }
 
 /// Permanent codels that run at start-up, and those that `start` does not lead to.
-fn start_and_stop(component: &Component) -> Vec<usize> {
-    let mut exempt = Vec::new();
+fn start_and_stop(component: &Component) -> HashSet<usize> {
+    let mut exempt = HashSet::new();
     for task in &component.tasks {
-        let codel_of = |state: usize| {
-            task.codels.iter().copied().find(|node| {
-                matches!(component.codels.get(*node).map(|c| &c.kind),
-                    Some(CodelKind::Fsm { triggers, .. }) if triggers.contains(&state))
-            })
-        };
-        let start = component.states.iter().position(|name| name == "start").and_then(codel_of);
-        let mut seen: Vec<usize> = start.into_iter().collect();
-        let mut todo = seen.clone();
+        let mut by_state: HashMap<usize, usize> = HashMap::new();
+        for node in &task.codels {
+            if let Some(CodelKind::Fsm { triggers, .. }) =
+                component.codels.get(*node).map(|codel| &codel.kind)
+            {
+                triggers.iter().for_each(|state| _ = by_state.entry(*state).or_insert(*node));
+            }
+        }
+        let start = component.states.iter().position(|name| name == "start");
+        let start = start.and_then(|state| by_state.get(&state).copied());
+        let mut seen: HashSet<usize> = start.into_iter().collect();
+        let mut todo: Vec<usize> = start.into_iter().collect();
         while let Some(node) = todo.pop() {
             let Some(CodelKind::Fsm { yields, .. }) = component.codels.get(node).map(|c| &c.kind)
             else {
                 continue;
             };
-            for next in yields.iter().filter_map(|y| codel_of(y.state)) {
-                if !seen.contains(&next) {
-                    seen.push(next);
-                    todo.push(next);
+            for next in yields.iter().filter_map(|y| by_state.get(&y.state)) {
+                if seen.insert(*next) {
+                    todo.push(*next);
                 }
             }
         }

@@ -77,14 +77,14 @@ impl Checker {
         let span = self.facts(ids).span.unwrap_or(self.bodies[from].span);
         self.open_ids(id, None, span);
         let scope = self.bodies[id].ids_scope;
-        for (member, span) in self.bodies[from].ids_members.clone() {
+        let members = self.types.members(ids).to_vec();
+        for (member, span) in members.into_iter().zip(self.bodies[from].ids_members.clone()) {
             let name = Name { text: member.name.as_str().into(), span };
             // I7.
             if self.declare_in(scope, &name, Entity::Member, "E0407") {
-                self.bodies[id].ids_members.push((member, span));
+                self.add_ids_member(id, member, span);
             }
         }
-        self.update_ids(id);
     }
 
     fn merge_task(&mut self, id: BodyId, task: Task) {

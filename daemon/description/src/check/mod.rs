@@ -83,6 +83,8 @@ pub(super) struct Checker {
     body_index: HashMap<Box<str>, BodyId>,
     /// Prototype of each codel, by name (K1).
     prototypes: HashMap<Box<str>, codel::Prototype>,
+    /// Names of all codels: most are new, and need not be compared with their neighbours.
+    codel_names: HashSet<Box<str>>,
     /// `#pragma requires` so far.
     requires: Vec<String>,
     /// `#pragma provides` so far.
@@ -111,6 +113,7 @@ impl Checker {
             bodies: Vec::new(),
             body_index: HashMap::new(),
             prototypes: HashMap::new(),
+            codel_names: HashSet::new(),
             requires: Vec::new(),
             provided: Vec::new(),
             lost,

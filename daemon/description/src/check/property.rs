@@ -203,7 +203,7 @@ impl Checker {
             self.push(Diagnostic::error("E0714", path.span, message).note(span, "declared here"));
             return;
         };
-        let members = members.iter().map(|member| (member.clone(), span)).collect();
+        let members = vec![span; members.len()];
         if self.bodies[id].ids.is_some() {
             let message = "the IDS is already declared";
             self.push(Diagnostic::error("E0506", path.span, message));

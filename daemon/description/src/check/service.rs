@@ -246,6 +246,10 @@ impl Checker {
             }
             K::Interrupts(names) => {
                 let names = self.distinct(names);
+                if service.interrupts.is_empty() {
+                    service.interrupts = names;
+                    return;
+                }
                 for name in names {
                     if !service.interrupts.iter().any(|known| known.text == name.text) {
                         service.interrupts.push(name);

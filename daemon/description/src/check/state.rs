@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::rc::Rc;
 
-use genom_types::{Member, TypeId};
+use genom_types::TypeId;
 use indexmap::IndexMap;
 
 use super::scope::ScopeId;
@@ -36,7 +36,8 @@ pub(super) struct Body {
     pub(super) throws: Vec<TypeId>,
     pub(super) ids: Option<TypeId>,
     pub(super) ids_scope: ScopeId,
-    pub(super) ids_members: Vec<(Member, Span)>,
+    /// Where each member of the IDS is declared.
+    pub(super) ids_members: Vec<Span>,
     pub(super) tasks: IndexMap<Box<str>, Task>,
     pub(super) ports: IndexMap<Box<str>, Port>,
     pub(super) remotes: IndexMap<Box<str>, Remote>,

@@ -56,6 +56,21 @@ impl Checker {
         self.types.complete(id, kind);
     }
 
+    /// Adds a member to the struct of an IDS.
+    pub(super) fn grow_type(&mut self, id: TypeId, member: Member, span: Span) {
+        let inner = self.facts(member.ty);
+        if let Some(facts) = self.facts.get_mut(id.index()) {
+            facts.depth = facts.depth.max(inner.depth + 1);
+            facts.native |= inner.native;
+            facts.open |= inner.open;
+        }
+        if inner.depth >= MAX_DEPTH {
+            let message = format!("types nested deeper than {MAX_DEPTH} levels");
+            self.push(Diagnostic::error("E0113", span, message));
+        }
+        self.types.add_member(id, member);
+    }
+
     pub(super) fn facts(&self, id: TypeId) -> Facts {
         self.facts.get(id.index()).copied().unwrap_or_default()
     }

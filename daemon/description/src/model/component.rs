@@ -51,7 +51,8 @@ pub struct Component {
     /// Codels of tasks and services; indices into it are used everywhere.
     pub codels: Vec<Codel>,
     /// State names in order of first use, without scope: `ether`, `start`, `stop`, then others.
-    /// An index into it is a state; `pause::x` is the state `x` with a pause.
+    /// An index into it is a state; `pause::x` is the state `x` with a pause. A state `sleep`
+    /// that no codel of the machine has leaves its place inactive (dialects.md A).
     pub states: Vec<String>,
     /// Event sinks: states that an external event may activate (dialects.md A).
     pub sinks: Vec<Sink>,
@@ -76,7 +77,7 @@ impl Component {
     /// What may not run while node `node` runs.
     ///
     /// Nodes `0..codels.len()` are the codels; node `codels.len() + s` is the data transfer of
-    /// attribute `s`. The relation is as genom3.md 4.5 computes it, not always symmetric.
+    /// attribute `s`, or of service `s` of the papers (`through_ids`). The relation is as genom3.md 4.5 computes it, not always symmetric.
     #[must_use]
     pub fn exclusion(&self, node: usize) -> &[usize] {
         self.exclusion.get(node).map_or(&[], Vec::as_slice)

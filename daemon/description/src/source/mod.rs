@@ -176,7 +176,8 @@ impl SourceMap {
             let next = file.lines.partition_point(|start| *start <= span.start);
             let end = u32::try_from(file.text.len()).unwrap_or(u32::MAX);
             let offset = file.lines.get(next).copied().unwrap_or(end);
-            file.marks.push(LineMark { offset, line, name });
+            // Some preprocessors write `# 0 "file"`; lines count from 1.
+            file.marks.push(LineMark { offset, line: line.max(1), name });
         }
     }
 

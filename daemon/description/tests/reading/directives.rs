@@ -234,6 +234,17 @@ fn line_directives_and_markers_move_lines() {
 }
 
 #[test]
+fn a_line_marker_of_zero_means_the_first_line() {
+    check(
+        &[("a.gen", "# 0 \"b.gen\"\n$")],
+        expect![""],
+        expect![[r#"
+            b.gen:1:1: E0101 stray character `$`
+        "#]],
+    );
+}
+
+#[test]
 fn joined_lines_and_trigraphs_are_understood_everywhere() {
     check(
         &[("a.gen", "#def\\\nine A 1 \\\n + 2\nA comp\\\nonent ??<??>\n??=define B 3\nB $")],
