@@ -1,3 +1,40 @@
-//! TBD
+//! Ports and services over zenoh, readable by any zenoh peer.
+//!
+//! Everything below is plain zenoh; `PREFIX/` stands before each key when one is configured.
+//!
+//! **Ports.** Key `<instance>/<port>` (`demo/position`, `demo/poses/left`). A sample is a CDR
+//! message: 4 bytes of encapsulation (`00 01 00 00`), then XCDR1, little endian. Its encoding is
+//! `application/cdr;<type>;digest=<digest>`. The attachment, 16 bytes, is the writer's mark and
+//! the number of the sample, both `u64` little endian. A `get` of the key gives the last value.
+//! Samples of others need neither encoding nor attachment: what decodes is accepted.
+//!
+//! **Services.** A `get` of `<instance>/<service>` with the input as CDR message. Attributes and
+//! functions reply once, with the output. Activities reply several times (ask for no
+//! consolidation, or see the last one only); the attachment of a reply says which it is:
+//! `accepted` (payload: the number of the run in decimal), `feedback` (payload: the state's
+//! name), `result` (payload: the output). A `get` of `<instance>/<service>/cancel` with that
+//! number as payload interrupts the run. Exceptions are error replies in JSON:
+//! `{"exception": "::demo::TOO_FAR_AWAY", "detail": {..}}`; a request that did not get as far
+//! gives `{"error": "types" | "serialization" | "gone" | "failed", "detail": ".."}`.
+//!
+//! **Discovery.** Liveliness tokens `@genom/<pub|sub|srv>/<session>/<n>/<digest>/<types>/<address>`,
+//! `<types>` with percent escapes; the digest of a service is `<input>-<output>`.
 
 #![forbid(unsafe_code)]
+
+mod backend;
+mod client;
+mod graph;
+mod inbox;
+mod keys;
+mod mailbox;
+mod options;
+mod ports;
+mod rendezvous;
+mod service;
+mod wire;
+mod worker;
+
+pub use backend::Zenoh;
+pub use options::{Mode, Options, SessionError};
+pub use rendezvous::default_directory;

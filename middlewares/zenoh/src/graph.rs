@@ -1,0 +1,187 @@
+//! Who is there: the liveliness tokens of this session and of all others.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::{Duration, Instant};
+
+use genom_middleware::{Address, Endpoint, EndpointKind, OpenError};
+use zenoh::liveliness::LivelinessToken;
+
+use crate::inbox::Inbox;
+use crate::keys::Token;
+
+/// News of an end that is just being closed elsewhere may be under way for so long.
+const GRACE: Duration = Duration::from_millis(100);
+
+/// All ends that are known.
+#[derive(Debug, Default)]
+pub(crate) struct Graph {
+    state: Mutex<State>,
+    changed: Condvar,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    tokens: HashMap<String, Vec<Token>>,
+    /// Our readers by address: they ask for the last value when a writer comes.
+    readers: HashMap<String, Vec<Weak<Inbox>>>,
+}
+
+/// Keeps an end of ours known, here and to others.
+#[derive(Debug)]
+pub(crate) struct Claim {
+    graph: Arc<Graph>,
+    token: Token,
+    /// Set once it is declared.
+    declared: Option<LivelinessToken>,
+}
+
+enum Conflict {
+    Types(String),
+    Taken,
+}
+
+impl Graph {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Registers an end of ours, unless another one is in the way.
+    pub(crate) fn claim(self: &Arc<Self>, at: &Address, token: Token) -> Result<Claim, OpenError> {
+        let end = Instant::now() + GRACE;
+        let mut state = self.lock();
+        while let Some((conflict, session)) = state.conflict(&token) {
+            let left = end.saturating_duration_since(Instant::now());
+            if session == token.session || left.is_zero() {
+                return Err(match conflict {
+                    Conflict::Types(theirs) => {
+                        OpenError::TypeMismatch { address: at.clone(), ours: token.types, theirs }
+                    }
+                    Conflict::Taken => OpenError::Taken { address: at.clone() },
+                });
+            }
+            let waited = self.changed.wait_timeout(state, left);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        state.add(token.clone());
+        Ok(Claim { graph: Arc::clone(self), token, declared: None })
+    }
+
+    /// Another session's end appeared; our readers of it that want its last value.
+    pub(crate) fn appeared(&self, token: Token) -> Vec<Arc<Inbox>> {
+        let mut state = self.lock();
+        if let Some((conflict, _)) = state.conflict(&token)
+            && state.has_ours(&token)
+        {
+            let Token { address, types, .. } = &token;
+            match conflict {
+                Conflict::Types(ours) => {
+                    tracing::warn!(%address, "another session has {types} there, this one {ours}");
+                }
+                Conflict::Taken => tracing::warn!(%address, "another session opened it as well"),
+            }
+        }
+        let readers = match token.kind {
+            EndpointKind::Publisher => state.readers.get(&token.address),
+            _ => None,
+        };
+        let readers = readers.into_iter().flatten().filter_map(Weak::upgrade).collect();
+        state.add(token);
+        self.changed.notify_all();
+        readers
+    }
+
+    /// Another session's end is gone.
+    pub(crate) fn vanished(&self, token: &Token) {
+        self.lock().remove(token);
+        self.changed.notify_all();
+    }
+
+    /// Types of the service at an address, where they are known to differ from `digest`.
+    pub(crate) fn other_service(&self, at: &str, digest: &str) -> Option<String> {
+        let state = self.lock();
+        let mut services = state.at(at).filter(|other| other.kind == EndpointKind::Service);
+        services.find(|other| other.digest != digest).map(|other| other.types.clone())
+    }
+
+    /// Remembers a reader of ours, as long as it lives.
+    pub(crate) fn add_reader(&self, at: &Address, inbox: &Arc<Inbox>) {
+        let mut state = self.lock();
+        let readers = state.readers.entry(at.to_string()).or_default();
+        readers.retain(|other| other.strong_count() > 0);
+        readers.push(Arc::downgrade(inbox));
+    }
+
+    pub(crate) fn list(&self) -> Vec<Endpoint> {
+        let state = self.lock();
+        let endpoint = |token: &Token| Endpoint {
+            kind: token.kind,
+            address: token.address.clone(),
+            ty: match token.kind {
+                EndpointKind::Service => token.types.clone(),
+                _ => token.types.split(" (").next().unwrap_or_default().to_owned(),
+            },
+        };
+        state.tokens.values().flatten().map(endpoint).collect()
+    }
+}
+
+impl State {
+    fn at(&self, address: &str) -> impl Iterator<Item = &Token> + Clone {
+        self.tokens.get(address).into_iter().flatten()
+    }
+
+    fn add(&mut self, token: Token) {
+        let tokens = self.tokens.entry(token.address.clone()).or_default();
+        if !tokens.contains(&token) {
+            tokens.push(token);
+        }
+    }
+
+    fn remove(&mut self, token: &Token) {
+        let Some(tokens) = self.tokens.get_mut(&token.address) else { return };
+        tokens.retain(|other| other != token);
+        if tokens.is_empty() {
+            self.tokens.remove(&token.address);
+        }
+    }
+
+    /// What is in the way of an end, and whose it is.
+    fn conflict(&self, token: &Token) -> Option<(Conflict, String)> {
+        let port = token.kind != EndpointKind::Service;
+        let mut same = self
+            .at(&token.address)
+            .filter(|other| *other != token && (other.kind != EndpointKind::Service) == port);
+        if port && let Some(other) = same.clone().find(|other| other.digest != token.digest) {
+            return Some((Conflict::Types(other.types.clone()), other.session.clone()));
+        }
+        let alone = token.kind != EndpointKind::Subscription;
+        let other = same.find(|other| alone && other.kind == token.kind)?;
+        Some((Conflict::Taken, other.session.clone()))
+    }
+
+    /// Whether this session has an end that another's token is about.
+    fn has_ours(&self, token: &Token) -> bool {
+        self.at(&token.address).any(|other| other.session != token.session)
+    }
+}
+
+impl Claim {
+    pub(crate) fn token(&self) -> &Token {
+        &self.token
+    }
+
+    /// Keeps the declaration for as long as the claim.
+    pub(crate) fn declared(mut self, token: LivelinessToken) -> Self {
+        self.declared = Some(token);
+        self
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        self.declared = None;
+        self.graph.lock().remove(&self.token);
+        self.graph.changed.notify_all();
+    }
+}

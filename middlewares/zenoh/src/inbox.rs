@@ -1,0 +1,181 @@
+//! Where the samples of one in port arrive, in order and none twice.
+//!
+//! They come on two ways: as they are published, and as replies to the question for the last
+//! value. The mark of a sample says whether it is known already.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use zenoh::sample::{Sample, SampleKind};
+
+use crate::mailbox::{Full, Mailbox};
+use crate::wire::{Expected, Mark};
+
+/// At most one line about bad samples in this time.
+const BETWEEN_LINES: Duration = Duration::from_secs(1);
+
+/// First byte of a buffer: what follows may be decoded, or was said to be of another type.
+pub(crate) const OURS: u8 = 0;
+const ALIEN: u8 = 1;
+
+/// The writing half is zenoh's callbacks, the reading half the in port.
+#[derive(Debug)]
+pub(crate) struct Inbox {
+    address: String,
+    expected: Expected,
+    pub(crate) mailbox: Mailbox,
+    /// Whether samples that gave way are losses: not for `latest`.
+    counts_lost: bool,
+    /// Samples that could not be decoded; counted by the reader.
+    pub(crate) undecodable: AtomicU64,
+    gate: Mutex<Gate>,
+}
+
+/// What arrived so far.
+#[derive(Debug, Default)]
+struct Gate {
+    last: Option<Arrived>,
+    /// Undecodable samples that were logged.
+    logged: u64,
+    line: Option<Instant>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Arrived {
+    Marked(Mark),
+    /// Of a writer that marks nothing.
+    Plain,
+}
+
+/// A question for the last value that is under way: what had arrived when it was asked.
+#[derive(Debug)]
+pub(crate) struct Asked(Option<Arrived>);
+
+impl Inbox {
+    pub(crate) fn new(
+        address: String,
+        expected: Expected,
+        (depth, full): (usize, Full),
+        size: usize,
+        counts_lost: bool,
+    ) -> Self {
+        Self {
+            address,
+            expected,
+            mailbox: Mailbox::new(depth, size, full),
+            counts_lost,
+            undecodable: AtomicU64::new(0),
+            gate: Mutex::default(),
+        }
+    }
+
+    /// Samples lost to the reader.
+    pub(crate) fn lost(&self) -> u64 {
+        let given_up = if self.counts_lost { self.mailbox.lost() } else { 0 };
+        given_up + self.undecodable.load(Ordering::Relaxed)
+    }
+
+    /// Notes that the last value is being asked for now.
+    pub(crate) fn ask(&self) -> Asked {
+        Asked(self.gate.lock().unwrap_or_else(PoisonError::into_inner).last)
+    }
+
+    /// A sample was published, or is the reply to a question.
+    pub(crate) fn arrive(&self, sample: &Sample, asked: Option<&Asked>) {
+        if sample.kind() != SampleKind::Put {
+            return;
+        }
+        let mark = Mark::from_attachment(sample.attachment());
+        let mut gate = self.gate.lock().unwrap_or_else(PoisonError::into_inner);
+        if !gate.admits(mark, asked) {
+            return;
+        }
+        gate.last = Some(mark.map_or(Arrived::Plain, Arrived::Marked));
+        let kind = if self.expected.admits(sample.encoding()) { OURS } else { ALIEN };
+        // The gate is still locked: one producer at a time. Samples are copied, whatever holds
+        // them: receive buffers and shared memory go back to zenoh at once.
+        let put = self.mailbox.put(|buffer| {
+            buffer.push(kind);
+            sample.payload().slices().for_each(|part| buffer.extend_from_slice(part));
+            Ok::<_, std::convert::Infallible>(())
+        });
+        if put.is_err() {
+            self.undecodable.fetch_add(1, Ordering::Relaxed);
+        }
+        gate.report(self, sample, kind);
+    }
+}
+
+impl Gate {
+    /// Whether a sample is news.
+    fn admits(&self, mark: Option<Mark>, asked: Option<&Asked>) -> bool {
+        if let (Some(mark), Some(Arrived::Marked(last))) = (mark, self.last)
+            && mark.writer == last.writer
+        {
+            return mark.number > last.number;
+        }
+        // Of another writer than the last sample: a reply must not undo what came meanwhile.
+        asked.is_none_or(|asked| match (mark, asked.0) {
+            (_, None) => self.last.is_none(),
+            (Some(_), before) => before == self.last,
+            // What a storage kept of a writer without marks cannot be told from what was seen.
+            (None, Some(_)) => false,
+        })
+    }
+
+    fn report(&mut self, inbox: &Inbox, sample: &Sample, kind: u8) {
+        let count = inbox.undecodable.load(Ordering::Relaxed);
+        if (kind == OURS && count == self.logged)
+            || self.line.is_some_and(|line| line.elapsed() < BETWEEN_LINES)
+        {
+            return;
+        }
+        self.line = Some(Instant::now());
+        self.logged = count;
+        tracing::warn!(
+            address = %inbox.address,
+            undecodable = count,
+            "samples cannot be decoded; the last one is {}",
+            sample.encoding(),
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn marked(writer: u64, number: u64) -> Option<Mark> {
+        Some(Mark { writer, number })
+    }
+
+    fn gate(last: Option<Mark>) -> Gate {
+        Gate { last: last.map(Arrived::Marked), ..Gate::default() }
+    }
+
+    #[test]
+    fn a_sample_that_came_both_ways_is_admitted_once() {
+        let gate = gate(marked(1, 5));
+        let asked = Asked(None);
+        assert!(!gate.admits(marked(1, 5), Some(&asked)));
+        assert!(!gate.admits(marked(1, 4), None));
+        assert!(gate.admits(marked(1, 6), None));
+        assert!(gate.admits(marked(1, 6), Some(&asked)));
+    }
+
+    #[test]
+    fn a_late_reply_does_not_undo_what_another_writer_sent_meanwhile() {
+        assert!(!gate(marked(2, 1)).admits(marked(1, 5), Some(&Asked(None))));
+        assert!(gate(None).admits(marked(1, 5), Some(&Asked(None))));
+        let before = Some(Arrived::Marked(Mark { writer: 1, number: 5 }));
+        assert!(gate(marked(1, 5)).admits(marked(2, 1), Some(&Asked(before))));
+    }
+
+    #[test]
+    fn samples_without_mark_are_all_news_but_replies_only_in_the_beginning() {
+        assert!(gate(marked(1, 1)).admits(None, None));
+        assert!(gate(None).admits(None, Some(&Asked(None))));
+        assert!(!gate(marked(1, 1)).admits(None, Some(&Asked(None))));
+    }
+}

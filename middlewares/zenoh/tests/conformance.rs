@@ -1,0 +1,7 @@
+//! The zenoh middleware holds what every middleware must hold.
+
+mod world;
+
+use world::Meeting;
+
+genom_middleware::conformance! { zenoh: Meeting::new() }
