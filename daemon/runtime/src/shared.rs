@@ -121,6 +121,12 @@ impl Shared {
         self.tasks.iter().for_each(TaskShared::wake);
     }
 
+    /// 7.4: something happened in this task, which knows it.
+    pub(crate) fn wake_others(&self, task: usize) {
+        let others = self.tasks.iter().enumerate().filter(|(other, _)| *other != task);
+        others.for_each(|(_, other)| other.wake());
+    }
+
     pub(crate) fn wake_control(&self) {
         if !self.attention.swap(true, Ordering::AcqRel)
             && let Some(thread) = self.control.get()
@@ -203,7 +209,7 @@ impl TaskShared {
     }
 
     pub(crate) fn take_runnable(&self) -> bool {
-        self.runnable.swap(false, Ordering::AcqRel)
+        self.is_runnable() && self.runnable.swap(false, Ordering::AcqRel)
     }
 
     pub(crate) fn quits(&self) -> bool {

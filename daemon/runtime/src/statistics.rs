@@ -76,11 +76,16 @@ impl Histogram {
         let quantile = |percent: u64| {
             let rank = (total * percent).div_ceil(100).max(1);
             let mut seen = 0;
-            let reached = counts.iter().position(|count| {
+            for (bucket, &count) in counts.iter().enumerate() {
+                if seen + count >= rank {
+                    // As if those of a bucket were spread evenly.
+                    let lower = bucket.checked_sub(1).map_or(0, |before| upper(before) + 1);
+                    let width = upper(bucket) - lower;
+                    return (lower + width * (rank - seen) / count).min(max);
+                }
                 seen += count;
-                seen >= rank
-            });
-            reached.map_or(0, |bucket| upper(bucket).min(max))
+            }
+            0
         };
         Durations {
             count,
@@ -208,7 +213,7 @@ mod tests {
         let read = histogram.read();
         assert_eq!((read.count, read.last_ns, read.max_ns), (1000, 1_000_000, 1_000_000));
         assert_eq!(read.mean_ns, 500_500);
-        assert!((500_000..570_000).contains(&read.p50_ns), "{}", read.p50_ns);
-        assert!((990_000..=1_000_000).contains(&read.p99_ns), "{}", read.p99_ns);
+        assert!((490_000..510_000).contains(&read.p50_ns), "{}", read.p50_ns);
+        assert!((980_000..=1_000_000).contains(&read.p99_ns), "{}", read.p99_ns);
     }
 }

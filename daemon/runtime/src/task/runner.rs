@@ -29,6 +29,8 @@ pub(crate) struct Runner {
     fired: Vec<u16>,
     /// Whether the permanent activity's first codel was executed.
     started: bool,
+    /// Date at which the last pass ended.
+    end: u64,
 }
 
 impl Runner {
@@ -39,7 +41,7 @@ impl Runner {
         let fired = Vec::with_capacity(model.sinks.len());
         // As many runs as can be on their way.
         let core = Core::new(side.inbox.buffer().capacity() + 2, by_period);
-        Self { shared, task, core, side, fired, started: false }
+        Self { shared, task, core, side, fired, started: false, end: 0 }
     }
 
     pub(crate) fn task(&self) -> usize {
@@ -50,8 +52,14 @@ impl Runner {
         &self.shared
     }
 
-    /// One pass at date `now`.
+    /// Date at which the last pass ended.
+    pub(crate) fn end(&self) -> u64 {
+        self.end
+    }
+
+    /// One pass at date `now`. Others are woken if something moved; the caller sees to this task.
     pub(crate) fn pass(&mut self, runnable: bool, now: u64) -> Passed {
+        self.end = now;
         while let Ok(run) = self.side.inbox.pop() {
             self.core.admit(run);
         }
@@ -62,9 +70,10 @@ impl Runner {
         }
         let mut calls = Caller { shared, task: self.task, now, notices: &mut self.side.notices };
         let passed = self.core.pass(&shared.plan, runnable, &self.fired, &mut calls);
+        self.end = calls.now;
         if passed.moved {
             self.hand_back();
-            self.shared.wake_tasks();
+            self.shared.wake_others(self.task);
         }
         if !self.started && runnable {
             self.started = true;

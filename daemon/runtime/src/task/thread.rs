@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use super::core::Passed;
 use super::runner::Runner;
 use super::timing::Timing;
 use crate::clock::sleep_until;
@@ -20,18 +21,22 @@ pub(crate) fn run(mut runner: Runner) {
 fn aperiodic(runner: &mut Runner) {
     let shared = std::sync::Arc::clone(runner.shared());
     let me = &shared.tasks[runner.task()];
-    let mut again = false;
+    // What the last pass left: codels to go on with, and pauses that it ends.
+    let mut last = Passed::default();
     let mut began = shared.clock.now();
+    let mut now = began;
     while !me.quits() {
-        if !again && !me.is_runnable() {
-            me.figures.cycles.record(shared.clock.now().saturating_sub(began));
+        if !last.again && !last.moved && !me.is_runnable() {
+            me.figures.cycles.record(now.saturating_sub(began));
             while !me.is_runnable() && !me.quits() {
                 std::thread::park();
             }
             began = shared.clock.now();
+            now = began;
         }
-        let runnable = me.take_runnable();
-        again = runner.pass(runnable, shared.clock.now()).again;
+        let runnable = me.take_runnable() || last.moved;
+        last = runner.pass(runnable, now);
+        now = runner.end();
     }
 }
 
@@ -41,17 +46,15 @@ fn periodic(runner: &mut Runner, timing: Timing) {
     let mut began = shared.clock.now();
     let mut next = timing.after(began);
     let mut tick = true;
-    loop {
-        let now = shared.clock.now();
-        if me.quits() {
-            break;
-        }
+    let mut now = began;
+    while !me.quits() {
         if runner.pass(tick, now).again {
             tick = false;
+            now = runner.end();
             continue;
         }
         tick = true;
-        let end = shared.clock.now();
+        let end = runner.end();
         me.figures.cycles.record(end.saturating_sub(began));
         if end >= next {
             // The tick is latched: one pass at once, no burst of those that were missed.
@@ -61,6 +64,7 @@ fn periodic(runner: &mut Runner, timing: Timing) {
             wait(me, next, end);
             began = shared.clock.now();
         }
+        now = began;
         me.figures.lateness.record(began.saturating_sub(next));
         next = timing.after(began.max(next));
     }

@@ -1,6 +1,5 @@
 //! A body whose codels are closures, for tests with real threads.
 
-use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
@@ -26,7 +25,7 @@ pub(crate) struct Closures {
     pub(crate) plan: Arc<Plan>,
     /// By codel of the model.
     codels: Vec<Option<Codel>>,
-    events: HashMap<&'static str, EventId>,
+    events: Vec<(&'static str, EventId)>,
     /// Writes of the state port.
     pub(crate) states: AtomicU64,
 }
@@ -112,7 +111,7 @@ impl Body for Closures {
 
 struct ClosureFrame {
     codels: Vec<Option<Codel>>,
-    events: HashMap<&'static str, EventId>,
+    events: Vec<(&'static str, EventId)>,
     output: Record,
 }
 
@@ -126,7 +125,8 @@ impl Frame for ClosureFrame {
         if event == "ok" {
             return Returned::Ok;
         }
-        self.events.get(event).map_or(Returned::Unknown, |event| Returned::Event(*event))
+        let found = self.events.iter().find(|(name, _)| *name == event);
+        found.map_or(Returned::Unknown, |(_, event)| Returned::Event(*event))
     }
 
     fn returned(&self) -> String {
