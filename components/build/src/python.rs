@@ -1,0 +1,58 @@
+//! Python environments with pinned packages, for tests against peers of other makes.
+//!
+//! Made once under the target directory and used again. There is no way to skip: a test without
+//! its peer proves nothing, so what is missing is an error.
+
+use std::ffi::OsString;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use crate::{BuildError, Paths};
+
+/// The interpreter of an environment that holds these packages, given as `name==version`.
+///
+/// The first call installs them, which needs the network; several processes may call at once.
+/// `$PYTHON` names another interpreter than `python3` to start from.
+///
+/// # Errors
+/// There is no Python, it has no `venv`, or a package cannot be installed.
+pub fn environment(packages: &[&str]) -> Result<PathBuf, BuildError> {
+    let name: Vec<_> = packages.iter().map(|package| package.replace("==", "-")).collect();
+    let directory = Paths::of_workspace()?.target.join("python").join(name.join("+"));
+    std::fs::create_dir_all(&directory).map_err(BuildError::file(&directory))?;
+    let path = directory.join(".lock");
+    let lock = File::create(&path).map_err(BuildError::file(&path))?;
+    lock.lock().map_err(BuildError::file(&path))?;
+    let place = directory.join("env");
+    let python = place.join("bin/python");
+    let complete = directory.join("complete");
+    if complete.exists() {
+        return Ok(python);
+    }
+    // What was interrupted is begun anew.
+    let variable = std::env::var_os("PYTHON");
+    let base = variable.unwrap_or_else(|| OsString::from("python3"));
+    run(Command::new(base).args(["-m", "venv", "--clear"]).arg(&place))?;
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    run(Command::new(&python).args(pip).args(packages))?;
+    std::fs::write(&complete, packages.join("\n")).map_err(BuildError::file(&complete))?;
+    Ok(python)
+}
+
+fn run(command: &mut Command) -> Result<(), BuildError> {
+    let program = Path::new(command.get_program()).display().to_string();
+    let output = command.output().map_err(|source| BuildError::Program {
+        program,
+        variable: "PYTHON",
+        source,
+    })?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let told = [output.stdout, output.stderr].concat();
+    Err(BuildError::Refused {
+        command: format!("{command:?}"),
+        output: String::from_utf8_lossy(&told).into_owned(),
+    })
+}
