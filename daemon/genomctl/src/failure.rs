@@ -77,6 +77,11 @@ impl Failure {
         Failure::Usage { message: message.into(), help: Some(help.into()) }
     }
 
+    /// A refusal of genomctl's own, in the daemon's shape.
+    pub(crate) fn refused(code: &str, message: String) -> Self {
+        Failure::Refused(Refusal { code: code.to_owned(), message, place: None, help: None })
+    }
+
     /// The lines for standard error.
     pub(crate) fn text(&self) -> String {
         let mut text = format!("error: {self}\n");

@@ -47,6 +47,10 @@ pub(crate) enum Change {
         #[serde(rename = "in")]
         inport: String,
     },
+    /// A remote was connected to a service.
+    RemoteConnected { remote: String, service: String },
+    /// A remote was disconnected.
+    RemoteDisconnected { remote: String },
     /// An external event was fired.
     EventFired { component: String, name: String },
     /// The daemon stops.

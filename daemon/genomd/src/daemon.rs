@@ -23,6 +23,8 @@ pub(crate) struct Daemon {
     pub(crate) streams: Arc<Semaphore>,
     /// Somebody asked to stop: nothing is loaded any more.
     stop: Flag,
+    /// Somebody asked again: what hangs is left behind.
+    pub(crate) forced: Flag,
     /// Everything stopped: streams and connections end.
     pub(crate) closed: Flag,
 }
@@ -36,6 +38,7 @@ impl Daemon {
             bus: Arc::new(Bus::new()),
             streams: Arc::new(Semaphore::new(settings.rpc.max_streams)),
             stop: Flag::new(),
+            forced: Flag::new(),
             closed: Flag::new(),
             settings,
         })

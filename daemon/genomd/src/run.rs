@@ -52,7 +52,10 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
         .enable_all()
         .build()
         .map_err(Refusal::own)?;
-    runtime.block_on(serve(settings))
+    let outcome = runtime.block_on(serve(settings));
+    // A codel that hangs holds one of its threads: the process ends all the same.
+    runtime.shutdown_background();
+    outcome
 }
 
 async fn serve(settings: Settings) -> Result<(), Refusal> {
@@ -75,18 +78,27 @@ async fn serve(settings: Settings) -> Result<(), Refusal> {
     let server = tokio::spawn(async move {
         rpc::serve::serve(&listener, tcp, router, max_connections, closed).await;
     });
-    let loaded = load_all(&daemon).await;
-    if loaded.is_ok() {
-        tracing::info!("ready on {}", daemon.settings.rpc.socket.display());
-        daemon.asked_to_stop().await;
-    }
-    stop(&daemon).await;
+    let outcome = tokio::select! {
+        outcome = work(&daemon) => outcome,
+        () = daemon.forced.raised() => Err(Refusal::component("stopped before all codels had ended")),
+    };
     // Gone before the last stream ends: who waits for that finds nothing left.
     drop(socket);
     daemon.closed.raise();
     if let Err(error) = server.await {
         tracing::error!("the control plane ended badly: {error}");
     }
+    outcome
+}
+
+/// Loads, runs until asked to stop, unloads.
+async fn work(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
+    let loaded = load_all(daemon).await;
+    if loaded.is_ok() {
+        tracing::info!("ready on {}", daemon.settings.rpc.socket.display());
+        daemon.asked_to_stop().await;
+    }
+    stop(daemon).await;
     loaded
 }
 
@@ -133,6 +145,9 @@ async fn stop_on((mut interrupt, mut terminate): Signals, daemon: Arc<Daemon>) {
             _ = interrupt.recv() => "SIGINT",
             _ = terminate.recv() => "SIGTERM",
         };
+        if daemon.stopping() {
+            daemon.forced.raise();
+        }
         daemon.ask_to_stop(name);
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use genom_description::diagnostic::Severity;
 use genom_description::diagnostic::render::{human, json, short};
+use genom_description::model::Specification;
 use genom_description::{Analysis, Options, preprocess, read};
 
 use crate::failure::Failure;
@@ -53,28 +54,45 @@ impl Reading {
         };
         Ok(read(files, &Options { preprocess, ..Options::default() }))
     }
+
+    /// Reads files that must be right; what is wrong is drawn on standard error.
+    pub(crate) fn understand(&self, files: &[PathBuf]) -> Result<Specification, Failure> {
+        let analysis = self.read(files)?;
+        if analysis.has_errors() {
+            draw(&analysis)?;
+            return Err(counted(&analysis));
+        }
+        Ok(analysis.specification)
+    }
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let analysis = args.reading.read(&args.files)?;
-    let count =
-        |severity| analysis.diagnostics.iter().filter(|said| said.severity == severity).count();
-    let (errors, warnings) = (count(Severity::Error), count(Severity::Warning));
     if session.json {
         session.print(&json(&analysis.diagnostics, &analysis.sources))?;
-    } else {
-        let text = if args.short {
-            short(&analysis.diagnostics, &analysis.sources)
-        } else {
-            human(&analysis.diagnostics, &analysis.sources, io::stderr().is_terminal())
-        };
+    } else if args.short {
+        let text = short(&analysis.diagnostics, &analysis.sources);
         io::stderr().lock().write_all(text.as_bytes())?;
+    } else {
+        draw(&analysis)?;
     }
-    let refused = errors + if args.deny_warnings { warnings } else { 0 };
-    if refused > 0 {
-        return Err(Failure::Description { errors, warnings });
+    if analysis.has_errors() || (args.deny_warnings && !analysis.diagnostics.is_empty()) {
+        return Err(counted(&analysis));
     }
     if session.json { Ok(()) } else { session.print(&render(&analysis)) }
+}
+
+fn draw(analysis: &Analysis) -> Result<(), Failure> {
+    let color = io::stderr().is_terminal();
+    let text = human(&analysis.diagnostics, &analysis.sources, color);
+    io::stderr().lock().write_all(text.as_bytes())?;
+    Ok(())
+}
+
+fn counted(analysis: &Analysis) -> Failure {
+    let count =
+        |severity| analysis.diagnostics.iter().filter(|said| said.severity == severity).count();
+    Failure::Description { errors: count(Severity::Error), warnings: count(Severity::Warning) }
 }
 
 /// What was read, one component a line.

@@ -7,12 +7,13 @@ use crate::failure::Failure;
 use crate::names::Path2;
 use crate::session::Session;
 
-/// Connect an in port to an out port, of this daemon or of another one.
+/// Connect an in port to an out port, of this daemon or of another one; or a remote to a
+/// service.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
+    /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT; or a remote.
     inport: Path2,
-    /// The out port that feeds it.
+    /// The out port that feeds it, or the service that a remote calls.
     outport: Path2,
     /// What the reader gets of the samples it has not read: latest, queue:N or ring:N.
     #[arg(long)]
@@ -31,8 +32,9 @@ struct Reply {
     inport: String,
     #[serde(rename = "out")]
     outport: String,
-    backend: String,
-    policy: String,
+    /// None for a remote.
+    backend: Option<String>,
+    policy: Option<String>,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
@@ -50,5 +52,10 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
 
 fn render(reply: &Reply) -> String {
     let Reply { inport, outport, backend, policy } = reply;
-    format!("{inport} reads {outport} ({backend}, {policy})\n")
+    match (backend, policy) {
+        (Some(backend), Some(policy)) => {
+            format!("{inport} reads {outport} ({backend}, {policy})\n")
+        }
+        _ => format!("{inport} calls {outport}\n"),
+    }
 }

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::table;
 
-/// List the connections of the daemon's in ports.
+/// List what the daemon's in ports and remotes are connected to.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 
@@ -21,8 +21,9 @@ struct Connection {
     inport: String,
     #[serde(rename = "out")]
     outport: String,
-    backend: String,
-    policy: String,
+    /// None for a remote.
+    backend: Option<String>,
+    policy: Option<String>,
 }
 
 pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
@@ -38,8 +39,8 @@ fn render(reply: &Reply) -> String {
             vec![
                 connection.inport.clone(),
                 connection.outport.clone(),
-                connection.backend.clone(),
-                connection.policy.clone(),
+                connection.backend.clone().unwrap_or_else(|| "-".to_owned()),
+                connection.policy.clone().unwrap_or_else(|| "-".to_owned()),
             ]
         })
         .collect();

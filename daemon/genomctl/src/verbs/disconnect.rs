@@ -4,7 +4,7 @@ use crate::failure::Failure;
 use crate::names::{Path2, url};
 use crate::session::Session;
 
-/// Disconnect an in port.
+/// Disconnect an in port or a remote.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.

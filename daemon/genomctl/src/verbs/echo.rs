@@ -58,10 +58,5 @@ fn render(data: &str, json: bool) -> String {
 }
 
 fn ended(port: &Path2, why: &str) -> Failure {
-    Failure::Refused(crate::failure::Refusal {
-        code: "ended".to_owned(),
-        message: format!("{port} is no more: {why}"),
-        place: None,
-        help: None,
-    })
+    Failure::refused("ended", format!("{port} is no more: {why}"))
 }

@@ -8,11 +8,16 @@ mod check;
 mod completion;
 mod connect;
 mod connections;
+mod describe;
+mod digest;
 mod disconnect;
 mod echo;
 mod events;
 mod explain;
 mod fire;
+mod fmt;
+mod graph;
+mod header;
 mod info;
 mod kill;
 mod list;
@@ -53,6 +58,11 @@ pub(crate) enum Verb {
     Kill(kill::Args),
     Check(check::Args),
     Explain(explain::Args),
+    Fmt(fmt::Args),
+    Describe(describe::Args),
+    Header(header::Args),
+    Graph(graph::Args),
+    Digest(digest::Args),
     Completion(completion::Args),
 }
 
@@ -80,6 +90,11 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Kill(args) => kill::run(args, session).await,
         Verb::Check(args) => check::run(&args, session),
         Verb::Explain(args) => explain::run(&args, session),
+        Verb::Fmt(args) => fmt::run(&args, session),
+        Verb::Describe(args) => describe::run(&args, session),
+        Verb::Header(args) => header::run(&args, session),
+        Verb::Graph(args) => graph::run(&args, session),
+        Verb::Digest(args) => digest::run(&args, session),
         Verb::Completion(args) => completion::run(&args, session),
     }
 }

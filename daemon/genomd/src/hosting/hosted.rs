@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use genom_description::model::{Component as Model, PortDirection};
+use genom_description::model::{Component as Model, PortDirection, Specification};
 use genom_host::Component;
 use genom_middleware::{Address, Middleware, Served, Subscription};
 use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
 use genom_runtime::{ActivityPhase, Instance, Options, Outcome, Progress, input_record};
-use genom_types::{DataType, JsonError, Record, TypeTable};
+use genom_types::{DataType, JsonError, Record};
 use serde_json::{Value, json};
 use tokio::sync::mpsc;
 
@@ -105,9 +105,9 @@ impl Hosted {
         self.plan.component()
     }
 
-    /// The types of its description.
-    pub(crate) fn types(&self) -> &Arc<TypeTable> {
-        &self.plan.specification().types
+    /// The whole description its component comes from.
+    pub(crate) fn specification(&self) -> &Specification {
+        self.plan.specification()
     }
 
     /// The component, compiled.

@@ -1,7 +1,6 @@
 //! The components of the daemon: loaded, running, unloaded.
 
 mod activities;
-pub(crate) mod describe;
 mod hosted;
 pub(crate) mod load;
 mod watch;

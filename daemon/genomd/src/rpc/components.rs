@@ -5,11 +5,12 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_description::tools;
 use serde_json::{Value, json};
 
 use crate::config::LoadRequest;
 use crate::daemon::Daemon;
-use crate::hosting::{self, Hosted, LoadError, UnloadError};
+use crate::hosting::{Hosted, LoadError, UnloadError};
 use crate::registry::BackendError;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
@@ -40,9 +41,10 @@ pub(crate) async fn describe(
     Path(component): Path<String>,
 ) -> Result<Json<Value>, RpcError> {
     let hosted = find(&daemon, &component)?;
-    let mut reply = summary(&hosted);
-    if let Value::Object(reply) = &mut reply {
-        reply.extend(hosting::describe::component(hosted.types(), hosted.model()));
+    // The description as every tool shows it, and over it what is this instance's own.
+    let mut reply = tools::describe(hosted.specification(), hosted.model());
+    if let (Value::Object(reply), Value::Object(own)) = (&mut reply, summary(&hosted)) {
+        reply.extend(own);
     }
     Ok(Json(reply))
 }

@@ -12,7 +12,8 @@ use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
 use crate::rpc::{components, ports};
-use crate::wiring::{self, ConnectError, ConnectRequest, Connection, policy};
+use crate::wiring::remote::{self, RemoteError};
+use crate::wiring::{self, ConnectError, ConnectRequest, Connection, RemoteConnection, policy};
 
 /// Body of `POST /connections`.
 #[derive(Debug, Deserialize)]
@@ -34,18 +35,22 @@ pub(crate) struct Wanted {
 pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Value> {
     let mut connections = Vec::new();
     for hosted in daemon.components.all() {
-        for connection in hosted.wiring.connections() {
-            connections.push(to_json(&connection));
-        }
+        connections.extend(hosted.wiring.connections().iter().map(to_json));
+        connections.extend(hosted.wiring.remotes().iter().map(remote_json));
     }
     Json(json!({ "connections": connections }))
 }
 
 /// `POST /connections` with `{in, out, policy, backend, wait}`
+///
+/// `in` is an in port, or a remote; then `out` is a service.
 pub(crate) async fn connect(
     State(daemon): State<Arc<Daemon>>,
     Body(wanted): Body<Wanted>,
 ) -> Result<(StatusCode, Json<Value>), RpcError> {
+    if remote::named(&daemon, &wanted.inport).is_some() {
+        return connect_remote(daemon, wanted).await;
+    }
     let policy = match &wanted.policy {
         None => genom_middleware::Policy::Latest,
         Some(text) => {
@@ -64,6 +69,33 @@ pub(crate) async fn connect(
     match made {
         Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(to_json(&connection)))),
         Ok(Err(error)) => Err(refused(&error)),
+        Err(error) => Err(RpcError::internal(error.to_string())),
+    }
+}
+
+async fn connect_remote(
+    daemon: Arc<Daemon>,
+    wanted: Wanted,
+) -> Result<(StatusCode, Json<Value>), RpcError> {
+    if wanted.policy.is_some() || wanted.backend.is_some() || wanted.wait {
+        let message = format!("{} is a remote: it takes a service and nothing else", wanted.inport);
+        return Err(RpcError::bad_input(message));
+    }
+    let work = move || remote::connect(&daemon, &wanted.inport, &wanted.outport);
+    match tokio::task::spawn_blocking(work).await {
+        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(remote_json(&connection)))),
+        Ok(Err(error)) => {
+            let (status, code, place) = match &error {
+                RemoteError::NoSuchRemote { .. } => {
+                    (StatusCode::NOT_FOUND, "no_such_remote", "/in")
+                }
+                RemoteError::NoSuchService { .. } => {
+                    (StatusCode::NOT_FOUND, "no_such_service", "/out")
+                }
+                RemoteError::Differs { .. } => (StatusCode::CONFLICT, "type_mismatch", "/out"),
+            };
+            Err(RpcError::new(status, code, error.to_string()).place(place))
+        }
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
 }
@@ -91,11 +123,15 @@ async fn take_away(
     element: Option<String>,
 ) -> Result<Json<Value>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    let index = ports::find(&hosted, &port)?;
     let address = hosted.address(&port, element.as_deref());
-    let work = tokio::task::spawn_blocking(move || {
-        wiring::connect::disconnect(&daemon, &hosted, index, element.as_deref())
-    });
+    let work = if let Some((caller, index)) = remote::named(&daemon, &address.to_string()) {
+        tokio::task::spawn_blocking(move || remote::disconnect(&daemon, &caller, index))
+    } else {
+        let index = ports::find(&hosted, &port)?;
+        tokio::task::spawn_blocking(move || {
+            wiring::connect::disconnect(&daemon, &hosted, index, element.as_deref())
+        })
+    };
     match work.await {
         Ok(true) => Ok(Json(json!({"disconnected": address.to_string()}))),
         Ok(false) => {
@@ -107,10 +143,19 @@ async fn take_away(
 
 fn to_json(connection: &Connection) -> Value {
     json!({
+        "kind": "port",
         "in": connection.inport.to_string(),
         "out": connection.outport.to_string(),
         "backend": connection.backend,
         "policy": policy::text(connection.policy),
+    })
+}
+
+fn remote_json(connection: &RemoteConnection) -> Value {
+    json!({
+        "kind": "service",
+        "in": connection.remote.to_string(),
+        "out": connection.service.to_string(),
     })
 }
 

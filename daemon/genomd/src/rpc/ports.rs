@@ -13,11 +13,12 @@ use tokio::time::{MissedTickBehavior, interval};
 use tokio_stream::Stream;
 
 use crate::daemon::Daemon;
-use crate::hosting::{self, Hosted};
+use crate::hosting::Hosted;
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Parameters;
 use crate::rpc::stream::{self, Writer};
+use crate::wiring::connect::direction;
 
 /// Values a second that a stream looks for when it is not told.
 const USUAL_RATE: f64 = 50.0;
@@ -170,9 +171,11 @@ fn port_json(hosted: &Hosted, index: usize, element: Option<&str>) -> Value {
     let port = &hosted.model().ports[index];
     let mut out = Map::new();
     out.insert("address".into(), hosted.address(&port.name, element).to_string().into());
-    if let Value::Object(described) = hosting::describe::port(hosted.types(), port) {
-        out.extend(described);
-    }
+    out.insert("name".into(), port.name.as_str().into());
+    out.insert("direction".into(), direction(port.direction).into());
+    out.insert("multiple".into(), port.multiple.into());
+    out.insert("type".into(), hosted.specification().types.spelling(port.ty).into());
+    out.extend(port.doc.clone().map(|doc| ("doc".to_owned(), Value::from(doc))));
     let connected = hosted.wiring.connection(index, element);
     if let Some(connection) = connected {
         out.insert("connected".into(), connection.outport.to_string().into());

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_description::tools;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::daemon::Daemon;
-use crate::hosting::{self, Answer, Ending, Hosted};
+use crate::hosting::{Answer, Ending, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{Body, Parameters};
@@ -39,8 +40,8 @@ pub(crate) async fn describe(
 ) -> Result<Json<Value>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &service)?;
-    let model = hosted.model();
-    Ok(Json(hosting::describe::service(hosted.types(), model, &model.services[index])))
+    let mut component = tools::describe(hosted.specification(), hosted.model());
+    Ok(Json(component["services"][index].take()))
 }
 
 /// `POST /components/{component}/services/{service}` with the inputs

@@ -9,7 +9,6 @@ use super::Connection;
 use crate::bus::Change;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
-use crate::hosting::describe::direction;
 use crate::nearest::suggest;
 use crate::registry::BackendError;
 use crate::wiring::policy;
@@ -167,6 +166,14 @@ fn reader(
         }
     };
     Err(ConnectError::inport(format!("`{text}` names no in port"), help))
+}
+
+/// `in` or `out`.
+pub(crate) fn direction(direction: PortDirection) -> &'static str {
+    match direction {
+        PortDirection::In => "in",
+        PortDirection::Out => "out",
+    }
 }
 
 /// Port and element of an address.

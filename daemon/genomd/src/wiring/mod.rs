@@ -23,6 +23,13 @@ pub(crate) struct Connection {
     pub(crate) policy: Policy,
 }
 
+/// The service behind a remote.
+#[derive(Clone, Debug)]
+pub(crate) struct RemoteConnection {
+    pub(crate) remote: Address,
+    pub(crate) service: Address,
+}
+
 /// A port by its index, or an element of a multiple one.
 type Key = (usize, Option<String>);
 
@@ -35,6 +42,7 @@ pub(crate) struct Wires {
 #[derive(Debug, Default)]
 struct State {
     connections: BTreeMap<Key, Connection>,
+    remotes: BTreeMap<usize, RemoteConnection>,
     /// Elements of multiple out ports that codels opened.
     opened: BTreeSet<(usize, String)>,
 }
@@ -49,6 +57,11 @@ impl Wires {
     /// All connections, by port.
     pub(crate) fn connections(&self) -> Vec<Connection> {
         self.with(|state| state.connections.values().cloned().collect())
+    }
+
+    /// All remotes that are connected, by remote.
+    pub(crate) fn remotes(&self) -> Vec<RemoteConnection> {
+        self.with(|state| state.remotes.values().cloned().collect())
     }
 
     /// Elements of a multiple port: opened (out) or connected (in).
@@ -74,6 +87,16 @@ impl Wires {
     fn disconnected(&self, port: usize, element: Option<&str>) -> bool {
         let key = (port, element.map(str::to_owned));
         self.with(|state| state.connections.remove(&key).is_some())
+    }
+
+    /// A remote was connected.
+    fn remote_connected(&self, remote: usize, connection: RemoteConnection) {
+        self.with(|state| state.remotes.insert(remote, connection));
+    }
+
+    /// A remote was disconnected; whether it was connected.
+    fn remote_disconnected(&self, remote: usize) -> bool {
+        self.with(|state| state.remotes.remove(&remote).is_some())
     }
 
     /// A codel opened an element of a multiple out port.

@@ -9,9 +9,11 @@ use genom_runtime::body::RemoteCall;
 use genom_types::Record;
 use serde_json::{Value, json};
 
+use crate::bus::Change;
 use crate::daemon::Daemon;
 use crate::hosting::{Heard, Hosted};
 use crate::nearest::suggest;
+use crate::wiring::RemoteConnection;
 
 /// A remote could not be connected; what was there before still is.
 #[derive(Debug, thiserror::Error)]
@@ -28,7 +30,11 @@ pub(crate) enum RemoteError {
 }
 
 /// Connects remote `local` (`component/remote`) to service `service` (`component/service`).
-pub(crate) fn connect(daemon: &Arc<Daemon>, local: &str, service: &str) -> Result<(), RemoteError> {
+pub(crate) fn connect(
+    daemon: &Arc<Daemon>,
+    local: &str,
+    service: &str,
+) -> Result<RemoteConnection, RemoteError> {
     let (caller, remote) = find_remote(daemon, local)?;
     let (provider, index) = find_service(daemon, service)?;
     let (ours, theirs) = (&caller.model().remotes[remote], &provider.model().services[index]);
@@ -46,7 +52,32 @@ pub(crate) fn connect(daemon: &Arc<Daemon>, local: &str, service: &str) -> Resul
         service: theirs.name.clone(),
     };
     caller.bind_remote(remote, Some(Box::new(call)));
-    Ok(())
+    let connection = RemoteConnection {
+        remote: caller.address(&ours.name, None),
+        service: provider.address(&theirs.name, None),
+    };
+    caller.wiring.remote_connected(remote, connection.clone());
+    daemon.bus.tell(&Change::RemoteConnected {
+        remote: connection.remote.to_string(),
+        service: connection.service.to_string(),
+    });
+    Ok(connection)
+}
+
+/// Takes the service behind a remote away; whether there was one.
+pub(crate) fn disconnect(daemon: &Daemon, caller: &Hosted, remote: usize) -> bool {
+    if !caller.wiring.remote_disconnected(remote) {
+        return false;
+    }
+    caller.bind_remote(remote, None);
+    let remote = caller.address(&caller.model().remotes[remote].name, None);
+    daemon.bus.tell(&Change::RemoteDisconnected { remote: remote.to_string() });
+    true
+}
+
+/// The remote that an address names, if it names one.
+pub(crate) fn named(daemon: &Daemon, address: &str) -> Option<(Arc<Hosted>, usize)> {
+    find_remote(daemon, address).ok()
 }
 
 fn find_remote(daemon: &Daemon, typed: &str) -> Result<(Arc<Hosted>, usize), RemoteError> {

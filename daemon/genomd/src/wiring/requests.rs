@@ -67,7 +67,7 @@ impl Wiring for SupervisorWiring {
             return Err(WiringError::RemoteIo("the daemon stops".to_owned()));
         };
         let connected = remote::connect(&daemon, &format!("{}/{local}", self.instance), remote);
-        connected.map_err(|error| match error {
+        connected.map(drop).map_err(|error| match error {
             RemoteError::NoSuchRemote { .. } => WiringError::NoSuchRemote(local.to_owned()),
             RemoteError::NoSuchService { .. } => WiringError::NoSuchService(remote.to_owned()),
             error @ RemoteError::Differs { .. } => WiringError::RemoteIo(error.to_string()),

@@ -1,0 +1,79 @@
+//! One component calls a service of another, once a supervisor has connected them.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use genom_tests::{Daemon, Running, path, program, repository};
+use serde_json::Value;
+
+/// Makes a component as its author does: header from the description, then a C compiler.
+fn make(name: &str, into: &Path) -> String {
+    let source = repository().join("tests/fixtures/adders");
+    let file = |extension: &str| format!("{name}.{extension}");
+    for description in ["adder.gen", &file("gen")] {
+        fs::copy(source.join(description), into.join(description)).unwrap();
+    }
+    let mut header = Command::new(program("genomctl"));
+    header.arg("header").arg(into.join(file("gen")));
+    let header = Running::start(&mut header).finish();
+    header.expect_code(0);
+    fs::write(into.join(format!("{name}_c_types.h")), &header.out).unwrap();
+    let mut compiler = Command::new("cc");
+    compiler.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-g", "-fPIC", "-shared"]);
+    compiler.arg("-I").arg(repository().join("plugin-api/include")).arg("-I").arg(into);
+    compiler.arg(source.join(file("c"))).arg("-o").arg(into.join(file("so")));
+    Running::start(&mut compiler).finish().expect_code(0);
+    path(&into.join(file("gen"))).to_owned()
+}
+
+fn pair(backend: &str) -> (Daemon, tempfile::TempDir) {
+    let scratch = tempfile::tempdir().unwrap();
+    let (provider, caller) = (make("provider", scratch.path()), make("caller", scratch.path()));
+    (Daemon::start(&["--backend", backend, &provider, &caller]), scratch)
+}
+
+#[test]
+fn a_codel_calls_the_service_that_its_remote_is_connected_to() {
+    for backend in ["local", "shm"] {
+        let (daemon, _files) = pair(backend);
+        let ask = |a: &str, b: &str| {
+            daemon.ctl(&["call", "caller", "ask", &format!("a={a}"), &format!("b={b}")])
+        };
+        ask("1", "2").expect_code(1).expect_err("::genom::no_such_service");
+        let made = daemon.ctl(&["connect", "caller/add", "provider/add"]);
+        made.expect_code(0).expect_out("caller/add calls provider/add\n");
+        ask("1", "2").expect_code(0).expect_out("sum = 3\n");
+        // An exception of the service is the codel's to pass on, with its detail.
+        ask("1001", "2").expect_code(1).expect_err(r#"::adder::TOO_LARGE {"limit":1000}"#);
+        // The provider may go and come back.
+        daemon.ctl(&["unload", "provider"]).expect_code(0);
+        ask("1", "2").expect_code(1).expect_err("::genom::no_such_service");
+        daemon.ctl(&["disconnect", "caller/add"]).expect_code(0);
+        assert_eq!(daemon.json(&["connections"])["connections"], Value::Array(Vec::new()));
+    }
+}
+
+#[test]
+fn a_remote_is_connected_to_its_like_only() {
+    let (daemon, _files) = pair("local");
+    let refused = daemon.ctl(&["connect", "caller/add", "provider/ad"]);
+    refused.expect_code(1).expect_err("did you mean `add`?");
+    let refused = daemon.ctl(&["connect", "caller/add", "provider/kill"]);
+    refused.expect_code(1).expect_err("make the two .gen interfaces equal");
+    let refused = daemon.ctl(&["connect", "caller/add", "provider/add", "--policy", "latest"]);
+    refused.expect_code(1).expect_err("it takes a service and nothing else");
+    // GenoM's own service does the same (genom3.md 4.8).
+    let connect = |remote: &str| {
+        let inputs = format!(r#"{{"local":"add","remote":"{remote}"}}"#);
+        daemon.ctl(&["call", "caller", "connect_service", &inputs])
+    };
+    connect("provider/nothing").expect_code(1).expect_err("::genom::no_such_service");
+    connect("provider/add").expect_code(0);
+    daemon.ctl(&["call", "caller", "ask", "a=20", "b=22"]).expect_out("sum = 42\n");
+    let listed = daemon.json(&["connections"]);
+    assert_eq!(listed["connections"][0]["kind"], "service", "{listed}");
+}
