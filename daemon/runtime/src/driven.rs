@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::clock::Driven;
+use crate::control::Phase;
 use crate::engine::{Engine, lock};
 use crate::task::core::Passed;
 use crate::task::runner::Runner;
@@ -67,12 +68,19 @@ impl DrivenTask {
 
 impl Driven for Engine {
     fn next_date(&self) -> Option<u64> {
+        if self.lock().phase == Phase::Stopped {
+            return None;
+        }
         let tasks = lock(self.driven.as_ref()?);
-        tasks.iter().filter_map(|task| task.next).min()
+        // The state port is due as well.
+        tasks.iter().filter_map(|task| task.next).chain([self.state_due()]).min()
     }
 
     fn run(&self, now: u64) -> bool {
         let Some(driven) = &self.driven else { return false };
+        if self.lock().phase == Phase::Stopped {
+            return false;
+        }
         let mut busy = false;
         {
             let mut tasks = lock(driven);

@@ -148,7 +148,7 @@ impl Shared {
         if notices.push(notice).is_err() {
             self.lost.add(1);
         }
-        self.wake_control();
+        // Control looks from time to time: waking it is not worth a system call here.
     }
 }
 

@@ -10,7 +10,7 @@ pub enum Change {
         /// Its service.
         service: usize,
     },
-    /// A place of an activity's marking moved.
+    /// A place of an activity's marking moved, or paused. Told within a fraction of a second.
     Moved {
         /// The activity.
         activity: u32,

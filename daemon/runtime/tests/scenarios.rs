@@ -32,6 +32,7 @@ macro_rules! scenarios {
 }
 
 scenarios! {
+    a_component_without_task_serves_attributes_and_functions
     a_function_interrupts_after_its_codels_and_does_not_wait
     a_function_runs_its_codels_in_order_until_one_fails
     a_pause_in_a_periodic_task_lasts_until_the_next_tick
@@ -51,9 +52,13 @@ scenarios! {
     an_attribute_validates_then_stores_then_fetches
     an_external_event_adds_a_place_while_others_stay_active
     an_interrupting_activity_waits_until_the_interrupted_one_has_ended
+    an_interruption_also_stops_what_comes_later
+    codels_of_an_attribute_run_after_the_transfer
     delay_shifts_the_ticks_of_a_task
+    inputs_that_are_missing_take_the_defaults_of_the_gen
     nothing_is_served_after_a_shutdown
     of_two_pending_that_interrupt_each_other_the_newest_wins
+    pauses_and_continuations_mix_within_a_tick
     permanent_activities_start_in_order_before_requests
     several_instances_of_one_activity_run_at_once
     shutdown_stops_activities_then_tasks_in_reverse_order

@@ -169,6 +169,90 @@ impl Watcher for Overruns {
 }
 
 #[test]
+fn a_stop_request_waits_for_the_codel_and_forgets_what_it_yields() {
+    // genom3.md 7.5: a codel that is executing finishes; its state is forgotten, unless it just
+    // ended the activity.
+    for (yielded, ends) in [("main", ["halt"].as_slice()), ("ether", &[])] {
+        let (gate, keeper) = gate();
+        let calls = Arc::new(Mutex::new(Vec::new()));
+        let note = |name: &'static str, event: &'static str| {
+            let calls = Arc::clone(&calls);
+            codel(move || {
+                calls.lock().unwrap().push(name);
+                event
+            })
+        };
+        let body = Closures::new(
+            "component test {
+               task t { };
+               activity job() {
+                 task t;
+                 codel<start> work() yield main, ether;
+                 codel<main> more() yield ether;
+                 codel<stop> halt() yield ether;
+               };
+             };",
+            &[
+                (
+                    "work",
+                    codel(move || {
+                        gate.pass();
+                        yielded
+                    }),
+                ),
+                ("more", note("more", "ether")),
+                ("halt", note("halt", "ether")),
+            ],
+        );
+        let instance = body.start();
+        let job = request(&instance, "job");
+        assert_eq!(next(&job), "accepted 2");
+        keeper.wait();
+        instance.abort(2).unwrap();
+        keeper.let_one_pass();
+        assert_eq!(next(&job), "done");
+        assert_eq!(*calls.lock().unwrap(), ends);
+        instance.shutdown(LONG).unwrap();
+    }
+}
+
+#[test]
+fn a_call_above_its_wcet_is_counted() {
+    // genom3.md D.
+    let body = Closures::new(
+        "component test {
+           task t { };
+           activity slow() { task t; codel<start> spin() yield ether wcet 1 us; };
+           activity fast() { task t; codel<start> run() yield ether wcet 1000 s; };
+         };",
+        &[
+            (
+                "spin",
+                codel(|| {
+                    let begin = std::time::Instant::now();
+                    while begin.elapsed() < Duration::from_micros(5) {
+                        std::hint::spin_loop();
+                    }
+                    "ether"
+                }),
+            ),
+            ("run", codel(|| "ether")),
+        ],
+    );
+    let instance = body.start();
+    for service in ["slow", "slow", "fast"] {
+        let receiver = request(&instance, service);
+        next(&receiver);
+        assert_eq!(next(&receiver), "done");
+    }
+    let statistics = instance.statistics();
+    let counted: Vec<_> =
+        statistics.codels.iter().map(|c| (c.name.as_str(), c.wcet_ns, c.above_wcet)).collect();
+    assert_eq!(counted, [("spin", Some(1000), 2), ("run", Some(1_000_000_000_000), 0)]);
+    instance.shutdown(LONG).unwrap();
+}
+
+#[test]
 fn a_codel_that_never_returns_is_named_by_the_shutdown() {
     // genom3.md 7.7: such a codel blocks the shutdown; here for a limited time.
     let (gate, keeper) = gate();

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 /// What a virtual clock drives: an instance.
 pub(crate) trait Driven: Send + Sync {
-    /// Date of its next tick; `None` without periodic task.
+    /// Date after now at which it has something to do, if nothing happens before.
     fn next_date(&self) -> Option<u64>;
     /// Runs all that is to be done at this date; `false` when nothing was.
     fn run(&self, now: u64) -> bool;

@@ -11,7 +11,7 @@ use crate::statistics::Durations;
 /// How often it is written at least.
 pub(crate) const PERIOD_NS: u64 = 1_000_000_000;
 
-/// Date of the last value written, and of the one before.
+/// Date of the last value written.
 #[derive(Debug, Default)]
 pub(crate) struct StateClock {
     pub(crate) last: AtomicU64,
@@ -34,10 +34,14 @@ impl Engine {
         self.shared.body.write_port(port, &record);
     }
 
+    /// When it has to be written again.
+    pub(crate) fn state_due(&self) -> u64 {
+        self.state_clock.last.load(Ordering::Relaxed) + PERIOD_NS
+    }
+
     /// Writes it when the last value is old.
     pub(crate) fn refresh_state(&self) {
-        let last = self.state_clock.last.load(Ordering::Relaxed);
-        if self.shared.clock.now().saturating_sub(last) >= PERIOD_NS {
+        if self.shared.clock.now() >= self.state_due() {
             self.write_state();
         }
     }

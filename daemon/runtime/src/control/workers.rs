@@ -11,6 +11,8 @@ use super::{Phase, state_port::PERIOD_NS};
 use crate::engine::Engine;
 use crate::plan::CONTROL_WORKERS;
 
+/// How often to look for what watchers may want to know, while activities run.
+const LOOK: Duration = Duration::from_millis(50);
 /// Stack of control threads: they run validate codels and functions.
 const STACK: usize = 8 << 20;
 
@@ -84,8 +86,10 @@ impl Engine {
 
     /// The control thread: answers for tasks until the instance has stopped.
     pub(crate) fn attend_until_stopped(&self) {
-        let period = Duration::from_nanos(PERIOD_NS);
         loop {
+            let watched = self.watcher.is_some()
+                && self.lock().entries.iter().any(|entry| entry.service.is_some());
+            let period = if watched { LOOK } else { Duration::from_nanos(PERIOD_NS) };
             if !self.shared.attention.load(Ordering::Acquire) {
                 std::thread::park_timeout(period);
             }

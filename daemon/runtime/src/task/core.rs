@@ -11,7 +11,7 @@ use crate::plan::{Plan, Transition};
 pub(crate) trait Calls {
     /// Runs a codel of this run.
     fn call(&mut self, run: &mut Run, codel: usize) -> Returned;
-    /// A place of this run's marking moved.
+    /// A place of this run's marking moved, or paused where it was running.
     fn moved(&mut self, run: &Run, token: Token);
 }
 
@@ -194,8 +194,10 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
         };
         run.tokens[at] = token;
         if token.mode != Mode::Done {
-            run.marker.show(token);
-            calls.moved(run, token);
+            // One that pauses where it is has not moved, for those who watch.
+            if run.marker.show(token) {
+                calls.moved(run, token);
+            }
         }
     }
     if ran {

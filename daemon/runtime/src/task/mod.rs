@@ -1,6 +1,8 @@
 //! Execution tasks: the rules, the worker that applies them, and the thread that drives it.
 
 pub(crate) mod core;
+#[cfg(test)]
+mod core_tests;
 pub(crate) mod run;
 pub(crate) mod runner;
 pub(crate) mod scheduling;

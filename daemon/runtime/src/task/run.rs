@@ -76,9 +76,13 @@ impl Marker {
         self.stop.load(Ordering::Acquire)
     }
 
-    pub(crate) fn show(&self, token: Token) {
+    /// Shows where the activity is; whether that is somewhere else than before.
+    pub(crate) fn show(&self, token: Token) -> bool {
         let paused = if token.mode == Mode::Ready { 0 } else { PAUSED };
-        self.place.store(u32::from(token.state) | paused, Ordering::Relaxed);
+        let place = u32::from(token.state) | paused;
+        let changed = self.place.load(Ordering::Relaxed) != place;
+        self.place.store(place, Ordering::Relaxed);
+        changed
     }
 
     /// State, and whether it is paused or asleep.
