@@ -131,10 +131,14 @@ proptest! {
         seeds in proptest::collection::vec((0usize..24, 0usize..24), 0..60),
         contexts in 2usize..6,
         with_all: bool,
+        many: bool,
     ) {
+        // With many more nodes, contexts announce instead of setting bits.
+        let count = if many { count + 70 } else { count };
+        let chain = (24..count.max(25) - 1).map(|node| (node, node + 1));
         let pairs: Vec<(usize, usize)> =
-            seeds.iter().map(|(a, b)| (a % count, b % count)).collect();
-        check(Nodes::of_pairs(count, &pairs), contexts, 100, with_all);
+            seeds.iter().map(|(a, b)| (a % count, b % count)).chain(chain).collect();
+        check(Nodes::of_pairs(count, &pairs), contexts, if many { 25 } else { 100 }, with_all);
     }
 }
 

@@ -6,11 +6,11 @@
 use super::EVERYTHING;
 use crate::plan::Nodes;
 
-/// In the first word: somebody waits, so the fast path is closed.
+/// Somebody waits, so the fast path is closed.
 pub(super) const WAITERS: u64 = 1 << 63;
-/// In the first word: everything is excluded.
+/// Everything is excluded.
 pub(super) const ALL: u64 = 1 << 62;
-/// Bits of the first word for nodes and contexts; later words have as many, for simplicity.
+/// Bits of a word for nodes and contexts.
 const USABLE: usize = 62;
 
 #[derive(Debug)]
@@ -25,8 +25,8 @@ pub(super) struct Masks {
     contexts: Box<[(usize, u64)]>,
     /// By node, `words` each: what must not be set.
     needs: Box<[u64]>,
-    /// What must not be set when everything is excluded.
-    everything: Box<[u64]>,
+    /// What must not be set when everything is excluded, when one word holds all.
+    everything: u64,
 }
 
 /// Stands for the bit of the context.
@@ -97,22 +97,18 @@ impl Masks {
             places: places.into(),
             contexts,
             needs: needs.into(),
-            everything: everything.into(),
+            everything: everything[0],
         }
     }
 
+    /// Words that all bits take.
     pub(super) fn words(&self) -> usize {
         self.words
     }
 
-    /// Word and bit that say that `context` runs `node`; no bit for nodes nobody waits for.
-    #[inline]
-    pub(super) fn bit(&self, context: usize, node: u32) -> (usize, u64) {
-        match self.places.get(node as usize) {
-            Some(Place::Own { word, bit, .. }) => (*word, *bit),
-            Some(Place::Shared) => self.contexts[context],
-            Some(Place::None) | None => (0, 0),
-        }
+    /// The bit that says that `context` runs `node`; none for nodes nobody waits for.
+    pub(super) fn bit(&self, context: usize, node: u32) -> u64 {
+        self.fast(context, node).map_or(0, |(_, bit)| bit)
     }
 
     /// What must be clear and what to set, when all fits in one word; nothing to set for nodes
@@ -123,15 +119,12 @@ impl Masks {
         Some((need, if bit == OF_CONTEXT { self.contexts[context].1 } else { bit }))
     }
 
-    /// By word: what must be clear for `node` to run.
-    pub(super) fn need(&self, node: u32) -> impl Iterator<Item = u64> + '_ {
-        let from = node as usize * self.words;
-        let need = if node == EVERYTHING {
-            &self.everything[..]
-        } else {
-            self.needs.get(from..from + self.words).unwrap_or_default()
-        };
-        need.iter().copied()
+    /// What must be clear for `node` to run, when one word holds all.
+    pub(super) fn need(&self, node: u32) -> u64 {
+        if node == EVERYTHING {
+            return self.everything;
+        }
+        self.quick.get(node as usize).map_or(0, |(need, _)| need & !WAITERS)
     }
 
     /// Whether two nodes exclude each other.
@@ -147,7 +140,7 @@ impl Masks {
         }
     }
 
-    fn is_global(&self, node: u32) -> bool {
+    pub(super) fn is_global(&self, node: u32) -> bool {
         node == EVERYTHING
             || match self.places.get(node as usize) {
                 Some(Place::Own { global, .. }) => *global,

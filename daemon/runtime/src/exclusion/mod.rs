@@ -4,6 +4,8 @@
 //! thing while waiting for another: there can be no deadlock. Free of contention, entering and
 //! leaving are one atomic operation each. Under contention arrivals that conflict are served in
 //! order of arrival; those that conflict with nobody, running or waiting, pass at once.
+//! A component with more nodes than a word has bits announces what each context runs instead,
+//! and looks at the others' announcements.
 //!
 //! It knows neither codels nor threads; [`Inheritance`] lends priorities.
 
@@ -31,8 +33,10 @@ const EVERYTHING: u32 = u32::MAX - 1;
 #[derive(Debug)]
 pub struct Exclusion {
     masks: Masks,
-    /// Bits of running nodes; the first word also holds [`ALL`] and [`WAITERS`].
-    running: Box<[AtomicU64]>,
+    /// Bits of running nodes, if one word has enough, [`ALL`] and [`WAITERS`].
+    running: AtomicU64,
+    /// By context: the node it runs, or tries to; when the bits do not suffice.
+    announced: Option<Box<[AtomicU32]>>,
     /// Serialises the slow path. Its holder inherits the priority of those who wait for it.
     guard: PiLock,
     /// By context: what it waits for. Changed under `guard` only.
@@ -56,8 +60,7 @@ struct Waiting {
 pub struct Permit<'a> {
     exclusion: &'a Exclusion,
     context: usize,
-    /// Where its bit is, to clear it.
-    word: usize,
+    /// What to clear at the end; 0 for an announcement.
     bit: u64,
     waited: bool,
 }
@@ -73,7 +76,7 @@ impl Permit<'_> {
 impl Drop for Permit<'_> {
     #[inline]
     fn drop(&mut self) {
-        self.exclusion.leave(self.context, self.word, self.bit);
+        self.exclusion.leave(self.context, self.bit);
     }
 }
 
@@ -84,7 +87,9 @@ impl Exclusion {
         let masks = Masks::new(nodes, contexts);
         let idle = || Waiting { node: AtomicU32::new(IDLE), ticket: AtomicU64::new(0) };
         Self {
-            running: (0..masks.words()).map(|_| AtomicU64::new(0)).collect(),
+            running: AtomicU64::new(0),
+            announced: (masks.words() > 1)
+                .then(|| (0..contexts).map(|_| AtomicU32::new(IDLE)).collect()),
             masks,
             guard: PiLock::default(),
             waiting: (0..contexts).map(|_| idle()).collect(),
@@ -108,11 +113,10 @@ impl Exclusion {
         let node = u32::try_from(node).unwrap_or(EVERYTHING);
         self.inheritance.runs(context, node);
         if let Some(bit) = self.try_enter(context, node) {
-            return Permit { exclusion: self, context, word: 0, bit, waited: false };
+            return Permit { exclusion: self, context, bit, waited: false };
         }
         let waited = self.enter_slowly(context, node);
-        let (word, bit) = self.masks.bit(context, node);
-        Permit { exclusion: self, context, word, bit, waited }
+        Permit { exclusion: self, context, bit: self.bit(context, node), waited }
     }
 
     /// Waits until no codel runs that could be disturbed, and keeps all others out.
@@ -121,7 +125,7 @@ impl Exclusion {
     pub fn enter_all(&self, context: usize) -> Permit<'_> {
         self.inheritance.runs(context, EVERYTHING);
         let waited = self.enter_slowly(context, EVERYTHING);
-        Permit { exclusion: self, context, word: 0, bit: ALL, waited }
+        Permit { exclusion: self, context, bit: ALL, waited }
     }
 
     /// The node a context runs, or waits for.
@@ -130,14 +134,17 @@ impl Exclusion {
         self.waiting.get(context).is_some_and(|w| w.node.load(Ordering::Relaxed) != IDLE)
     }
 
-    /// The bit set, if nothing is in the way and one word holds all.
+    /// What was set, if nothing is in the way.
     #[inline]
     fn try_enter(&self, context: usize, node: u32) -> Option<u64> {
+        if let Some(announced) = &self.announced {
+            return self.announce(announced, context, node).then_some(0);
+        }
         let (need, bit) = self.masks.fast(context, node)?;
         if bit == 0 {
             return Some(0);
         }
-        let word = &self.running[0];
+        let word = &self.running;
         let mut seen = word.load(Ordering::Relaxed);
         while seen & need == 0 {
             let set = seen | bit;
@@ -147,6 +154,32 @@ impl Exclusion {
             }
         }
         None
+    }
+
+    /// Says what this context runs, then looks at the others: of two that do so at once, at least
+    /// one sees the other. Takes it back when something is in the way.
+    #[inline]
+    fn announce(&self, announced: &[AtomicU32], context: usize, node: u32) -> bool {
+        announced[context].store(node, Ordering::SeqCst);
+        let flags = if self.masks.is_global(node) { ALL | WAITERS } else { WAITERS };
+        let closed = self.running.load(Ordering::SeqCst) & flags != 0;
+        if !closed && self.none_announced(announced, context, node) {
+            return true;
+        }
+        announced[context].store(IDLE, Ordering::SeqCst);
+        // Somebody may have taken the attempt for the real thing.
+        if self.running.load(Ordering::SeqCst) & WAITERS != 0 {
+            self.ring(context);
+        }
+        false
+    }
+
+    /// Whether no other context runs what conflicts with `node`.
+    fn none_announced(&self, announced: &[AtomicU32], context: usize, node: u32) -> bool {
+        announced.iter().enumerate().all(|(other, slot)| {
+            let its = slot.load(Ordering::SeqCst);
+            its == IDLE || other == context || !self.masks.conflict(node, its)
+        })
     }
 
     /// Returns whether it had to wait.
@@ -159,7 +192,7 @@ impl Exclusion {
         place.ticket.store(ticket, Ordering::Relaxed);
         place.node.store(node, Ordering::Relaxed);
         // From here on nobody takes the fast path, and whoever leaves rings.
-        self.running[0].fetch_or(WAITERS, Ordering::SeqCst);
+        self.running.fetch_or(WAITERS, Ordering::SeqCst);
         let mut waited = false;
         loop {
             // Read before looking at who runs: a departure after the look changes it.
@@ -174,11 +207,17 @@ impl Exclusion {
             let _ = futex::wait(&self.departures, futex::Flags::PRIVATE, departures, None);
             self.guard.lock();
         }
-        let (word, bit) = self.place(context, node);
-        self.running[word].fetch_or(bit, Ordering::SeqCst);
+        match &self.announced {
+            Some(announced) if node != EVERYTHING => {
+                announced[context].store(node, Ordering::SeqCst);
+            }
+            _ => {
+                self.running.fetch_or(self.bit(context, node), Ordering::SeqCst);
+            }
+        }
         place.node.store(IDLE, Ordering::Relaxed);
         if self.waiting.iter().all(|other| other.node.load(Ordering::Relaxed) == IDLE) {
-            self.running[0].fetch_and(!WAITERS, Ordering::SeqCst);
+            self.running.fetch_and(!WAITERS, Ordering::SeqCst);
         }
         self.guard.unlock();
         waited
@@ -186,10 +225,14 @@ impl Exclusion {
 
     /// Under `guard`: whether nothing that runs, and nothing that came earlier, conflicts.
     fn may_enter(&self, context: usize, node: u32, ticket: u64) -> bool {
-        let free =
-            self.masks.need(node).enumerate().all(|(word, need)| {
-                self.running[word].load(Ordering::SeqCst) & need & !WAITERS == 0
-            });
+        let running = self.running.load(Ordering::SeqCst);
+        let free = match &self.announced {
+            Some(announced) => {
+                let all = running & ALL != 0 && self.masks.is_global(node);
+                !all && self.none_announced(announced, context, node)
+            }
+            None => running & self.masks.need(node) == 0,
+        };
         free && self.waiting.iter().enumerate().all(|(other, place)| {
             let its = place.node.load(Ordering::Relaxed);
             other == context
@@ -218,22 +261,34 @@ impl Exclusion {
     }
 
     fn is_set(&self, context: usize, node: u32) -> bool {
-        let (word, bit) = self.place(context, node);
-        bit != 0 && self.running[word].load(Ordering::SeqCst) & bit != 0
+        match &self.announced {
+            Some(announced) if node != EVERYTHING => {
+                announced[context].load(Ordering::SeqCst) == node
+            }
+            _ => self.running.load(Ordering::SeqCst) & self.bit(context, node) != 0,
+        }
     }
 
-    /// Word and bit that say that a node runs.
-    fn place(&self, context: usize, node: u32) -> (usize, u64) {
-        if node == EVERYTHING { (0, ALL) } else { self.masks.bit(context, node) }
+    /// The bit that says that a node runs; none when that is announced.
+    fn bit(&self, context: usize, node: u32) -> u64 {
+        match node {
+            EVERYTHING => ALL,
+            _ if self.announced.is_some() => 0,
+            _ => self.masks.bit(context, node),
+        }
     }
 
     #[inline]
-    fn leave(&self, context: usize, word: usize, bit: u64) {
-        // The bit is set, so this clears it; unlike `and`, it is one instruction.
-        let before = self.running[word].fetch_sub(bit, Ordering::SeqCst);
-        // Waiters are announced in the first word.
-        let first = if word == 0 { before } else { self.running[0].load(Ordering::SeqCst) };
-        if first & WAITERS != 0 {
+    fn leave(&self, context: usize, bit: u64) {
+        let before = match &self.announced {
+            Some(announced) if bit == 0 => {
+                announced[context].store(IDLE, Ordering::SeqCst);
+                self.running.load(Ordering::SeqCst)
+            }
+            // The bit is set, so this clears it; unlike `and`, it is one instruction.
+            _ => self.running.fetch_sub(bit, Ordering::SeqCst),
+        };
+        if before & WAITERS != 0 {
             self.ring(context);
         }
         self.inheritance.runs(context, IDLE);
