@@ -43,6 +43,14 @@ pub(crate) fn known() -> &'static [Known] {
                 }
             },
         },
+        Known {
+            name: "zenoh",
+            version: "zenoh 1.10",
+            open: |options| match genom_zenoh::Zenoh::open(&read::<ZenohOptions>(options)?.into()) {
+                Ok(zenoh) => Ok(zenoh),
+                Err(error) => Err(error.to_string()),
+            },
+        },
     ]
 }
 
@@ -59,6 +67,67 @@ struct ShmOptions {
     prefix: Option<String>,
     /// Directory of the files that say what is there.
     root: Option<PathBuf>,
+}
+
+/// `[backends.zenoh]`; `configs/zenoh.toml` explains it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct ZenohOptions {
+    mode: ZenohMode,
+    /// Folder where daemons of this machine find each other; empty: they do not.
+    rendezvous: PathBuf,
+    listen: Vec<String>,
+    connect: Vec<String>,
+    prefix: String,
+    config: Option<PathBuf>,
+    /// Keys of zenoh's own configuration.
+    set: toml::Table,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum ZenohMode {
+    Peer,
+    Client,
+    Router,
+}
+
+impl Default for ZenohOptions {
+    fn default() -> Self {
+        Self {
+            mode: ZenohMode::Peer,
+            rendezvous: genom_zenoh::default_directory(),
+            listen: Vec::new(),
+            connect: Vec::new(),
+            prefix: String::new(),
+            config: None,
+            set: toml::Table::new(),
+        }
+    }
+}
+
+impl From<ZenohOptions> for genom_zenoh::Options {
+    fn from(options: ZenohOptions) -> Self {
+        let ZenohOptions { mode, rendezvous, listen, connect, prefix, config, set } = options;
+        Self {
+            mode: match mode {
+                ZenohMode::Peer => genom_zenoh::Mode::Peer,
+                ZenohMode::Client => genom_zenoh::Mode::Client,
+                ZenohMode::Router => genom_zenoh::Mode::Router,
+            },
+            rendezvous: Some(rendezvous).filter(|folder| !folder.as_os_str().is_empty()),
+            listen,
+            connect,
+            prefix,
+            config_file: config,
+            // JSON is JSON5, and a value of TOML is one of JSON.
+            set: set.into_iter().map(|(key, value)| (key, json(value))).collect(),
+        }
+    }
+}
+
+fn json(value: toml::Value) -> String {
+    serde_json::to_string(&value).unwrap_or_default()
 }
 
 fn read<T: serde::de::DeserializeOwned>(options: &toml::Table) -> Result<T, String> {
@@ -141,7 +210,22 @@ mod tests {
         let told = check("smh").unwrap_err().to_string();
         assert_eq!(
             told,
-            "unknown backend `smh` (did you mean `shm`?). This daemon knows: local, shm"
+            "unknown backend `smh` (did you mean `shm`?). This daemon knows: local, shm, zenoh"
         );
+    }
+
+    #[test]
+    fn options_of_zenoh_are_read_and_wrong_ones_are_named() {
+        let table = |text: &str| text.parse::<toml::Table>().unwrap();
+        let given = "mode = \"client\"\nconnect = [\"tcp/127.0.0.1:7447\"]\nrendezvous = \"\"\n\
+                     [set]\n\"transport/link/tx/queue/size/data\" = 4\n";
+        let options = genom_zenoh::Options::from(read::<ZenohOptions>(&table(given)).unwrap());
+        assert_eq!(options.mode, genom_zenoh::Mode::Client);
+        assert_eq!(options.rendezvous, None);
+        assert_eq!(options.set, [("transport/link/tx/queue/size/data".into(), "4".into())]);
+        let none = genom_zenoh::Options::from(read::<ZenohOptions>(&table("")).unwrap());
+        assert_eq!(none, genom_zenoh::Options::default());
+        let error = read::<ZenohOptions>(&table("lisen = []")).unwrap_err();
+        assert!(error.contains("`lisen`") && error.contains("`listen`"), "{error}");
     }
 }
