@@ -75,7 +75,7 @@ fn fmt_changes_blanks_once() {
     let file = scratch.path().join("x.gen");
     fs::write(&file, "component   x {\n      doc \"d\" ;\n};\n").unwrap();
     let file = path(&file);
-    genomctl(&["fmt", "--check", file]).expect_code(1).expect_err("not in the usual form");
+    genomctl(&["fmt", "--check", file]).expect_code(1).expect_err("error: 1 file to format");
     let shown = genomctl(&["fmt", "--stdout", file]);
     genomctl(&["fmt", file]).expect_code(0).expect_out("");
     assert_eq!(fs::read_to_string(file).unwrap(), shown.out);

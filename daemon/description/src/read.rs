@@ -86,7 +86,11 @@ pub fn read_files(inputs: &[PathBuf], options: &Options, files: &dyn Files) -> A
         let span = Span { file, ..Span::default() };
         sources.include_chain(span).last().map_or(file, |outermost| outermost.file)
     };
-    let (specification, semantics) = check(tree, standard, &root_of);
+    let (specification, mut semantics) = check(tree, standard, &root_of);
+    if syntax.iter().any(|said| said.severity == Severity::Error) {
+        // What could not be read may well use what seems unused.
+        semantics.retain(|said| !said.code.starts_with("W09"));
+    }
     let mut rest = syntax;
     rest.extend(semantics);
     rest.sort_by_key(|diagnostic| (diagnostic.span.file, diagnostic.span.start));

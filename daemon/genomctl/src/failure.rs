@@ -30,6 +30,9 @@ pub(crate) enum Failure {
     /// A description is refused; what is wrong was shown.
     #[error("{} in the description", counted(*.errors, *.warnings))]
     Description { errors: usize, warnings: usize },
+    /// `fmt`: what is wrong with each file was shown.
+    #[error("{}", unformatted_files(*.unformatted, *.refused))]
+    Format { unformatted: usize, refused: usize },
     /// Files or the terminal.
     #[error(transparent)]
     Io(#[from] io::Error),
@@ -51,9 +54,23 @@ pub(crate) struct Refusal {
     pub(crate) help: Option<String>,
 }
 
+fn plural(count: usize, word: &str) -> String {
+    format!("{count} {word}{}", if count == 1 { "" } else { "s" })
+}
+
+fn unformatted_files(unformatted: usize, refused: usize) -> String {
+    match (unformatted, refused) {
+        (unformatted, 0) => format!("{} to format", plural(unformatted, "file")),
+        (0, refused) => format!("{} cannot be formatted", plural(refused, "file")),
+        (unformatted, refused) => format!(
+            "{} to format, {} cannot be formatted",
+            plural(unformatted, "file"),
+            plural(refused, "file")
+        ),
+    }
+}
+
 fn counted(errors: usize, warnings: usize) -> String {
-    let plural =
-        |count: usize, word| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
     match (errors, warnings) {
         (0, warnings) => plural(warnings, "warning"),
         (errors, 0) => plural(errors, "error"),
@@ -123,6 +140,7 @@ impl Failure {
             Failure::Exception { .. } => "exception",
             Failure::Reply { .. } => "not_understood",
             Failure::Description { .. } => "description",
+            Failure::Format { .. } => "format",
             Failure::Io(_) => "io",
         };
         json!({"error": {

@@ -10,6 +10,7 @@ mod client;
 mod failure;
 mod inputs;
 mod names;
+mod reading;
 mod session;
 mod sse;
 mod table;

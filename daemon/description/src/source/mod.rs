@@ -8,7 +8,7 @@ mod files;
 pub use decode::Encoding;
 pub use files::{Disk, Files, Memory};
 
-pub(crate) use decode::Logical;
+pub(crate) use decode::{Logical, decode};
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ pub(crate) struct Loaded {
 
 impl Loaded {
     pub(crate) fn new(bytes: Vec<u8>) -> Self {
-        let (text, encoding) = decode::decode(bytes);
+        let (text, encoding) = decode(bytes);
         let logical = Logical::new(&text);
         let lines = line_starts(&text);
         Self { text, encoding, logical, lines }

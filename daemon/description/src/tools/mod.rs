@@ -6,6 +6,6 @@ mod graph;
 mod header;
 
 pub use describe::{describe, describe_text};
-pub use fmt::{FormatError, format_text};
+pub use fmt::{FormatError, format_bytes, format_text};
 pub use graph::{Graph, graph};
 pub use header::{HeaderError, Language, header};

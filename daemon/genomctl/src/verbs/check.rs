@@ -1,98 +1,71 @@
 //! `genomctl check`: reads descriptions and says all there is to say. No daemon.
 
 use std::io::{self, IsTerminal as _, Write as _};
-use std::path::PathBuf;
+use std::os::unix::process::CommandExt as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 
-use genom_description::diagnostic::Severity;
+use genom_description::Analysis;
 use genom_description::diagnostic::render::{human, json, short};
-use genom_description::model::Specification;
-use genom_description::{Analysis, Options, preprocess, read};
 
 use crate::failure::Failure;
+use crate::reading::{Reading, counts};
 use crate::session::Session;
 
 /// Check descriptions: mistakes and surprises, drawn in the text.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The .gen files, read in order as one specification.
+    /// The .gen files, read in order as one specification; or one library of codels (demo.so),
+    /// which `genomd --check` compares with its description.
     #[arg(required = true)]
     files: Vec<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// One line for each: FILE:LINE:COLUMN, as editors read it.
-    #[arg(long)]
+    /// How to tell: drawn for people; one line each, FILE:LINE:COLUMN, for editors; or data.
+    #[arg(long, value_enum, default_value_t = Format::Human)]
+    format: Format,
+    /// The same as `--format short`.
+    #[arg(long, conflicts_with = "format")]
     short: bool,
     /// Refuse warnings too.
     #[arg(long)]
     deny_warnings: bool,
 }
 
-/// How to read descriptions.
-#[derive(Clone, Debug, Default, clap::Args)]
-pub(crate) struct Reading {
-    /// Directory for #include; may be repeated.
-    #[arg(long, short = 'I', value_name = "DIRECTORY")]
-    include: Vec<PathBuf>,
-    /// Definition for the preprocessor; may be repeated.
-    #[arg(long = "define", short = 'D', value_name = "NAME[=VALUE]")]
-    defines: Vec<String>,
-}
-
-impl Reading {
-    /// Reads the files as one specification.
-    pub(crate) fn read(&self, files: &[PathBuf]) -> Result<Analysis, Failure> {
-        if let Some(missing) = files.iter().find(|path| !path.is_file()) {
-            return Err(Failure::usage(
-                format!("{}: no such file", missing.display()),
-                "name a .gen file",
-            ));
-        }
-        let preprocess = preprocess::Options {
-            include_dirs: self.include.clone(),
-            defines: self.defines.clone(),
-            ..preprocess::Options::default()
-        };
-        Ok(read(files, &Options { preprocess, ..Options::default() }))
-    }
-
-    /// Reads files that must be right; what is wrong is drawn on standard error.
-    pub(crate) fn understand(&self, files: &[PathBuf]) -> Result<Specification, Failure> {
-        let analysis = self.read(files)?;
-        if analysis.has_errors() {
-            draw(&analysis)?;
-            return Err(counted(&analysis));
-        }
-        Ok(analysis.specification)
-    }
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    Human,
+    Short,
+    Json,
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    if let Some(library) = args.files.iter().find(|path| is_library(path)) {
+        return Err(check_library(args, library));
+    }
     let analysis = args.reading.read(&args.files)?;
-    if session.json {
-        session.print(&json(&analysis.diagnostics, &analysis.sources))?;
-    } else if args.short {
-        let text = short(&analysis.diagnostics, &analysis.sources);
-        io::stderr().lock().write_all(text.as_bytes())?;
-    } else {
-        draw(&analysis)?;
-    }
-    if analysis.has_errors() || (args.deny_warnings && !analysis.diagnostics.is_empty()) {
-        return Err(counted(&analysis));
-    }
-    if session.json { Ok(()) } else { session.print(&render(&analysis)) }
-}
-
-fn draw(analysis: &Analysis) -> Result<(), Failure> {
-    let color = io::stderr().is_terminal();
-    let text = human(&analysis.diagnostics, &analysis.sources, color);
+    let (errors, warnings) = counts(&analysis);
+    let format = match (session.json, args.short) {
+        (true, _) => Format::Json,
+        (false, true) => Format::Short,
+        (false, false) => args.format,
+    };
+    let (said, sources) = (&analysis.diagnostics, &analysis.sources);
+    let text = match format {
+        // Data goes where data goes.
+        Format::Json => {
+            session.print(&json(said, sources))?;
+            String::new()
+        }
+        Format::Short => short(said, sources),
+        Format::Human => human(said, sources, io::stderr().is_terminal()),
+    };
     io::stderr().lock().write_all(text.as_bytes())?;
-    Ok(())
-}
-
-fn counted(analysis: &Analysis) -> Failure {
-    let count =
-        |severity| analysis.diagnostics.iter().filter(|said| said.severity == severity).count();
-    Failure::Description { errors: count(Severity::Error), warnings: count(Severity::Warning) }
+    let refused = errors + if args.deny_warnings { warnings } else { 0 };
+    if refused > 0 {
+        return Err(Failure::Description { errors, warnings });
+    }
+    if format == Format::Human { session.print(&render(&analysis)) } else { Ok(()) }
 }
 
 /// What was read, one component a line.
@@ -111,4 +84,37 @@ fn render(analysis: &Analysis) -> String {
             )
         })
         .collect()
+}
+
+/// `x.so`, `x.so.1`.
+fn is_library(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.ends_with(".so") || name.contains(".so.")
+}
+
+/// Becomes `genomd --check`: opening libraries is the daemon's business, not that of a client.
+fn check_library(args: &Args, library: &Path) -> Failure {
+    let descriptions: Vec<_> = args.files.iter().filter(|path| !is_library(path)).collect();
+    if args.files.len() - descriptions.len() > 1 || descriptions.len() > 1 {
+        return Failure::usage(
+            "several files with a library among them",
+            "write `genomctl check LIBRARY [DESCRIPTION]`",
+        );
+    }
+    let beside = std::env::current_exe().ok().map(|own| own.with_file_name("genomd"));
+    let Some(daemon) = beside.filter(|path| path.is_file()) else {
+        return Failure::usage(
+            "libraries are checked by genomd, which is not beside genomctl",
+            format!("run `genomd --check {}`", library.display()),
+        );
+    };
+    let mut command = Command::new(daemon);
+    command.arg("--check").arg(library);
+    if let Some(description) = descriptions.first() {
+        command.arg("--gen").arg(description);
+    }
+    for directory in &args.reading.include {
+        command.arg("-I").arg(directory);
+    }
+    Failure::Io(command.exec())
 }

@@ -1,14 +1,16 @@
-//! `genomctl describe`: what a description offers. No daemon.
+//! `genomctl describe`: what components offer, told from their descriptions. No daemon.
 
 use std::path::PathBuf;
 
 use genom_description::tools::{describe, describe_text};
 
 use crate::failure::Failure;
+use crate::reading::Reading;
 use crate::session::Session;
-use crate::verbs::check::Reading;
 
-/// Describe the components of a description: what they offer and need.
+/// Describe components: services, ports and tasks with their documentation.
+///
+/// With --json, one line for each component.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The .gen files, read in order as one specification.
@@ -19,13 +21,15 @@ pub(crate) struct Args {
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
-    let specification = args.reading.understand(&args.files)?;
-    for component in &specification.components {
+    let analysis = args.reading.read_sound(&args.files)?;
+    let specification = &analysis.specification;
+    let components = specification.components.iter().map(|component| {
         if session.json {
-            session.print(&format!("{}\n", describe(&specification, component)))?;
+            format!("{}\n", describe(specification, component))
         } else {
-            session.print(&describe_text(&specification, component))?;
+            describe_text(specification, component)
         }
-    }
-    Ok(())
+    });
+    let between = if session.json { "" } else { "\n" };
+    session.print(&components.collect::<Vec<_>>().join(between))
 }

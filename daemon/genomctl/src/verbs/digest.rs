@@ -1,15 +1,16 @@
-//! `genomctl digest`: digests of components and their services. No daemon.
+//! `genomctl digest`: the digests of components and services (genom3.md 4.9). No daemon.
 
 use std::path::PathBuf;
 
 use genom_description::model::Component;
+use serde_json::{Map, Value, json};
 
 use crate::failure::Failure;
+use crate::reading::Reading;
 use crate::session::Session;
-use crate::table::table;
-use crate::verbs::check::Reading;
 
-/// Show the digests of components and services: equal digests, equal interfaces.
+/// Print the digests of components and of their services: what must agree between those who
+/// talk to each other.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The .gen files, read in order as one specification.
@@ -20,29 +21,28 @@ pub(crate) struct Args {
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
-    let specification = args.reading.understand(&args.files)?;
-    for component in &specification.components {
-        if session.json {
-            let services: serde_json::Map<_, _> = component
-                .services
-                .iter()
-                .map(|service| (service.name.clone(), service.digest.as_str().into()))
-                .collect();
-            let reply = serde_json::json!({
-                "component": component.name, "digest": component.digest, "services": services,
-            });
-            session.print(&format!("{reply}\n"))?;
-        } else {
-            session.print(&render(component))?;
-        }
-    }
-    Ok(())
+    let analysis = args.reading.read_sound(&args.files)?;
+    let components = analysis.specification.components.iter();
+    let render = if session.json { data } else { text };
+    session.print(&components.map(render).collect::<String>())
 }
 
-fn render(component: &Component) -> String {
-    let mut rows = vec![vec![component.name.clone(), component.digest.clone()]];
-    rows.extend(component.services.iter().filter(|service| !service.standard).map(|service| {
-        vec![format!("{}/{}", component.name, service.name), service.digest.clone()]
-    }));
-    table(&["NAME", "DIGEST"], &rows)
+fn text(component: &Component) -> String {
+    let mut text = format!("{}  {}\n", component.digest, component.name);
+    for service in &component.services {
+        text.push_str(&format!("{}  {}/{}\n", service.digest, component.name, service.name));
+    }
+    text
+}
+
+fn data(component: &Component) -> String {
+    let services: Map<String, Value> = component
+        .services
+        .iter()
+        .map(|service| (service.name.clone(), json!(service.digest)))
+        .collect();
+    let line = json!({
+        "component": component.name, "digest": component.digest, "services": services,
+    });
+    format!("{line}\n")
 }

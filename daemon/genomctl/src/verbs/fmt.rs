@@ -1,19 +1,21 @@
-//! `genomctl fmt`: descriptions in the usual form. No daemon.
+//! `genomctl fmt`: indentation and blanks of descriptions. No daemon.
 
+use std::fs;
+use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
-use genom_description::tools::format_text;
+use genom_description::tools::{FormatError, format_bytes};
 
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Format descriptions in place: indentation and blanks, never a token or comment.
+/// Format descriptions: indentation and blanks; comments, lines and meaning stay.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The .gen files.
+    /// The .gen files, written back when they change; `-` formats standard input.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Change nothing; fail if something would change.
+    /// Write nothing: show where a file would change, and end with 1 if one would.
     #[arg(long)]
     check: bool,
     /// Print the result instead of writing it back.
@@ -22,27 +24,93 @@ pub(crate) struct Args {
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
-    let mut unformatted = Vec::new();
+    let (mut unformatted, mut refused) = (0, 0);
     for path in &args.files {
-        let text = std::fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
-        let formatted = format_text(&text)
-            .map_err(|error| Failure::refused("format", format!("{}: {error}", path.display())))?;
-        if args.stdout {
-            session.print(&formatted)?;
-        } else if formatted != text {
-            unformatted.push(path.display().to_string());
-            if !args.check {
-                std::fs::write(path, formatted)?;
+        let piped = path == Path::new("-");
+        let name = if piped { "<stdin>".into() } else { path.display().to_string() };
+        let before = if piped {
+            let mut bytes = Vec::new();
+            io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
+        } else {
+            fs::read(path)
+        };
+        let before = before
+            .map_err(|error| Failure::usage(format!("{name}: {error}"), "name a .gen file"))?;
+        match format_bytes(&before) {
+            Err(error) => {
+                refused += 1;
+                io::stderr().lock().write_all(refusal(&name, &error).as_bytes())?;
             }
+            Ok(after) if args.check => {
+                if let Some(hint) = hint(&name, &before, &after) {
+                    unformatted += 1;
+                    session.print(&hint)?;
+                }
+            }
+            Ok(after) if piped || args.stdout => io::stdout().lock().write_all(&after)?,
+            Ok(after) if after != before => fs::write(path, after)
+                .map_err(|error| io::Error::new(error.kind(), format!("{name}: {error}")))?,
+            Ok(_) => {}
         }
     }
-    if args.check && !unformatted.is_empty() {
-        let message = format!("not in the usual form: {}", unformatted.join(", "));
-        return Err(Failure::refused("format", message));
+    match (unformatted, refused) {
+        (0, 0) => Ok(()),
+        (unformatted, refused) => Err(Failure::Format { unformatted, refused }),
     }
-    Ok(())
 }
 
-fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::usage(format!("{}: {error}", path.display()), "name a .gen file in UTF-8")
+fn refusal(name: &str, error: &FormatError) -> String {
+    format!("error: {name}: {error}\n")
+}
+
+/// Lines shown of each side.
+const SHOWN: usize = 8;
+
+/// The first stretch of lines that would change, as `diff` shows it; `None` when none would.
+fn hint(name: &str, before: &[u8], after: &[u8]) -> Option<String> {
+    if before == after {
+        return None;
+    }
+    let (before, after) = (String::from_utf8_lossy(before), String::from_utf8_lossy(after));
+    let old: Vec<_> = before.split('\n').collect();
+    let new: Vec<_> = after.split('\n').collect();
+    let first = old.iter().zip(&new).take_while(|(old, new)| old == new).count();
+    let (old, new) = (old.get(first..).unwrap_or_default(), new.get(first..).unwrap_or_default());
+    let last = old.iter().rev().zip(new.iter().rev()).take_while(|(old, new)| old == new).count();
+    let mut text = format!("{name}:{}: would be formatted\n", first + 1);
+    for (sign, lines) in [('-', old), ('+', new)] {
+        let lines = lines.get(..lines.len() - last).unwrap_or_default();
+        for line in lines.iter().take(SHOWN) {
+            text.push_str(&format!("{sign}{line}\n"));
+        }
+        if lines.len() > SHOWN {
+            text.push_str(&format!("{sign}... {} lines more\n", lines.len() - SHOWN));
+        }
+    }
+    Some(text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use expect_test::expect;
+
+    #[test]
+    fn the_hint_shows_what_changes_and_no_more() {
+        let hint = hint("a.gen", b"x;\n  y;\nz;\n", b"x;\ny;\nz;\n").unwrap();
+        expect![[r"
+            a.gen:2: would be formatted
+            -  y;
+            +y;
+        "]]
+        .assert_eq(&hint);
+    }
+
+    #[test]
+    fn a_long_hint_is_cut() {
+        let hint = hint("a.gen", " x\n".repeat(20).as_bytes(), "x\n".repeat(20).as_bytes());
+        let hint = hint.unwrap();
+        assert_eq!(hint.lines().count(), 1 + 2 * (SHOWN + 1));
+        assert!(hint.contains("-... 12 lines more\n"), "{hint}");
+    }
 }

@@ -1,45 +1,45 @@
-//! `genomctl header`: types and prototypes for codels. No daemon.
+//! `genomctl header`: what codels are compiled against. No daemon.
 
 use std::path::PathBuf;
 
-use genom_description::tools::{Language, header};
+use genom_description::tools::{self, Language};
 
 use crate::failure::Failure;
+use crate::reading::Reading;
 use crate::session::Session;
-use crate::verbs::check::Reading;
 
-/// Print the header that codels of a description may include: types, events, prototypes.
+/// Print the types and codel prototypes of a component, to compile codels against.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The .gen files, read in order as one specification.
     #[arg(required = true)]
     files: Vec<PathBuf>,
+    /// Language of the codels.
+    #[arg(long, value_enum, default_value_t = Lang::C)]
+    lang: Lang,
+    /// One component [default: all].
+    #[arg(long, value_name = "NAME")]
+    component: Option<String>,
     #[command(flatten)]
     reading: Reading,
-    /// Language of the codels.
-    #[arg(long, value_enum, default_value = "c")]
-    lang: Lang,
-    /// One component only.
-    #[arg(long)]
-    component: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug, clap::ValueEnum)]
 enum Lang {
     C,
-    #[value(name = "c++", alias = "cxx")]
+    #[value(name = "c++", alias = "cpp", alias = "cxx")]
     Cxx,
     Rust,
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
-    let specification = args.reading.understand(&args.files)?;
+    let analysis = args.reading.read_sound(&args.files)?;
     let language = match args.lang {
         Lang::C => Language::C,
         Lang::Cxx => Language::Cxx,
         Lang::Rust => Language::Rust,
     };
-    let text = header(&specification, args.component.as_deref(), language)
+    let header = tools::header(&analysis.specification, args.component.as_deref(), language)
         .map_err(|error| Failure::refused("header", error.to_string()))?;
-    session.print(&text)
+    session.print(&header)
 }

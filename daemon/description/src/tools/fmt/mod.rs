@@ -6,6 +6,7 @@ mod layout;
 mod pieces;
 mod spacing;
 
+use crate::source::decode;
 use pieces::{Piece, PieceKind, pieces};
 
 /// Why a text is left as it is.
@@ -56,6 +57,15 @@ pub fn format_text(text: &str) -> Result<String, FormatError> {
     let again = pieces(&out).map_err(|_| FormatError::Changed)?;
     let unchanged = again.len() == found.len() && found.iter().zip(&again).all(|(a, b)| same(a, b));
     if unchanged { Ok(out) } else { Err(FormatError::Changed) }
+}
+
+/// The bytes of a file with normal indentation and blanks, in the encoding they came in.
+///
+/// # Errors
+/// As [`format_text`].
+pub fn format_bytes(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
+    let (text, encoding) = decode(bytes.to_vec());
+    format_text(&text).map(|text| encoding.encode(&text))
 }
 
 /// A comment or directive whatever the blanks at the ends of its lines.

@@ -1,0 +1,67 @@
+//! Reading descriptions for the verbs that need no daemon: options, warnings, refusal.
+
+use std::io::{self, IsTerminal as _, Write as _};
+use std::path::PathBuf;
+
+use genom_description::diagnostic::Severity;
+use genom_description::diagnostic::render::human;
+use genom_description::{Analysis, Options, preprocess, read};
+
+use crate::failure::Failure;
+
+/// How to read descriptions.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct Reading {
+    /// Directory for #include; may be repeated.
+    #[arg(long, short = 'I', value_name = "DIRECTORY")]
+    pub(crate) include: Vec<PathBuf>,
+    /// Definition for the preprocessor; may be repeated.
+    #[arg(long = "define", short = 'D', value_name = "NAME[=VALUE]")]
+    pub(crate) defines: Vec<String>,
+    /// Leave out interface genom, which every component provides: what remains is what GenoM3's
+    /// own tool sees, digests included.
+    #[arg(long)]
+    pub(crate) no_standard_interface: bool,
+}
+
+impl Reading {
+    /// The same for the library.
+    pub(crate) fn options(&self) -> Options {
+        let preprocess = preprocess::Options {
+            include_dirs: self.include.clone(),
+            defines: self.defines.clone(),
+            ..preprocess::Options::default()
+        };
+        Options { preprocess, standard_interface: !self.no_standard_interface }
+    }
+
+    /// Reads the files as one specification, whatever is wrong with it.
+    pub(crate) fn read(&self, files: &[PathBuf]) -> Result<Analysis, Failure> {
+        if let Some(missing) = files.iter().find(|path| !path.is_file()) {
+            return Err(Failure::usage(
+                format!("{}: no such file", missing.display()),
+                "name a .gen file",
+            ));
+        }
+        Ok(read(files, &self.options()))
+    }
+
+    /// Reads a specification that something is made of: tells its warnings, refuses its errors.
+    pub(crate) fn read_sound(&self, files: &[PathBuf]) -> Result<Analysis, Failure> {
+        let analysis = self.read(files)?;
+        let told = human(&analysis.diagnostics, &analysis.sources, io::stderr().is_terminal());
+        io::stderr().lock().write_all(told.as_bytes())?;
+        if analysis.has_errors() {
+            let (errors, warnings) = counts(&analysis);
+            return Err(Failure::Description { errors, warnings });
+        }
+        Ok(analysis)
+    }
+}
+
+/// How many errors and warnings there are.
+pub(crate) fn counts(analysis: &Analysis) -> (usize, usize) {
+    let count =
+        |severity| analysis.diagnostics.iter().filter(|said| said.severity == severity).count();
+    (count(Severity::Error), count(Severity::Warning))
+}
