@@ -12,6 +12,7 @@ pub mod conformance;
 pub mod describe;
 pub mod error;
 pub mod index_ring;
+pub mod mailbox;
 pub mod outbox;
 pub mod port;
 pub mod reply;

@@ -1,3 +1,33 @@
-//! TBD
+//! Ports as ROS 2 topics, for genuine ROS 2 nodes and for other daemons.
+//!
+//! **Names.** Port `position` of instance `demo` is the topic `/demo/position` (DDS:
+//! `rt/demo/position`), below a namespace if one is configured; an instance is a node. Characters
+//! that ROS does not allow become `_xHH`. The type `::demo::state` is `demo/msg/State` (DDS:
+//! `demo::msg::dds_::State_`); basic types are those of `std_msgs` (`double` is
+//! `std_msgs/msg/Float64`); a type may go under the name of a ROS type of equal structure.
+//!
+//! **Samples.** CDR as [`genom_types::cdr`] says. Out ports are reliable and volatile; each
+//! reader that connects is sent the last value, whatever it asked for. (Transient local, which
+//! would say so in DDS's own words, is an option: RustDDS keeps all samples of several seconds
+//! for it and hands them all to those who come.)
+//!
+//! **Who is there.** DDS's discovery names topics and types; daemons tell each other besides, on
+//! the topic `genom_discovery_info`, the full types and digests of their ends: types of one name
+//! that differ are refused. Of ROS nodes only the name of the type is known.
 
 #![forbid(unsafe_code)]
+
+mod backend;
+mod feed;
+mod graph;
+mod info;
+mod names;
+mod options;
+mod ports;
+mod process;
+mod receiver;
+mod sender;
+mod wire;
+
+pub use backend::{ParticipantError, Ros2};
+pub use options::{Networks, Options, OptionsError, Qos, ServiceMapping};

@@ -1,0 +1,385 @@
+//! The middleware as the daemon sees it.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use genom_middleware::describe::type_of_port;
+use genom_middleware::mailbox::{Full, Mailbox};
+use genom_middleware::{
+    Address, Capabilities, DiscoverError, Endpoint, EndpointKind, Middleware, OpenError, Policy,
+    Publisher, Subscription,
+};
+use genom_types::{DataType, Record};
+use rustdds::bytes::Bytes;
+use rustdds::{
+    DomainParticipant, DomainParticipantBuilder, DomainParticipantStatusEvent as Event,
+    EndpointDescription, QosPolicies, RTPSEntity, TopicKind,
+};
+
+use crate::feed::{Feed, FeedHandle, FeedSink, Feeds, Inbox};
+use crate::graph::{Found, Graph, Wanted};
+use crate::info::{self, Ends};
+use crate::names;
+use crate::options::{Options, OptionsError};
+use crate::ports::{Ros2Publisher, Ros2Subscription};
+use crate::process::Process;
+use crate::receiver::{Inlet, Sample, Sink};
+use crate::sender::{Orders, Outlet, Worker};
+use crate::wire::{self, Payload, Reader, Writer};
+
+/// Samples the DDS library keeps for one topic may take that much memory in all.
+const MEMORY: usize = 32 << 20;
+
+/// So may those of an out port that wait to be sent.
+const WAITING: usize = 4 << 20;
+
+/// The middleware could not be opened.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParticipantError {
+    /// An option is wrong.
+    #[error(transparent)]
+    Options(#[from] OptionsError),
+    /// DDS did not open.
+    #[error("DDS does not open domain {domain}: {why}")]
+    Dds {
+        /// The domain.
+        domain: u16,
+        /// The library's own words.
+        why: String,
+    },
+    /// No thread could be had.
+    #[error("no thread for ROS 2: {0}")]
+    Thread(#[from] std::io::Error),
+}
+
+/// One DDS participant, with one ROS node for each component instance.
+#[derive(Clone)]
+pub struct Ros2 {
+    core: Arc<Core>,
+}
+
+/// What ports keep alive. Fields are dropped in order: threads first.
+pub(crate) struct Core {
+    feeds: Arc<Feeds>,
+    worker: Worker,
+    inlet: Arc<Inlet>,
+    told: Arc<Told>,
+    pub(crate) graph: Arc<Graph>,
+    pub(crate) dds: Dds,
+    pub(crate) options: Options,
+}
+
+/// Makes writers and readers.
+pub(crate) struct Dds {
+    publisher: rustdds::Publisher,
+    subscriber: rustdds::Subscriber,
+    participant: DomainParticipant,
+}
+
+/// What this daemon tells of itself.
+struct Told {
+    ends: Writer,
+    nodes: Writer,
+    graph: Arc<Graph>,
+    namespace: String,
+    participant: info::Gid,
+    process: Process,
+    /// Whether there is news that was not told yet.
+    news: AtomicBool,
+}
+
+impl Told {
+    fn tell(&self) {
+        self.news.store(false, Ordering::SeqCst);
+        let (ends, nodes) = self.graph.ours(&self.namespace);
+        let ends = info::encode(&Ends { process: self.process.clone(), ends });
+        let nodes = info::encode(&Graph::nodes(self.participant, nodes));
+        for (writer, payload) in [(&self.ends, ends), (&self.nodes, nodes)] {
+            let payload = payload.map(|bytes| Payload(Bytes::from(bytes)));
+            if payload.is_some_and(|payload| writer.write(payload, None).is_err()) {
+                tracing::warn!("ros2 could not tell others of a change");
+            }
+        }
+    }
+}
+
+/// Takes what other daemons tell.
+struct Hear {
+    graph: Arc<Graph>,
+    feeds: Arc<Feeds>,
+    ourselves: rustdds::GUID,
+}
+
+impl Sink for Hear {
+    fn arrive(&mut self, sample: &Sample<'_>) {
+        if sample.writer.prefix == self.ourselves.prefix {
+            return;
+        }
+        match info::decode::<Ends>(sample.message) {
+            Some(ends) => {
+                self.graph.told(sample.writer, ends);
+                self.feeds.settle();
+            }
+            None => tracing::warn!("a participant tells what cannot be read; it is left out"),
+        }
+    }
+}
+
+impl Dds {
+    fn open(options: &Options) -> Result<Self, String> {
+        let mut builder = DomainParticipantBuilder::new(options.domain);
+        if let Some(addresses) = options.addresses() {
+            builder = builder.with_only_networks(addresses);
+        }
+        let participant = builder.build().map_err(|error| error.to_string())?;
+        let qos = QosPolicies::qos_none();
+        let publisher = participant.create_publisher(&qos).map_err(|error| error.to_string())?;
+        let subscriber = participant.create_subscriber(&qos).map_err(|error| error.to_string())?;
+        Ok(Self { publisher, subscriber, participant })
+    }
+
+    fn topic(&self, name: &str, ty: &str, qos: &QosPolicies) -> Result<rustdds::Topic, String> {
+        self.participant
+            .create_topic(name.to_owned(), ty.to_owned(), qos, TopicKind::NoKey)
+            .map_err(|error| error.to_string())
+    }
+
+    pub(crate) fn writer(
+        &self,
+        topic: &str,
+        ty: &str,
+        qos: &QosPolicies,
+    ) -> Result<Writer, String> {
+        let topic = self.topic(topic, ty, qos)?;
+        let writer = self.publisher.create_datawriter_no_key(&topic, Some(qos.clone()));
+        writer.map_err(|error| error.to_string())
+    }
+
+    pub(crate) fn reader(
+        &self,
+        topic: &str,
+        ty: &str,
+        qos: &QosPolicies,
+    ) -> Result<Reader, String> {
+        let topic = self.topic(topic, ty, qos)?;
+        let reader = self.subscriber.create_simple_datareader_no_key(&topic, Some(qos.clone()));
+        reader.map_err(|error| error.to_string())
+    }
+}
+
+impl Core {
+    pub(crate) fn orders(&self) -> &Orders {
+        &self.worker.orders
+    }
+
+    /// Has others told of a change of ours, once for several at a time.
+    pub(crate) fn announcer(&self) -> Box<dyn Fn() + Send + Sync> {
+        let (told, orders) = (Arc::clone(&self.told), self.orders().clone());
+        Box::new(move || {
+            if !told.news.swap(true, Ordering::SeqCst) {
+                let told = Arc::clone(&told);
+                orders.submit(move || told.tell());
+            }
+        })
+    }
+
+    /// The name of an address in messages and lists, and without its slash in ROS.
+    pub(crate) fn path(&self, at: &Address) -> String {
+        names::path(&self.options.namespace, at)
+    }
+
+    /// The address with the namespace in front.
+    pub(crate) fn full(&self, at: &Address) -> String {
+        match self.options.namespace.trim_matches('/') {
+            "" => at.to_string(),
+            namespace => format!("{namespace}/{at}"),
+        }
+    }
+
+    fn port(&self, kind: EndpointKind, at: &Address, ty: &DataType) -> Wanted {
+        Wanted {
+            kind,
+            address: self.full(at),
+            types: type_of_port(ty),
+            digest: ty.digest().to_owned(),
+            topic: format!("rt/{}", self.path(at)),
+            dds_type: names::message(ty, &self.options.masquerade).to_dds(""),
+            node: names::token(&at.instance),
+        }
+    }
+
+    pub(crate) fn failed(&self, at: &Address, why: String) -> OpenError {
+        OpenError::Failed { backend: "ros2".to_owned(), address: at.clone(), why }
+    }
+
+    /// The reader of a topic, made unless there is one.
+    fn feed(&self, wanted: &Wanted, ty: &DataType) -> Result<Arc<FeedHandle>, String> {
+        self.feeds.get(&wanted.topic, || {
+            let qos = wire::qos(self.options.qos.reliable, false, samples_of(ty));
+            let feed = Arc::new(Feed::new(
+                wanted.topic.clone(),
+                wanted.dds_type.clone(),
+                wanted.digest.clone(),
+                Arc::clone(&self.graph),
+            ));
+            let reader = self.dds.reader(&wanted.topic, &wanted.dds_type, &qos)?;
+            let guid = reader.guid();
+            let token = self.inlet.add(reader, Box::new(FeedSink(Arc::clone(&feed))));
+            Ok(FeedHandle { feed, token, guid, inlet: Arc::clone(&self.inlet) })
+        })
+    }
+}
+
+/// Samples of a type that fit into [`MEMORY`].
+fn samples_of(ty: &DataType) -> i32 {
+    let size = if ty.is_fixed_size() { ty.size().max(1) } else { MEMORY / 64 };
+    i32::try_from((MEMORY / size).clamp(4, 1024)).unwrap_or(4)
+}
+
+/// Bytes to make ready for a message of a type.
+fn room_for(ty: &DataType) -> usize {
+    if ty.is_fixed_size() { ty.size() + ty.size() / 8 + 64 } else { 256 }
+}
+
+/// Samples that may wait to be sent: fewer of large ones, whose buffers are made beforehand.
+fn depth_of(ty: &DataType, wanted: usize) -> usize {
+    wanted.min((WAITING / room_for(ty)).max(1))
+}
+
+fn found(end: EndpointDescription, writer: bool) -> (rustdds::GUID, Found) {
+    (end.guid, Found { topic: end.topic_name, dds_type: end.type_name, writer })
+}
+
+impl Ros2 {
+    /// Joins a domain.
+    ///
+    /// # Errors
+    /// An option is wrong, or DDS does not open.
+    pub fn open(options: &Options) -> Result<Arc<Self>, ParticipantError> {
+        options.check()?;
+        let failed = |why| ParticipantError::Dds { domain: options.domain, why };
+        let dds = Dds::open(options).map_err(failed)?;
+        let graph = Arc::new(Graph::default());
+        let told_qos = wire::qos(true, true, 64);
+        let writer = |(topic, ty)| dds.writer(topic, ty, &told_qos).map_err(failed);
+        let told = Arc::new(Told {
+            ends: writer(info::ENDS)?,
+            nodes: writer(info::NODES)?,
+            graph: Arc::clone(&graph),
+            namespace: options.namespace.clone(),
+            participant: dds.participant.guid().to_bytes(),
+            process: Process::this(),
+            news: AtomicBool::new(false),
+        });
+        let worker = Worker::start()?;
+        let ourselves = dds.participant.guid();
+        let (known, orders) = (Arc::clone(&graph), worker.orders.clone());
+        let feeds = Arc::new(Feeds::default());
+        let hearing = Arc::clone(&feeds);
+        let news = move |event| match event {
+            Event::WriterDetected { writer } if writer.guid.prefix != ourselves.prefix => {
+                let (guid, found) = found(writer, true);
+                known.found(guid, found);
+                hearing.settle();
+            }
+            Event::ReaderDetected { reader } if reader.guid.prefix != ourselves.prefix => {
+                let (guid, found) = found(reader, false);
+                known.found(guid, found);
+            }
+            Event::WriterLost { guid, .. } | Event::ReaderLost { guid, .. } => known.lost(&guid),
+            Event::ParticipantLost { id, .. } => known.lost_all(|guid| guid.prefix == id),
+            Event::RemoteReaderMatched { local_writer, remote_reader } => {
+                orders.greet(local_writer, remote_reader);
+            }
+            _ => {}
+        };
+        let inlet = Inlet::start(dds.participant.status_listener(), Box::new(news))?;
+        let reader = dds.reader(info::ENDS.0, info::ENDS.1, &told_qos).map_err(failed)?;
+        let hear = Hear { graph: Arc::clone(&graph), feeds: Arc::clone(&feeds), ourselves };
+        inlet.add(reader, Box::new(hear));
+        let core = Core {
+            feeds,
+            worker,
+            inlet: Arc::new(inlet),
+            told,
+            graph,
+            dds,
+            options: options.clone(),
+        };
+        core.announcer()();
+        Ok(Arc::new(Self { core: Arc::new(core) }))
+    }
+}
+
+impl Middleware for Ros2 {
+    fn name(&self) -> &'static str {
+        "ros2"
+    }
+
+    fn capabilities(&self) -> Capabilities {
+        Capabilities {
+            variable_size: true,
+            zero_copy: false,
+            cross_process: true,
+            cross_host: true,
+            services: false,
+            native_services: false,
+        }
+    }
+
+    fn publisher(&self, at: &Address, ty: &DataType) -> Result<Box<dyn Publisher>, OpenError> {
+        let core = &self.core;
+        ty.prepare();
+        let wanted = core.port(EndpointKind::Publisher, at, ty);
+        let claim = core.graph.claim(at, wanted, core.announcer())?;
+        let Wanted { topic, dds_type, .. } = claim.wanted();
+        let qos = &core.options.qos;
+        let of_writer = wire::qos(qos.reliable, qos.transient_local, samples_of(ty));
+        let writer = core.dds.writer(topic, dds_type, &of_writer);
+        let writer = writer.map_err(|why| core.failed(at, why))?;
+        let guid = writer.guid();
+        let outlet = Arc::new(Outlet {
+            mailbox: Mailbox::new(depth_of(ty, qos.depth), room_for(ty), Full::Oldest),
+            waits: AtomicBool::new(false),
+            refused: AtomicU64::new(0),
+        });
+        core.orders().add(writer, Arc::clone(&outlet));
+        claim.made(vec![guid.to_bytes()], Vec::new());
+        Ok(Box::new(Ros2Publisher {
+            ty: ty.clone(),
+            outlet,
+            writer: guid,
+            claim: Some(claim),
+            core: Arc::clone(core),
+        }))
+    }
+
+    fn subscription(
+        &self,
+        at: &Address,
+        ty: &DataType,
+        policy: Policy,
+    ) -> Result<Box<dyn Subscription>, OpenError> {
+        let core = &self.core;
+        ty.prepare();
+        let wanted = core.port(EndpointKind::Subscription, at, ty);
+        let claim = core.graph.claim(at, wanted, core.announcer())?;
+        let feed = core.feed(claim.wanted(), ty).map_err(|why| core.failed(at, why))?;
+        let inbox = Arc::new(Inbox::new(policy, room_for(ty)));
+        feed.feed.add(&inbox);
+        claim.made(Vec::new(), vec![feed.guid.to_bytes()]);
+        Ok(Box::new(Ros2Subscription {
+            scratch: Record::new(ty),
+            inbox,
+            read: false,
+            _feed: feed,
+            _claim: claim,
+            _core: Arc::clone(core),
+        }))
+    }
+
+    fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
+        Ok(self.core.graph.list())
+    }
+}

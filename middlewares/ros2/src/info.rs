@@ -1,0 +1,113 @@
+//! What participants tell each other beside DDS's own discovery.
+//!
+//! Every ROS 2 process tells which nodes it holds (`ros_discovery_info`). DDS names types and no
+//! more; so daemons tell besides what their ends are: address, full type and digest
+//! (`genom_discovery_info`). Peers that do not tell are seen with what DDS knows.
+
+use rustdds::{GUID, RepresentationIdentifier, cdr_encoding};
+use serde::{Deserialize, Serialize};
+
+use crate::process::Process;
+
+/// Topic and type of the nodes.
+pub(crate) const NODES: (&str, &str) =
+    ("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
+
+/// Topic and type of our ends.
+pub(crate) const ENDS: (&str, &str) = ("genom_discovery_info", "genom::msg::dds_::Ends_");
+
+/// `rmw_dds_common/msg/Gid`, as it is since ROS 2 Iron.
+pub(crate) type Gid = [u8; 16];
+
+/// `rmw_dds_common/msg/ParticipantEntitiesInfo`.
+#[derive(Debug, Deserialize, Serialize)]
+pub(crate) struct Nodes {
+    pub(crate) participant: Gid,
+    pub(crate) nodes: Vec<Node>,
+}
+
+/// `rmw_dds_common/msg/NodeEntitiesInfo`: one component instance.
+#[derive(Debug, Deserialize, Serialize)]
+pub(crate) struct Node {
+    pub(crate) namespace: String,
+    pub(crate) name: String,
+    pub(crate) readers: Vec<Gid>,
+    pub(crate) writers: Vec<Gid>,
+}
+
+/// All ends of one daemon.
+#[derive(Debug, Deserialize, Serialize)]
+pub(crate) struct Ends {
+    /// Who it is, to tell that it was killed long before DDS does.
+    pub(crate) process: Process,
+    pub(crate) ends: Vec<End>,
+}
+
+/// What an end is, in a message.
+pub(crate) const PUBLISHER: u8 = 0;
+pub(crate) const SUBSCRIPTION: u8 = 1;
+pub(crate) const SERVICE: u8 = 2;
+
+/// One end of a daemon.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
+pub(crate) struct End {
+    /// Its DDS writer or reader; of a service, the reader of requests.
+    pub(crate) gid: Gid,
+    pub(crate) kind: u8,
+    /// `demo/position`, with the namespace in front if there is one.
+    pub(crate) address: String,
+    /// Name, size, digest, for messages.
+    pub(crate) types: String,
+    pub(crate) digest: String,
+}
+
+impl End {
+    pub(crate) fn guid(&self) -> GUID {
+        GUID::from_bytes(self.gid)
+    }
+}
+
+/// A CDR payload, little endian.
+pub(crate) fn encode(value: &impl Serialize) -> Option<Vec<u8>> {
+    cdr_encoding::to_vec::<_, byteorder::LittleEndian>(value).ok()
+}
+
+/// Reads a message, header and payload.
+pub(crate) fn decode<'de, T: Deserialize<'de>>(message: &'de [u8]) -> Option<T> {
+    let (header, payload) = message.split_at_checked(crate::wire::HEADER)?;
+    let encoding = if header.get(1) == Some(&1) {
+        RepresentationIdentifier::CDR_LE
+    } else {
+        RepresentationIdentifier::CDR_BE
+    };
+    if encoding == RepresentationIdentifier::CDR_LE {
+        cdr_encoding::from_bytes::<T, byteorder::LittleEndian>(payload).ok().map(|(value, _)| value)
+    } else {
+        cdr_encoding::from_bytes::<T, byteorder::BigEndian>(payload).ok().map(|(value, _)| value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ends_come_back_as_they_were_and_garbage_does_not() {
+        let end = End {
+            gid: [7; 16],
+            kind: SERVICE,
+            address: "demo/goto".into(),
+            types: "a -> b".into(),
+            digest: "x".into(),
+        };
+        let ends = Ends { process: Process::this(), ends: vec![end.clone(), end.clone()] };
+        let mut message = vec![0, 1, 0, 0];
+        message.extend(encode(&ends).unwrap());
+        assert_eq!(decode::<Ends>(&message).unwrap().ends, [end.clone(), end]);
+        for cut in 0..message.len() {
+            assert!(decode::<Ends>(&message[..cut]).is_none(), "{cut} bytes");
+        }
+        // A length beyond all memory.
+        assert!(decode::<Vec<u64>>(&[0, 1, 0, 0, 255, 255, 255, 255]).is_none());
+    }
+}

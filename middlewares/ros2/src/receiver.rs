@@ -1,0 +1,217 @@
+//! The one thread that takes samples from DDS readers and news from DDS's discovery.
+
+use std::cell::RefCell;
+use std::collections::HashMap;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::{self, JoinHandle, ThreadId};
+
+use rustdds::mio1::{Events, Interest, Poll, Token, Waker};
+use rustdds::rpc::SampleIdentity;
+use rustdds::{
+    DomainParticipantStatusEvent, DomainParticipantStatusListener, GUID, StatusEvented, Timestamp,
+};
+
+use crate::wire::{CopyTo, Reader};
+
+const WAKE: Token = Token(0);
+const STATUS: Token = Token(1);
+const FIRST: usize = 2;
+
+/// Samples of one reader taken in a row, before others have their turn.
+const TURN: usize = 64;
+
+#[allow(dead_code, reason = "services use it")]
+/// A sample as it arrived.
+#[derive(Debug)]
+pub(crate) struct Sample<'a> {
+    /// Header and payload.
+    pub(crate) message: &'a [u8],
+    pub(crate) writer: GUID,
+    pub(crate) number: i64,
+    /// When it was written, as the writer says.
+    pub(crate) stamp: Option<Timestamp>,
+    /// When it was received.
+    pub(crate) received: Timestamp,
+    /// The request that this replies to.
+    pub(crate) related: Option<SampleIdentity>,
+}
+
+/// Takes the samples of one reader.
+pub(crate) trait Sink: Send {
+    fn arrive(&mut self, sample: &Sample<'_>);
+
+    /// All that was there has been taken, for now.
+    fn pause(&mut self) {}
+
+    /// A sample came in a representation that is not plain CDR.
+    fn garbled(&mut self) {}
+}
+
+/// Takes news of discovery.
+pub(crate) type News = Box<dyn FnMut(DomainParticipantStatusEvent) + Send>;
+
+enum Order {
+    Add(Token, Box<Reader>, Box<dyn Sink>),
+    Remove(Token, Sender<()>),
+    Stop,
+}
+
+/// Owns the thread.
+pub(crate) struct Inlet {
+    orders: Sender<Order>,
+    waker: Arc<Waker>,
+    next: AtomicUsize,
+    thread: Option<JoinHandle<()>>,
+    id: ThreadId,
+}
+
+impl Inlet {
+    pub(crate) fn start(
+        mut status: DomainParticipantStatusListener,
+        news: News,
+    ) -> io::Result<Self> {
+        let poll = Poll::new()?;
+        let waker = Arc::new(Waker::new(poll.registry(), WAKE)?);
+        poll.registry().register(status.as_status_source_mio1(), STATUS, Interest::READABLE)?;
+        let (orders, receiver) = channel();
+        let mut work = Work {
+            poll,
+            status,
+            news,
+            orders: receiver,
+            readers: HashMap::new(),
+            buffer: RefCell::default(),
+            waker: Arc::clone(&waker),
+        };
+        let thread =
+            thread::Builder::new().name("ros2-receiver".to_owned()).spawn(move || work.go_on())?;
+        let id = thread.thread().id();
+        Ok(Self { orders, waker, next: AtomicUsize::new(FIRST), thread: Some(thread), id })
+    }
+
+    fn order(&self, order: Order) {
+        // After the end there is nothing left to do it with.
+        let _ = self.orders.send(order);
+        let _ = self.waker.wake();
+    }
+
+    /// Gives the samples of a reader to a sink, until it is removed.
+    pub(crate) fn add(&self, reader: Reader, sink: Box<dyn Sink>) -> Token {
+        let token = Token(self.next.fetch_add(1, Ordering::Relaxed));
+        self.order(Order::Add(token, Box::new(reader), sink));
+        token
+    }
+
+    /// Ends a reader. Its sink hears nothing any more when this returns, except on the thread.
+    pub(crate) fn remove(&self, token: Token) {
+        let (done, finished) = channel();
+        self.order(Order::Remove(token, done));
+        if thread::current().id() != self.id {
+            // Ends when the order was carried out, or dropped with the thread.
+            let _ = finished.recv();
+        }
+    }
+}
+
+impl Drop for Inlet {
+    fn drop(&mut self) {
+        self.order(Order::Stop);
+        let thread = self.thread.take().filter(|_| thread::current().id() != self.id);
+        // A thread that panicked has been reported by its panic.
+        let _ = thread.map(JoinHandle::join);
+    }
+}
+
+struct Work {
+    poll: Poll,
+    status: DomainParticipantStatusListener,
+    news: News,
+    orders: Receiver<Order>,
+    readers: HashMap<Token, (Box<Reader>, Box<dyn Sink>)>,
+    /// The sample under way.
+    buffer: RefCell<Vec<u8>>,
+    waker: Arc<Waker>,
+}
+
+impl Work {
+    fn go_on(&mut self) {
+        let mut events = Events::with_capacity(256);
+        // Readers that may have more than they were asked for.
+        let mut again = Vec::new();
+        loop {
+            if let Err(error) = self.poll.poll(&mut events, None)
+                && error.kind() != io::ErrorKind::Interrupted
+            {
+                tracing::error!(%error, "ros2 receives nothing any more");
+                return;
+            }
+            while let Some(event) = self.status.try_recv_status() {
+                (self.news)(event);
+            }
+            let mut ready = std::mem::take(&mut again);
+            loop {
+                match self.orders.try_recv() {
+                    Ok(Order::Add(token, reader, sink)) => {
+                        ready.extend(self.add(token, reader, sink))
+                    }
+                    Ok(Order::Remove(token, done)) => {
+                        if let Some((mut reader, _sink)) = self.readers.remove(&token) {
+                            // It goes either way.
+                            let _ = self.poll.registry().deregister(&mut *reader);
+                        }
+                        let _ = done.send(());
+                    }
+                    Ok(Order::Stop) => return,
+                    Err(_) => break,
+                }
+            }
+            ready.extend(events.iter().map(|event| event.token()).filter(|token| token.0 >= FIRST));
+            for token in ready {
+                if self.take(token) {
+                    again.push(token);
+                }
+            }
+            if !again.is_empty() {
+                // Comes back at once, after a look at orders and news.
+                let _ = self.waker.wake();
+            }
+        }
+    }
+
+    fn add(&mut self, token: Token, mut reader: Box<Reader>, sink: Box<dyn Sink>) -> Option<Token> {
+        let registered = self.poll.registry().register(&mut *reader, token, Interest::READABLE);
+        if let Err(error) = registered {
+            tracing::error!(%error, "ros2 cannot wait for samples");
+            return None;
+        }
+        self.readers.insert(token, (reader, sink));
+        Some(token)
+    }
+
+    /// Takes what a reader has; whether there may be more.
+    fn take(&mut self, token: Token) -> bool {
+        let Some((reader, sink)) = self.readers.get_mut(&token) else { return false };
+        reader.drain_read_notifications();
+        for _ in 0..TURN {
+            match reader.try_take_one_with(CopyTo(&self.buffer)) {
+                Ok(Some(taken)) => sink.arrive(&Sample {
+                    message: &self.buffer.borrow(),
+                    writer: taken.writer_guid,
+                    number: i64::from(taken.sequence_number),
+                    stamp: taken.source_timestamp(),
+                    received: taken.receive_instant,
+                    related: taken.related_sample_identity(),
+                }),
+                Ok(None) => {
+                    sink.pause();
+                    return false;
+                }
+                Err(_) => sink.garbled(),
+            }
+        }
+        true
+    }
+}

@@ -1,0 +1,208 @@
+//! The one thread that sends: samples of out ports, what the daemon tells of itself, replies.
+//!
+//! Real-time threads fill a mailbox and ring; what DDS's calls cost or wait for is paid here.
+
+use std::collections::HashMap;
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::{self, JoinHandle, ThreadId};
+use std::time::Duration;
+
+use genom_middleware::bell::Bell;
+use genom_middleware::mailbox::Mailbox;
+use rustdds::bytes::Bytes;
+use rustdds::{GUID, RTPSEntity, Timestamp, WriteOptionsBuilder};
+
+use crate::wire::{HEADER, Payload, Writer};
+
+/// Messages of one port sent in a row, before others have their turn.
+const TURN: usize = 8;
+
+/// The bell wakes the thread; this is but a bound.
+const LONG: Duration = Duration::from_secs(3600);
+
+/// Longest time the last samples of a port that closes may take to arrive.
+const FAREWELL: Duration = Duration::from_millis(100);
+
+/// Something to do on the thread.
+pub(crate) type Job = Box<dyn FnOnce() + Send>;
+
+enum Order {
+    Run(Job),
+    Add(Box<Line>),
+    Remove(GUID, Sender<()>),
+    /// A reader has matched a writer of ours: it shall see the last value.
+    Greet(GUID, GUID),
+    Stop,
+}
+
+/// What the real-time end of an out port and the thread share.
+#[derive(Debug)]
+pub(crate) struct Outlet {
+    pub(crate) mailbox: Mailbox,
+    pub(crate) waits: AtomicBool,
+    /// Samples DDS refused.
+    pub(crate) refused: AtomicU64,
+}
+
+/// An out port as the thread sees it.
+struct Line {
+    writer: Writer,
+    outlet: Arc<Outlet>,
+    /// For readers that come later.
+    last: Option<(Bytes, Timestamp)>,
+}
+
+/// Gives orders to the thread; clones give them to the same one.
+#[derive(Clone)]
+pub(crate) struct Orders {
+    sender: Sender<Order>,
+    bell: Arc<Bell>,
+    thread: ThreadId,
+}
+
+/// Owns the thread.
+pub(crate) struct Worker {
+    pub(crate) orders: Orders,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Worker {
+    pub(crate) fn start() -> io::Result<Self> {
+        let (sender, receiver) = channel();
+        let bell = Arc::new(Bell::default());
+        let mut work = Work { receiver, bell: Arc::clone(&bell), lines: HashMap::new() };
+        let thread =
+            thread::Builder::new().name("ros2-sender".to_owned()).spawn(move || work.go_on())?;
+        let orders = Orders { sender, bell, thread: thread.thread().id() };
+        Ok(Self { orders, thread: Some(thread) })
+    }
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        self.orders.order(Order::Stop);
+        let thread = self.thread.take().filter(|_| !self.orders.on_thread());
+        // A thread that panicked has been reported by its panic.
+        let _ = thread.map(JoinHandle::join);
+    }
+}
+
+impl Orders {
+    fn on_thread(&self) -> bool {
+        thread::current().id() == self.thread
+    }
+
+    fn order(&self, order: Order) {
+        // After the end there is nothing left to do it with.
+        let _ = self.sender.send(order);
+        self.bell.ring();
+    }
+
+    /// Has a job done soon, after all that was ordered before.
+    pub(crate) fn submit(&self, job: impl FnOnce() + Send + 'static) {
+        self.order(Order::Run(Box::new(job)));
+    }
+
+    /// Adds an out port.
+    pub(crate) fn add(&self, writer: Writer, outlet: Arc<Outlet>) {
+        self.order(Order::Add(Box::new(Line { writer, outlet, last: None })));
+    }
+
+    /// Sends what an out port still has, and takes it away.
+    pub(crate) fn remove(&self, writer: GUID) {
+        let (done, finished) = channel();
+        self.order(Order::Remove(writer, done));
+        if !self.on_thread() {
+            // Ends when the order was carried out, or dropped with the thread.
+            let _ = finished.recv();
+        }
+    }
+
+    pub(crate) fn greet(&self, writer: GUID, reader: GUID) {
+        self.order(Order::Greet(writer, reader));
+    }
+
+    /// Says that an out port has something to send. Wait-free.
+    pub(crate) fn mark(&self, outlet: &Outlet) {
+        outlet.waits.store(true, Ordering::Release);
+        self.bell.ring();
+    }
+}
+
+impl Line {
+    /// Sends one message, if there is one.
+    fn send(&mut self) -> bool {
+        let taken = self
+            .outlet
+            .mailbox
+            .take(|message| Bytes::copy_from_slice(message.get(HEADER..).unwrap_or_default()));
+        let Some(payload) = taken else { return false };
+        // Each sample has a time of its own: readers know a sample that comes twice by it.
+        let now = Timestamp::now();
+        let stamp = match &self.last {
+            Some((_, last)) if *last >= now => {
+                Timestamp::from_ticks(last.to_ticks().wrapping_add(1))
+            }
+            _ => now,
+        };
+        self.last = Some((payload.clone(), stamp));
+        if let Err(error) = self.writer.write(Payload(payload), Some(stamp)) {
+            self.outlet.refused.fetch_add(1, Ordering::Relaxed);
+            tracing::debug!(%error, "DDS refused a sample");
+        }
+        true
+    }
+
+    fn greet(&self, reader: GUID) {
+        let Some((payload, stamp)) = &self.last else { return };
+        let options = WriteOptionsBuilder::new().source_timestamp(*stamp).to_single_reader(reader);
+        if self.writer.write_with_options(Payload(payload.clone()), options.build()).is_err() {
+            tracing::debug!("DDS refused the last value of a port");
+        }
+    }
+}
+
+struct Work {
+    receiver: Receiver<Order>,
+    bell: Arc<Bell>,
+    lines: HashMap<GUID, Line>,
+}
+
+impl Work {
+    fn go_on(&mut self) {
+        loop {
+            self.bell.wait(LONG);
+            while let Ok(order) = self.receiver.try_recv() {
+                match order {
+                    Order::Run(job) => job(),
+                    Order::Add(line) => _ = self.lines.insert(line.writer.guid(), *line),
+                    Order::Remove(writer, done) => {
+                        if let Some(mut line) = self.lines.remove(&writer) {
+                            while line.send() {}
+                            // Readers that are gone without a word are not waited for any longer.
+                            let _ = line.writer.wait_for_acknowledgments(FAREWELL);
+                        }
+                        let _ = done.send(());
+                    }
+                    Order::Greet(writer, reader) => {
+                        if let Some(line) = self.lines.get(&writer) {
+                            line.greet(reader);
+                        }
+                    }
+                    Order::Stop => return,
+                }
+            }
+            for line in self.lines.values_mut() {
+                if line.outlet.waits.swap(false, Ordering::Acquire)
+                    && (0..TURN).all(|_| line.send())
+                {
+                    line.outlet.waits.store(true, Ordering::Relaxed);
+                    self.bell.ring();
+                }
+            }
+        }
+    }
+}

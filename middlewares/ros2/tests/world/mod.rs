@@ -1,0 +1,47 @@
+//! A domain of its own for each test: participants of other tests and processes are not seen.
+
+use std::fs::{File, TryLockError};
+use std::sync::Arc;
+
+use genom_middleware::Middleware;
+use genom_middleware::conformance::World;
+use genom_ros2::{Options, Ros2};
+
+/// Ports of domains above this one are also given to programs that ask for any port.
+const LAST: u16 = 101;
+
+/// A domain that nobody else on this machine uses while this lives.
+pub(crate) struct Domain {
+    number: u16,
+    /// Locked; the system lets go of it however the process ends.
+    _lock: File,
+}
+
+impl Domain {
+    pub(crate) fn new() -> Self {
+        let free = (1..=LAST).find_map(|number| {
+            let path = std::env::temp_dir().join(format!("genom-ros2-domain-{number}.lock"));
+            let lock = File::options().create(true).append(true).open(path).expect("a lock");
+            match lock.try_lock() {
+                Ok(()) => Some(Self { number, _lock: lock }),
+                Err(TryLockError::WouldBlock) => None,
+                Err(TryLockError::Error(error)) => panic!("{error}"),
+            }
+        });
+        free.expect("a domain that no other test uses")
+    }
+
+    pub(crate) fn options(&self) -> Options {
+        Options { domain: self.number, ..Options::default() }
+    }
+
+    pub(crate) fn open(&self) -> Arc<Ros2> {
+        Ros2::open(&self.options()).expect("a participant")
+    }
+}
+
+impl World for Domain {
+    fn join(&self) -> Arc<dyn Middleware> {
+        self.open()
+    }
+}
