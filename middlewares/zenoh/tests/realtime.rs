@@ -1,0 +1,100 @@
+//! What real-time threads feel of zenoh: nothing.
+
+mod world;
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use genom_middleware::conformance::eventually;
+use genom_middleware::conformance::samples::{number, numbered, set_number, state};
+use genom_middleware::{Address, Middleware, Policy, Reading};
+use genom_types::Record;
+use world::Meeting;
+
+/// Counts the allocations of each thread.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: all calls go to the system's allocator unchanged.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's promise.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's promise.
+        unsafe { System.dealloc(at, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn position() -> Address {
+    Address::new("demo", "position")
+}
+
+#[test]
+fn writing_and_reading_fixed_types_allocates_nothing() {
+    let place = Meeting::new();
+    let (a, b) = (place.open(), place.open());
+    let mut writer = a.publisher(&position(), &state()).unwrap();
+    let policies = [Policy::Latest, Policy::Queue(4), Policy::Ring(4)];
+    let mut readers = policies.map(|policy| b.subscription(&position(), &state(), policy).unwrap());
+    let (mut sent, mut got) = (numbered(0), Record::new(&state()));
+    let mut counted = 0;
+    for n in 1..200 {
+        set_number(&mut sent, n);
+        let before = ALLOCATIONS.get();
+        writer.publish(&sent).unwrap();
+        counted += ALLOCATIONS.get() - before;
+        for reader in &mut readers {
+            eventually("the sample arrives", || {
+                let before = ALLOCATIONS.get();
+                let reading = reader.read(&mut got).unwrap();
+                counted += ALLOCATIONS.get() - before;
+                reading == Reading::New && number(&got) == n
+            });
+        }
+        // The first round makes what the thread itself needs.
+        if n == 1 {
+            counted = 0;
+        }
+    }
+    assert_eq!(counted, 0);
+}
+
+#[test]
+fn a_stalled_network_holds_up_no_writer_and_the_newest_sample_arrives() {
+    let place = Meeting::new();
+    let (a, b) = (place.open(), place.open());
+    let mut writer = a.publisher(&position(), &state()).unwrap();
+    let mut reader = b.subscription(&position(), &state(), Policy::Ring(64)).unwrap();
+    let mut got = Record::new(&state());
+    writer.publish(&numbered(1)).unwrap();
+    eventually("they are connected", || reader.read(&mut got).unwrap() == Reading::New);
+
+    let stalled = a.stall();
+    // Returns although nothing is sent: else the test hangs here.
+    for n in 2..=1000 {
+        writer.publish(&numbered(n)).unwrap();
+    }
+    let kept = 999 - writer.dropped();
+    assert!((1..100).contains(&kept), "{kept} samples wait");
+    assert_eq!(reader.read(&mut got), Ok(Reading::Same));
+    drop(stalled);
+    let mut read = Vec::new();
+    eventually("the newest arrives", || {
+        if reader.read(&mut got).unwrap() == Reading::New {
+            read.push(number(&got));
+        }
+        read.last() == Some(&1000)
+    });
+    assert_eq!(read.len() as u64, kept, "what was not dropped arrived");
+}
