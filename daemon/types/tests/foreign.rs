@@ -84,6 +84,39 @@ fn static_buffers_are_never_freed() {
 }
 
 #[test]
+fn a_buffer_lent_without_its_maximum_counts_as_long_as_it_says() {
+    // Codels that show an image do so: the memory is the image's, nothing was reserved.
+    let mut numbers = [4, 5, 6];
+    let mut record = Record::new(&state());
+    codel(&mut record).numbers =
+        Sequence { maximum: 0, length: 3, buffer: numbers.as_mut_ptr(), release: None };
+    assert_eq!(record.to_json()["numbers"], json!([4, 5, 6]));
+    assert_eq!(record.clone().to_json()["numbers"], json!([4, 5, 6]));
+    let (mut payload, mut other) = (Vec::new(), Record::new(&state()));
+    record.encode_cdr(&mut payload).unwrap();
+    other.decode_cdr(&payload).unwrap();
+    assert_eq!(other.to_json()["numbers"], json!([4, 5, 6]));
+    record.merge_json(&json!({"numbers": [1]})).unwrap();
+    assert_eq!(record.to_json()["numbers"], json!([1]));
+    assert_eq!(numbers, [4, 5, 6], "what was lent is not ours to write");
+}
+
+#[test]
+fn what_a_lent_buffer_points_to_is_not_freed() {
+    // Freeing string literals would abort the process.
+    let mut names = [c"one".as_ptr().cast_mut(), c"two".as_ptr().cast_mut()];
+    let lent = |buffer| Sequence { maximum: 2, length: 2, buffer, release: None };
+    let mut record = Record::new(&state());
+    codel(&mut record).names = lent(names.as_mut_ptr());
+    let copy = record.clone();
+    record.merge_json(&json!({"names": ["three"]})).unwrap();
+    assert_eq!(record.to_json()["names"], json!(["three"]));
+    codel(&mut record).names = lent(names.as_mut_ptr());
+    drop(record);
+    assert_eq!(copy.to_json()["names"], json!(["one", "two"]));
+}
+
+#[test]
 fn wrong_lengths_are_read_as_far_as_there_is_memory() {
     let mut numbers = [4, 5];
     let mut record = Record::new(&state());

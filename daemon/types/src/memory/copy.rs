@@ -83,6 +83,10 @@ unsafe fn free_inside(graph: &Graph, ix: Ix, at: *mut u8, depth: usize) {
         // SAFETY: as above.
         Shape::Text { .. } => unsafe { free(at.cast::<*mut std::ffi::c_void>().read()) },
         Shape::Sequence { element, bound } => {
+            // SAFETY: an unbounded sequence is this header.
+            if bound.is_none() && unsafe { at.cast::<SequenceHeader>().read() }.lent() {
+                return;
+            }
             let size = graph.node(*element).layout.size;
             // SAFETY: as above.
             let (buffer, length) = unsafe { elements(graph, *element, *bound, at) };

@@ -35,9 +35,22 @@ const _: () = assert!(size_of::<SequenceHeader>() == 24 && align_of::<SequenceHe
 const _: () = assert!(cfg!(target_endian = "little"), "C layouts are copied to the wire as is");
 
 impl SequenceHeader {
-    /// Number of values that can be read, whatever the fields say.
+    /// Number of values that can be read.
+    ///
+    /// Codels that lend a buffer often write `_buffer` and `_length` only: a `_maximum` of 0 is one
+    /// that nobody wrote.
     pub(crate) fn readable(&self) -> usize {
-        if self.buffer.is_null() { 0 } else { self.length.min(self.maximum) as usize }
+        match (self.buffer.is_null(), self.maximum) {
+            (true, _) => 0,
+            (false, 0) => self.length as usize,
+            (false, maximum) => self.length.min(maximum) as usize,
+        }
+    }
+
+    /// Whether the buffer is somebody else's: without a `_release`, nothing in it is ours to
+    /// change or to free, and it may be gone once the codel that lent it has returned.
+    pub(crate) fn lent(&self) -> bool {
+        self.release.is_none() && !self.buffer.is_null()
     }
 }
 
@@ -96,8 +109,8 @@ pub(crate) unsafe fn text<'a>(at: *const u8, bound: Option<usize>) -> &'a [u8] {
     }
 }
 
-/// Gives a sequence `length` elements: those beyond are released, new ones are empty values.
-/// `None` without memory (the sequence is then unchanged) or beyond the bound.
+/// Gives a sequence `length` elements: those beyond are released, new ones are empty values. A
+/// buffer that a codel lent is left to the codel: all elements are new. `None` without memory (the sequence is then unchanged) or beyond the bound.
 ///
 /// # Safety
 /// `at` holds a sequence of that node.
@@ -125,8 +138,19 @@ pub(crate) unsafe fn resize(
         None => {
             // SAFETY: an unbounded sequence is this header.
             let mut header = unsafe { at.cast::<SequenceHeader>().read() };
+            if header.lent() {
+                header = SequenceHeader {
+                    maximum: 0,
+                    length: 0,
+                    buffer: std::ptr::null_mut(),
+                    release: None,
+                };
+                // SAFETY: as above.
+                unsafe { at.cast::<SequenceHeader>().write(header) };
+            }
             let old = header.readable();
-            if length > header.maximum as usize || header.buffer.is_null() && length > 0 {
+            let room = old.max(header.maximum as usize);
+            if length > room || header.buffer.is_null() && length > 0 {
                 let fresh = allocate(length, size)?;
                 // SAFETY: both buffers have room for `old` elements; they move bit by bit.
                 unsafe {
