@@ -194,7 +194,9 @@ impl Opener for FakeOpener {
 fn elements_of_a_multiple_out_port_are_opened_written_and_closed_by_name() {
     let c = r#"genom_event f(int32_t x, const demo_mout *p, int32_t *y, genom_context self) {
         demo_s *d;
+        static char longer[200];
         *y = 0;
+        memset(longer, 'n', sizeof(longer) - 1);
         switch (x) {
           case 0: return p->write("a", self);
           case 1: *y = p->data("a", self) == NULL; return NULL;
@@ -204,6 +206,7 @@ fn elements_of_a_multiple_out_port_are_opened_written_and_closed_by_name() {
           case 5: return p->open("a/b", self);
           case 6: return p->open(NULL, self);
           case 7: return p->open("taken", self);
+          case 8: return p->open(longer, self);
           default: return p->data(NULL, self) ? "::demo::data" : p->close(NULL, self);
         }
     }"#;
@@ -234,9 +237,11 @@ fn elements_of_a_multiple_out_port_are_opened_written_and_closed_by_name() {
         refused(step(5)),
         mwerr("name of a port's element: \"a/b\" has a slash, a blank or a control character")
     );
-    assert_eq!(refused(step(6)).2, "name of a port's element: NULL, or more than 128 bytes");
+    assert_eq!(refused(step(6)).2, "name of a port's element: NULL");
     assert_eq!(refused(step(7)), mwerr("demo/p/taken already has a publisher"));
-    assert_eq!(step(8).0, "::genom::syserr");
+    let too_long = ("::genom::syserr".into(), json!(0), Some(json!({ "code": 36 })));
+    assert_eq!(step(8), too_long, "codels of real components shorten the name then");
+    assert_eq!(step(9).0, "::genom::syserr");
     assert_eq!(*opened.lock().unwrap(), ["0/a"]);
     assert_eq!(sent.lock().unwrap().len(), 2);
 }

@@ -7,7 +7,7 @@ use genom_description::model::PortDirection;
 
 use super::Buffers;
 use super::element::{Element, Failure};
-use super::multiple::{Elements, LONGEST};
+use super::multiple::{ENAMETOOLONG, Elements, LONGEST};
 use crate::detail::{MWERR, MWERR_WHAT, SYSERR, put_text};
 use crate::ffi::{Arguments, Callback, Class, NativeFunction};
 use crate::shared::Shared;
@@ -92,7 +92,11 @@ fn multiple_write(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
 }
 
 fn multiple_open(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
-    let opened = port.elements.open(arguments.text(0, LONGEST));
+    let opened = match arguments.text(0, LONGEST) {
+        // Codels shorten the name and try again.
+        None if !arguments.pointer(0).is_null() => Err(Failure::System(ENAMETOOLONG)),
+        name => port.elements.open(name),
+    };
     tell(&port.shared, opened, arguments.pointer(1))
 }
 

@@ -14,6 +14,8 @@ use super::unbound;
 pub(super) const LONGEST: usize = 128;
 /// `errno` of what is not there.
 const ENOENT: i32 = 2;
+/// `errno` of a name beyond [`LONGEST`].
+pub(super) const ENAMETOOLONG: i32 = 36;
 
 /// The elements of one multiple port.
 pub(super) struct Elements {
@@ -80,9 +82,7 @@ impl Elements {
 /// A name that may become part of an address; others would break it up.
 fn checked(name: Option<&[u8]>) -> Result<&str, Failure> {
     let refuse = |why: &str| Err(Failure::Middleware(format!("name of a port's element: {why}")));
-    let Some(name) = name else {
-        return refuse(&format!("NULL, or more than {LONGEST} bytes"));
-    };
+    let Some(name) = name else { return refuse("NULL") };
     match std::str::from_utf8(name) {
         Ok("") => refuse("empty"),
         Ok(name) if name.chars().any(|c| c == '/' || c.is_control() || c.is_whitespace()) => {
