@@ -98,8 +98,12 @@ impl Home {
     #[must_use]
     pub fn with(memory: &Arc<Memory>) -> Self {
         let scratch = TempDir::new().expect("a directory can be made");
-        let config =
-            format!("[backends.shm]\nprefix = {:?}\nroot = {:?}\n", memory.prefix(), memory.root());
+        let config = format!(
+            "[backends.shm]\nprefix = {:?}\nroot = {:?}\n[backends.zenoh]\nrendezvous = {:?}\n",
+            memory.prefix(),
+            memory.root(),
+            memory.root().join("zenoh"),
+        );
         std::fs::write(scratch.path().join("genomd.toml"), config).expect("a file can be written");
         Self { scratch, memory: Arc::clone(memory) }
     }

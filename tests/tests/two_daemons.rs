@@ -9,17 +9,17 @@ use genom_tests::{Daemon, Home, Memory, component, path};
 use serde_json::Value;
 
 /// The figure of 2010 publishes a double, the demo reads one.
-fn pair() -> (Daemon, Daemon) {
+fn pair(backend: &str) -> (Daemon, Daemon) {
     let memory = Arc::new(Memory::new());
     let (writer, reader) = (component("demo-2010"), component("demo"));
     let writer = Home::with(&memory).start(&[
         "--backend",
-        "shm",
+        backend,
         "--name",
         "paper",
         path(&writer.description),
     ]);
-    let reader = Home::with(&memory).start(&["--backend", "shm", path(&reader.library)]);
+    let reader = Home::with(&memory).start(&["--backend", backend, path(&reader.library)]);
     (writer, reader)
 }
 
@@ -28,11 +28,11 @@ fn parameter(reader: &Daemon) -> Value {
     reader.port("demo", "parameter")
 }
 
-#[test]
-fn an_out_port_feeds_an_in_port_of_another_daemon() {
-    let (writer, reader) = pair();
-    let made = reader.ctl(&["connect", "demo/parameter", "paper/position"]);
-    made.expect_code(0).expect_out("demo/parameter reads paper/position (shm, latest)\n");
+fn feeds(backend: &str) {
+    let (writer, reader) = pair(backend);
+    let made = reader.ctl(&["connect", "--wait", "demo/parameter", "paper/position"]);
+    made.expect_code(0)
+        .expect_out(&format!("demo/parameter reads paper/position ({backend}, latest)\n"));
     writer.ctl(&["call", "paper", "goto", "position=0.5"]).expect_code(0);
     reader.ctl(&["call", "demo", "goto", "goal=0.05"]).expect_code(0);
     let port = parameter(&reader);
@@ -45,8 +45,18 @@ fn an_out_port_feeds_an_in_port_of_another_daemon() {
 }
 
 #[test]
+fn an_out_port_feeds_an_in_port_of_another_daemon() {
+    feeds("shm");
+}
+
+#[test]
+fn an_out_port_feeds_an_in_port_of_another_daemon_over_zenoh() {
+    feeds("zenoh");
+}
+
+#[test]
 fn a_writer_that_nobody_sees_is_refused_with_what_is_visible() {
-    let (_writer, reader) = pair();
+    let (_writer, reader) = pair("shm");
     let refused = reader.ctl(&["connect", "demo/parameter", "paper/positon"]);
     refused.expect_code(1).expect_err("nobody publishes paper/positon on shm");
     refused.expect_err("did you mean `paper/position`?").expect_err("--wait");
@@ -93,7 +103,7 @@ fn a_writer_that_comes_later_is_waited_for() {
 
 #[test]
 fn the_policy_of_a_connection_is_chosen_when_it_is_made() {
-    let (_writer, reader) = pair();
+    let (_writer, reader) = pair("shm");
     for policy in ["queue:4", "ring:4", "latest"] {
         let made = reader.ctl(&["connect", "demo/parameter", "paper/position", "--policy", policy]);
         let shown = format!("demo/parameter reads paper/position (shm, {policy})\n");
