@@ -47,6 +47,11 @@ fn the_demo_moves_to_its_goal_on_shared_memory() {
 }
 
 #[test]
+fn the_demo_moves_to_its_goal_on_zenoh() {
+    the_demo_moves_to_its_goal("zenoh");
+}
+
+#[test]
 fn echo_follows_the_motion() {
     let daemon = Daemon::demo("shm");
     let echo = daemon.spawn(&["echo", "demo/position", "--rate", "200"]);

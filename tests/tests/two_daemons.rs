@@ -30,7 +30,7 @@ fn parameter(reader: &Daemon) -> Value {
 
 fn feeds(backend: &str) {
     let (writer, reader) = pair(backend);
-    let made = reader.ctl(&["connect", "--wait", "demo/parameter", "paper/position"]);
+    let made = reader.ctl(&["connect", "demo/parameter", "paper/position"]);
     made.expect_code(0)
         .expect_out(&format!("demo/parameter reads paper/position ({backend}, latest)\n"));
     writer.ctl(&["call", "paper", "goto", "position=0.5"]).expect_code(0);

@@ -67,7 +67,12 @@ async fn serve(settings: Settings) -> Result<(), Refusal> {
     };
     let backend = settings.backend.clone();
     let daemon = Daemon::new(settings);
-    daemon.backends.get(&backend).map_err(Refusal::own)?;
+    let opening = Arc::clone(&daemon);
+    // It may take a while: some middlewares look for others first.
+    tokio::task::spawn_blocking(move || opening.backends.get(&backend).map(drop))
+        .await
+        .map_err(Refusal::own)?
+        .map_err(Refusal::own)?;
     tokio::spawn(stop_on(signals, Arc::clone(&daemon)));
 
     // Requests are served while components load: a slow start codel holds up nobody.

@@ -1,6 +1,8 @@
 //! Connecting in ports to out ports of this daemon or of others, and back.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy};
@@ -12,6 +14,12 @@ use crate::hosting::Hosted;
 use crate::nearest::suggest;
 use crate::registry::BackendError;
 use crate::wiring::policy;
+
+/// On a network others become visible a while after they, or we, came up.
+const NETWORK: Duration = Duration::from_secs(2);
+const ZERO: Duration = Duration::ZERO;
+/// Between two looks at a network.
+const LOOK_AGAIN: Duration = Duration::from_millis(20);
 
 /// A connection to make.
 #[derive(Clone, Debug)]
@@ -239,6 +247,31 @@ fn check_remote(middleware: &dyn Middleware, outport: &Address) -> Result<(), Co
         );
         return Err(ConnectError::outport(message, "load both on another backend"));
     }
+    let wanted = outport.to_string();
+    let end = Instant::now() + if middleware.capabilities().cross_host { NETWORK } else { ZERO };
+    let visible = loop {
+        let visible = publishers(middleware, outport)?;
+        if visible.contains(&wanted) {
+            return Ok(());
+        }
+        if Instant::now() >= end {
+            break visible;
+        }
+        std::thread::park_timeout(LOOK_AGAIN);
+    };
+    let message = format!("nobody publishes {wanted} on {backend}");
+    let help = format!(
+        "{}; a writer that comes later is waited for with --wait",
+        suggest(&wanted, visible.iter().map(String::as_str))
+    );
+    Err(ConnectError::outport(message, help))
+}
+
+/// Addresses of the out ports visible now, in order.
+fn publishers(
+    middleware: &dyn Middleware,
+    outport: &Address,
+) -> Result<BTreeSet<String>, ConnectError> {
     let endpoints = middleware.discover().map_err(|error| {
         ConnectError::Failed(Box::new(OpenError::Failed {
             backend: error.backend,
@@ -246,21 +279,6 @@ fn check_remote(middleware: &dyn Middleware, outport: &Address) -> Result<(), Co
             why: error.why,
         }))
     })?;
-    let wanted = outport.to_string();
-    let mut visible: Vec<&str> = endpoints
-        .iter()
-        .filter(|endpoint| endpoint.kind == EndpointKind::Publisher)
-        .map(|endpoint| endpoint.address.as_str())
-        .collect();
-    if visible.contains(&wanted.as_str()) {
-        return Ok(());
-    }
-    visible.sort_unstable();
-    visible.dedup();
-    let message = format!("nobody publishes {wanted} on {backend}");
-    let help = format!(
-        "{}; a writer that comes later is waited for with --wait",
-        suggest(&wanted, visible.iter().copied())
-    );
-    Err(ConnectError::outport(message, help))
+    let publishers = endpoints.into_iter().filter(|found| found.kind == EndpointKind::Publisher);
+    Ok(publishers.map(|found| found.address).collect())
 }
