@@ -1,7 +1,12 @@
 //! The components that README.md shows are written, built and run as it says.
 
 #![forbid(unsafe_code)]
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests fail them"
+)]
 
 use std::path::Path;
 use std::process::Command;

@@ -1,5 +1,6 @@
 //! Writes demo/position on zenoh until it is killed: the peer of a test.
 
+#![forbid(unsafe_code)]
 #![allow(clippy::unwrap_used, reason = "part of a test")]
 
 use std::io::Read;
