@@ -247,6 +247,25 @@ fn elements_of_a_multiple_out_port_are_opened_written_and_closed_by_name() {
 }
 
 #[test]
+fn buffers_that_codels_assign_to_one_another_are_freed_once() {
+    // Freeing twice would abort this test.
+    let c = r#"#include <stdlib.h>
+    genom_event f(int32_t x, const demo_mout *p, int32_t *y, genom_context self) {
+        *y = x;
+        if (p->open("a", self) || p->open("b", self)) return "::demo::open";
+        p->data("a", self)->t = strdup("long enough to come from the heap");
+        *p->data("b", self) = *p->data("a", self);
+        return p->write("b", self);
+    }"#;
+    let (loaded, mut frame, codel) = one_port(PortDirection::Out, true, c);
+    loaded.component.set_opener(Box::new(FakeOpener(Arc::default(), Sent::default())));
+    assert_eq!(step(&loaded, &mut *frame, codel, 1), (String::new(), json!(1)));
+    let shown = json!({ "a": 0, "t": "long enough to come from the heap" });
+    assert_eq!(loaded.component.port_value(0, Some("b")), Some(shown));
+    drop((frame, loaded));
+}
+
+#[test]
 fn elements_of_a_multiple_in_port_come_with_their_connections() {
     let c = r#"genom_event f(int32_t x, const demo_min *p, int32_t *y, genom_context self) {
         genom_event e = p->read("left", self);

@@ -1,6 +1,7 @@
 //! An owned value in C layout.
 
 use std::alloc::{self, Layout};
+use std::collections::HashSet;
 use std::ptr::NonNull;
 
 use serde_json::Value;
@@ -115,6 +116,15 @@ impl Record {
     pub(crate) fn edit(&mut self) -> Edit<'_> {
         // SAFETY: the record holds a value of its type, borrowed while it is changed.
         unsafe { Edit::new(self.ty.graph(), self.ty.ix(), self.at.as_ptr()) }
+    }
+
+    /// Gives up the strings and buffers whose addresses are in `seen`, and adds its others.
+    ///
+    /// Before records are dropped that codels may have assigned to one another in C, as
+    /// `ids->image = *port->data(self)` does: what two of them point to is released once.
+    pub fn give_up_shared(&mut self, seen: &mut HashSet<usize>) {
+        // SAFETY: the record holds a value of its type, borrowed while it is changed.
+        unsafe { memory::give_up(self.ty.graph(), self.ty.ix(), self.at.as_ptr(), seen, 0) }
     }
 
     /// Makes this value equal to another, deep. Nothing is allocated for fixed-size types, nor

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)] // also in helpers, where clippy.toml does not reach
 
+use std::collections::HashSet;
 use std::ffi::{c_char, c_void};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -114,6 +115,21 @@ fn what_a_lent_buffer_points_to_is_not_freed() {
     codel(&mut record).names = lent(names.as_mut_ptr());
     drop(record);
     assert_eq!(copy.to_json()["names"], json!(["one", "two"]));
+}
+
+#[test]
+fn what_two_records_point_to_is_freed_once() {
+    let mut one = Record::new(&state());
+    one.merge_json(&json!({"name": "n", "numbers": [1], "names": ["a", "b"]})).unwrap();
+    let mut two = Record::new(&state());
+    // SAFETY: what a codel does with `*two = *one`; freeing twice would abort.
+    unsafe { std::ptr::copy_nonoverlapping(one.as_ptr(), two.as_mut_ptr(), state().size()) };
+    let mut seen = HashSet::new();
+    one.give_up_shared(&mut seen);
+    two.give_up_shared(&mut seen);
+    assert_eq!(two.to_json(), json!({"name": "", "numbers": [], "names": []}));
+    drop(two);
+    assert_eq!(one.to_json(), json!({"name": "n", "numbers": [1], "names": ["a", "b"]}));
 }
 
 #[test]

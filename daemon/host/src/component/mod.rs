@@ -7,6 +7,7 @@ mod types;
 
 pub use error::{LoadError, LoadErrors};
 
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -72,9 +73,20 @@ struct Inner {
     library: Library,
 }
 
+impl Drop for Inner {
+    /// Codels assign IDS and ports to one another, pointers included: each is freed once.
+    fn drop(&mut self) {
+        let mut seen = HashSet::new();
+        self.ports.give_up_shared(&mut seen);
+        if let Some(ids) = &mut self.ids {
+            ids.record.give_up_shared(&mut seen);
+        }
+    }
+}
+
 /// The IDS, at an address that never changes.
 struct Ids {
-    _record: Record,
+    record: Record,
     at: usize,
 }
 
@@ -212,7 +224,7 @@ impl Parts {
             ids: self.ids.map(|ty| {
                 let mut record = Record::new(&ty);
                 let at = record.as_mut_ptr() as usize;
-                Ids { _record: record, at }
+                Ids { record, at }
             }),
             ports: Ports::new(&model.ports, &types, &shared)?,
             remotes: Remotes::new(signatures, &shared, &details)?,

@@ -2,6 +2,7 @@
 #![allow(unsafe_code)]
 
 use std::cell::UnsafeCell;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
@@ -86,6 +87,11 @@ impl Element {
     /// Address of the buffer, 0 while there is no value to see (genom3.md 7.8).
     pub(super) fn data(&self) -> usize {
         if self.shown.load(Ordering::Relaxed) { self.address } else { 0 }
+    }
+
+    /// Gives up what other records, in `seen`, own too.
+    pub(super) fn give_up_shared(&self, seen: &mut HashSet<usize>) {
+        let _ = self.with(|inner| inner.buffer.give_up_shared(seen));
     }
 
     /// Replaces the buffer by the next value.

@@ -7,6 +7,7 @@ mod methods;
 mod multiple;
 mod snapshot;
 
+use std::collections::HashSet;
 use std::ffi::c_void;
 use std::sync::{Arc, OnceLock};
 
@@ -109,6 +110,16 @@ impl Ports {
     pub(crate) fn set_opener(&self, opener: Box<dyn Opener>) {
         if self.opener.set(opener).is_err() {
             tracing::error!("the opener of a component's ports was set twice; the first stays");
+        }
+    }
+
+    /// Gives up what other records, in `seen`, own too.
+    pub(crate) fn give_up_shared(&self, seen: &mut HashSet<usize>) {
+        for port in &self.ports {
+            match &port.buffers {
+                Buffers::Simple(buffer) => buffer.give_up_shared(seen),
+                Buffers::Multiple(elements) => elements.give_up_shared(seen),
+            }
         }
     }
 

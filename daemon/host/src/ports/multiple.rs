@@ -1,6 +1,6 @@
 //! The elements of a multiple port, by the names codels give them.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use genom_description::model::PortDirection;
@@ -44,6 +44,11 @@ impl Elements {
     /// The element of that name.
     pub(super) fn get(&self, name: &[u8]) -> Option<Arc<Element>> {
         self.lock().get(name).map(Arc::clone)
+    }
+
+    /// Gives up what other records, in `seen`, own too.
+    pub(super) fn give_up_shared(&self, seen: &mut HashSet<usize>) {
+        self.lock().values().for_each(|element| element.give_up_shared(seen));
     }
 
     /// The element of that name, made when it is not there.

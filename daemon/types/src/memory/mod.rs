@@ -7,9 +7,11 @@
 mod copy;
 mod edit;
 mod raw;
+mod shared;
 mod view;
 
 pub(crate) use copy::{copy, init, release, repair, set_text};
 pub(crate) use edit::Edit;
 pub(crate) use raw::{SequenceHeader, elements, integer, resize, text};
+pub(crate) use shared::give_up;
 pub(crate) use view::View;
