@@ -39,7 +39,8 @@ fn the_figure_of_2011_goes_from_start_to_main_to_stop() {
     let daemon = figure("demo-2011");
     assert_eq!(daemon.json(&["info", "demo"])["dialect"], "2011");
     // The validation codel brings the speed within what the axis can do.
-    daemon.ctl(&["call", "demo", "setspeed", "velocity=1"]).expect_code(0);
+    let set = daemon.ctl(&["call", "demo", "setspeed", "velocity=50"]);
+    set.expect_code(0).expect_out("velocity = 2.0\n");
     let mut events = daemon.events();
     daemon.ctl(&["call", "demo", "goto", "goal=0.1"]).expect_code(0);
     assert_eq!(states(&mut events), ["main", "stop"]);

@@ -273,6 +273,7 @@ impl Frame for BoundFrame {
         let types = self.service.and_then(|rank| self.inner.services.get(rank));
         if let Some(types) = types {
             self.copy(&types.store, self.input.as_ptr(), self.ids());
+            self.copy(&types.store_validated, self.output.as_ptr(), self.ids());
         }
     }
 

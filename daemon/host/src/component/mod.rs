@@ -172,7 +172,7 @@ impl Parts {
         let services: Vec<_> = model
             .services
             .iter()
-            .map(|service| ServiceTypes::new(checker, service, ids.as_ref()))
+            .map(|service| ServiceTypes::new(checker, service, ids.as_ref(), model.dialect))
             .collect();
         let workshop = Workshop { model, library, ids: ids.as_ref(), services: &services };
         let codels = model.codels.iter().map(|codel| workshop.prepare(checker, codel)).collect();

@@ -1,6 +1,6 @@
 //! Types and ways of one component, resolved once at load.
 
-use genom_description::model::{self, Direction, Parameter, Service, Span, Specification};
+use genom_description::model::{self, Dialect, Direction, Parameter, Service, Span, Specification};
 use genom_types::{CompiledPath, DataType, PathError, PathStep, TypeId};
 
 use super::error::LoadError;
@@ -48,6 +48,8 @@ pub(super) struct ServiceTypes {
     pub(super) inout: Vec<Copy>,
     /// From the inputs to the IDS.
     pub(super) store: Vec<Copy>,
+    /// From the outputs to the IDS: what a validate codel of the papers' dialects left.
+    pub(super) store_validated: Vec<Copy>,
     /// From the IDS to the outputs.
     pub(super) fetch: Vec<Copy>,
 }
@@ -65,6 +67,7 @@ impl ServiceTypes {
         checker: &mut Checker<'_>,
         service: &Service,
         ids: Option<&DataType>,
+        dialect: Dialect,
     ) -> Option<Self> {
         let what = |part| format!("{part} of service `{}`", service.name);
         let input = checker.lay_out(service.input, &what("inputs"), service.span);
@@ -78,13 +81,14 @@ impl ServiceTypes {
             kept: Vec::new(),
             inout: Vec::new(),
             store: Vec::new(),
+            store_validated: Vec::new(),
             fetch: Vec::new(),
         };
         let (mut inputs, mut outputs) = (0.., 0..);
         for parameter in &service.parameters {
             let from = (parameter.direction != Direction::Out).then(|| inputs.next()).flatten();
             let to = (parameter.direction != Direction::In).then(|| outputs.next()).flatten();
-            if let Err(why) = types.add(parameter, from, to, ids) {
+            if let Err(why) = types.add(parameter, from, to, ids, dialect) {
                 let place = (checker.locate)(parameter.span);
                 let what = format!("parameter `{}` of `{}`", parameter.name, service.name);
                 checker.errors.push(LoadError::Type { what, place, why: why.to_string() });
@@ -99,6 +103,7 @@ impl ServiceTypes {
         from: Option<usize>,
         to: Option<usize>,
         ids: Option<&DataType>,
+        dialect: Dialect,
     ) -> Result<(), PathError> {
         let member = |root: &DataType, rank| CompiledPath::new(root, &[PathStep::Member(rank)]);
         if let (Some(from), Some(to)) = (from, to) {
@@ -111,9 +116,17 @@ impl ServiceTypes {
         });
         let (Some(target), Some(ids)) = (&parameter.target, ids) else { return Ok(()) };
         let place = CompiledPath::new(ids, &steps(&target.path))?;
-        if let Some(rank) = from {
+        match (from, to) {
+            // dialects.md B: the validate codel is called with the new value, which is then set.
+            (Some(_), Some(rank)) if dialect != Dialect::Current => {
+                let from = member(&self.output, rank)?;
+                self.store_validated.push(Copy { from, to: place.clone() });
+            }
             // genom3.md 7.3.6: the IDS get the request's value, also for `inout`.
-            self.store.push(Copy { from: member(&self.input, rank)?, to: place.clone() });
+            (Some(rank), _) => {
+                self.store.push(Copy { from: member(&self.input, rank)?, to: place.clone() });
+            }
+            (None, _) => {}
         }
         if let Some(rank) = to {
             self.fetch.push(Copy { from: place, to: member(&self.output, rank)? });
