@@ -50,6 +50,10 @@ pub(crate) struct Cli {
     /// info,genomd=debug [default: info].
     #[arg(long, value_name = "FILTER")]
     pub(crate) log: Option<String>,
+    /// Do everything but start: find, read, open and compare each component, and say what is
+    /// wrong. No socket, no middleware.
+    #[arg(long)]
+    pub(crate) check: bool,
     /// Print the version, the middlewares this daemon knows and their versions.
     #[arg(long, short = 'V')]
     pub(crate) version: bool,

@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 mod bus;
+mod check;
 mod cli;
 mod config;
 mod daemon;
@@ -41,7 +42,8 @@ fn main() -> ExitCode {
         let _ = std::io::stdout().lock().write_all(version().as_bytes());
         return ExitCode::SUCCESS;
     }
-    match settings(cli).and_then(run::run) {
+    let run = if cli.check { check::run } else { run::run };
+    match settings(cli).and_then(run) {
         Ok(()) => ExitCode::SUCCESS,
         Err(refusal) => refusal.report(),
     }

@@ -20,7 +20,7 @@ pub(crate) struct Refusal {
 
 impl Refusal {
     /// 1: a component was refused.
-    fn component(error: impl std::fmt::Display) -> Self {
+    pub(crate) fn component(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), status: 1 }
     }
 

@@ -6,12 +6,13 @@ use std::sync::Arc;
 use genom_description::diagnostic::Severity;
 use genom_description::diagnostic::render::human;
 use genom_description::model::Specification;
+use genom_description::source::SourceMap;
 use genom_description::{Analysis, Options, preprocess, read, read_text};
 use genom_host::{Component, Library};
 use genom_middleware::OpenError;
 use genom_runtime::plan::{Plan, PlanError};
 
-use crate::config::LoadRequest;
+use crate::config::{LoadRequest, Settings};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::locate::{self, Description, LocateError, Located};
@@ -75,20 +76,42 @@ pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Ho
         return Err(LoadError::Taken(name));
     };
     let specification = Arc::new(analysis.specification);
-    let sources = &analysis.sources;
     let plan = Arc::new(Plan::new(&specification, index)?);
-    let library = Library::open(&located.library)?;
-    let place = |span| {
-        let at = sources.location(span);
-        format!("{}:{}", at.path.display(), at.line)
-    };
-    let component = Component::load(library, &plan, &place)?;
+    let component = open(&located, &analysis.sources, &plan)?;
     let hosted = Hosted::start(daemon, name, located.library, plan, component, middleware)?;
     reservation.keep(Arc::clone(&hosted));
     if hosted.killed.is_up() {
         unload_killed(&Arc::downgrade(daemon), &hosted.name);
     }
     Ok(hosted)
+}
+
+/// Does what [`load`] does before anything starts, and says what fits.
+pub(crate) fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadError> {
+    let located = locate::locate(request, &settings.path)?;
+    let analysis = analyse(&located, &settings.include)?;
+    let index = choose(&analysis.specification, &located)?;
+    let specification = Arc::new(analysis.specification);
+    let plan = Plan::new(&specification, index)?;
+    open(&located, &analysis.sources, &plan)?;
+    let model = &specification.components[index];
+    Ok(format!(
+        "{} fits {}: component {}, digest {}",
+        located.library.display(),
+        described(&located).display(),
+        model.name,
+        model.digest
+    ))
+}
+
+/// Opens the library and compares it with the description.
+fn open(located: &Located, sources: &SourceMap, plan: &Plan) -> Result<Component, LoadError> {
+    let library = Library::open(&located.library)?;
+    let place = |span| {
+        let at = sources.location(span);
+        format!("{}:{}", at.path.display(), at.line)
+    };
+    Ok(Component::load(library, plan, &place)?)
 }
 
 /// Reads the description; its warnings are logged, its errors refuse it.

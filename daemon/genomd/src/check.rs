@@ -1,0 +1,28 @@
+//! `genomd --check`: everything that loading does before a component starts.
+//!
+//! The library is opened, so its constructors run; no codel does.
+
+use std::io::Write as _;
+
+use crate::config::Settings;
+use crate::hosting::load::{self, LoadError};
+use crate::run::Refusal;
+
+/// Checks every component asked for; says what is wrong with each that is refused.
+pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
+    if settings.components.is_empty() {
+        return Err(Refusal::usage("--check goes with the libraries to check"));
+    }
+    let refused = settings.components.iter().filter_map(|request| {
+        match load::fit(&settings, request) {
+            Ok(line) => {
+                // A closed pipe is the reader's choice, not a failure.
+                let _ = writeln!(std::io::stdout().lock(), "{line}");
+                None
+            }
+            Err(error) => Some(error),
+        }
+    });
+    let refused: Vec<String> = refused.map(|error: LoadError| error.to_string()).collect();
+    if refused.is_empty() { Ok(()) } else { Err(Refusal::component(refused.join("\n"))) }
+}
