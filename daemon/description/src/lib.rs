@@ -10,6 +10,7 @@ mod check;
 pub mod diagnostic;
 mod lex;
 pub mod model;
+pub mod navigate;
 pub mod parse;
 pub mod preprocess;
 pub mod source;

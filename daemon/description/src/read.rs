@@ -9,6 +9,7 @@ use crate::parse::parse;
 use crate::preprocess::{self, tokenize, tokenize_text};
 use crate::source::{Disk, Files, Memory, SourceMap};
 use crate::syntax::{Statement, Tree};
+use crate::token::Token;
 
 /// The interface that every component provides (genom3.md 4.8).
 const STANDARD: &str = include_str!("genom.gen");
@@ -71,10 +72,30 @@ pub fn read_text(name: &str, text: &str, options: &Options) -> Analysis {
 /// Reads input files from `files`, in order, as one specification.
 #[must_use]
 pub fn read_files(inputs: &[PathBuf], options: &Options, files: &dyn Files) -> Analysis {
-    let mut sources = SourceMap::new();
-    let (tokens, mut diagnostics) = tokenize(inputs, &options.preprocess, files, &mut sources);
-    let (tree, syntax) = parse(&tokens);
+    let (tokens, parsed) = parse_files(inputs, options, files);
     drop(tokens);
+    parsed.check()
+}
+
+/// Text made into trees; no name is resolved.
+pub(crate) struct Parsed {
+    pub(crate) tree: Tree,
+    /// The standard interface, unless the files hold it.
+    pub(crate) standard: Option<Tree>,
+    pub(crate) sources: SourceMap,
+    preprocess: Vec<Diagnostic>,
+    syntax: Vec<Diagnostic>,
+}
+
+/// Reads input files as far as no name needs a meaning; the tokens apart, for they are many.
+pub(crate) fn parse_files(
+    inputs: &[PathBuf],
+    options: &Options,
+    files: &dyn Files,
+) -> (Vec<Token>, Parsed) {
+    let mut sources = SourceMap::new();
+    let (tokens, preprocess) = tokenize(inputs, &options.preprocess, files, &mut sources);
+    let (tree, syntax) = parse(&tokens);
     // One who gives the interface among the files (as GenoM3's templates do) has it already.
     let standard = options.standard_interface && !declares_genom(&tree);
     let standard = standard.then(|| {
@@ -82,20 +103,28 @@ pub fn read_files(inputs: &[PathBuf], options: &Options, files: &dyn Files) -> A
         sources.mark_synthetic("<genom>");
         parse(&tokens).0
     });
-    let root_of = |file: u32| {
-        let span = Span { file, ..Span::default() };
-        sources.include_chain(span).last().map_or(file, |outermost| outermost.file)
-    };
-    let (specification, mut semantics) = check(tree, standard, &root_of);
-    if syntax.iter().any(|said| said.severity == Severity::Error) {
-        // What could not be read may well use what seems unused.
-        semantics.retain(|said| !said.code.starts_with("W09"));
+    (tokens, Parsed { tree, standard, sources, preprocess, syntax })
+}
+
+impl Parsed {
+    /// What it means.
+    pub(crate) fn check(self) -> Analysis {
+        let Parsed { tree, standard, sources, preprocess: mut diagnostics, syntax } = self;
+        let root_of = |file: u32| {
+            let span = Span { file, ..Span::default() };
+            sources.include_chain(span).last().map_or(file, |outermost| outermost.file)
+        };
+        let (specification, mut semantics) = check(tree, standard, &root_of);
+        if syntax.iter().any(|said| said.severity == Severity::Error) {
+            // What could not be read may well use what seems unused.
+            semantics.retain(|said| !said.code.starts_with("W09"));
+        }
+        let mut rest = syntax;
+        rest.extend(semantics);
+        rest.sort_by_key(|diagnostic| (diagnostic.span.file, diagnostic.span.start));
+        diagnostics.append(&mut rest);
+        Analysis { specification, diagnostics, sources }
     }
-    let mut rest = syntax;
-    rest.extend(semantics);
-    rest.sort_by_key(|diagnostic| (diagnostic.span.file, diagnostic.span.start));
-    diagnostics.append(&mut rest);
-    Analysis { specification, diagnostics, sources }
 }
 
 fn declares_genom(tree: &Tree) -> bool {
