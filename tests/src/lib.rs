@@ -15,7 +15,7 @@ mod command;
 mod daemon;
 mod http;
 
-pub use build::{component, program, repository};
+pub use build::{component, files, program, repository};
 pub use command::{Finished, Running, WATCHDOG};
 pub use daemon::{Daemon, Home, Memory, path};
 pub use http::{Events, Reply, connect, request};

@@ -6,9 +6,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use genom_tests::repository;
+use genom_tests::{files, repository};
 
 /// Crates that hold real code, with the crates of ours that each may know (design: arrows point
 /// down only). The daemon is the one place where all of them meet.
@@ -35,26 +35,6 @@ const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
 const TOP: &[&str] = &["genomd", "genom-tests"];
 /// Crates outside which nothing is unsafe.
 const UNSAFE: &[&str] = &["genom-types", "genom-host", "genom-local", "genom-shm", "genom"];
-
-/// Files of the tree by extension; what cargo and git make is left out.
-fn files(extension: &str) -> Vec<PathBuf> {
-    let mut found = Vec::new();
-    let mut directories = vec![repository()];
-    while let Some(directory) = directories.pop() {
-        for entry in fs::read_dir(&directory).unwrap() {
-            let path = entry.unwrap().path();
-            let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            if path.is_dir() && !name.starts_with('.') && name != "target" {
-                directories.push(path);
-            } else if path.extension().is_some_and(|found| found == extension) {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    assert!(!found.is_empty(), "no .{extension} file under {}", repository().display());
-    found
-}
 
 fn relative(path: &Path) -> String {
     path.strip_prefix(repository()).unwrap_or(path).display().to_string()

@@ -1,4 +1,4 @@
-//! genom3.md 7.4 under design.md 6: a task's tick allocates nothing.
+//! genom3.md 7.4: a task's tick allocates nothing.
 
 #![allow(unsafe_code, clippy::unwrap_used, clippy::panic)]
 
