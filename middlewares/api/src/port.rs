@@ -112,6 +112,12 @@ pub trait Middleware: Send + Sync {
     /// What it can do.
     fn capabilities(&self) -> Capabilities;
 
+    /// What a program of another make must be told to meet the ports of this middleware, by name:
+    /// nothing, when all on the machine or the network meet.
+    fn meeting_point(&self) -> Vec<(&'static str, String)> {
+        Vec::new()
+    }
+
     /// Opens the writing end of a port. It shows at once; its value is undefined until written.
     ///
     /// # Errors

@@ -274,6 +274,11 @@ impl Middleware for Shm {
         }
     }
 
+    fn meeting_point(&self) -> Vec<(&'static str, String)> {
+        let config = &self.inner.ground.node.config().global;
+        vec![("prefix", config.prefix.to_string()), ("root", config.root_path().to_string())]
+    }
+
     fn publisher(&self, at: &Address, ty: &DataType) -> Result<Box<dyn Publisher>, OpenError> {
         Ok(Box::new(publisher::open(&self.inner, at, ty)?))
     }

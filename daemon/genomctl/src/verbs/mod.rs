@@ -24,6 +24,7 @@ mod list;
 mod load;
 mod outcome;
 mod ports;
+mod publish;
 mod start;
 mod stats;
 mod unload;
@@ -46,6 +47,8 @@ pub(crate) enum Verb {
     Activities(activities::Args),
     Ports(ports::Args),
     Echo(echo::Args),
+    #[command(name = "pub")]
+    Publish(publish::Args),
     Connect(connect::Args),
     Disconnect(disconnect::Args),
     Connections(connections::Args),
@@ -78,6 +81,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Activities(args) => activities::run(args, session).await,
         Verb::Ports(args) => ports::run(args, session).await,
         Verb::Echo(args) => echo::run(args, session).await,
+        Verb::Publish(args) => publish::run(args, session).await,
         Verb::Connect(args) => connect::run(args, session).await,
         Verb::Disconnect(args) => disconnect::run(args, session).await,
         Verb::Connections(args) => connections::run(args, session).await,

@@ -228,6 +228,7 @@ impl Hosted {
         if stopped.is_ok() {
             // Streams may hold the instance a moment longer; the middleware is free already.
             self.instance.exclusively(|body| self.release_ports(body));
+            self.wiring.feeds.close_all();
         }
         stopped
     }

@@ -2,6 +2,7 @@
 
 mod activities;
 mod hosted;
+pub(crate) mod layout;
 pub(crate) mod load;
 mod watch;
 

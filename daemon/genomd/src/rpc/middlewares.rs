@@ -41,6 +41,14 @@ fn described(daemon: &Daemon, visible: bool) -> Value {
         out.insert("version".into(), known.version.into());
         if let Some(open) = daemon.backends.opened(known.name) {
             out.insert("capabilities".into(), json!(open.capabilities()));
+            let meet: Map<_, _> = open
+                .meeting_point()
+                .into_iter()
+                .map(|(key, value)| (key.to_owned(), value.into()))
+                .collect();
+            if !meet.is_empty() {
+                out.insert("meet".into(), meet.into());
+            }
             if visible {
                 match open.discover() {
                     Ok(endpoints) => out.insert("endpoints".into(), json!(endpoints)),

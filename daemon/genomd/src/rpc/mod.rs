@@ -9,6 +9,8 @@
 //! | `GET /components/{c}/activities` | list |
 //! | `GET, DELETE /components/{c}/activities/{id}` | look or wait, abort |
 //! | `GET /ports`, `GET /components/{c}/ports[/{p}[/stream]]` | ports, values, streams |
+//! | `POST /components/{c}/ports/{p}` | publish to an in port |
+//! | `GET /components/{c}/ports/{p}/type` | its type as it lies in memory |
 //! | `POST /components/{c}/events/{e}` | fire |
 //! | `GET /components/{c}/tasks` | statistics |
 //! | `GET, POST /connections`, `DELETE /connections/{c}/{p}[/{element}]` | wiring |
@@ -65,7 +67,8 @@ pub(crate) fn router(daemon: Arc<Daemon>) -> Router {
             get(activities::look).delete(activities::abort),
         )
         .route("/components/{component}/ports", get(ports::of_component))
-        .route("/components/{component}/ports/{port}", get(ports::value))
+        .route("/components/{component}/ports/{port}", get(ports::value).post(ports::publish))
+        .route("/components/{component}/ports/{port}/type", get(ports::layout))
         .route("/components/{component}/ports/{port}/stream", get(ports::stream))
         .route("/components/{component}/events/{event}", post(events::fire))
         .route("/components/{component}/tasks", get(tasks::statistics))

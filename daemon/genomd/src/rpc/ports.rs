@@ -6,19 +6,22 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::extract::{Path, State};
+use axum::http::StatusCode;
 use axum::response::sse::{Event, Sse};
+use genom_middleware::OpenError;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 use tokio_stream::Stream;
 
 use crate::daemon::Daemon;
-use crate::hosting::Hosted;
+use crate::hosting::{self, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
-use crate::rpc::input::Parameters;
+use crate::rpc::input::{Body, Parameters};
 use crate::rpc::stream::{self, Writer};
 use crate::wiring::connect::direction;
+use crate::wiring::feed::{self, FeedError};
 
 /// Values a second that a stream looks for when it is not told.
 const USUAL_RATE: f64 = 50.0;
@@ -69,6 +72,60 @@ pub(crate) async fn value(
     let index = find(&hosted, &port)?;
     let element = element(&hosted, index, parameters.element)?;
     Ok(Json(port_json(&hosted, index, element.as_deref())))
+}
+
+/// `POST /components/{component}/ports/{port}` with a value
+///
+/// Publishes it to an in port, and connects the port to what is published here the first time.
+/// Members that are left out keep the value they had.
+pub(crate) async fn publish(
+    State(daemon): State<Arc<Daemon>>,
+    Path((component, port)): Path<(String, String)>,
+    Parameters(parameters): Parameters<ValueParameters>,
+    Body(value): Body<Value>,
+) -> Result<Json<Value>, RpcError> {
+    let hosted = components::find(&daemon, &component)?;
+    let index = find(&hosted, &port)?;
+    let element = element(&hosted, index, parameters.element)?;
+    let address = hosted.address(&port, element.as_deref());
+    let work = tokio::task::spawn_blocking(move || {
+        feed::publish(&daemon, &hosted, index, element.as_deref(), &value)
+    });
+    match work.await {
+        Ok(Ok(value)) => Ok(Json(json!({"address": address.to_string(), "value": value}))),
+        Ok(Err(error)) => Err(not_published(&error)),
+        Err(error) => Err(RpcError::internal(error.to_string())),
+    }
+}
+
+fn not_published(error: &FeedError) -> RpcError {
+    let message = error.to_string();
+    match error {
+        FeedError::OutPort(_) => RpcError::conflict("out_port", message),
+        FeedError::Connected { inport, .. } => RpcError::conflict("connected", message)
+            .help(format!("`genomctl disconnect {inport}` first, to feed it from here")),
+        FeedError::Value(error) => RpcError::bad_input(message).place(error.path.clone()),
+        FeedError::Open(OpenError::Taken { .. }) => RpcError::conflict("taken", message)
+            .help("another program publishes there: stop it first"),
+        FeedError::Backend(_) | FeedError::Open(_) | FeedError::Publish { .. } => {
+            RpcError::new(StatusCode::BAD_GATEWAY, "middleware_failed", message)
+        }
+    }
+}
+
+/// `GET /components/{component}/ports/{port}/type`
+///
+/// What a program needs that reads or writes the port on its middleware itself.
+pub(crate) async fn layout(
+    State(daemon): State<Arc<Daemon>>,
+    Path((component, port)): Path<(String, String)>,
+) -> Result<Json<Value>, RpcError> {
+    let hosted = components::find(&daemon, &component)?;
+    let index = find(&hosted, &port)?;
+    match hosted.port_type(index) {
+        Some(ty) => Ok(Json(hosting::layout::of(ty))),
+        None => Err(RpcError::internal(format!("{component}/{port} has no type"))),
+    }
 }
 
 /// `GET /components/{component}/ports/{port}/stream`

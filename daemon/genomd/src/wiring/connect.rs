@@ -94,25 +94,50 @@ pub(crate) fn connect(
     };
     let middleware = daemon.backends.get(&backend)?;
     let inport = hosted.address(&hosted.model().ports[port].name, element.as_deref());
+    // From itself: somebody outside publishes there, or will.
+    let from_outside = outport == inport;
     match &local {
+        _ if from_outside => {}
         Some(writer) => check_local(writer, &outport, &backend, &hosted, port, &inport)?,
         None if !request.wait => check_remote(middleware.as_ref(), &outport)?,
         None => {}
     }
+    let element = element.as_deref();
+    let made = hosted.wiring.feeds.hold(|feeds| {
+        let (from, policy) = (outport.clone(), request.policy);
+        let made = attach(daemon, &hosted, port, element, &middleware, from, policy)?;
+        // What the daemon published there is over, also for who wants to publish there itself.
+        feeds.remove(&(port, element.map(str::to_owned)));
+        Ok(made)
+    });
+    made.map_err(|error| match error {
+        OpenError::TypeMismatch { ours, theirs, .. } => {
+            let (inport, outport) = (inport.to_string(), outport.to_string());
+            ConnectError::Type { inport, ours, outport, theirs }
+        }
+        error => ConnectError::Failed(Box::new(error)),
+    })
+}
+
+/// Binds an in port to an out port that was checked, and tells it.
+pub(super) fn attach(
+    daemon: &Daemon,
+    hosted: &Hosted,
+    port: usize,
+    element: Option<&str>,
+    middleware: &Arc<dyn Middleware>,
+    outport: Address,
+    policy: Policy,
+) -> Result<Connection, OpenError> {
+    let inport = hosted.address(&hosted.model().ports[port].name, element);
     let Some(ty) = hosted.port_type(port) else {
-        return Err(ConnectError::inport(format!("{inport} has no type"), "reload the component"));
+        let (backend, why) = (middleware.name().to_owned(), "it has no type".to_owned());
+        return Err(OpenError::Failed { backend, address: inport, why });
     };
-    let subscription =
-        middleware.subscription(&outport, ty, request.policy).map_err(|error| match error {
-            OpenError::TypeMismatch { ours, theirs, .. } => {
-                let (inport, outport) = (inport.to_string(), outport.to_string());
-                ConnectError::Type { inport, ours, outport, theirs }
-            }
-            error => ConnectError::Failed(Box::new(error)),
-        })?;
-    hosted.bind_in(port, element.as_deref(), Some(subscription));
-    let connection = Connection { inport, outport, backend, policy: request.policy };
-    hosted.wiring.connected(port, element.as_deref(), connection.clone());
+    let subscription = middleware.subscription(&outport, ty, policy)?;
+    hosted.bind_in(port, element, Some(subscription));
+    let connection = Connection { inport, outport, backend: middleware.name().to_owned(), policy };
+    hosted.wiring.connected(port, element, connection.clone());
     daemon.bus.tell(&Change::Connected {
         inport: connection.inport.to_string(),
         outport: connection.outport.to_string(),
@@ -129,10 +154,17 @@ pub(crate) fn disconnect(
     port: usize,
     element: Option<&str>,
 ) -> bool {
-    if !hosted.wiring.disconnected(port, element) {
+    let was_connected = hosted.wiring.feeds.hold(|feeds| {
+        let was_connected = hosted.wiring.disconnected(port, element);
+        if was_connected {
+            hosted.bind_in(port, element, None);
+            feeds.remove(&(port, element.map(str::to_owned)));
+        }
+        was_connected
+    });
+    if !was_connected {
         return false;
     }
-    hosted.bind_in(port, element, None);
     let address = hosted.address(&hosted.model().ports[port].name, element);
     daemon.bus.tell(&Change::Disconnected { inport: address.to_string() });
     true

@@ -1,6 +1,7 @@
 //! What ports and services are tied to: bindings to middlewares, connections between ports.
 
 pub(crate) mod connect;
+pub(crate) mod feed;
 pub(crate) mod policy;
 pub(crate) mod publish;
 pub(crate) mod remote;
@@ -37,6 +38,8 @@ type Key = (usize, Option<String>);
 #[derive(Debug, Default)]
 pub(crate) struct Wires {
     state: Mutex<State>,
+    /// Publishers at in ports, for values from outside. Locked before `state`, never after.
+    pub(crate) feeds: feed::Feeds,
 }
 
 #[derive(Debug, Default)]

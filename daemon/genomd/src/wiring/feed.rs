@@ -1,0 +1,127 @@
+//! Publishing to an in port from outside: a supervisor or a simulator feeds a component.
+//!
+//! Nobody else writes under an in port's own address, so that is where such values go: the in
+//! port is connected to itself, and whoever opens a publisher there feeds it. The daemon does for
+//! callers of its control plane; a program that speaks the middleware may do so itself.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_description::model::PortDirection;
+use genom_middleware::{OpenError, Policy, PublishError, Publisher};
+use genom_types::{JsonError, Record};
+use serde_json::Value;
+
+use super::{Connection, Key, connect};
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use crate::registry::BackendError;
+
+/// A value could not be published; the port keeps the one it had.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum FeedError {
+    /// Codels write out ports.
+    #[error("{0} is an out port: its codels write it, nobody else")]
+    OutPort(String),
+    /// Something else feeds the port.
+    #[error("{inport} reads {outport}")]
+    Connected { inport: String, outport: String },
+    /// The value is not one of the port's type.
+    #[error(transparent)]
+    Value(#[from] JsonError),
+    /// No such middleware.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// The middleware refused the publisher or the connection.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// The middleware refused the value.
+    #[error("{inport} takes no value: {source}")]
+    Publish { inport: String, source: PublishError },
+}
+
+/// The daemon's own publishers at in ports of one component.
+///
+/// Who changes what an in port reads holds them: of two who do so at once, the second sees all
+/// that the first did.
+#[derive(Default)]
+pub(crate) struct Feeds(Mutex<BTreeMap<Key, Feed>>);
+
+pub(super) struct Feed {
+    publisher: Box<dyn Publisher>,
+    /// What was published last: members left out of the next value keep theirs.
+    value: Record,
+}
+
+impl Feeds {
+    /// Closes all.
+    pub(crate) fn close_all(&self) {
+        self.hold(BTreeMap::clear);
+    }
+
+    /// Does `work` while nobody else changes what in ports of the component read.
+    pub(super) fn hold<T>(&self, work: impl FnOnce(&mut BTreeMap<Key, Feed>) -> T) -> T {
+        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+impl std::fmt::Debug for Feeds {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_set().entries(self.hold(|feeds| feeds.keys().cloned().collect::<Vec<_>>())).finish()
+    }
+}
+
+/// Publishes a value to an in port, and connects the port the first time. What the port has now.
+///
+/// Blocks while codels are excluded. A port that something else feeds stays as it is: taking a
+/// robot's sensor away is done on purpose, by disconnecting it.
+pub(crate) fn publish(
+    daemon: &Arc<Daemon>,
+    hosted: &Arc<Hosted>,
+    port: usize,
+    element: Option<&str>,
+    given: &Value,
+) -> Result<Value, FeedError> {
+    let model = &hosted.model().ports[port];
+    let inport = hosted.address(&model.name, element);
+    let Some(ty) = hosted.port_type(port).filter(|_| model.direction == PortDirection::In) else {
+        return Err(FeedError::OutPort(inport.to_string()));
+    };
+    let key = (port, element.map(str::to_owned));
+    // Held throughout: of two callers that publish first, one opens the publisher.
+    hosted.wiring.feeds.hold(|feeds| {
+        let connection = hosted.wiring.connection(port, element);
+        if let Some(Connection { outport, .. }) = &connection
+            && *outport != inport
+        {
+            let (inport, outport) = (inport.to_string(), outport.to_string());
+            return Err(FeedError::Connected { inport, outport });
+        }
+        let refused = |source| FeedError::Publish {
+            inport: hosted.address(&model.name, element).to_string(),
+            source,
+        };
+        let mut value = Record::new(ty);
+        if let Some(feed) = feeds.get_mut(&key) {
+            // Of one type: copying cannot fail.
+            let _ = value.copy_from(&feed.value);
+            value.merge_json(given)?;
+            feed.publisher.publish(&value).map_err(refused)?;
+            feed.value = value;
+            return Ok(feed.value.to_json());
+        }
+        value.merge_json(given)?;
+        // Connected to itself before: on the middleware that was asked for then.
+        let backend = connection.as_ref().map_or(&hosted.backend, |made| &made.backend);
+        let middleware = daemon.backends.get(backend)?;
+        let mut publisher = middleware.publisher(&inport, ty)?;
+        // Before the port is connected: the first thing it reads is this value.
+        publisher.publish(&value).map_err(refused)?;
+        if connection.is_none() {
+            connect::attach(daemon, hosted, port, element, &middleware, inport, Policy::Latest)?;
+        }
+        let shown = value.to_json();
+        feeds.insert(key, Feed { publisher, value });
+        Ok(shown)
+    })
+}
