@@ -1,0 +1,39 @@
+"""Client of genomd: supervise GenoM3 components from Python.
+
+    >>> import genom
+    >>> g = genom.connect()
+    >>> demo = g.load('demo')
+    >>> demo.set_speed(velocity=0.5)
+    {}
+    >>> a = demo.goto(goal=1.0, ack=True)
+    >>> a.wait()
+    {}
+    >>> demo.position()
+    {'position': {'position': 1.0, 'velocity': 0.0}}
+
+``help(demo.goto)`` tells what the component's description says of a service.
+"""
+
+from .activity import Activity, Status
+from .client import Client, connect
+from .component import Component
+from .errors import DaemonError, GenoMError, InputError, RefusalError
+from .events import EventStream
+from .port import Port, Publisher, Subscription
+
+__all__ = [
+    "Activity",
+    "Client",
+    "Component",
+    "DaemonError",
+    "EventStream",
+    "GenoMError",
+    "InputError",
+    "Port",
+    "Publisher",
+    "RefusalError",
+    "Status",
+    "Subscription",
+    "connect",
+]
+__version__ = "0.1.0"

@@ -1,0 +1,191 @@
+"""HTTP/1.1 with JSON bodies, over the daemon's Unix socket or TCP. One connection a thread."""
+
+from __future__ import annotations
+
+import http.client
+import json
+import math
+import os
+import select
+import socket
+import threading
+import time
+import weakref
+from typing import Any, Dict, Optional, Tuple
+from urllib.parse import quote
+
+from .errors import DaemonError, refusal
+
+# The daemon gives up a connection that sends no request for 10 s.
+_IDLE = 5.0
+
+
+def default_socket() -> str:
+    """Where a daemon of this user listens; genomctl has the same rule."""
+    named = os.environ.get("GENOMD_SOCKET")
+    if named:
+        return named
+    directory = os.environ.get("XDG_RUNTIME_DIR")
+    if directory:
+        return os.path.join(directory, "genomd.sock")
+    return f"/tmp/genomd-{os.getuid()}/genomd.sock"
+
+
+def url(*segments: str) -> str:
+    """A path of the control plane; names never leave their segment."""
+    return "".join("/" + quote(segment, safe="") for segment in segments)
+
+
+class _Connection(http.client.HTTPConnection):
+    def __del__(self) -> None:
+        # Threads come and go; what they leave is closed.
+        self.close()
+
+
+class _UnixConnection(_Connection):
+    def __init__(self, path: str) -> None:
+        super().__init__("genomd")
+        self._path = path
+
+    def connect(self) -> None:
+        sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            sock.connect(self._path)
+        except BaseException:
+            sock.close()
+            raise
+        self.sock = sock
+
+
+class _Idle(threading.local):
+    connection: Optional[http.client.HTTPConnection] = None
+    since = 0.0
+
+
+class Transport:
+    """Requests to one daemon; may be used from any thread."""
+
+    def __init__(
+        self, socket_path: Optional[str], host: Optional[Tuple[str, int]], token: Optional[str]
+    ) -> None:
+        self._socket = socket_path
+        self._host = host
+        self._headers = {"Content-Type": "application/json"}
+        if token is not None:
+            self._headers["Authorization"] = "Bearer " + token
+        self._idle = _Idle()
+        self._open: "weakref.WeakSet[http.client.HTTPConnection]" = weakref.WeakSet()
+        self.target = socket_path if host is None else f"{host[0]}:{host[1]}"
+        self.local = host is None
+
+    def request(self, method: str, path: str, body: Any = None) -> Any:
+        """Asks, and waits for the reply."""
+        connection = self._take()
+        try:
+            response = self._send(connection, method, path, body, {})
+            data = response.read()
+        except http.client.HTTPException as error:
+            connection.close()
+            raise self._lost() from error
+        except BaseException:
+            # Half a reply may be on its way: this connection is of no use any more.
+            connection.close()
+            raise
+        try:
+            reply = json.loads(data) if data else None
+        except ValueError:
+            connection.close()
+            raise DaemonError(
+                "not_understood", None, f"what answers on {self.target} is no genomd"
+            ) from None
+        self._keep(connection)
+        if response.status >= 300:
+            raise refusal(reply, response.status)
+        return reply
+
+    def stream(
+        self, path: str, headers: Optional[Dict[str, str]] = None
+    ) -> Tuple[http.client.HTTPConnection, http.client.HTTPResponse]:
+        """Opens a stream of server-sent events on a connection of its own."""
+        connection = self._connection()
+        try:
+            response = self._send(connection, "GET", path, None, headers or {})
+            if response.status >= 300:
+                raise refusal(json.loads(response.read() or b"null"), response.status)
+        except BaseException:
+            connection.close()
+            raise
+        return connection, response
+
+    def close(self) -> None:
+        """Closes every connection; the next request opens one again."""
+        for connection in list(self._open):
+            connection.close()
+
+    def _connection(self) -> http.client.HTTPConnection:
+        connection: http.client.HTTPConnection
+        if self._host is None:
+            connection = _UnixConnection(str(self._socket))
+        else:
+            connection = _Connection(*self._host)
+        self._open.add(connection)
+        return connection
+
+    def _take(self) -> http.client.HTTPConnection:
+        """This thread's connection if the daemon still holds it, else a new one."""
+        connection, self._idle.connection = self._idle.connection, None
+        if connection is not None and connection.sock is not None:
+            fresh = time.monotonic() - self._idle.since < _IDLE
+            # Nothing is due on an idle connection: what can be read is its end.
+            if fresh and not select.select([connection.sock], [], [], 0)[0]:
+                return connection
+            connection.close()
+        return self._connection()
+
+    def _keep(self, connection: http.client.HTTPConnection) -> None:
+        self._idle.connection = connection
+        self._idle.since = time.monotonic()
+
+    def _send(
+        self,
+        connection: http.client.HTTPConnection,
+        method: str,
+        path: str,
+        body: Any,
+        headers: Dict[str, str],
+    ) -> http.client.HTTPResponse:
+        text = None if body is None else json.dumps(_plain(body), allow_nan=False).encode()
+        try:
+            try:
+                connection.request(method, path, text, {**self._headers, **headers})
+            except (BrokenPipeError, ConnectionResetError):
+                # The daemon may answer before it has read all: the answer says why.
+                pass
+            return connection.getresponse()
+        except (ConnectionRefusedError, FileNotFoundError, PermissionError, socket.gaierror) as why:
+            raise DaemonError(
+                "unreachable",
+                None,
+                f"no genomd answers on {self.target}: {why.strerror}; start one with "
+                "`genomd LIBRARY...`, or name its socket: connect(socket=...)",
+            ) from why
+        except (OSError, http.client.HTTPException) as why:
+            raise self._lost() from why
+
+    def _lost(self) -> DaemonError:
+        return DaemonError("lost", None, f"genomd on {self.target} went away")
+
+
+def _plain(value: Any) -> Any:
+    """The value as the daemon's JSON has it: numbers beyond JSON, arrays of numpy as lists."""
+    if isinstance(value, float):
+        if math.isnan(value):
+            return None
+        return value if math.isfinite(value) else "inf" if value > 0.0 else "-inf"
+    if isinstance(value, dict):
+        return {str(key): _plain(inner) for key, inner in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(inner) for inner in value]
+    if hasattr(value, "tolist"):
+        return _plain(value.tolist())
+    return value

@@ -1,0 +1,125 @@
+"""Python signatures and documentation of services, made from a component's description."""
+
+from __future__ import annotations
+
+import difflib
+import inspect
+import json
+import keyword
+from typing import Any, Dict, Iterable, List, Tuple
+
+_FLAGS = ("ack", "send", "callback")
+_BASIC = {
+    "boolean": bool,
+    "char": str,
+    "octet": int,
+    "short": int,
+    "long": int,
+    "unsigned": int,
+    "float": float,
+    "double": float,
+}
+
+
+def annotation(idl: str) -> Any:
+    """The Python type that stands for an IDL type."""
+    if "[" in idl or idl.startswith("sequence<"):
+        return list
+    if idl.startswith("string"):
+        return str
+    return _BASIC.get(idl.split(" ", 1)[0], Any)
+
+
+def python_name(name: str) -> str:
+    """A name that Python takes: its own words get an underscore."""
+    return name + "_" if keyword.iskeyword(name) else name
+
+
+def inputs(service: Dict[str, Any]) -> List[Dict[str, Any]]:
+    """The parameters a caller gives."""
+    return [one for one in service["parameters"] if one["direction"] in ("in", "inout")]
+
+
+def signature(service: Dict[str, Any]) -> inspect.Signature:
+    """How the service is called."""
+    listed = []
+    optional = False
+    for one in inputs(service):
+        default = one.get("default")
+        optional = optional or default is not None
+        # After one with a default, Python wants those without to be given by name.
+        by_name = optional and default is None
+        listed.append(
+            inspect.Parameter(
+                python_name(one["name"]),
+                inspect.Parameter.KEYWORD_ONLY if by_name else inspect.Parameter.POSITIONAL_OR_KEYWORD,
+                default=inspect.Parameter.empty if default is None else default,
+                annotation=annotation(one["type"]),
+            )
+        )
+    listed.sort(key=lambda one: one.kind)
+    taken = {one.name for one in listed}
+    for flag in _FLAGS:
+        if flag not in taken:
+            default = None if flag == "callback" else False
+            listed.append(inspect.Parameter(flag, inspect.Parameter.KEYWORD_ONLY, default=default))
+    return inspect.Signature(listed)
+
+
+def document(service: Dict[str, Any]) -> str:
+    """What the description says of a service."""
+    lines = [service.get("doc") or f"{service['kind'].capitalize()} {service['name']}.", ""]
+    for title, directions in (("Inputs", ("in", "inout")), ("Outputs", ("inout", "out"))):
+        chosen = [one for one in service["parameters"] if one["direction"] in directions]
+        if chosen:
+            lines.append(title + ":")
+            for one in chosen:
+                line = f"    {one['name']}: {one['type']}"
+                if title == "Inputs" and one.get("default") is not None:
+                    line += f" = {json.dumps(one['default'])}"
+                if one.get("doc"):
+                    line += f"  ({one['doc']})"
+                lines.append(line)
+            lines.append("")
+    if service.get("throws"):
+        lines += ["Raises: " + ", ".join(service["throws"]), ""]
+    if service.get("interrupts"):
+        lines += ["Interrupts: " + ", ".join(service["interrupts"]), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def bind(service: Dict[str, Any], args: Tuple[Any, ...], given: Dict[str, Any]) -> Dict[str, Any]:
+    """The inputs of a call, by their names in the description.
+
+    One dict alone holds all inputs by name, unless its keys are other ones: then it is the value
+    of the first input.
+    """
+    parameters = inputs(service)
+    names = [one["name"] for one in parameters]
+    if len(args) == 1 and not given and isinstance(args[0], dict) and set(args[0]) <= set(names):
+        return dict(args[0])
+    what = f"{service['name']}()"
+    if len(args) > len(names):
+        raise TypeError(f"{what} takes {len(names)} inputs, {len(args)} were given")
+    values = dict(zip(names, args))
+    known = {python_name(name): name for name in names}
+    for key, value in given.items():
+        name = known.get(key, key if key in names else None)
+        if name is None:
+            raise TypeError(f"{what} has no input `{key}`{meant(key, names)}")
+        if name in values:
+            raise TypeError(f"{what} got input `{name}` twice")
+        values[name] = value
+    for one in parameters:
+        if one["name"] not in values and one.get("default") is None:
+            raise TypeError(f"{what} wants input `{one['name']}`, a {one['type']}")
+    return values
+
+
+def meant(typed: str, names: Iterable[str]) -> str:
+    """A suggestion, to go behind a message."""
+    listed = list(names)
+    near = difflib.get_close_matches(typed, listed, 1)
+    if near:
+        return f"; did you mean `{near[0]}`?"
+    return f"; there are: {', '.join(listed)}" if listed else "; there is none"

@@ -1,0 +1,157 @@
+"""A request that was sent: an activity that runs, or how a service ended."""
+
+from __future__ import annotations
+
+import enum
+import threading
+import time
+from typing import TYPE_CHECKING, Any, Callable, Dict, Optional
+
+from ._http import url
+from .errors import GenoMError, exception
+
+if TYPE_CHECKING:
+    from .component import Component
+
+# One request is held so long; waiting for longer takes several.
+_PATIENCE = 30.0
+
+
+class Status(str, enum.Enum):
+    """How far a request is. Compares equal to its word: ``a.status == 'done'``."""
+
+    SENT = "sent"
+    DONE = "done"
+    ERROR = "error"
+
+    def __str__(self) -> str:
+        return self.value
+
+
+class Activity:
+    """A request of a service. Several threads may wait for it."""
+
+    def __init__(self, component: "Component", service: str) -> None:
+        self.component = component
+        self.service = service
+        self._lock = threading.Lock()
+        self._answered = threading.Event()
+        self._number: Optional[int] = None
+        self._ended = False
+        self._result: Optional[Dict[str, Any]] = None
+        self._exception: Optional[GenoMError] = None
+
+    @property
+    def number(self) -> Optional[int]:
+        """The activity's number in the component; None of other services, and until accepted."""
+        return self._number
+
+    @property
+    def status(self) -> Status:
+        """``sent``, ``done`` or ``error``; asks the daemon while it runs."""
+        self._look(0.0)
+        if not self._ended:
+            return Status.SENT
+        return Status.ERROR if self._exception is not None else Status.DONE
+
+    @property
+    def result(self) -> Optional[Dict[str, Any]]:
+        """The outputs, once done; None before, and after an exception."""
+        self._look(0.0)
+        return self._result
+
+    @property
+    def exception(self) -> Optional[GenoMError]:
+        """The exception it ended with, if it did."""
+        self._look(0.0)
+        return self._exception
+
+    def wait(self, timeout: Optional[float] = None) -> Dict[str, Any]:
+        """Waits for the end: returns the outputs, or raises the exception.
+
+        Raises TimeoutError when it has not ended after ``timeout`` seconds; it goes on then.
+        """
+        end = None if timeout is None else time.monotonic() + timeout
+        while not self._ended:
+            left = _PATIENCE if end is None else min(_PATIENCE, end - time.monotonic())
+            self._look(max(left, 0.0))
+            if not self._ended and end is not None and time.monotonic() >= end:
+                raise TimeoutError(f"{self} still runs after {timeout} s")
+        if self._exception is not None:
+            raise self._exception
+        return self._result if self._result is not None else {}
+
+    def abort(self) -> None:
+        """Asks it to stop; its stop codels run, and `wait` tells when it has ended."""
+        self._answered.wait()
+        if self._number is None or self._ended:
+            return
+        try:
+            self._request("DELETE", "")
+        except GenoMError as error:
+            if error.name != "ended":
+                raise
+
+    def __repr__(self) -> str:
+        number = "" if self._number is None else f" {self._number}"
+        state = "sent" if not self._ended else "error" if self._exception else "done"
+        return f"<{self.component._name}/{self.service}{number}: {state}>"
+
+    def _request(self, method: str, query: str) -> Any:
+        path = url("components", self.component._name, "activities", str(self._number))
+        return self.component._client._transport.request(method, path + query)
+
+    def _look(self, wait: float) -> None:
+        if self._ended:
+            return
+        if not self._answered.is_set():
+            self._answered.wait(wait)
+        elif self._number is not None:
+            self._take(self._request("GET", f"?wait={wait:.6f}" if wait > 0.0 else ""))
+
+    def _take(self, reply: Dict[str, Any]) -> None:
+        """Takes what the daemon says of it."""
+        with self._lock:
+            if self._ended:
+                return
+            if isinstance(reply.get("activity"), int):
+                self._number = reply["activity"]
+            if "exception" in reply:
+                self._exception = exception(reply["exception"], reply.get("detail"))
+                self._ended = True
+            elif "result" in reply:
+                self._result = reply["result"]
+                self._ended = True
+        self._answered.set()
+
+    def _fail(self, error: GenoMError) -> None:
+        with self._lock:
+            if not self._ended:
+                self._exception, self._ended = error, True
+        self._answered.set()
+
+    def _send(self, inputs: Dict[str, Any]) -> None:
+        path = url("components", self.component._name, "services", self.service)
+        self._take(self.component._client._transport.request("POST", path, inputs))
+
+    def _send_behind(self, inputs: Dict[str, Any]) -> None:
+        """Sends from a thread of its own; what is refused ends it."""
+
+        def work() -> None:
+            try:
+                self._send(inputs)
+            except GenoMError as error:
+                self._fail(error)
+
+        threading.Thread(target=work, name="genom-send", daemon=True).start()
+
+    def _call_back(self, callback: Callable[["Activity"], None]) -> None:
+        def work() -> None:
+            try:
+                self.wait()
+            except GenoMError as error:
+                # Its own exception, or the daemon went away: told by the activity.
+                self._fail(error)
+            callback(self)
+
+        threading.Thread(target=work, name="genom-callback", daemon=True).start()

@@ -1,0 +1,187 @@
+"""A daemon, as a supervisor sees it."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Callable, Dict, List, Optional, Tuple
+
+from ._http import Transport, default_socket, url
+from .component import Component
+from .errors import RefusalError
+from .events import EventStream
+
+
+def connect(
+    target: Optional[str] = None,
+    *,
+    socket: Optional[str] = None,
+    host: Optional[str] = None,
+    token: Optional[str] = None,
+) -> "Client":
+    """Connects to a daemon: by default that of this user, as genomctl does.
+
+    ``socket`` is the path of its Unix socket, ``host`` is ``address:port`` of its TCP listener
+    (``genomd --listen``); ``target`` is one or the other. ``token`` goes with each request.
+    """
+    if target is not None:
+        if "/" in target:
+            socket = target
+        else:
+            host = target
+    if socket is not None and host is not None:
+        raise TypeError("connect() takes a socket or a host, not both")
+    address = None if host is None else _address(host)
+    path = None if address else os.fspath(socket) if socket else default_socket()
+    client = Client(Transport(path, address, token))
+    client.about()
+    return client
+
+
+def _address(host: str) -> Tuple[str, int]:
+    name, colon, port = host.rpartition(":")
+    if not colon or not port.isdigit():
+        raise ValueError(f"`{host}` is no ADDRESS:PORT")
+    return name.strip("[]"), int(port)
+
+
+class Client:
+    """One daemon. Its components are made into objects by `load`."""
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+        self._meet: Optional[Dict[str, Dict[str, str]]] = None
+        self._paths: List[str] = []
+
+    def about(self) -> Dict[str, Any]:
+        """What the daemon is: version, process, default backend."""
+        return dict(self._transport.request("GET", "/"))
+
+    def components(self) -> List[str]:
+        """Instance names of the components that run."""
+        listed = self._transport.request("GET", "/components")["components"]
+        return [one["name"] for one in listed]
+
+    def component(self, name: str) -> Component:
+        """A component that runs, by its instance name."""
+        return Component(self, self._transport.request("GET", url("components", name)))
+
+    def load(
+        self,
+        library: str,
+        *options: str,
+        name: Optional[str] = None,
+        backend: Optional[str] = None,
+        gen: Optional[str] = None,
+    ) -> Component:
+        """The component, loaded unless an instance of it runs already.
+
+        ``library`` is a name on the daemon's component path, or a file. ``name`` names the
+        instance; ``load('demo', '-i', 'left')`` does so too.
+        """
+        name, backend = _options(options, name, backend)
+        library = os.fspath(library)
+        found = self._attached(library, name)
+        if found is not None:
+            return self.component(found)
+        body = {"library": self._file(library)}
+        for key, value in (("name", name), ("backend", backend), ("gen", gen)):
+            if value is not None:
+                body[key] = self._file(value) if key == "gen" else value
+        loaded = self._transport.request("POST", "/components", body)
+        return self.component(loaded["name"])
+
+    def connect_port(self, inport: str, outport: str, **options: Any) -> Dict[str, Any]:
+        """Connects an in port to an out port, both ``component/port``.
+
+        ``policy`` is ``latest``, ``queue:N`` or ``ring:N``; ``wait=True`` connects to a port that
+        comes later.
+        """
+        body = {"in": inport, "out": outport, **options}
+        return dict(self._transport.request("POST", "/connections", body))
+
+    def events(
+        self,
+        callback: Optional[Callable[[Dict[str, Any]], None]] = None,
+        *,
+        after: Optional[int] = None,
+    ) -> EventStream:
+        """What changes in the daemon, from now on: iterate over it, also with ``async for``.
+
+        With a callback, it is called for each change, from a thread of its own. ``after`` is the
+        number of a change: those kept since then come first.
+        """
+        stream = EventStream(self._transport, after=after)
+        return stream if callback is None else stream.follow(callback)
+
+    def update(self) -> None:
+        """Does nothing: results come by themselves. Kept for scripts that call it."""
+
+    def rpath(self, path: Optional[str] = None) -> List[str]:
+        """Adds a folder where `load` looks for files, before the daemon does."""
+        if path is not None:
+            self._paths.append(os.fspath(path))
+        return list(self._paths)
+
+    def disconnect(self) -> None:
+        """Closes the connections; components and activities go on."""
+        self._transport.close()
+
+    def __enter__(self) -> "Client":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.disconnect()
+
+    def __repr__(self) -> str:
+        return f"<genomd on {self._transport.target}>"
+
+    def _attached(self, library: str, name: Optional[str]) -> Optional[str]:
+        """The instance that is meant, if it runs."""
+        if name is not None:
+            return name if name in self.components() else None
+        running = self._transport.request("GET", "/components")["components"]
+        if any(one["name"] == library for one in running):
+            return library
+        file = os.path.realpath(self._file(library))
+        for one in running:
+            if os.path.realpath(one["library"]) == file:
+                return str(one["name"])
+        return None
+
+    def _file(self, name: str) -> str:
+        """A file of this machine by its full name: the daemon works in another directory."""
+        if not self._transport.local:
+            return name
+        candidates = [name] if "/" in name else []
+        for folder in self._paths:
+            candidates += [os.path.join(folder, name), os.path.join(folder, name + ".so")]
+        for candidate in candidates:
+            if os.path.isfile(candidate):
+                return os.path.abspath(candidate)
+        return name
+
+    def _meeting_point(self, backend: str) -> Dict[str, str]:
+        """What a program must be told to meet the daemon on a middleware."""
+        if self._meet is None:
+            listed = self._transport.request("GET", "/middlewares")["middlewares"]
+            self._meet = {one["name"]: one.get("meet", {}) for one in listed}
+        if backend not in self._meet:
+            raise RefusalError("unknown_backend", f"the daemon has no backend {backend}")
+        return self._meet[backend]
+
+
+def _options(
+    options: Tuple[str, ...], name: Optional[str], backend: Optional[str]
+) -> Tuple[Optional[str], Optional[str]]:
+    left = list(options)
+    while left:
+        option = left.pop(0)
+        if not left:
+            raise TypeError(f"load(): option `{option}` wants a value")
+        if option in ("-i", "--name"):
+            name = left.pop(0)
+        elif option in ("-b", "--backend"):
+            backend = left.pop(0)
+        else:
+            raise TypeError(f"load() knows -i NAME and -b BACKEND, not `{option}`")
+    return name, backend

@@ -1,0 +1,133 @@
+"""A component of the daemon as a Python object: services and ports are its attributes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Tuple
+
+from . import _signature
+from ._http import url
+from .activity import Activity
+from .errors import exception_class
+from .port import Port, port_of
+
+if TYPE_CHECKING:
+    from .client import Client
+
+
+class Component:
+    """A component that runs. Its services, ports, events and exceptions are its attributes.
+
+    A service wins over a port of its name, both win over the methods below: these are then found
+    as ``genom.Component.unload(component)``, services in ``component('name')``.
+    """
+
+    def __init__(self, client: "Client", description: Dict[str, Any]) -> None:
+        self._client = client
+        self._name: str = description["name"]
+        self._description = description
+        self._services = {one["name"]: one for one in description["services"]}
+        self._ports = {
+            one["name"]: port_of(client, self._name, one, description["backend"])
+            for one in description["ports"]
+        }
+        if description.get("doc"):
+            self.__doc__ = description["doc"]
+        self.name = self._name
+        for event in description.get("events", []):
+            self.__dict__[event] = self._event(event)
+        thrown = {name for one in self._services.values() for name in one["throws"]}
+        for name in thrown:
+            self.__dict__[name.rsplit("::", 1)[-1]] = exception_class(name)
+        self.__dict__.update(self._ports)
+        for name, one in self._services.items():
+            self.__dict__[name] = self._function(one)
+
+    def __call__(self, service: str, *args: Any, **inputs: Any) -> Any:
+        """Calls a service by name: ``c('goto', 1.0, ack=True)``."""
+        known = self._services.get(service)
+        if known is None:
+            # The daemon knows best: the component may have been loaded anew.
+            path = url("components", self._name, "services", service)
+            known = self._client._transport.request("GET", path)
+        return self._request(known, args, inputs)
+
+    @property
+    def ports(self) -> Mapping[str, Port]:
+        """Its ports by name."""
+        return dict(self._ports)
+
+    @property
+    def services(self) -> Mapping[str, Callable[..., Any]]:
+        """Its services by name."""
+        return {name: self._function(one) for name, one in self._services.items()}
+
+    def activities(self) -> List[Dict[str, Any]]:
+        """Its activities as the daemon lists them: running, and lately ended."""
+        path = url("components", self._name, "activities")
+        return list(self._client._transport.request("GET", path)["activities"])
+
+    def statistics(self) -> Dict[str, Any]:
+        """Figures on its tasks and codels."""
+        return dict(self._client._transport.request("GET", url("components", self._name, "tasks")))
+
+    def fire(self, event: str) -> None:
+        """Fires an external event."""
+        self._client._transport.request("POST", url("components", self._name, "events", event))
+
+    def unload(self) -> None:
+        """Stops the component and takes it out of the daemon."""
+        self._client._transport.request("DELETE", url("components", self._name))
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        names = [*self._services, *self._ports, *self._description.get("events", [])]
+        raise AttributeError(
+            f"{self._name} has no service or port `{name}`{_signature.meant(name, names)}"
+        )
+
+    def __repr__(self) -> str:
+        return f"<genom component {self._name}>"
+
+    def _event(self, event: str) -> Callable[[], None]:
+        def fire() -> None:
+            self.fire(event)
+
+        fire.__name__ = event
+        fire.__doc__ = f"Fires event {event} of {self._name}."
+        return fire
+
+    def _function(self, service: Dict[str, Any]) -> Callable[..., Any]:
+        def call(*args: Any, **inputs: Any) -> Any:
+            return self._request(service, args, inputs)
+
+        call.__name__ = service["name"]
+        call.__qualname__ = f"{self._name}.{service['name']}"
+        call.__doc__ = _signature.document(service)
+        call.__signature__ = _signature.signature(service)  # type: ignore[attr-defined]
+        return call
+
+    def _request(self, service: Dict[str, Any], args: Tuple[Any, ...], given: Dict[str, Any]) -> Any:
+        names = {_signature.python_name(one["name"]) for one in _signature.inputs(service)}
+        flags = {flag: given.pop(flag, None) for flag in ("ack", "send", "callback") if flag not in names}
+        inputs = _signature.bind(service, args, given)
+        activity = Activity(self, service["name"])
+        callback = flags.get("callback")
+        if flags.get("send") or (callback is not None and not flags.get("ack")):
+            activity._send_behind(inputs)
+        else:
+            activity._send(inputs)
+        if callback is not None:
+            activity._call_back(callback)
+        elif not flags.get("send") and not flags.get("ack"):
+            return self._finish(activity)
+        return activity
+
+    @staticmethod
+    def _finish(activity: Activity) -> Dict[str, Any]:
+        """Waits; an interrupted wait leaves nothing running that nobody watches."""
+        try:
+            return activity.wait()
+        except KeyboardInterrupt:
+            activity.abort()
+            raise

@@ -1,0 +1,177 @@
+"""Ports straight through shared memory, with the package iceoryx2."""
+
+import multiprocessing
+import os
+import sys
+import time
+import unittest
+
+import genom
+
+from .support import WATCHDOG, DemoCase
+
+
+def echo(component, other, count):
+    """Another process: what comes on one port goes to the other."""
+    g = genom.connect()
+    commands = g.load(component).parameter.subscribe(fast=True)
+    states = g.load(other).parameter.publisher(fast=True)
+    states(-1.0)
+    for _ in range(count):
+        states(commands.wait(WATCHDOG))
+
+
+class SharedMemory(DemoCase):
+    def test_the_demo_is_read_by_a_peer_that_is_no_genomd(self):
+        self.demo.set_speed(2.0)
+        with self.demo.position.subscribe(fast=True) as positions:
+            self.assertTrue(positions.fast)
+            self.assertEqual(positions.wait(WATCHDOG), {"position": 0.0, "velocity": 0.0})
+            activity = self.demo.goto(0.2, ack=True)
+            seen = [positions.wait(WATCHDOG)]
+            while seen[-1] != {"position": 0.2, "velocity": 0.0}:
+                seen.append(positions.wait(WATCHDOG))
+            activity.wait(WATCHDOG)
+        steps = [after["position"] - before["position"] for before, after in zip(seen, seen[1:])]
+        # Every sample came: at 2 m/s none is more than a period of 5 ms further on.
+        self.assertLess(max(steps), 0.0101)
+        self.assertGreaterEqual(min(steps), 0.0)
+
+    def test_a_fast_publisher_feeds_the_codels(self):
+        with self.demo.parameter.publisher() as p:
+            self.assertTrue(p.fast)
+            p(0.0)
+            activity = self.demo.goto(goal=0.1, ack=True)
+            with self.demo.parameter.subscribe(fast=False) as gain:
+                self.assertEqual(gain.wait(WATCHDOG), 0.0)
+            self.assertEqual(activity.status, "sent")
+            p(2.0)
+            activity.wait(WATCHDOG)
+            self.assertEqual(self.demo.parameter.read(), 2.0)
+            with self.assertRaises(genom.InputError):
+                p("fast")
+        self.assertIsNone(self.demo.parameter.connected())
+        # The address is free: the daemon itself publishes there now.
+        self.demo.parameter.publish(1.0)
+        # And lets go of it when asked from here again.
+        with self.demo.parameter.publisher(fast=True) as p:
+            p(0.25)
+
+    def test_two_publishers_do_not_share_a_port(self):
+        with self.demo.parameter.publisher(fast=True) as p:
+            p(1.0)
+            with self.assertRaises(genom.RefusalError) as caught:
+                self.demo.parameter.publisher(fast=True)
+            self.assertEqual(caught.exception.name, "taken")
+            with self.assertRaises(genom.RefusalError) as caught:
+                self.demo.parameter.publish(0.5)
+            self.assertEqual(caught.exception.name, "taken")
+            self.assertEqual(self.demo.parameter.connected(), f"{self.demo.name}/parameter")
+
+    def test_samples_go_to_another_process_and_come_back_in_order(self):
+        other, count = self.load(), 5000
+        commands = self.demo.parameter.publisher(fast=True)
+        commands(-1.0)
+        other.parameter.connect(other.parameter.address(), backend="shm")
+        states = other.parameter.subscribe(fast=True)
+        context = multiprocessing.get_context("spawn")
+        arguments = (self.demo.name, other.name, count)
+        peer = context.Process(target=echo, args=arguments, daemon=True)
+        peer.start()
+        # It is there, and may have got the value from before it came.
+        self.assertEqual(states.wait(WATCHDOG), -1.0)
+        begin = time.perf_counter()
+        for number in range(count):
+            commands(float(number))
+            back = states.wait(WATCHDOG)
+            while back < 0.0:
+                back = states.wait(WATCHDOG)
+            if number < count - 1:
+                self.assertIn(back, (float(number), float(number - 1)))
+            if back == float(number - 1):
+                self.fail(f"sample {number} was lost")
+            if number == count - 2:
+                break
+        rate = (count - 1) / (time.perf_counter() - begin)
+        print(f"round trips between two processes: {rate:.0f}/s", file=sys.stderr)
+        peer.join(WATCHDOG)
+        self.assertEqual(peer.exitcode, 0)
+
+    def test_a_simulator_exchanges_state_and_command_at_each_step(self):
+        steps, late = 1000, 0
+        self.demo.goto(10.0, ack=True)
+        with self.demo.parameter.publisher() as state, self.demo.position.subscribe() as command:
+            deadline = time.perf_counter()
+            for step in range(steps):
+                state(step / steps)
+                self.assertIsNotNone(command.read() if step else command.wait(WATCHDOG))
+                deadline += 0.001
+                left = deadline - time.perf_counter()
+                if left > 0.0:
+                    time.sleep(left)
+                else:
+                    late += 1
+        print(f"late steps of {steps} at 1 kHz: {late}", file=sys.stderr)
+        self.assertGreater(self.demo.position.read()["position"], 0.0)
+
+
+class Layouts(unittest.TestCase):
+    """Types that the demo has none of, as the daemon would tell them."""
+
+    def codec(self, *types):
+        from genom._layout import Codec
+
+        return Codec({"types": list(types)})
+
+    def test_values_of_every_kind_go_in_and_come_out(self):
+        import ctypes
+
+        codec = self.codec(
+            {"kind": "struct", "name": "::m::all", "full_name": "::m::all", "size": 56, "align": 8,
+             "members": [
+                 {"name": "mode", "offset": 0, "type": 1},
+                 {"name": "text", "offset": 4, "type": 2},
+                 {"name": "list", "offset": 12, "type": 3},
+                 {"name": "maybe", "offset": 32, "type": 5},
+                 {"name": "either", "offset": 40, "type": 7},
+             ]},
+            {"kind": "enum", "name": "::m::mode", "size": 4, "align": 4, "enumerators": ["OFF", "ON"]},
+            {"kind": "string", "name": "string<8>", "size": 8, "align": 1, "bound": 8},
+            {"kind": "sequence", "name": "sequence<long,3>", "size": 20, "align": 4, "bound": 3,
+             "element": 4, "offsets": [0, 4, 8]},
+            {"kind": "long", "name": "long", "size": 4, "align": 4},
+            {"kind": "optional", "name": "optional<short>", "size": 4, "align": 2, "element": 6,
+             "offsets": [2]},
+            {"kind": "short", "name": "short", "size": 2, "align": 2},
+            {"kind": "union", "name": "::m::either", "size": 16, "align": 8, "discriminant": 1,
+             "members": [
+                 {"name": "i", "offset": 8, "type": 4, "labels": [0]},
+                 {"name": "d", "offset": 8, "type": 8, "labels": [None]},
+             ]},
+            {"kind": "double", "name": "double", "size": 8, "align": 8},
+        )
+        self.assertEqual(codec.type.type_name(), "m::all")
+        room = codec.type()
+        at = ctypes.addressof(room)
+        value = {
+            "mode": "ON", "text": "héllo", "list": [1, -2], "maybe": -3,
+            "either": {"d": "ON", "u": {"d": 0.5}},
+        }
+        codec.put(at, value)
+        self.assertEqual(codec.get(at), value)
+        codec.put(at, {"maybe": None, "list": [7, 8, 9], "mode": "::m::OFF"})
+        self.assertEqual(
+            codec.get(at), {**value, "maybe": None, "list": [7, 8, 9], "mode": "OFF"}
+        )
+        for wrong in ({"mode": "BOTH"}, {"text": "too long!"}, {"list": [1, 2, 3, 4]},
+                      {"maybe": 70000}, {"nothing": 1}, {"either": {"d": "OFF", "u": {"d": 1.0}}}):
+            with self.assertRaises(ValueError, msg=str(wrong)):
+                codec.put(at, wrong)
+
+    def test_a_layout_that_differs_here_is_refused(self):
+        with self.assertRaisesRegex(TypeError, "aligned to"):
+            self.codec({"kind": "double", "name": "double", "size": 8, "align": 4})
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,80 @@
+//! The Python client drives a daemon: its own tests (clients/python/tests) run here, each file
+//! against a daemon of its own.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
+
+use std::path::Path;
+use std::process::Command;
+
+use genom_components::python;
+use genom_tests::{Daemon, Finished, Running, component, path, repository};
+
+/// Runs one file of the client's tests.
+#[track_caller]
+fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: &str) -> Finished {
+    let demo = component("demo");
+    let daemon = Daemon::start(&["--backend", backend]);
+    let package = repository().join("clients/python");
+    let mut command = Command::new(interpreter);
+    command
+        .current_dir(&package)
+        .env_clear()
+        .env("PATH", std::env::var_os("PATH").unwrap_or_default())
+        .env("PYTHONPATH", package.join("src"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("GENOMD_SOCKET", daemon.home().socket())
+        .env("GENOM_DEMO", path(&demo.library))
+        // A forgotten socket or thread is an error too.
+        .args(["-W", "error"])
+        .args(options)
+        .args(["-m", "unittest", "--verbose", file]);
+    let finished = Running::start(&mut command).finish();
+    finished.expect_code(0);
+    // Python counts: no file of tests may be empty, or skip some.
+    assert!(!finished.err.contains("Ran 0 tests"), "{}", finished.err);
+    assert!(!finished.err.contains("skipped"), "{}", finished.err);
+    finished
+}
+
+/// `-S`: without installed packages, so that the standard library alone is what is needed.
+#[track_caller]
+fn the_standard_library_is_enough(file: &str, backend: &str) {
+    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+    the_client_passes(Path::new(&python), &["-S"], file, backend);
+}
+
+#[test]
+fn python_calls_services_and_follows_activities_and_events() {
+    the_standard_library_is_enough("tests.test_control", "local");
+}
+
+#[test]
+fn python_reads_and_feeds_ports_through_the_daemon() {
+    the_standard_library_is_enough("tests.test_ports", "local");
+}
+
+#[test]
+fn python_is_told_when_the_daemon_goes_away() {
+    the_standard_library_is_enough("tests.test_gone", "local");
+}
+
+#[test]
+fn python_shares_the_memory_of_ports() {
+    let python =
+        python::environment(&["iceoryx2==0.10.0"]).unwrap_or_else(|error| panic!("{error}"));
+    let finished = the_client_passes(&python, &[], "tests.test_shared_memory", "shm");
+    let figure = finished.err.lines().find(|line| line.contains("round trips")).expect("a figure");
+    assert!(figure.ends_with("/s"), "{figure}");
+}
+
+#[test]
+fn the_python_client_is_typed() {
+    let python = python::environment(&["mypy==2.4.1"]).unwrap_or_else(|error| panic!("{error}"));
+    let scratch = tempfile::tempdir().expect("a directory can be made");
+    let mut command = Command::new(python);
+    command.current_dir(repository().join("clients/python"));
+    command.args(["-m", "mypy", "--cache-dir"]).arg(scratch.path());
+    let finished = Running::start(&mut command).finish();
+    assert_eq!(finished.code, Some(0), "{}", finished.out);
+}
