@@ -9,6 +9,7 @@ mod args;
 mod client;
 mod failure;
 mod inputs;
+mod lsp;
 mod names;
 mod reading;
 mod session;

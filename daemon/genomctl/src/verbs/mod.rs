@@ -22,6 +22,7 @@ mod info;
 mod kill;
 mod list;
 mod load;
+mod lsp;
 mod outcome;
 mod ports;
 mod publish;
@@ -66,6 +67,7 @@ pub(crate) enum Verb {
     Header(header::Args),
     Graph(graph::Args),
     Digest(digest::Args),
+    Lsp(lsp::Args),
     Completion(completion::Args),
 }
 
@@ -99,6 +101,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Header(args) => header::run(&args, session),
         Verb::Graph(args) => graph::run(&args, session),
         Verb::Digest(args) => digest::run(&args, session),
+        Verb::Lsp(args) => lsp::run(&args),
         Verb::Completion(args) => completion::run(&args, session),
     }
 }
