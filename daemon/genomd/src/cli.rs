@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use clap::Parser;
 
+use crate::config::ClockKind;
+
 /// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
 /// here.
 ///
@@ -46,6 +48,10 @@ pub(crate) struct Cli {
     /// Also listen on this loopback address.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub(crate) listen: Option<SocketAddr>,
+    /// Time of the components: that of the machine, or one that `genomctl step` advances
+    /// [default: monotonic].
+    #[arg(long, value_name = "CLOCK")]
+    pub(crate) clock: Option<ClockKind>,
     /// What to log on standard error: error, warn, info, debug, trace, or a filter such as
     /// info,genomd=debug [default: info].
     #[arg(long, value_name = "FILTER")]

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use genom_runtime::{Clock, VirtualClock};
 use tokio::sync::Semaphore;
 
 use crate::bus::{Bus, Change};
-use crate::config::{LoadRequest, Settings};
+use crate::config::{ClockKind, LoadRequest, Settings};
 use crate::flag::Flag;
 use crate::hosting::{self, Components, Hosted, LoadError, UnloadError};
 use crate::registry::Backends;
@@ -17,6 +18,8 @@ pub(crate) struct Daemon {
     pub(crate) backends: Backends,
     /// The components that run, or are about to.
     pub(crate) components: Components,
+    /// Time of all components: they live in one world.
+    pub(crate) clock: Clock,
     /// Where changes are told.
     pub(crate) bus: Arc<Bus>,
     /// Slots for open streams.
@@ -35,6 +38,10 @@ impl Daemon {
         Arc::new(Self {
             backends: Backends::new(settings.backends.clone()),
             components: Components::default(),
+            clock: match settings.clock {
+                ClockKind::Monotonic => Clock::Monotonic,
+                ClockKind::Virtual => Clock::Virtual(Arc::new(VirtualClock::new())),
+            },
             bus: Arc::new(Bus::new()),
             streams: Arc::new(Semaphore::new(settings.rpc.max_streams)),
             stop: Flag::new(),

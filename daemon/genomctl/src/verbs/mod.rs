@@ -28,6 +28,7 @@ mod ports;
 mod publish;
 mod start;
 mod stats;
+mod step;
 mod unload;
 mod wait;
 
@@ -58,6 +59,7 @@ pub(crate) enum Verb {
     Fire(fire::Args),
     Events(events::Args),
     Stats(stats::Args),
+    Step(step::Args),
     Backends(backends::Args),
     Kill(kill::Args),
     Check(check::Args),
@@ -92,6 +94,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Fire(args) => fire::run(args, session).await,
         Verb::Events(args) => events::run(args, session).await,
         Verb::Stats(args) => stats::run(args, session).await,
+        Verb::Step(args) => step::run(args, session).await,
         Verb::Backends(args) => backends::run(args, session).await,
         Verb::Kill(args) => kill::run(args, session).await,
         Verb::Check(args) => check::run(&args, session),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::LoadRequest;
+use super::{ClockKind, LoadRequest};
 use crate::nearest::nearest;
 
 /// A configuration file; `configs/default.toml` shows every key with its default.
@@ -21,6 +21,8 @@ pub(crate) struct Config {
     pub(crate) include: Vec<PathBuf>,
     /// What to log.
     pub(crate) log: String,
+    /// Time of the components.
+    pub(crate) clock: ClockKind,
     /// Seconds the start codel of a task may take.
     pub(crate) start_timeout: u64,
     /// Seconds a component may take to stop.
@@ -58,6 +60,7 @@ impl Default for Config {
             path: Vec::new(),
             include: Vec::new(),
             log: "info".to_owned(),
+            clock: ClockKind::Monotonic,
             start_timeout: 60,
             stop_timeout: 10,
             rpc: Rpc::default(),

@@ -28,6 +28,17 @@ pub(crate) struct LoadRequest {
     pub(crate) backend: Option<String>,
 }
 
+/// Which time components live in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum ClockKind {
+    /// The machine's monotonic clock.
+    #[default]
+    Monotonic,
+    /// One that stands still until a supervisor steps it: same inputs, same codel calls.
+    Virtual,
+}
+
 /// Everything decided before anything starts.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
@@ -43,6 +54,8 @@ pub(crate) struct Settings {
     pub(crate) log: String,
     /// Options of middlewares, by name.
     pub(crate) backends: BTreeMap<String, toml::Table>,
+    /// Time of the components.
+    pub(crate) clock: ClockKind,
     /// How long the start codel of a task may take before the component is refused.
     pub(crate) start_timeout: Duration,
     /// How long a component may take to stop before it is left behind.
@@ -119,6 +132,7 @@ impl Settings {
             include: [cli.include, config.include].concat(),
             log: cli.log.unwrap_or(config.log),
             backends: config.backends,
+            clock: cli.clock.unwrap_or(config.clock),
             start_timeout: Duration::from_secs(config.start_timeout),
             stop_timeout: Duration::from_secs(config.stop_timeout),
             rpc,

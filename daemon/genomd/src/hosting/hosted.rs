@@ -73,6 +73,7 @@ impl Hosted {
         let body: Arc<dyn Body> = Arc::new(component);
         let mut options = Options::new(name.as_str(), supervisor);
         options.watcher = Some(watcher);
+        options.clock = daemon.clock.clone();
         options.start_timeout = Some(daemon.settings.start_timeout);
         let instance = Instance::start(Arc::clone(&plan), body, options)
             .map_err(|error| LoadError::Start { name: name.clone(), why: error.to_string() })?;

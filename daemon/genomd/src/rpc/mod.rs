@@ -14,6 +14,7 @@
 //! | `POST /components/{c}/events/{e}` | fire |
 //! | `GET /components/{c}/tasks` | statistics |
 //! | `GET, POST /connections`, `DELETE /connections/{c}/{p}[/{element}]` | wiring |
+//! | `GET, POST /clock` | the date, step |
 //! | `GET /middlewares` | what they can do, what is visible on them |
 //! | `GET /events` | what changes, as it happens |
 //! | `POST /shutdown` | stop the daemon |
@@ -23,6 +24,7 @@
 //! request. 4xx and 5xx: refused, nothing ran, `{"error": {...}}` says why.
 
 mod activities;
+mod clock;
 mod components;
 mod connections;
 mod daemon;
@@ -76,6 +78,7 @@ pub(crate) fn router(daemon: Arc<Daemon>) -> Router {
         .route("/connections", get(connections::list).post(connections::connect))
         .route("/connections/{component}/{port}", delete(connections::disconnect))
         .route("/connections/{component}/{port}/{element}", delete(connections::disconnect_element))
+        .route("/clock", get(clock::look).post(clock::step))
         .route("/middlewares", get(middlewares::list))
         .route("/events", get(events::stream))
         .fallback(no_such_path)
