@@ -126,6 +126,15 @@ impl Home {
         self.scratch.path()
     }
 
+    /// The same home, with more configuration: `text` comes first in the file.
+    #[must_use]
+    pub fn configured(self, text: &str) -> Self {
+        let path = self.path().join("genomd.toml");
+        let own = std::fs::read_to_string(&path).expect("the file was written");
+        std::fs::write(path, format!("{text}\n{own}")).expect("a file can be written");
+        self
+    }
+
     fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(program("genomd"));
         command.env_clear().env("PATH", std::env::var_os("PATH").unwrap_or_default());

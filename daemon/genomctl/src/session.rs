@@ -35,6 +35,11 @@ impl Session {
         self.client.request(Method::POST, path, Some(body)).await
     }
 
+    /// `PUT path` with a JSON body.
+    pub(crate) async fn put(&self, path: &str, body: &Value) -> Result<Value, Failure> {
+        self.client.request(Method::PUT, path, Some(body)).await
+    }
+
     /// `DELETE path`.
     pub(crate) async fn delete(&self, path: &str) -> Result<Value, Failure> {
         self.client.request(Method::DELETE, path, None).await

@@ -47,12 +47,23 @@ pub(crate) enum Change {
         #[serde(rename = "in")]
         inport: String,
     },
+    /// A component, or one of its ports, moved to other middlewares.
+    BackendChanged {
+        component: String,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        port: Option<String>,
+        backend: String,
+    },
     /// A remote was connected to a service.
     RemoteConnected { remote: String, service: String },
     /// A remote was disconnected.
     RemoteDisconnected { remote: String },
     /// An external event was fired.
     EventFired { component: String, name: String },
+    /// A deployment takes a step.
+    DeploymentStep { step: String },
+    /// A connection of a deployment waits for its other side.
+    DeploymentWaits { what: String },
     /// The daemon stops.
     Stopping {},
 }

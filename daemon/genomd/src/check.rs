@@ -10,10 +10,10 @@ use crate::run::Refusal;
 
 /// Checks every component asked for; says what is wrong with each that is refused.
 pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
-    if settings.components.is_empty() {
+    if settings.deployment.component.is_empty() {
         return Err(Refusal::usage("--check goes with the libraries to check"));
     }
-    let refused = settings.components.iter().filter_map(|request| {
+    let refused = settings.deployment.component.iter().filter_map(|request| {
         match load::fit(&settings, request) {
             Ok(line) => {
                 // A closed pipe is the reader's choice, not a failure.

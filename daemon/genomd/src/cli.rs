@@ -25,6 +25,17 @@ pub(crate) struct Cli {
     /// Configuration (TOML); see configs/default.toml for every key.
     #[arg(long, short, value_name = "FILE")]
     pub(crate) config: Option<PathBuf>,
+    /// Set a key of the configuration, for instance rpc.max_streams=8; may be repeated, comes
+    /// after the file.
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Print the configuration as it is understood, with every default, and end.
+    #[arg(long)]
+    pub(crate) dump_config: bool,
+    /// Which daemon this is, when the configuration describes several: it takes the components
+    /// with that `daemon`, and those with none.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) daemon: Option<String>,
     /// Instance name, when one component is given [default: the component's name].
     #[arg(long)]
     pub(crate) name: Option<String>,

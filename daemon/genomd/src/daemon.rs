@@ -1,12 +1,14 @@
 //! What the parts of the daemon share.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use genom_runtime::{Clock, VirtualClock};
 use tokio::sync::Semaphore;
 
 use crate::bus::{Bus, Change};
-use crate::config::{ClockKind, LoadRequest, Settings};
+use crate::config::{CallEntry, ClockKind, LoadRequest, Settings};
+use crate::deploy::keep::Declared;
+use crate::deploy::request;
 use crate::flag::Flag;
 use crate::hosting::{self, Components, Hosted, LoadError, UnloadError};
 use crate::registry::Backends;
@@ -22,6 +24,10 @@ pub(crate) struct Daemon {
     pub(crate) clock: Clock,
     /// Where changes are told.
     pub(crate) bus: Arc<Bus>,
+    /// Connections to keep.
+    pub(crate) declared: Declared,
+    /// Held while a deployment is applied: one at a time.
+    deploying: Mutex<()>,
     /// Slots for open streams.
     pub(crate) streams: Arc<Semaphore>,
     /// Somebody asked to stop: nothing is loaded any more.
@@ -43,6 +49,8 @@ impl Daemon {
                 ClockKind::Virtual => Clock::Virtual(Arc::new(VirtualClock::new())),
             },
             bus: Arc::new(Bus::new()),
+            declared: Declared::default(),
+            deploying: Mutex::default(),
             streams: Arc::new(Semaphore::new(settings.rpc.max_streams)),
             stop: Flag::new(),
             forced: Flag::new(),
@@ -57,9 +65,21 @@ impl Daemon {
             return Err(LoadError::Stopping);
         }
         let hosted = hosting::load::load(self, request)?;
+        for (service, inputs) in &request.attributes {
+            let (component, service) = (hosted.name.clone(), service.clone());
+            let entry = CallEntry { component, service, inputs: inputs.clone() };
+            if let Err(why) = request::send_to(&hosted, &entry) {
+                let name = hosted.name.clone();
+                drop(hosted);
+                if let Err(error) = self.components.remove(&name, self.settings.stop_timeout) {
+                    tracing::error!("{error}");
+                }
+                return Err(LoadError::Attribute { name, why });
+            }
+        }
         self.bus.tell(&Change::ComponentLoaded {
             component: hosted.name.clone(),
-            backend: hosted.backend.clone(),
+            backend: hosted.wiring.bindings.component().to_string(),
         });
         Ok(hosted)
     }
@@ -69,6 +89,11 @@ impl Daemon {
         self.components.remove(name, self.settings.stop_timeout)?;
         self.bus.tell(&Change::ComponentUnloaded { component: name.to_owned() });
         Ok(())
+    }
+
+    /// Waits for the deployment under way, if there is one.
+    pub(crate) fn deploying(&self) -> MutexGuard<'_, ()> {
+        self.deploying.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Unloads everything, last loaded first.

@@ -9,6 +9,7 @@ mod check;
 mod cli;
 mod config;
 mod daemon;
+mod deploy;
 mod flag;
 mod hosting;
 mod locate;
@@ -42,6 +43,9 @@ fn main() -> ExitCode {
         let _ = std::io::stdout().lock().write_all(version().as_bytes());
         return ExitCode::SUCCESS;
     }
+    if cli.dump_config {
+        return dump_config(&cli);
+    }
     let run = if cli.check { check::run } else { run::run };
     match settings(cli).and_then(run) {
         Ok(()) => ExitCode::SUCCESS,
@@ -51,22 +55,24 @@ fn main() -> ExitCode {
 
 /// The command line over the configuration file, with everything checked that can be.
 fn settings(cli: Cli) -> Result<Settings, Refusal> {
-    let config = match &cli.config {
-        Some(path) => Config::read(path).map_err(Refusal::usage)?,
-        None => Config::default(),
-    };
+    let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage)?;
     let settings = Settings::new(cli, config).map_err(Refusal::usage)?;
     logs::start(&settings.log).map_err(Refusal::usage)?;
     registry::check(&settings.backend).map_err(Refusal::usage)?;
-    for backend in settings.backends.keys() {
-        registry::check(backend).map_err(Refusal::usage)?;
-    }
-    for component in &settings.components {
-        if let Some(backend) = &component.backend {
-            registry::check(backend).map_err(Refusal::usage)?;
-        }
-    }
     Ok(settings)
+}
+
+/// Prints the configuration as it is understood.
+fn dump_config(cli: &Cli) -> ExitCode {
+    let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage);
+    let text = config.and_then(|config| config.over(cli).text().map_err(Refusal::usage));
+    match text {
+        Ok(text) => {
+            let _ = std::io::stdout().lock().write_all(text.as_bytes());
+            ExitCode::SUCCESS
+        }
+        Err(refusal) => refusal.report(),
+    }
 }
 
 fn version() -> String {

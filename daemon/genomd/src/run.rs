@@ -8,6 +8,9 @@ use tokio::signal::unix::{SignalKind, signal};
 
 use crate::config::Settings;
 use crate::daemon::Daemon;
+use crate::deploy::apply::{ApplyError, apply};
+use crate::deploy::plan::plan;
+use crate::deploy::{Step, keep};
 use crate::rpc;
 use crate::rpc::listen::{self, Socket};
 
@@ -73,6 +76,7 @@ async fn serve(settings: Settings) -> Result<(), Refusal> {
         .await
         .map_err(Refusal::own)?
         .map_err(Refusal::own)?;
+    keep::watch(&daemon).map_err(Refusal::own)?;
     tokio::spawn(stop_on(signals, Arc::clone(&daemon)));
 
     // Requests are served while components load: a slow start codel holds up nobody.
@@ -98,18 +102,29 @@ async fn serve(settings: Settings) -> Result<(), Refusal> {
 
 /// Loads, runs until asked to stop, unloads.
 async fn work(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
-    let loaded = load_all(daemon).await;
-    if loaded.is_ok() {
-        tracing::info!("ready on {}", daemon.settings.rpc.socket.display());
-        daemon.asked_to_stop().await;
+    let mut outcome = Ok(());
+    match load_all(daemon).await {
+        Ok(rest) => {
+            tracing::info!("ready on {}", daemon.settings.rpc.socket.display());
+            tokio::select! {
+                refusal = deploy(daemon, rest) => outcome = Err(refusal),
+                () = daemon.asked_to_stop() => {}
+            }
+        }
+        Err(refusal) => outcome = Err(refusal),
     }
     stop(daemon).await;
-    loaded
+    outcome
 }
 
-/// Loads the components asked for, in order; stops at the first that is refused.
-async fn load_all(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
-    for request in daemon.settings.components.clone() {
+/// Loads the components asked for, in order; stops at the first that is refused. What else the
+/// deployment asks for is given back.
+async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
+    let steps = plan(daemon, &daemon.settings.deployment).map_err(Refusal::usage)?;
+    let (loads, rest): (Vec<_>, Vec<_>) =
+        steps.into_iter().partition(|step| matches!(step, Step::Load(_)));
+    for step in loads {
+        let Step::Load(request) = step else { continue };
         let worker = Arc::clone(daemon);
         let mut loading = tokio::task::spawn_blocking(move || worker.load(&request));
         let loaded = tokio::select! {
@@ -117,15 +132,38 @@ async fn load_all(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
             () = daemon.asked_to_stop() => loading.await,
         };
         match loaded {
-            Ok(Ok(hosted)) => tracing::info!("{} runs on {}", hosted.name, hosted.backend),
+            Ok(Ok(hosted)) => {
+                tracing::info!("{} runs on {}", hosted.name, hosted.wiring.bindings.component());
+            }
             Ok(Err(error)) => return Err(Refusal::component(error)),
             Err(error) => return Err(Refusal::own(error)),
         }
         if daemon.stopping() {
-            return Ok(());
+            return Ok(Vec::new());
         }
     }
-    Ok(())
+    Ok(rest)
+}
+
+/// Connects, calls and starts what the configuration says; waits for other daemons as long as
+/// it takes. Returns only when a step is refused.
+async fn deploy(daemon: &Arc<Daemon>, steps: Vec<Step>) -> Refusal {
+    let worker = Arc::clone(daemon);
+    let work = move || {
+        let _turn = worker.deploying();
+        apply(&worker, &steps, None)?;
+        worker.declared.keep(&worker.settings.deployment.connection);
+        if !steps.is_empty() {
+            tracing::info!("deployed: everything is wired and started");
+        }
+        Ok::<_, ApplyError>(())
+    };
+    match tokio::task::spawn_blocking(work).await {
+        Ok(Ok(())) => std::future::pending().await,
+        Ok(Err(_)) if daemon.stopping() => std::future::pending().await,
+        Ok(Err(error)) => Refusal::component(error),
+        Err(error) => Refusal::own(error),
+    }
 }
 
 /// Stops every component, last loaded first, while requests under way are still answered.

@@ -2,6 +2,8 @@
 
 mod abort;
 mod activities;
+mod apply;
+mod backend;
 mod backends;
 mod call;
 mod check;
@@ -11,6 +13,7 @@ mod connections;
 mod describe;
 mod digest;
 mod disconnect;
+mod dump;
 mod echo;
 mod events;
 mod explain;
@@ -60,6 +63,9 @@ pub(crate) enum Verb {
     Events(events::Args),
     Stats(stats::Args),
     Step(step::Args),
+    Apply(apply::Args),
+    Dump(dump::Args),
+    Backend(backend::Args),
     Backends(backends::Args),
     Kill(kill::Args),
     Check(check::Args),
@@ -95,6 +101,9 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Events(args) => events::run(args, session).await,
         Verb::Stats(args) => stats::run(args, session).await,
         Verb::Step(args) => step::run(args, session).await,
+        Verb::Apply(args) => apply::run(args, session).await,
+        Verb::Dump(args) => dump::run(args, session).await,
+        Verb::Backend(args) => backend::run(args, session).await,
         Verb::Backends(args) => backends::run(args, session).await,
         Verb::Kill(args) => kill::run(args, session).await,
         Verb::Check(args) => check::run(&args, session),

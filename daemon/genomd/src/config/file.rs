@@ -4,13 +4,15 @@ use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
-use super::{ClockKind, LoadRequest};
+use super::{BackendNames, CallEntry, ClockKind, ConnectionEntry, LoadRequest, overrides};
+use crate::cli::Cli;
 use crate::nearest::nearest;
+use crate::registry;
 
 /// A configuration file; `configs/default.toml` shows every key with its default.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Config {
     /// Middleware of ports and services.
@@ -33,10 +35,16 @@ pub(crate) struct Config {
     pub(crate) backends: BTreeMap<String, toml::Table>,
     /// Components to load, in order, before those of the command line.
     pub(crate) component: Vec<LoadRequest>,
+    /// Connections to make, and to make again when a side comes back.
+    pub(crate) connection: Vec<ConnectionEntry>,
+    /// Services to call, in order, once everything is wired.
+    pub(crate) call: Vec<CallEntry>,
+    /// Activities to start, in order, after the calls.
+    pub(crate) activity: Vec<CallEntry>,
 }
 
 /// Section `[rpc]`.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub(crate) struct Rpc {
     /// Unix socket.
@@ -66,6 +74,9 @@ impl Default for Config {
             rpc: Rpc::default(),
             backends: BTreeMap::new(),
             component: Vec::new(),
+            connection: Vec::new(),
+            call: Vec::new(),
+            activity: Vec::new(),
         }
     }
 }
@@ -92,6 +103,9 @@ pub(crate) enum ConfigError {
     /// A mistake in it.
     #[error("{}:{line}: {message}{}", path.display(), suggestion(.nearest))]
     Mistake { path: PathBuf, line: usize, message: String, nearest: Option<String> },
+    /// A mistake in `--set`.
+    #[error("--set {word}: {why}")]
+    Set { word: String, why: String },
 }
 
 fn suggestion(nearest: &Option<String>) -> String {
@@ -99,14 +113,30 @@ fn suggestion(nearest: &Option<String>) -> String {
 }
 
 impl Config {
-    /// Reads a file; relative paths in it start from its directory.
-    pub(crate) fn read(path: &Path) -> Result<Self, ConfigError> {
-        let text = std::fs::read_to_string(path)
-            .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
+    /// Reads a file, if there is one, and puts `--set` words over it.
+    pub(crate) fn read(path: Option<&Path>, words: &[String]) -> Result<Self, ConfigError> {
+        let mut text = String::new();
+        if let Some(path) = path {
+            text = std::fs::read_to_string(path)
+                .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
+        }
+        let path = path.unwrap_or(Path::new(""));
         let mut config = Self::parse(path, &text)?;
+        if !words.is_empty() {
+            config = overrides::set(&text, words)?;
+        }
+        if words.is_empty() {
+            config.check(path, &text)?;
+        }
+        config.anchor(path);
+        Ok(config)
+    }
+
+    /// Relative paths start from the directory of the file.
+    pub(crate) fn anchor(&mut self, path: &Path) {
         let base = path.parent().unwrap_or(Path::new(""));
-        config.path.iter_mut().chain(&mut config.include).for_each(|dir| anchor(base, dir));
-        for component in &mut config.component {
+        self.path.iter_mut().chain(&mut self.include).for_each(|dir| anchor(base, dir));
+        for component in &mut self.component {
             // A bare name is looked for on the component path, not beside the configuration.
             if component.library.components().count() > 1 || component.library.extension().is_some()
             {
@@ -114,10 +144,26 @@ impl Config {
             }
             component.gen_file.iter_mut().for_each(|file| anchor(base, file));
         }
-        Ok(config)
     }
 
-    fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
+    /// With what the command line says instead.
+    pub(crate) fn over(mut self, cli: &Cli) -> Self {
+        self.backend = cli.backend.clone().unwrap_or(self.backend);
+        self.log = cli.log.clone().unwrap_or(self.log);
+        self.path = [cli.path.clone(), cli.genom_path.clone(), self.path].concat();
+        self.include = [cli.include.clone(), self.include].concat();
+        self.rpc.socket = cli.socket.clone().or(self.rpc.socket);
+        self.rpc.listen = cli.listen.or(self.rpc.listen);
+        self
+    }
+
+    /// As a file.
+    pub(crate) fn text(&self) -> Result<String, String> {
+        toml::to_string(self).map_err(|error| error.to_string())
+    }
+
+    /// Reads a text; `path` is for messages.
+    pub(crate) fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
         toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start).min(text.len());
             let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
@@ -126,6 +172,31 @@ impl Config {
             ConfigError::Mistake { path: path.to_owned(), line, message, nearest }
         })
     }
+
+    /// Refuses names of middlewares that are none, with the line where they stand.
+    pub(crate) fn check(&self, path: &Path, text: &str) -> Result<(), ConfigError> {
+        let of_components = self.component.iter().flat_map(|component| {
+            let named = component.backend.iter().chain(component.ports.values());
+            named.flat_map(BackendNames::names)
+        });
+        let of_connections = self.connection.iter().filter_map(|one| one.backend.as_ref());
+        let all = std::iter::once(&self.backend).chain(self.backends.keys());
+        for name in all.chain(of_components).chain(of_connections) {
+            if let Err(error) = registry::check(name) {
+                let line =
+                    text.lines().position(|line| holds_word(line, name)).map_or(1, |at| at + 1);
+                let (path, message) = (path.to_owned(), error.to_string());
+                return Err(ConfigError::Mistake { path, line, message, nearest: None });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether a line that is no comment holds this word.
+fn holds_word(line: &str, word: &str) -> bool {
+    let code = line.split('#').next().unwrap_or_default();
+    code.split(|c: char| !c.is_alphanumeric() && c != '_').any(|found| found == word)
 }
 
 fn anchor(base: &Path, path: &mut PathBuf) {
@@ -135,7 +206,7 @@ fn anchor(base: &Path, path: &mut PathBuf) {
 }
 
 /// Serde says ``unknown field `x`, expected one of `a`, `b` ``: the nearest of what it expects.
-fn nearest_key(message: &str) -> Option<String> {
+pub(super) fn nearest_key(message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = message.starts_with("unknown field").then(|| quoted.next()).flatten()?;
     nearest(unknown, quoted).map(str::to_owned)
@@ -165,8 +236,22 @@ mod tests {
     }
 
     #[test]
+    fn every_example_can_be_used() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs");
+        let mut read = 0;
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "toml") {
+                Config::read(Some(&path), &[]).unwrap();
+                read += 1;
+            }
+        }
+        assert!(read >= 3);
+    }
+
+    #[test]
     fn the_default_file_says_the_defaults() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs/default.toml");
-        assert_eq!(Config::read(&path).unwrap(), Config::default());
+        assert_eq!(Config::read(Some(&path), &[]).unwrap(), Config::default());
     }
 }

@@ -1,35 +1,35 @@
 //! What the daemon shall do: the configuration file, and the command line over it.
 
+mod backends;
+mod component;
+mod deployment;
 mod file;
+mod overrides;
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
-pub(crate) use file::Config;
+pub(crate) use backends::BackendNames;
+pub(crate) use component::LoadRequest;
+pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
+pub(crate) use file::{Config, ConfigError};
 
 use crate::cli::Cli;
 
-/// A component to load.
-#[derive(Clone, Debug, Default, PartialEq, Eq, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct LoadRequest {
-    /// Library (`.so`), description (`.gen`), or a name on the component path.
-    pub(crate) library: PathBuf,
-    /// Description, when it is neither in the library nor beside it.
-    #[serde(default, rename = "gen")]
-    pub(crate) gen_file: Option<PathBuf>,
-    /// Instance name; by default the component's name.
-    #[serde(default)]
-    pub(crate) name: Option<String>,
-    /// Middleware of its ports; by default that of the daemon.
-    #[serde(default)]
-    pub(crate) backend: Option<String>,
-}
-
 /// Which time components live in.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Deserialize, clap::ValueEnum)]
+#[derive(
+    Clone,
+    Copy,
+    Debug,
+    Default,
+    PartialEq,
+    Eq,
+    serde::Deserialize,
+    serde::Serialize,
+    clap::ValueEnum,
+)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum ClockKind {
     /// The machine's monotonic clock.
@@ -44,8 +44,10 @@ pub(crate) enum ClockKind {
 pub(crate) struct Settings {
     /// Default middleware.
     pub(crate) backend: String,
-    /// Components to load, in order.
-    pub(crate) components: Vec<LoadRequest>,
+    /// What to bring up: components first, those of the command line last among them.
+    pub(crate) deployment: Deployment,
+    /// Which daemon of a file that describes several this one is.
+    pub(crate) name: Option<String>,
     /// Where to look for components named without a directory.
     pub(crate) path: Vec<PathBuf>,
     /// `-I` of the descriptions.
@@ -117,6 +119,8 @@ impl Settings {
         if let Some(address) = listen.filter(|address| !address.ip().is_loopback()) {
             return Err(UsageError::NotLoopback(address));
         }
+        let mut deployment = Deployment::of(&config, cli.daemon.as_deref());
+        deployment.component.extend(components);
         let rpc = RpcSettings {
             socket: cli.socket.or(config.rpc.socket).unwrap_or_else(default_socket),
             listen,
@@ -127,7 +131,8 @@ impl Settings {
         };
         Ok(Self {
             backend: cli.backend.unwrap_or(config.backend),
-            components: config.component.into_iter().chain(components).collect(),
+            deployment,
+            name: cli.daemon,
             path: [cli.path, cli.genom_path, config.path].concat(),
             include: [cli.include, config.include].concat(),
             log: cli.log.unwrap_or(config.log),
@@ -164,7 +169,7 @@ mod tests {
     #[test]
     fn a_name_goes_with_one_component() {
         let one = settings(&["--name", "arm", "demo.so"]).unwrap();
-        assert_eq!(one.components[0].name.as_deref(), Some("arm"));
+        assert_eq!(one.deployment.component[0].name.as_deref(), Some("arm"));
         let two = settings(&["--name", "arm", "a.so", "b.so"]).unwrap_err();
         assert_eq!(two, "--name goes with exactly one component, 2 are given");
     }

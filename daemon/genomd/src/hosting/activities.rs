@@ -70,6 +70,11 @@ impl Activity {
         ended.as_ref().map(|ended| ended.ending.clone())
     }
 
+    /// Waits for its end, and holds up the thread.
+    pub(crate) fn wait(&self) -> Option<Ending> {
+        tokio::runtime::Handle::try_current().ok()?.block_on(self.ended())
+    }
+
     /// As a reply; `state` of an activity that runs.
     pub(crate) fn to_json(&self, state: Option<&str>) -> Value {
         let mut reply = Map::new();

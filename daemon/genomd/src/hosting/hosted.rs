@@ -4,22 +4,30 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use genom_description::model::{Component as Model, PortDirection, Specification};
+use genom_description::model::{
+    Component as Model, Direction, PortDirection, ServiceKind, Specification,
+};
 use genom_host::Component;
-use genom_middleware::{Address, Middleware, Served, Subscription};
+use genom_middleware::{Address, Subscription};
 use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
-use genom_runtime::{ActivityPhase, Instance, Options, Outcome, Progress, input_record};
+use genom_runtime::{
+    ActivityPhase, Instance, Options, Outcome, Progress, Statistics, input_record,
+};
 use genom_types::{DataType, JsonError, Record};
 use serde_json::{Value, json};
 use tokio::sync::mpsc;
 
 use super::activities::{Activity, ActivityLog, Ending};
+use super::done::Done;
 use super::load::LoadError;
 use super::watch::BusWatcher;
+use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
 use crate::flag::Flag;
+use crate::wiring::bindings::Bindings;
 use crate::wiring::requests::SupervisorWiring;
+use crate::wiring::serve::ServedOn;
 use crate::wiring::{Wires, publish, serve};
 
 /// What a request gets first.
@@ -37,14 +45,16 @@ pub(crate) enum Answer {
 pub(crate) struct Hosted {
     /// Instance name.
     pub(crate) name: String,
-    /// Middleware of its ports and services.
-    pub(crate) backend: String,
+    /// How it was loaded.
+    pub(crate) request: LoadRequest,
     /// The library, as it was found.
     pub(crate) library: PathBuf,
     /// Its activities, running and lately ended.
     pub(crate) activities: Arc<ActivityLog>,
     /// What its ports are tied to.
     pub(crate) wiring: Arc<Wires>,
+    /// What was asked of it and still stands.
+    pub(crate) done: Arc<Done>,
     /// Raised when it is unloaded: streams end.
     pub(crate) gone: Flag,
     /// Raised when it asked for its own end.
@@ -52,22 +62,25 @@ pub(crate) struct Hosted {
     plan: Arc<Plan>,
     instance: Instance,
     /// Its services on the middleware; withdrawn first.
-    served: Mutex<Vec<Box<dyn Served>>>,
+    served: Mutex<ServedOn>,
 }
 
 impl Hosted {
     /// Binds the ports, then starts the tasks and waits for their start codels.
     pub(crate) fn start(
         daemon: &Arc<Daemon>,
+        request: &LoadRequest,
         name: String,
         library: PathBuf,
         plan: Arc<Plan>,
         component: Component,
-        middleware: Arc<dyn Middleware>,
     ) -> Result<Arc<Self>, LoadError> {
-        let (wiring, killed) = (Arc::new(Wires::default()), Flag::new());
-        let bound = |error| LoadError::Bind { name: name.clone(), source: Box::new(error) };
-        publish::bind(&component, &plan, &name, &middleware, &wiring).map_err(bound)?;
+        let default = || BackendNames::one(daemon.settings.backend.as_str());
+        let backend = request.backend.clone().unwrap_or_else(default);
+        let bindings = Bindings::new(backend.clone(), request.ports.clone());
+        let (wiring, killed) = (Arc::new(Wires::new(bindings)), Flag::new());
+        let bound = |source| LoadError::Bind { name: name.clone(), source };
+        publish::bind(daemon, &component, &plan, &name, &wiring).map_err(bound)?;
         let supervisor = Arc::new(SupervisorWiring::new(daemon, &name, &killed));
         let watcher = Arc::new(BusWatcher::new(&daemon.bus, &name, &plan));
         let body: Arc<dyn Body> = Arc::new(component);
@@ -75,13 +88,18 @@ impl Hosted {
         options.watcher = Some(watcher);
         options.clock = daemon.clock.clone();
         options.start_timeout = Some(daemon.settings.start_timeout);
+        for (task, entry) in &request.tasks {
+            let refused = |why| LoadError::Override { name: name.clone(), why };
+            options.tasks.insert(task.clone(), entry.options().map_err(refused)?);
+        }
         let instance = Instance::start(Arc::clone(&plan), body, options)
             .map_err(|error| LoadError::Start { name: name.clone(), why: error.to_string() })?;
         let hosted = Arc::new(Self {
-            backend: middleware.name().to_owned(),
+            request: request.clone(),
             library,
             activities: Arc::new(ActivityLog::new(daemon.settings.rpc.keep_results)),
             wiring,
+            done: Arc::default(),
             gone: Flag::new(),
             killed,
             plan,
@@ -89,16 +107,26 @@ impl Hosted {
             served: Mutex::default(),
             name,
         });
-        let served = serve::serve(&hosted, &middleware).map_err(|error| {
+        let served = serve::serve_on(daemon, &hosted, backend.names()).map_err(|source| {
             // It runs already: it must stop before its memory goes.
             let why = hosted.stop(daemon.settings.stop_timeout);
             if let Err(why) = why {
                 tracing::error!("{}: {why}", hosted.name);
             }
-            LoadError::Bind { name: hosted.name.clone(), source: Box::new(error) }
+            LoadError::Bind { name: hosted.name.clone(), source }
         })?;
         *hosted.served.lock().unwrap_or_else(PoisonError::into_inner) = served;
         Ok(hosted)
+    }
+
+    /// Services came to further middlewares, and leave those that are not in `stay`.
+    pub(crate) fn serve_also(&self, served: ServedOn, stay: &BackendNames) {
+        let mut all = self.served.lock().unwrap_or_else(PoisonError::into_inner);
+        all.extend(served);
+        let gone: ServedOn = all.extract_if(.., |(name, _)| !stay.has(name)).collect();
+        drop(all);
+        // Closed after the others are there, and without holding anybody up.
+        drop(gone);
     }
 
     /// The component's description.
@@ -153,6 +181,8 @@ impl Hosted {
             log: Arc::clone(&self.activities),
             service: self.model().services[service].name.clone(),
             running: None,
+            done: Arc::clone(&self.done),
+            inputs: self.remembered(service).then(|| input.to_json()),
         };
         self.instance.request(
             service,
@@ -167,6 +197,31 @@ impl Hosted {
                 }
             }),
         );
+    }
+
+    /// Whether the inputs of a service are to be remembered.
+    fn remembered(&self, service: usize) -> bool {
+        let service = &self.model().services[service];
+        let takes = service.parameters.iter().any(|one| one.direction != Direction::Out);
+        !service.standard
+            && match service.kind {
+                ServiceKind::Attribute => takes,
+                ServiceKind::Activity => true,
+                ServiceKind::Function => false,
+            }
+    }
+
+    /// Sends a request and waits for its end, or for its acceptance when it is an activity.
+    /// Blocks.
+    pub(crate) fn request_blocking(&self, service: usize, input: Record) -> Answer {
+        let (sender, answers) = std::sync::mpsc::channel();
+        self.submit(service, input, move |heard| {
+            let _ = sender.send(match heard {
+                Heard::Accepted(activity) => Answer::Accepted(activity),
+                Heard::Ended(outcome) => Answer::Ended(ending(&outcome)),
+            });
+        });
+        answers.recv().unwrap_or(Answer::Gone)
     }
 
     /// Sends a request and waits for its first answer.
@@ -202,6 +257,11 @@ impl Hosted {
     }
 
     /// Figures on its tasks and codels.
+    pub(crate) fn figures(&self) -> Statistics {
+        self.instance.statistics()
+    }
+
+    /// The same as data.
     pub(crate) fn statistics(&self) -> Value {
         serde_json::to_value(self.instance.statistics()).unwrap_or_default()
     }
@@ -214,6 +274,11 @@ impl Hosted {
         subscription: Option<Box<dyn Subscription>>,
     ) {
         self.instance.exclusively(|body| body.bind_in(port, element, subscription));
+    }
+
+    /// Does `work` while no codel runs that uses a port.
+    pub(crate) fn excluded<R>(&self, work: impl FnOnce() -> R) -> R {
+        self.instance.exclusively(|_| work())
     }
 
     /// Connects a remote, or disconnects it, with all codels excluded.
@@ -229,7 +294,7 @@ impl Hosted {
         if stopped.is_ok() {
             // Streams may hold the instance a moment longer; the middleware is free already.
             self.instance.exclusively(|body| self.release_ports(body));
-            self.wiring.feeds.close_all();
+            self.wiring.close();
         }
         stopped
     }
@@ -265,17 +330,27 @@ struct Tracked {
     log: Arc<ActivityLog>,
     service: String,
     running: Option<Arc<Activity>>,
+    done: Arc<Done>,
+    /// What it was asked with, when that is to be remembered.
+    inputs: Option<Value>,
 }
 
 impl Tracked {
     fn started(&mut self, number: u32) -> Arc<Activity> {
         let activity = self.log.started(u64::from(number), &self.service);
         self.running = Some(Arc::clone(&activity));
+        if let Some(inputs) = self.inputs.take() {
+            self.done.activity(activity.number, inputs);
+        }
         activity
     }
 
     fn ended(&mut self, ending: Ending) {
+        if let Some(inputs) = self.inputs.take().filter(|_| ending.exception().is_none()) {
+            self.done.attribute(&self.service, inputs);
+        }
         if let Some(activity) = self.running.take() {
+            self.done.ended(activity.number);
             self.log.ended(&activity, ending);
         }
     }

@@ -5,18 +5,19 @@ use std::sync::Arc;
 
 use genom_description::diagnostic::Severity;
 use genom_description::diagnostic::render::human;
-use genom_description::model::Specification;
+use genom_description::model::{Component as Model, ServiceKind, Specification};
 use genom_description::source::SourceMap;
 use genom_description::{Analysis, Options, preprocess, read, read_text};
 use genom_host::{Component, Library};
-use genom_middleware::OpenError;
 use genom_runtime::plan::{Plan, PlanError};
 
-use crate::config::{LoadRequest, Settings};
+use crate::config::{BackendNames, LoadRequest, Settings};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::locate::{self, Description, LocateError, Located};
+use crate::nearest::suggest;
 use crate::registry::BackendError;
+use crate::wiring::publish::BindError;
 use crate::wiring::requests::unload_killed;
 
 /// A component could not be loaded; nothing of it stays.
@@ -54,7 +55,16 @@ pub(crate) enum LoadError {
     Plan(#[from] PlanError),
     /// A port could not be opened.
     #[error("{name}: {source}")]
-    Bind { name: String, source: Box<OpenError> },
+    Bind { name: String, source: BindError },
+    /// What the request says of a task cannot be.
+    #[error("{name}: {why}")]
+    Override { name: String, why: String },
+    /// An attribute did not take its initial value.
+    #[error("{name} does not take its attributes: {why}")]
+    Attribute { name: String, why: String },
+    /// The request names a port, task or service that the component has not.
+    #[error("{name} has no {what} `{typed}`; {help}")]
+    NoSuch { name: String, what: &'static str, typed: String, help: String },
     /// A start codel failed (genom3.md 7.2).
     #[error("{name} does not start: {why}")]
     Start { name: String, why: String },
@@ -62,8 +72,10 @@ pub(crate) enum LoadError {
 
 /// Loads a component and starts it. Blocks.
 pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
-    let backend = request.backend.as_ref().unwrap_or(&daemon.settings.backend);
-    let middleware = daemon.backends.get(backend)?;
+    let named = request.backend.iter().chain(request.ports.values());
+    for backend in named.flat_map(BackendNames::names) {
+        daemon.backends.get(backend)?;
+    }
     let located = locate::locate(request, &daemon.settings.path)?;
     let analysis = analyse(&located, &daemon.settings.include)?;
     let index = choose(&analysis.specification, &located)?;
@@ -72,13 +84,14 @@ pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Ho
     if !is_name(&name) {
         return Err(LoadError::Name(name));
     }
+    check_names(request, model, &name)?;
     let Some(reservation) = daemon.components.reserve(&name) else {
         return Err(LoadError::Taken(name));
     };
     let specification = Arc::new(analysis.specification);
     let plan = Arc::new(Plan::new(&specification, index)?);
     let component = open(&located, &analysis.sources, &plan)?;
-    let hosted = Hosted::start(daemon, name, located.library, plan, component, middleware)?;
+    let hosted = Hosted::start(daemon, request, name, located.library, plan, component)?;
     reservation.keep(Arc::clone(&hosted));
     if hosted.killed.is_up() {
         unload_killed(&Arc::downgrade(daemon), &hosted.name);
@@ -112,6 +125,29 @@ fn open(located: &Located, sources: &SourceMap, plan: &Plan) -> Result<Component
         format!("{}:{}", at.path.display(), at.line)
     };
     Ok(Component::load(library, plan, &place)?)
+}
+
+/// Refuses a request that says something of what the component has not.
+fn check_names(request: &LoadRequest, model: &Model, instance: &str) -> Result<(), LoadError> {
+    let check = |what, typed: &str, known: Vec<&str>| {
+        if known.contains(&typed) {
+            return Ok(());
+        }
+        let (name, typed) = (instance.to_owned(), typed.to_owned());
+        let help = suggest(&typed, known);
+        Err(LoadError::NoSuch { name, what, typed, help })
+    };
+    for port in request.ports.keys() {
+        check("port", port, model.ports.iter().map(|port| port.name.as_str()).collect())?;
+    }
+    for task in request.tasks.keys() {
+        check("task", task, model.tasks.iter().map(|task| task.name.as_str()).collect())?;
+    }
+    for attribute in request.attributes.keys() {
+        let attributes = model.services.iter().filter(|one| one.kind == ServiceKind::Attribute);
+        check("attribute", attribute, attributes.map(|one| one.name.as_str()).collect())?;
+    }
+    Ok(())
 }
 
 /// Reads the description; its warnings are logged, its errors refuse it.

@@ -81,11 +81,13 @@ pub(crate) async fn unload(
 }
 
 fn summary(hosted: &Hosted) -> Value {
+    let bindings = &hosted.wiring.bindings;
     json!({
         "name": hosted.name,
         "component": hosted.model().name,
         "state": "running",
-        "backend": hosted.backend,
+        "backend": bindings.component(),
+        "port_backends": bindings.ports(),
         "library": hosted.library,
         "activities": hosted.activities.running(),
     })
@@ -103,6 +105,16 @@ fn refused(error: &LoadError) -> RpcError {
         LoadError::Locate(_) => {
             RpcError::new(StatusCode::NOT_FOUND, "no_such_library", message).place("/library")
         }
+        LoadError::NoSuch { what, typed, .. } => RpcError::bad_input(message).place(format!(
+            "/{}/{typed}",
+            if *what == "attribute" {
+                "attributes"
+            } else if *what == "task" {
+                "tasks"
+            } else {
+                "ports"
+            }
+        )),
         LoadError::Stopping => RpcError::conflict("stopping", message),
         _ => RpcError::new(StatusCode::UNPROCESSABLE_ENTITY, "not_loadable", message)
             .place("/library"),

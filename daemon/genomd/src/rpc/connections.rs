@@ -63,9 +63,14 @@ pub(crate) async fn connect(
         policy,
         backend: wanted.backend,
         wait: wanted.wait,
+        patient: true,
     };
-    let made =
-        tokio::task::spawn_blocking(move || wiring::connect::connect(&daemon, &request)).await;
+    let work = move || {
+        let made = wiring::connect::connect(&daemon, &request)?;
+        daemon.declared.forget(&request.inport);
+        Ok(made)
+    };
+    let made = tokio::task::spawn_blocking(work).await;
     match made {
         Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(to_json(&connection)))),
         Ok(Err(error)) => Err(refused(&error)),
@@ -129,6 +134,7 @@ async fn take_away(
     } else {
         let index = ports::find(&hosted, &port)?;
         tokio::task::spawn_blocking(move || {
+            daemon.declared.forget(&hosted.address(&port, element.as_deref()).to_string());
             wiring::connect::disconnect(&daemon, &hosted, index, element.as_deref())
         })
     };

@@ -13,8 +13,11 @@
 //! | `GET /components/{c}/ports/{p}/type` | its type as it lies in memory |
 //! | `POST /components/{c}/events/{e}` | fire |
 //! | `GET /components/{c}/tasks` | statistics |
+//! | `PUT /components/{c}/backend` | move to another middleware while it runs |
 //! | `GET, POST /connections`, `DELETE /connections/{c}/{p}[/{element}]` | wiring |
 //! | `GET, POST /clock` | the date, step |
+//! | `GET, POST /deployment` | the whole system as a file: dump; plan and apply |
+//! | `GET /metrics` | figures for Prometheus |
 //! | `GET /middlewares` | what they can do, what is visible on them |
 //! | `GET /events` | what changes, as it happens |
 //! | `POST /shutdown` | stop the daemon |
@@ -24,14 +27,17 @@
 //! request. 4xx and 5xx: refused, nothing ran, `{"error": {...}}` says why.
 
 mod activities;
+mod backends;
 mod clock;
 mod components;
 mod connections;
 mod daemon;
+mod deployment;
 mod error;
 mod events;
 mod input;
 pub(crate) mod listen;
+mod metrics;
 mod middlewares;
 mod ports;
 pub(crate) mod serve;
@@ -46,7 +52,7 @@ use axum::extract::{DefaultBodyLimit, Request, State};
 use axum::http::{Method, StatusCode, Uri, header};
 use axum::middleware::{Next, from_fn, from_fn_with_state};
 use axum::response::{IntoResponse as _, Response};
-use axum::routing::{delete, get, post};
+use axum::routing::{delete, get, post, put};
 
 use crate::daemon::Daemon;
 use error::RpcError;
@@ -74,11 +80,14 @@ pub(crate) fn router(daemon: Arc<Daemon>) -> Router {
         .route("/components/{component}/ports/{port}/stream", get(ports::stream))
         .route("/components/{component}/events/{event}", post(events::fire))
         .route("/components/{component}/tasks", get(tasks::statistics))
+        .route("/components/{component}/backend", put(backends::change))
         .route("/ports", get(ports::all))
         .route("/connections", get(connections::list).post(connections::connect))
         .route("/connections/{component}/{port}", delete(connections::disconnect))
         .route("/connections/{component}/{port}/{element}", delete(connections::disconnect_element))
         .route("/clock", get(clock::look).post(clock::step))
+        .route("/deployment", get(deployment::dump).post(deployment::apply))
+        .route("/metrics", get(metrics::text))
         .route("/middlewares", get(middlewares::list))
         .route("/events", get(events::stream))
         .fallback(no_such_path)

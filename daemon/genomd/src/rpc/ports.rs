@@ -208,18 +208,23 @@ fn element(
     Err(RpcError::bad_input(message).place("element"))
 }
 
+/// The port itself, or the elements of a multiple one.
+pub(super) fn elements(hosted: &Hosted, port: usize) -> Vec<Option<String>> {
+    if hosted.model().ports[port].multiple {
+        hosted.wiring.elements(port).into_iter().map(Some).collect()
+    } else {
+        vec![None]
+    }
+}
+
 fn described(hosted: &Hosted) -> Vec<Value> {
     let mut out = Vec::new();
-    for (index, port) in hosted.model().ports.iter().enumerate() {
-        if port.multiple {
-            let elements = hosted.wiring.elements(index);
-            if elements.is_empty() {
-                out.push(port_json(hosted, index, None));
-            }
-            out.extend(elements.iter().map(|id| port_json(hosted, index, Some(id))));
-        } else {
+    for index in 0..hosted.model().ports.len() {
+        let elements = elements(hosted, index);
+        if elements.is_empty() {
             out.push(port_json(hosted, index, None));
         }
+        out.extend(elements.iter().map(|id| port_json(hosted, index, id.as_deref())));
     }
     out
 }
@@ -236,6 +241,10 @@ fn port_json(hosted: &Hosted, index: usize, element: Option<&str>) -> Value {
     let connected = hosted.wiring.connection(index, element);
     if let Some(connection) = connected {
         out.insert("connected".into(), connection.outport.to_string().into());
+    }
+    out.insert("backend".into(), hosted.wiring.bindings.port(&port.name).to_string().into());
+    if let Some(gauge) = hosted.wiring.gauge(index, element) {
+        out.insert("traffic".into(), json!(gauge.counts()));
     }
     if let Some(value) = hosted.port_value(index, element) {
         out.insert("value".into(), value);

@@ -13,7 +13,8 @@ use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::nearest::suggest;
 use crate::registry::BackendError;
-use crate::wiring::policy;
+use crate::wiring::place::{Place, PlaceError};
+use crate::wiring::tap::Tap;
 
 /// On a network others become visible a while after they, or we, came up.
 const NETWORK: Duration = Duration::from_secs(2);
@@ -33,6 +34,8 @@ pub(crate) struct ConnectRequest {
     pub(crate) backend: Option<String>,
     /// Connect to an out port that is not there yet.
     pub(crate) wait: bool,
+    /// Look for it as long as it may take to become visible on a network.
+    pub(crate) patient: bool,
 }
 
 /// A connection could not be made; what was there before still is.
@@ -43,7 +46,12 @@ pub(crate) enum ConnectError {
     NoSuchInport { message: String, help: String },
     /// No such out port.
     #[error("no_such_outport: {message}")]
-    NoSuchOutport { message: String, help: String },
+    NoSuchOutport {
+        message: String,
+        help: String,
+        /// It may come later.
+        absent: bool,
+    },
     /// The types differ.
     #[error("{inport} reads {ours}, {outport} carries {theirs}")]
     Type { inport: String, ours: String, outport: String, theirs: String },
@@ -72,7 +80,7 @@ impl ConnectError {
     }
 
     fn outport(message: impl Into<String>, help: impl Into<String>) -> Self {
-        ConnectError::NoSuchOutport { message: message.into(), help: help.into() }
+        ConnectError::NoSuchOutport { message: message.into(), help: help.into(), absent: false }
     }
 }
 
@@ -82,30 +90,41 @@ pub(crate) fn connect(
     request: &ConnectRequest,
 ) -> Result<Connection, ConnectError> {
     let (hosted, port, element) = reader(daemon, &request.inport)?;
-    let Some(outport) = Address::parse(&request.outport) else {
-        let message = format!("`{}` is no COMPONENT/PORT", request.outport);
-        return Err(ConnectError::outport(message, "write for instance demo/position"));
-    };
+    let place = Place::parse(&request.outport).map_err(|error| match error {
+        PlaceError::Backend(error) => ConnectError::Backend(error),
+        error @ PlaceError::Form(_) => {
+            ConnectError::outport(error.to_string(), "write for instance demo/position")
+        }
+    })?;
+    if let (Some(one), Some(other)) = (&place.backend, &request.backend)
+        && one != other
+    {
+        let message = format!("{} is on {one}, and {other} is asked for", request.outport);
+        return Err(ConnectError::outport(message, "name one of the two"));
+    }
+    let outport = place.address;
+    let asked = request.backend.clone().or(place.backend.clone());
     let local = daemon.components.get(&outport.instance);
-    let backend = match (&request.backend, &local) {
-        (Some(backend), _) => backend.clone(),
-        (None, Some(writer)) => writer.backend.clone(),
-        (None, None) => hosted.backend.clone(),
-    };
+    let backend = choose(daemon, asked.as_deref(), local.as_deref(), &hosted, port, &outport);
     let middleware = daemon.backends.get(&backend)?;
     let inport = hosted.address(&hosted.model().ports[port].name, element.as_deref());
     // From itself: somebody outside publishes there, or will.
     let from_outside = outport == inport;
+    // A peer that is no genomd need not show itself where there are no announcements.
+    let foreign = place.backend.is_some() && middleware.capabilities().cross_host;
     match &local {
         _ if from_outside => {}
         Some(writer) => check_local(writer, &outport, &backend, &hosted, port, &inport)?,
-        None if !request.wait => check_remote(middleware.as_ref(), &outport)?,
+        None if !request.wait && !foreign => {
+            check_remote(middleware.as_ref(), &outport, request.patient)?;
+        }
         None => {}
     }
     let element = element.as_deref();
     let made = hosted.wiring.feeds.hold(|feeds| {
-        let (from, policy) = (outport.clone(), request.policy);
-        let made = attach(daemon, &hosted, port, element, &middleware, from, policy)?;
+        let (outport, fixed) = (outport.clone(), asked.is_some());
+        let source = Source { outport, policy: request.policy, fixed };
+        let made = attach(daemon, &hosted, port, element, &middleware, source)?;
         // What the daemon published there is over, also for who wants to publish there itself.
         feeds.remove(&(port, element.map(str::to_owned)));
         Ok(made)
@@ -119,6 +138,14 @@ pub(crate) fn connect(
     })
 }
 
+/// Where an in port is to read.
+pub(super) struct Source {
+    pub(super) outport: Address,
+    pub(super) policy: Policy,
+    /// Whether the middleware was asked for by name.
+    pub(super) fixed: bool,
+}
+
 /// Binds an in port to an out port that was checked, and tells it.
 pub(super) fn attach(
     daemon: &Daemon,
@@ -126,25 +153,64 @@ pub(super) fn attach(
     port: usize,
     element: Option<&str>,
     middleware: &Arc<dyn Middleware>,
-    outport: Address,
-    policy: Policy,
+    source: Source,
 ) -> Result<Connection, OpenError> {
+    let Source { outport, policy, fixed } = source;
     let inport = hosted.address(&hosted.model().ports[port].name, element);
     let Some(ty) = hosted.port_type(port) else {
         let (backend, why) = (middleware.name().to_owned(), "it has no type".to_owned());
         return Err(OpenError::Failed { backend, address: inport, why });
     };
     let subscription = middleware.subscription(&outport, ty, policy)?;
-    hosted.bind_in(port, element, Some(subscription));
-    let connection = Connection { inport, outport, backend: middleware.name().to_owned(), policy };
-    hosted.wiring.connected(port, element, connection.clone());
+    let tap = Tap::new(subscription);
+    hosted.bind_in(port, element, Some(tap.subscription()));
+    let backend = middleware.name().to_owned();
+    let connection = Connection { inport, outport, backend, policy, fixed };
+    hosted.wiring.connected(port, element, connection.clone(), tap);
     daemon.bus.tell(&Change::Connected {
         inport: connection.inport.to_string(),
         outport: connection.outport.to_string(),
         backend: connection.backend.clone(),
-        policy: policy::text(connection.policy),
+        policy: super::policy::text(connection.policy),
     });
     Ok(connection)
+}
+
+/// The middleware of a connection: the one asked for; else one the writer is on, when it is in
+/// this daemon, else one the in port is on: the first where the writer shows.
+fn choose(
+    daemon: &Daemon,
+    asked: Option<&str>,
+    writer: Option<&Hosted>,
+    hosted: &Hosted,
+    port: usize,
+    outport: &Address,
+) -> String {
+    if let Some(asked) = asked {
+        return asked.to_owned();
+    }
+    let ours = hosted.wiring.bindings.port(&hosted.model().ports[port].name);
+    if let Some(writer) = writer {
+        let theirs = writer.wiring.bindings.port(split(outport).0);
+        let common = theirs.names().iter().find(|name| ours.has(name));
+        return common.map_or(theirs.first(), String::as_str).to_owned();
+    }
+    let shows =
+        |name: &&String| daemon.backends.get(name).is_ok_and(|on| publishes(on.as_ref(), outport));
+    match ours.names() {
+        [_] => ours.first().to_owned(),
+        several => several.iter().find(shows).map_or(ours.first(), String::as_str).to_owned(),
+    }
+}
+
+/// Whether somebody announces this out port on a middleware.
+pub(crate) fn publishes(middleware: &dyn Middleware, outport: &Address) -> bool {
+    let wanted = outport.to_string();
+    middleware.discover().is_ok_and(|endpoints| {
+        endpoints
+            .iter()
+            .any(|found| found.kind == EndpointKind::Publisher && found.address == wanted)
+    })
 }
 
 /// Takes a connection away; whether there was one.
@@ -171,7 +237,7 @@ pub(crate) fn disconnect(
 }
 
 /// The in port that an address names: component, index, element.
-fn reader(
+pub(crate) fn reader(
     daemon: &Daemon,
     text: &str,
 ) -> Result<(Arc<Hosted>, usize, Option<String>), ConnectError> {
@@ -252,9 +318,14 @@ fn check_local(
         let help = "a multiple port is named with an element, a single one without";
         return Err(ConnectError::outport(message, help));
     }
-    if writer.backend != backend {
-        let message = format!("{outport} is on {}, not on {backend}", writer.backend);
-        return Err(ConnectError::outport(message, "leave --backend out"));
+    let backends = writer.wiring.bindings.port(name);
+    if !backends.has(backend) {
+        let message = format!("{outport} is on {backends}, not on {backend}");
+        let help = format!(
+            "leave the backend out, or `genomctl backend {}/{name} {backends}+{backend}` adds it",
+            writer.name
+        );
+        return Err(ConnectError::outport(message, help));
     }
     if let (Some(ours), Some(theirs)) = (hosted.port_type(port), writer.port_type(index))
         && !ours.same_as(theirs)
@@ -270,7 +341,11 @@ fn check_local(
 }
 
 /// The writer is elsewhere: it must be visible, unless the caller is ready to wait.
-fn check_remote(middleware: &dyn Middleware, outport: &Address) -> Result<(), ConnectError> {
+fn check_remote(
+    middleware: &dyn Middleware,
+    outport: &Address,
+    patient: bool,
+) -> Result<(), ConnectError> {
     let backend = middleware.name();
     if !middleware.capabilities().cross_process {
         let message = format!(
@@ -280,7 +355,8 @@ fn check_remote(middleware: &dyn Middleware, outport: &Address) -> Result<(), Co
         return Err(ConnectError::outport(message, "load both on another backend"));
     }
     let wanted = outport.to_string();
-    let end = Instant::now() + if middleware.capabilities().cross_host { NETWORK } else { ZERO };
+    let end = Instant::now()
+        + if patient && middleware.capabilities().cross_host { NETWORK } else { ZERO };
     let visible = loop {
         let visible = publishers(middleware, outport)?;
         if visible.contains(&wanted) {
@@ -296,7 +372,7 @@ fn check_remote(middleware: &dyn Middleware, outport: &Address) -> Result<(), Co
         "{}; a writer that comes later is waited for with --wait",
         suggest(&wanted, visible.iter().map(String::as_str))
     );
-    Err(ConnectError::outport(message, help))
+    Err(ConnectError::NoSuchOutport { message, help, absent: true })
 }
 
 /// Addresses of the out ports visible now, in order.

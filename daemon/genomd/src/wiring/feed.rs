@@ -12,6 +12,7 @@ use genom_middleware::{OpenError, Policy, PublishError, Publisher};
 use genom_types::{JsonError, Record};
 use serde_json::Value;
 
+use super::connect::Source;
 use super::{Connection, Key, connect};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
@@ -55,7 +56,7 @@ pub(super) struct Feed {
 
 impl Feeds {
     /// Closes all.
-    pub(crate) fn close_all(&self) {
+    pub(super) fn close_all(&self) {
         self.hold(BTreeMap::clear);
     }
 
@@ -112,13 +113,17 @@ pub(crate) fn publish(
         }
         value.merge_json(given)?;
         // Connected to itself before: on the middleware that was asked for then.
-        let backend = connection.as_ref().map_or(&hosted.backend, |made| &made.backend);
-        let middleware = daemon.backends.get(backend)?;
+        let backend = match &connection {
+            Some(made) => made.backend.clone(),
+            None => hosted.wiring.bindings.port(&model.name).first().to_owned(),
+        };
+        let middleware = daemon.backends.get(&backend)?;
         let mut publisher = middleware.publisher(&inport, ty)?;
         // Before the port is connected: the first thing it reads is this value.
         publisher.publish(&value).map_err(refused)?;
         if connection.is_none() {
-            connect::attach(daemon, hosted, port, element, &middleware, inport, Policy::Latest)?;
+            let source = Source { outport: inport, policy: Policy::Latest, fixed: false };
+            connect::attach(daemon, hosted, port, element, &middleware, source)?;
         }
         let shown = value.to_json();
         feeds.insert(key, Feed { publisher, value });

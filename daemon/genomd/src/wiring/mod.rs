@@ -1,19 +1,29 @@
 //! What ports and services are tied to: bindings to middlewares, connections between ports.
 
+pub(crate) mod bindings;
 pub(crate) mod connect;
+mod fan;
 pub(crate) mod feed;
+pub(crate) mod gauge;
+pub(crate) mod place;
 pub(crate) mod policy;
 pub(crate) mod publish;
 pub(crate) mod remote;
 pub(crate) mod requests;
 pub(crate) mod serve;
+pub(crate) mod switch;
+mod tap;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_middleware::{Address, Policy};
 
+use self::bindings::Bindings;
 pub(crate) use connect::{ConnectError, ConnectRequest};
+use fan::Fan;
+use gauge::Gauge;
+use tap::Tap;
 
 /// What feeds an in port.
 #[derive(Clone, Debug)]
@@ -22,6 +32,8 @@ pub(crate) struct Connection {
     pub(crate) outport: Address,
     pub(crate) backend: String,
     pub(crate) policy: Policy,
+    /// Whether the backend was asked for by name: then the connection stays on it.
+    pub(crate) fixed: bool,
 }
 
 /// The service behind a remote.
@@ -32,11 +44,13 @@ pub(crate) struct RemoteConnection {
 }
 
 /// A port by its index, or an element of a multiple one.
-type Key = (usize, Option<String>);
+pub(crate) type Key = (usize, Option<String>);
 
 /// The wires of one component, as far as supervisors see them.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Wires {
+    /// The middlewares it is on.
+    pub(crate) bindings: Bindings,
     state: Mutex<State>,
     /// Publishers at in ports, for values from outside. Locked before `state`, never after.
     pub(crate) feeds: feed::Feeds,
@@ -44,22 +58,29 @@ pub(crate) struct Wires {
 
 #[derive(Debug, Default)]
 struct State {
-    connections: BTreeMap<Key, Connection>,
+    connections: BTreeMap<Key, (Connection, Tap)>,
     remotes: BTreeMap<usize, RemoteConnection>,
-    /// Elements of multiple out ports that codels opened.
-    opened: BTreeSet<(usize, String)>,
+    /// Out ports, and the elements of multiple ones that codels opened.
+    opened: BTreeMap<Key, Fan>,
 }
 
 impl Wires {
+    /// No wire yet.
+    pub(crate) fn new(bindings: Bindings) -> Self {
+        Self { bindings, state: Mutex::default(), feeds: feed::Feeds::default() }
+    }
+
     /// What feeds a port.
     pub(crate) fn connection(&self, port: usize, element: Option<&str>) -> Option<Connection> {
         let key = (port, element.map(str::to_owned));
-        self.with(|state| state.connections.get(&key).cloned())
+        self.with(|state| state.connections.get(&key).map(|(connection, _)| connection.clone()))
     }
 
     /// All connections, by port.
     pub(crate) fn connections(&self) -> Vec<Connection> {
-        self.with(|state| state.connections.values().cloned().collect())
+        self.with(|state| {
+            state.connections.values().map(|(connection, _)| connection.clone()).collect()
+        })
     }
 
     /// All remotes that are connected, by remote.
@@ -67,29 +88,71 @@ impl Wires {
         self.with(|state| state.remotes.values().cloned().collect())
     }
 
+    /// What passed through a port, written or read.
+    pub(crate) fn gauge(&self, port: usize, element: Option<&str>) -> Option<Arc<Gauge>> {
+        let key = (port, element.map(str::to_owned));
+        self.with(|state| match (state.opened.get(&key), state.connections.get(&key)) {
+            (Some(fan), _) => Some(Arc::clone(fan.gauge())),
+            (None, Some((_, tap))) => Some(Arc::clone(tap.gauge())),
+            (None, None) => None,
+        })
+    }
+
     /// Elements of a multiple port: opened (out) or connected (in).
     pub(crate) fn elements(&self, port: usize) -> Vec<String> {
         self.with(|state| {
-            let opened = state.opened.iter().filter(|(index, _)| *index == port);
-            let connected = state.connections.keys().filter(|(index, _)| *index == port);
-            let all: BTreeSet<String> = opened
-                .map(|(_, element)| element.clone())
-                .chain(connected.filter_map(|(_, element)| element.clone()))
+            let keys = state.opened.keys().chain(state.connections.keys());
+            let all: BTreeSet<String> = keys
+                .filter(|(index, _)| *index == port)
+                .filter_map(|(_, element)| element.clone())
                 .collect();
             all.into_iter().collect()
         })
     }
 
+    /// The out ports with their publishers.
+    fn fans(&self) -> Vec<(Key, Fan)> {
+        self.with(|state| {
+            state.opened.iter().map(|(key, fan)| (key.clone(), fan.clone())).collect()
+        })
+    }
+
+    /// The connections with their subscriptions.
+    fn taps(&self) -> Vec<(Key, Connection, Tap)> {
+        self.with(|state| {
+            let all = state.connections.iter();
+            all.map(|(key, (connection, tap))| (key.clone(), connection.clone(), tap.clone()))
+                .collect()
+        })
+    }
+
     /// An in port was connected.
-    fn connected(&self, port: usize, element: Option<&str>, connection: Connection) {
+    fn connected(&self, port: usize, element: Option<&str>, connection: Connection, tap: Tap) {
         let key = (port, element.map(str::to_owned));
-        self.with(|state| state.connections.insert(key, connection));
+        self.with(|state| state.connections.insert(key, (connection, tap)));
+    }
+
+    /// A connection moved to another middleware.
+    fn moved(&self, key: &Key, backend: &str) {
+        self.with(|state| {
+            if let Some((connection, _)) = state.connections.get_mut(key) {
+                backend.clone_into(&mut connection.backend);
+            }
+        });
     }
 
     /// An in port was disconnected; whether it was connected.
     fn disconnected(&self, port: usize, element: Option<&str>) -> bool {
         let key = (port, element.map(str::to_owned));
         self.with(|state| state.connections.remove(&key).is_some())
+    }
+
+    /// Lets go of everything: the component stopped.
+    pub(crate) fn close(&self) {
+        let old = self.with(std::mem::take);
+        // Closed without holding up those who look.
+        drop(old);
+        self.feeds.close_all();
     }
 
     /// A remote was connected.
@@ -102,9 +165,9 @@ impl Wires {
         self.with(|state| state.remotes.remove(&remote).is_some())
     }
 
-    /// A codel opened an element of a multiple out port.
-    fn opened(&self, port: usize, element: &str) {
-        self.with(|state| state.opened.insert((port, element.to_owned())));
+    /// An out port was opened, or a codel opened an element of a multiple one.
+    fn opened(&self, port: usize, element: Option<&str>, fan: Fan) {
+        self.with(|state| state.opened.insert((port, element.map(str::to_owned)), fan));
     }
 
     fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {

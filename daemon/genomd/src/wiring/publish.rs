@@ -1,35 +1,69 @@
 //! Publishers of out ports: opened at load, and by codels for elements of multiple ports.
 
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 use genom_description::model::PortDirection;
-use genom_middleware::{Address, Middleware, OpenError, Publisher};
+use genom_middleware::{Address, OpenError, Publisher};
 use genom_runtime::body::{Body, Opener};
 use genom_runtime::plan::Plan;
+use genom_types::DataType;
 
 use super::Wires;
+use super::fan::{Ends, Fan};
+use crate::config::BackendNames;
+use crate::daemon::Daemon;
+use crate::registry::BackendError;
+
+/// A port could not be opened on one of its middlewares.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum BindError {
+    /// No such middleware.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// The middleware refused.
+    #[error(transparent)]
+    Open(#[from] Box<OpenError>),
+}
+
+/// Opens an address on each of these middlewares.
+pub(super) fn open(
+    daemon: &Daemon,
+    names: &BackendNames,
+    address: &Address,
+    ty: &DataType,
+) -> Result<Ends, BindError> {
+    let mut ends = Vec::with_capacity(names.names().len());
+    for name in names.names() {
+        let middleware = daemon.backends.get(name)?;
+        let publisher = middleware.publisher(address, ty).map_err(Box::new)?;
+        ends.push((name.clone(), publisher));
+    }
+    Ok(ends)
+}
 
 /// Opens every out port of an instance that does not run yet.
 pub(crate) fn bind(
+    daemon: &Arc<Daemon>,
     body: &dyn Body,
     plan: &Arc<Plan>,
     instance: &str,
-    middleware: &Arc<dyn Middleware>,
     wires: &Arc<Wires>,
-) -> Result<(), OpenError> {
+) -> Result<(), BindError> {
     for (index, port) in plan.component().ports.iter().enumerate() {
         if port.direction == PortDirection::Out
             && !port.multiple
             && let Some(ty) = plan.port_type(index)
         {
             let address = Address::new(instance, port.name.as_str());
-            body.bind_out(index, None, Some(middleware.publisher(&address, ty)?));
+            let fan = Fan::new(open(daemon, &wires.bindings.port(&port.name), &address, ty)?);
+            body.bind_out(index, None, Some(fan.publisher()));
+            wires.opened(index, None, fan);
         }
     }
     body.set_opener(Box::new(ElementOpener {
+        daemon: Arc::downgrade(daemon),
         instance: instance.to_owned(),
         plan: Arc::clone(plan),
-        middleware: Arc::clone(middleware),
         wires: Arc::clone(wires),
     }));
     Ok(())
@@ -37,9 +71,10 @@ pub(crate) fn bind(
 
 /// Opens elements of multiple out ports under `<instance>/<port>/<element>` (genom3.md 7.8).
 struct ElementOpener {
+    /// Weak: the daemon owns the instances, not the other way round.
+    daemon: Weak<Daemon>,
     instance: String,
     plan: Arc<Plan>,
-    middleware: Arc<dyn Middleware>,
     wires: Arc<Wires>,
 }
 
@@ -49,14 +84,19 @@ impl Opener for ElementOpener {
         let Some((model, ty)) = known else {
             return Err(format!("{} has no port number {port}", self.instance));
         };
+        let Some(daemon) = self.daemon.upgrade() else {
+            return Err("the daemon stops".to_owned());
+        };
         let name = &model.name;
         if element.is_empty() || element.contains('/') {
             return Err(format!("`{element}` cannot name an element of {name}"));
         }
         let address = Address::new(self.instance.as_str(), format!("{name}/{element}"));
-        let publisher =
-            self.middleware.publisher(&address, ty).map_err(|error| error.to_string())?;
-        self.wires.opened(port, element);
+        let names = self.wires.bindings.port(name);
+        let ends = open(&daemon, &names, &address, ty).map_err(|error| error.to_string())?;
+        let fan = Fan::new(ends);
+        let publisher = fan.publisher();
+        self.wires.opened(port, Some(element), fan);
         Ok(publisher)
     }
 }

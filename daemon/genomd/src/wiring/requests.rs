@@ -54,6 +54,7 @@ impl Wiring for SupervisorWiring {
             policy: Policy::Latest,
             backend: None,
             wait: false,
+            patient: true,
         };
         connect(&daemon, &request).map(drop).map_err(|error| match error {
             ConnectError::NoSuchInport { .. } => WiringError::NoSuchInport(local.to_owned()),

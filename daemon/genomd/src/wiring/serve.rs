@@ -10,10 +10,28 @@ use genom_middleware::{
 use genom_runtime::Outcome;
 use genom_types::Record;
 
+use super::publish::BindError;
+use crate::daemon::Daemon;
 use crate::hosting::{Heard, Hosted};
 
-/// Serves every service, if the middleware has services at all.
-pub(crate) fn serve(
+/// Services of one component, by middleware.
+pub(crate) type ServedOn = Vec<(String, Vec<Box<dyn Served>>)>;
+
+/// Serves every service on each of these middlewares, as far as they have services at all.
+pub(crate) fn serve_on(
+    daemon: &Daemon,
+    hosted: &Arc<Hosted>,
+    names: &[String],
+) -> Result<ServedOn, BindError> {
+    let mut all = Vec::with_capacity(names.len());
+    for name in names {
+        let middleware = daemon.backends.get(name)?;
+        all.push((name.clone(), serve(hosted, &middleware).map_err(Box::new)?));
+    }
+    Ok(all)
+}
+
+fn serve(
     hosted: &Arc<Hosted>,
     middleware: &Arc<dyn Middleware>,
 ) -> Result<Vec<Box<dyn Served>>, OpenError> {

@@ -1,0 +1,135 @@
+//! What a deployment adds to components: connections, calls and activities.
+
+use genom_middleware::{Address, Policy};
+use serde::{Deserialize, Deserializer, Serialize, de};
+use serde_json::{Map, Value};
+
+use super::{Config, LoadRequest};
+use crate::wiring::place::Place;
+use crate::wiring::policy;
+
+/// A connection that is to be, and to be kept.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ConnectionEntry {
+    /// The in port: `component/port` or `component/port/element`.
+    #[serde(rename = "in", deserialize_with = "inport")]
+    pub(crate) inport: String,
+    /// The out port, with a middleware before it or not.
+    #[serde(rename = "out", deserialize_with = "outport")]
+    pub(crate) outport: String,
+    /// `latest`, `queue:N` or `ring:N`.
+    #[serde(default = "latest", deserialize_with = "policy_text")]
+    pub(crate) policy: String,
+    /// The middleware, when it is not left to the two ports.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) backend: Option<String>,
+}
+
+/// A request to a service.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CallEntry {
+    /// Instance name.
+    pub(crate) component: String,
+    /// Service.
+    pub(crate) service: String,
+    /// Inputs; what is missing takes its default.
+    #[serde(default = "no_inputs", skip_serializing_if = "is_empty")]
+    pub(crate) inputs: Value,
+}
+
+/// What is to run and how it is wired, on one daemon.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Deployment {
+    /// Components, in order unless `after` says otherwise.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) component: Vec<LoadRequest>,
+    /// Connections.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) connection: Vec<ConnectionEntry>,
+    /// Services to call, in order, once everything is wired.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) call: Vec<CallEntry>,
+    /// Activities to start, in order, after the calls.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(crate) activity: Vec<CallEntry>,
+}
+
+impl ConnectionEntry {
+    /// The policy; it was checked when the entry was read.
+    pub(crate) fn policy(&self) -> Policy {
+        policy::parse(&self.policy).unwrap_or_default()
+    }
+
+    /// Instance that reads.
+    pub(crate) fn reader(&self) -> &str {
+        self.inport.split('/').next().unwrap_or_default()
+    }
+}
+
+impl std::fmt::Display for ConnectionEntry {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} reads {}", self.inport, self.outport)
+    }
+}
+
+impl Deployment {
+    /// The part of a file that concerns the daemon of this name; without a name, what is not
+    /// said to be another's.
+    pub(crate) fn of(config: &Config, daemon: Option<&str>) -> Self {
+        let mine = |component: &&LoadRequest| {
+            component.daemon.is_none() || component.daemon.as_deref() == daemon
+        };
+        let elsewhere: Vec<String> =
+            config.component.iter().filter(|one| !mine(one)).map(LoadRequest::instance).collect();
+        let here = |instance: &str| !elsewhere.iter().any(|other| other == instance);
+        let calls = |entries: &[CallEntry]| {
+            entries.iter().filter(|entry| here(&entry.component)).cloned().collect()
+        };
+        Self {
+            component: config.component.iter().filter(mine).cloned().collect(),
+            connection: {
+                let all = config.connection.iter();
+                all.filter(|connection| here(connection.reader())).cloned().collect()
+            },
+            call: calls(&config.call),
+            activity: calls(&config.activity),
+        }
+    }
+}
+
+fn latest() -> String {
+    "latest".to_owned()
+}
+
+fn no_inputs() -> Value {
+    Value::Object(Map::new())
+}
+
+fn is_empty(inputs: &Value) -> bool {
+    inputs.as_object().is_some_and(Map::is_empty)
+}
+
+fn inport<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+    let text = String::deserialize(from)?;
+    match Address::parse(&text) {
+        Some(_) => Ok(text),
+        None => Err(de::Error::custom(format!("`{text}` is no COMPONENT/PORT"))),
+    }
+}
+
+fn outport<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+    let text = String::deserialize(from)?;
+    Place::parse(&text).map_err(de::Error::custom)?;
+    Ok(text)
+}
+
+fn policy_text<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+    let text = String::deserialize(from)?;
+    match policy::parse(&text) {
+        Some(_) => Ok(text),
+        None => Err(de::Error::custom(policy::HELP)),
+    }
+}

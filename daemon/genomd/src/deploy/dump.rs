@@ -1,0 +1,66 @@
+//! The running system as a deployment.
+
+use std::collections::BTreeMap;
+
+use genom_description::model::ServiceKind;
+
+use crate::config::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest};
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use crate::wiring::{Connection, policy};
+
+/// What runs and how it is wired; applied on a fresh daemon it gives the same.
+pub(crate) fn dump(daemon: &Daemon) -> Deployment {
+    let mut all = Deployment::default();
+    for hosted in daemon.components.all() {
+        all.component.push(component(&hosted));
+        all.connection.extend(hosted.wiring.connections().iter().map(connection));
+        let entry = |service: &str, inputs| CallEntry {
+            component: hosted.name.clone(),
+            service: service.to_owned(),
+            inputs,
+        };
+        for (service, inputs) in hosted.done.all_deployed() {
+            // Activities are dumped as long as they run, below.
+            let known = hosted.model().services.iter().find(|known| known.name == service);
+            if known.is_some_and(|known| known.kind != ServiceKind::Activity) {
+                all.call.push(entry(&service, inputs));
+            }
+        }
+        for activity in hosted.activities.all() {
+            if let Some(inputs) = hosted.done.inputs(activity.number) {
+                all.activity.push(entry(&activity.service, inputs));
+            }
+        }
+    }
+    // Declared, and waiting for one of its sides.
+    for declared in daemon.declared.all() {
+        if !all.connection.iter().any(|made| made.inport == declared.inport) {
+            all.connection.push(declared);
+        }
+    }
+    all
+}
+
+fn component(hosted: &Hosted) -> LoadRequest {
+    let bindings = &hosted.wiring.bindings;
+    let ports: BTreeMap<String, BackendNames> = bindings.ports();
+    LoadRequest {
+        library: hosted.library.clone(),
+        name: Some(hosted.name.clone()),
+        backend: Some(bindings.component()),
+        ports,
+        attributes: hosted.done.attributes(),
+        after: Vec::new(),
+        ..hosted.request.clone()
+    }
+}
+
+fn connection(made: &Connection) -> ConnectionEntry {
+    ConnectionEntry {
+        inport: made.inport.to_string(),
+        outport: made.outport.to_string(),
+        policy: policy::text(made.policy),
+        backend: made.fixed.then(|| made.backend.clone()),
+    }
+}

@@ -1,0 +1,75 @@
+//! Keeps declared connections: when a component or another daemon comes back, it is wired again.
+
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Duration;
+
+use super::apply::connect_request;
+use crate::config::ConnectionEntry;
+use crate::daemon::Daemon;
+use crate::wiring::connect;
+
+/// How often missing connections are looked after.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// The connections that deployments declared, one an in port.
+#[derive(Debug, Default)]
+pub(crate) struct Declared {
+    entries: Mutex<Vec<ConnectionEntry>>,
+}
+
+impl Declared {
+    /// These are to be kept from now on, in place of others of the same in ports.
+    pub(crate) fn keep(&self, new: &[ConnectionEntry]) {
+        self.with(|entries| {
+            entries.retain(|old| !new.iter().any(|entry| entry.inport == old.inport));
+            entries.extend_from_slice(new);
+        });
+    }
+
+    /// Somebody disconnected or connected this in port otherwise: that holds.
+    pub(crate) fn forget(&self, inport: &str) {
+        self.with(|entries| entries.retain(|entry| entry.inport != inport));
+    }
+
+    /// All of them.
+    pub(crate) fn all(&self) -> Vec<ConnectionEntry> {
+        self.with(|entries| entries.clone())
+    }
+
+    fn with<T>(&self, work: impl FnOnce(&mut Vec<ConnectionEntry>) -> T) -> T {
+        work(&mut self.entries.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Looks after declared connections until the daemon stops.
+pub(crate) fn watch(daemon: &Arc<Daemon>) -> std::io::Result<()> {
+    let daemon = Arc::downgrade(daemon);
+    std::thread::Builder::new().name("genomd-wiring".to_owned()).spawn(move || {
+        while look(&daemon) {
+            std::thread::park_timeout(LOOK);
+        }
+    })?;
+    Ok(())
+}
+
+/// Makes what is missing, as far as both sides are there; false when the daemon stops.
+fn look(daemon: &Weak<Daemon>) -> bool {
+    let Some(daemon) = daemon.upgrade() else { return false };
+    if daemon.stopping() {
+        return false;
+    }
+    for entry in daemon.declared.all() {
+        let Ok((reader, port, element)) = connect::reader(&daemon, &entry.inport) else {
+            continue;
+        };
+        if reader.wiring.connection(port, element.as_deref()).is_some() {
+            // Subscriptions survive their writer: the middleware finds it when it is back.
+            continue;
+        }
+        match connect::connect(&daemon, &connect_request(&entry)) {
+            Ok(_) => tracing::info!("{entry} again"),
+            Err(error) => tracing::debug!("{entry}: {error}"),
+        }
+    }
+    true
+}

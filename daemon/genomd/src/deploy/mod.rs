@@ -1,0 +1,50 @@
+//! Deployments: what is to run and how it is wired, brought about step by step.
+
+pub(crate) mod apply;
+pub(crate) mod dump;
+pub(crate) mod keep;
+pub(crate) mod plan;
+pub(crate) mod request;
+
+use std::fmt;
+
+use crate::config::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
+
+/// One step on the way to a deployment.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Step {
+    /// A component is to run, with its attributes set.
+    Load(Box<LoadRequest>),
+    /// A component or port is to move to other middlewares.
+    Move { component: String, port: Option<String>, to: BackendNames },
+    /// An attribute is to have other inputs.
+    Set(CallEntry),
+    /// An in port is to be connected.
+    Connect(ConnectionEntry),
+    /// A service is to be called.
+    Call(CallEntry),
+    /// An activity is to be started.
+    Start(CallEntry),
+}
+
+impl fmt::Display for Step {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let call = |f: &mut fmt::Formatter<'_>, word: &str, entry: &CallEntry| {
+            write!(f, "{word} {}/{} {}", entry.component, entry.service, entry.inputs)
+        };
+        match self {
+            Step::Load(request) => {
+                write!(f, "load {} from {}", request.instance(), request.library.display())?;
+                request.backend.as_ref().map_or(Ok(()), |backend| write!(f, " on {backend}"))
+            }
+            Step::Move { component, port: None, to } => write!(f, "move {component} to {to}"),
+            Step::Move { component, port: Some(port), to } => {
+                write!(f, "move {component}/{port} to {to}")
+            }
+            Step::Set(entry) => call(f, "set", entry),
+            Step::Connect(entry) => write!(f, "connect {} to {}", entry.inport, entry.outport),
+            Step::Call(entry) => call(f, "call", entry),
+            Step::Start(entry) => call(f, "start", entry),
+        }
+    }
+}

@@ -1,0 +1,212 @@
+//! From a deployment and what runs to the steps between the two.
+
+use serde_json::Value;
+
+use super::Step;
+use crate::config::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest};
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use crate::nearest::suggest;
+use crate::wiring::place::Place;
+use crate::wiring::policy;
+
+/// The deployment contradicts itself or what runs; nothing was changed.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum PlanError {
+    /// Components wait for each other.
+    #[error("{0} comes after itself: look at the `after` of the components")]
+    Circle(String),
+    /// A name of no component.
+    #[error("{what} names component `{typed}`, which neither runs nor is deployed; {help}")]
+    Unknown { what: String, typed: String, help: String },
+    /// Two components of one name.
+    #[error("two components are named {0}: give one another `name`")]
+    Twice(String),
+    /// What runs cannot become what is wanted.
+    #[error("{name} runs with {what} than the deployment says: `genomctl unload {name}` first")]
+    Other { name: String, what: &'static str },
+}
+
+/// The steps that bring the daemon to the deployment; none when it is there.
+pub(crate) fn plan(daemon: &Daemon, wanted: &Deployment) -> Result<Vec<Step>, PlanError> {
+    let mut steps = Vec::new();
+    for request in ordered(&wanted.component)? {
+        let name = request.instance();
+        match daemon.components.get(&name) {
+            None => steps.push(Step::Load(Box::new(request.clone()))),
+            Some(hosted) => adapt(daemon, &hosted, request, &mut steps)?,
+        }
+    }
+    let known = |instance: &str| {
+        daemon.components.get(instance).is_some()
+            || wanted.component.iter().any(|request| request.instance() == instance)
+    };
+    let check = |what: String, instance: &str| {
+        if known(instance) {
+            return Ok(());
+        }
+        let mut names: Vec<String> = wanted.component.iter().map(LoadRequest::instance).collect();
+        names.extend(daemon.components.all().iter().map(|hosted| hosted.name.clone()));
+        let help = suggest(instance, names.iter().map(String::as_str));
+        Err(PlanError::Unknown { what, typed: instance.to_owned(), help })
+    };
+    for connection in &wanted.connection {
+        check(format!("in = \"{}\"", connection.inport), connection.reader())?;
+        if !connected(daemon, connection) {
+            steps.push(Step::Connect(connection.clone()));
+        }
+    }
+    let (calls, starts) = (wanted.call.iter(), wanted.activity.iter());
+    let calls = calls.map(|entry| (entry, Step::Call(entry.clone())));
+    for (entry, step) in calls.chain(starts.map(|entry| (entry, Step::Start(entry.clone())))) {
+        check(format!("the call of {}", entry.service), &entry.component)?;
+        if !done(daemon, entry) {
+            steps.push(step);
+        }
+    }
+    Ok(steps)
+}
+
+/// Components with those first that others come after.
+fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
+    let mut left: Vec<&LoadRequest> = all.iter().collect();
+    let mut names: Vec<String> = Vec::new();
+    for request in all {
+        let name = request.instance();
+        // Unnamed ones are named by their descriptions, which are read when they are loaded.
+        if names.contains(&name) && request.name.is_some() {
+            return Err(PlanError::Twice(name));
+        }
+        names.push(name);
+    }
+    let mut order = Vec::with_capacity(all.len());
+    while !left.is_empty() {
+        let waits = |request: &&LoadRequest, name: &String| {
+            request.after.contains(name) && request.instance() != *name
+        };
+        let pending: Vec<String> = left.iter().map(|request| request.instance()).collect();
+        let free = left.iter().position(|request| {
+            !request.after.contains(&request.instance())
+                && !pending.iter().any(|name| waits(request, name))
+        });
+        let Some(free) = free else { return Err(PlanError::Circle(pending[0].clone())) };
+        let request = left.remove(free);
+        if let Some(unknown) = request.after.iter().find(|after| !names.contains(after)) {
+            let what = format!("after of {}", request.instance());
+            let help = suggest(unknown, names.iter().map(String::as_str));
+            return Err(PlanError::Unknown { what, typed: unknown.clone(), help });
+        }
+        order.push(request);
+    }
+    Ok(order)
+}
+
+/// Steps for a component that runs already.
+fn adapt(
+    daemon: &Daemon,
+    hosted: &Hosted,
+    request: &LoadRequest,
+    steps: &mut Vec<Step>,
+) -> Result<(), PlanError> {
+    let name = hosted.name.clone();
+    let other = |what| Err(PlanError::Other { name: name.clone(), what });
+    if hosted.request.library != request.library && hosted.library != request.library {
+        return other("another library");
+    }
+    if hosted.request.tasks != request.tasks {
+        return other("other settings of tasks");
+    }
+    let default = || BackendNames::one(daemon.settings.backend.as_str());
+    let to = request.backend.clone().unwrap_or_else(default);
+    let bindings = &hosted.wiring.bindings;
+    let moves = bindings.component() != to;
+    if moves {
+        steps.push(Step::Move { component: name.clone(), port: None, to: to.clone() });
+    }
+    for port in &hosted.model().ports {
+        let wanted = request.ports.get(&port.name).unwrap_or(&to);
+        let present = if moves { to.clone() } else { bindings.port(&port.name) };
+        if present != *wanted {
+            let (component, port) = (name.clone(), Some(port.name.clone()));
+            steps.push(Step::Move { component, port, to: wanted.clone() });
+        }
+    }
+    let set = hosted.done.attributes();
+    for (service, inputs) in &request.attributes {
+        if set.get(service) != full(hosted, service, inputs).as_ref() {
+            let (component, service) = (name.clone(), service.clone());
+            steps.push(Step::Set(CallEntry { component, service, inputs: inputs.clone() }));
+        }
+    }
+    Ok(())
+}
+
+/// Inputs with the defaults of what they leave out.
+fn full(hosted: &Hosted, service: &str, inputs: &Value) -> Option<Value> {
+    let index = hosted.plan().service(service)?;
+    hosted.input(index, inputs).ok().map(|record| record.to_json())
+}
+
+/// Whether a connection is there as it is wanted.
+fn connected(daemon: &Daemon, wanted: &ConnectionEntry) -> bool {
+    let Ok(place) = Place::parse(&wanted.outport) else { return false };
+    let backend = wanted.backend.as_ref().or(place.backend.as_ref());
+    let Some(hosted) = daemon.components.get(wanted.reader()) else { return false };
+    hosted.wiring.connections().iter().any(|present| {
+        present.inport.to_string() == wanted.inport
+            && present.outport == place.address
+            && policy::text(present.policy) == wanted.policy
+            && backend.is_none_or(|backend| *backend == present.backend)
+    })
+}
+
+/// Whether a deployment had this called already, in this life of the component, or the activity
+/// runs.
+fn done(daemon: &Daemon, entry: &CallEntry) -> bool {
+    let Some(hosted) = daemon.components.get(&entry.component) else { return false };
+    let wanted = full(&hosted, &entry.service, &entry.inputs);
+    let equal = |service: &str, inputs: &Value| {
+        service == entry.service && full(&hosted, service, inputs) == wanted
+    };
+    let deployed = hosted.done.all_deployed();
+    let running = hosted.activities.all();
+    deployed.iter().any(|(service, inputs)| equal(service, inputs))
+        || running.iter().any(|activity| {
+            let inputs = hosted.done.inputs(activity.number);
+            inputs.is_some_and(|inputs| equal(&activity.service, &inputs))
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn request(name: &str, after: &[&str]) -> LoadRequest {
+        LoadRequest {
+            name: Some(name.to_owned()),
+            after: after.iter().map(|&name| name.to_owned()).collect(),
+            ..LoadRequest::default()
+        }
+    }
+
+    #[test]
+    fn components_come_after_those_they_name() {
+        let all = [request("a", &["c"]), request("b", &[]), request("c", &["b"])];
+        let order = ordered(&all).unwrap();
+        let names: Vec<String> = order.iter().map(|request| request.instance()).collect();
+        assert_eq!(names, ["b", "c", "a"]);
+    }
+
+    #[test]
+    fn circles_unknown_and_double_names_are_refused() {
+        let circle = ordered(&[request("a", &["b"]), request("b", &["a"])]).unwrap_err();
+        assert!(matches!(circle, PlanError::Circle(_)), "{circle}");
+        assert!(ordered(&[request("a", &["a"])]).is_err());
+        let unknown = ordered(&[request("arm", &[]), request("b", &["amr"])]).unwrap_err();
+        assert!(unknown.to_string().contains("`arm`"), "{unknown}");
+        assert!(matches!(
+            ordered(&[request("a", &[]), request("a", &[])]),
+            Err(PlanError::Twice(_))
+        ));
+    }
+}

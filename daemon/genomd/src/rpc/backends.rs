@@ -1,0 +1,54 @@
+//! Moves running components and ports to other middlewares.
+
+use std::sync::Arc;
+
+use axum::Json;
+use axum::extract::{Path, State};
+use axum::http::StatusCode;
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::config::BackendNames;
+use crate::daemon::Daemon;
+use crate::rpc::error::RpcError;
+use crate::rpc::input::Body;
+use crate::rpc::{components, ports};
+use crate::wiring::publish::BindError;
+use crate::wiring::switch::switch;
+
+/// Body of `PUT /components/{component}/backend`.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Move {
+    /// Where to.
+    backend: BackendNames,
+    /// One port only.
+    #[serde(default)]
+    port: Option<String>,
+}
+
+/// `PUT /components/{component}/backend` with `{backend, port}`
+pub(crate) async fn change(
+    State(daemon): State<Arc<Daemon>>,
+    Path(component): Path<String>,
+    Body(wanted): Body<Move>,
+) -> Result<Json<Value>, RpcError> {
+    let hosted = components::find(&daemon, &component)?;
+    let port = wanted.port.as_deref().map(|port| ports::find(&hosted, port)).transpose()?;
+    if wanted.backend.names().is_empty() {
+        return Err(RpcError::bad_input("a port is on one backend at least").place("/backend"));
+    }
+    let to = wanted.backend.clone();
+    let work = move || switch(&daemon, &hosted, port, &wanted.backend);
+    match tokio::task::spawn_blocking(work).await {
+        Ok(Ok(())) => Ok(Json(json!({"component": component, "port": wanted.port, "backend": to}))),
+        Ok(Err(error @ BindError::Backend(_))) => {
+            Err(RpcError::bad_input(error.to_string()).place("/backend"))
+        }
+        Ok(Err(error)) => {
+            Err(RpcError::new(StatusCode::BAD_GATEWAY, "middleware_failed", error.to_string())
+                .help("nothing was changed"))
+        }
+        Err(error) => Err(RpcError::internal(error.to_string())),
+    }
+}

@@ -1,0 +1,140 @@
+//! Figures for Prometheus, in its text format: components, tasks, codels, ports, connections.
+
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use axum::extract::State;
+use axum::http::header;
+use axum::response::IntoResponse;
+use genom_runtime::Durations;
+
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use crate::rpc::ports;
+
+/// `GET /metrics`
+pub(crate) async fn text(State(daemon): State<Arc<Daemon>>) -> impl IntoResponse {
+    let mut page = Page::default();
+    for hosted in daemon.components.all() {
+        describe(&mut page, &hosted);
+    }
+    ([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], page.text())
+}
+
+fn describe(page: &mut Page, hosted: &Hosted) {
+    let component = hosted.name.as_str();
+    let own = [("component", component)];
+    let backend = hosted.wiring.bindings.component().to_string();
+    page.add("genom_component", GAUGE, "A component runs.", &[own[0], ("backend", &backend)], 1.0);
+    let running = hosted.activities.running();
+    page.add("genom_activities", GAUGE, "Activities that run.", &own, count(running as u64));
+    let statistics = hosted.figures();
+    for task in &statistics.tasks {
+        let labels = [own[0], ("task", task.name.as_str())];
+        let help = "Ticks that came while the task was still at work.";
+        page.add("genom_task_overruns_total", COUNTER, help, &labels, count(task.overruns));
+        page.durations("genom_task_work_seconds", "Time at work, by tick.", &labels, &task.cycles);
+        let help = "From the date of a tick to the start of work.";
+        page.durations("genom_task_lateness_seconds", help, &labels, &task.lateness);
+        let (help, value) =
+            ("Whether the task has a real-time priority.", u8::from(task.real_time));
+        page.add("genom_task_real_time", GAUGE, help, &labels, f64::from(value));
+    }
+    for codel in &statistics.codels {
+        let labels = [own[0], ("owner", codel.owner.as_str()), ("codel", codel.name.as_str())];
+        page.durations("genom_codel_seconds", "Time in a codel.", &labels, &codel.durations);
+        let help = "Calls longer than the stated wcet.";
+        page.add("genom_codel_above_wcet_total", COUNTER, help, &labels, count(codel.above_wcet));
+    }
+    for (index, port) in hosted.model().ports.iter().enumerate() {
+        for element in ports::elements(hosted, index) {
+            let Some(gauge) = hosted.wiring.gauge(index, element.as_deref()) else { continue };
+            let (counts, address) =
+                (gauge.counts(), hosted.address(&port.name, element.as_deref()).to_string());
+            let connection = hosted.wiring.connection(index, element.as_deref());
+            let (kind, mut labels) = match &connection {
+                Some(_) => ("connection", vec![("in", address.as_str())]),
+                None => ("port", vec![("port", address.as_str())]),
+            };
+            let outport = connection.as_ref().map(|made| made.outport.to_string());
+            if let (Some(made), Some(outport)) = (&connection, &outport) {
+                labels.extend([("out", outport.as_str()), ("backend", made.backend.as_str())]);
+            }
+            for (what, help, value) in [
+                ("samples", "Samples written, or new ones read.", counts.samples),
+                ("dropped", "Samples that the middleware gave up.", counts.dropped),
+                ("failed", "Writes or reads that failed.", counts.failed),
+            ] {
+                let name = format!("genom_{kind}_{what}_total");
+                page.add(&name, COUNTER, help, &labels, count(value));
+            }
+        }
+    }
+}
+
+const COUNTER: &str = "counter";
+const GAUGE: &str = "gauge";
+
+#[allow(clippy::cast_precision_loss, reason = "Prometheus knows no other number")]
+fn count(value: u64) -> f64 {
+    value as f64
+}
+
+/// The page: samples by name, since those of one name stand together.
+#[derive(Default)]
+struct Page {
+    families: indexmap::IndexMap<String, String>,
+}
+
+impl Page {
+    fn add(&mut self, name: &str, kind: &str, help: &str, labels: &[(&str, &str)], value: f64) {
+        let family = self.family(name, kind, help);
+        sample(family, name, labels, value);
+    }
+
+    fn durations(&mut self, name: &str, help: &str, labels: &[(&str, &str)], of: &Durations) {
+        let family = self.family(name, "summary", help);
+        for (quantile, ns) in [("0.5", of.p50_ns), ("0.99", of.p99_ns), ("1", of.max_ns)] {
+            let labels = [labels, &[("quantile", quantile)]].concat();
+            sample(family, name, &labels, count(ns) / 1e9);
+        }
+        let sum = count(of.mean_ns) * count(of.count) / 1e9;
+        sample(family, &format!("{name}_sum"), labels, sum);
+        sample(family, &format!("{name}_count"), labels, count(of.count));
+    }
+
+    fn family(&mut self, name: &str, kind: &str, help: &str) -> &mut String {
+        self.families
+            .entry(name.to_owned())
+            .or_insert_with(|| format!("# HELP {name} {help}\n# TYPE {name} {kind}\n"))
+    }
+
+    fn text(self) -> String {
+        self.families.into_values().collect()
+    }
+}
+
+fn sample(out: &mut String, name: &str, labels: &[(&str, &str)], value: f64) {
+    out.push_str(name);
+    for (rank, (label, text)) in labels.iter().enumerate() {
+        let text = text.replace('\\', "\\\\").replace('"', "\\\"").replace('\n', "\\n");
+        let _ = write!(out, "{}{label}=\"{text}\"", if rank == 0 { '{' } else { ',' });
+    }
+    let _ = writeln!(out, "{}{value}", if labels.is_empty() { " " } else { "} " });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_of_one_name_stand_together_and_labels_are_escaped() {
+        let mut page = Page::default();
+        page.add("a_total", COUNTER, "A.", &[("x", "one")], 1.0);
+        page.add("b", GAUGE, "B.", &[], 0.5);
+        page.add("a_total", COUNTER, "A.", &[("x", "t\"w\\o\n"), ("y", "z")], 2.0);
+        let text = "# HELP a_total A.\n# TYPE a_total counter\na_total{x=\"one\"} 1\n\
+            a_total{x=\"t\\\"w\\\\o\\n\",y=\"z\"} 2\n# HELP b B.\n# TYPE b gauge\nb 0.5\n";
+        assert_eq!(page.text(), text);
+    }
+}

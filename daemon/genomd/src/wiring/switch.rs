@@ -1,0 +1,180 @@
+//! Moves a running component, or one of its ports, to other middlewares.
+//!
+//! New ends are opened and filled first; exchanging them takes a few stores while codels are
+//! excluded; old ends are closed after that. No codel notices, no tick is missed.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use genom_middleware::{Address, OpenError, Publisher, Subscription};
+use genom_types::Record;
+
+use super::fan::Fan;
+use super::publish::{self, BindError};
+use super::tap::Tap;
+use super::{Key, connect, serve};
+use crate::bus::Change;
+use crate::config::BackendNames;
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+
+/// What is to be exchanged for an out port.
+struct NewEnds {
+    fan: Fan,
+    names: BackendNames,
+    opened: BTreeMap<String, Box<dyn Publisher>>,
+}
+
+/// What is to be exchanged for a connection.
+struct NewFeed {
+    key: Key,
+    tap: Tap,
+    backend: String,
+    end: Box<dyn Subscription>,
+    component: Option<Arc<Hosted>>,
+}
+
+/// Moves a component with all its ports and services, or one port when it is named.
+///
+/// Connections of this daemon's components that read the moved out ports follow, unless their
+/// backend was asked for by name. Nothing is changed when a middleware refuses.
+pub(crate) fn switch(
+    daemon: &Arc<Daemon>,
+    hosted: &Arc<Hosted>,
+    port: Option<usize>,
+    to: &BackendNames,
+) -> Result<(), BindError> {
+    let _turn = hosted.wiring.bindings.turn();
+    let mut ends = Vec::new();
+    let mut followers = Vec::new();
+    for ((index, element), fan) in hosted.wiring.fans() {
+        if port.is_some_and(|only| only != index) {
+            continue;
+        }
+        let name = &hosted.model().ports[index].name;
+        let address = hosted.address(name, element.as_deref());
+        let present = hosted.wiring.bindings.port(name);
+        let value = hosted.port_value(index, element.as_deref());
+        let Some(ty) = hosted.port_type(index) else { continue };
+        let mut opened = BTreeMap::new();
+        for name in to.names().iter().filter(|name| !present.has(name)) {
+            let new = publish::open(daemon, &BackendNames::one(name.as_str()), &address, ty)?;
+            for (name, mut publisher) in new {
+                // Late readers on the new middleware see the last value at once.
+                let mut record = Record::new(ty);
+                if let Some(value) = &value
+                    && record.merge_json(value).is_ok()
+                    && let Err(error) = publisher.publish(&record)
+                {
+                    tracing::debug!("{address}: the last value is not offered on {name}: {error}");
+                }
+                opened.insert(name, publisher);
+            }
+        }
+        followers.extend(follow(daemon, &address, to)?);
+        ends.push(NewEnds { fan, names: to.clone(), opened });
+    }
+    let own = own_feeds(daemon, hosted, port, to)?;
+    let served = match port {
+        None => Some(serve::serve_on(daemon, hosted, &added(hosted, to))?),
+        Some(_) => None,
+    };
+    let mut old_ends = Vec::new();
+    hosted.excluded(|| {
+        for NewEnds { fan, names, mut opened } in ends {
+            old_ends.push(fan.exchange(|ends| {
+                let mut all: BTreeMap<String, _> = ends.drain(..).collect();
+                all.append(&mut opened);
+                *ends = names
+                    .names()
+                    .iter()
+                    .filter_map(|name| all.remove(name).map(|end| (name.clone(), end)))
+                    .collect();
+                all.into_iter().collect()
+            }));
+        }
+    });
+    for new in own.into_iter().chain(followers) {
+        let reader = new.component.as_ref().unwrap_or(hosted);
+        let old = reader.excluded(|| new.tap.exchange(new.end));
+        reader.wiring.moved(&new.key, &new.backend);
+        drop(old);
+    }
+    drop(old_ends);
+    match port {
+        None => hosted.wiring.bindings.move_component(to),
+        Some(index) => hosted.wiring.bindings.move_port(&hosted.model().ports[index].name, to),
+    }
+    if let Some(served) = served {
+        hosted.serve_also(served, to);
+    }
+    let what = port.map(|index| hosted.model().ports[index].name.clone());
+    daemon.bus.tell(&Change::BackendChanged {
+        component: hosted.name.clone(),
+        port: what,
+        backend: to.to_string(),
+    });
+    Ok(())
+}
+
+/// The middlewares a component comes to, that it was not on.
+fn added(hosted: &Hosted, to: &BackendNames) -> Vec<String> {
+    let present = hosted.wiring.bindings.component();
+    to.names().iter().filter(|name| !present.has(name)).cloned().collect()
+}
+
+/// Connections of this daemon that read `address`, opened anew where it goes.
+fn follow(
+    daemon: &Arc<Daemon>,
+    address: &Address,
+    to: &BackendNames,
+) -> Result<Vec<NewFeed>, BindError> {
+    let mut all = Vec::new();
+    for reader in daemon.components.all() {
+        for (key, connection, tap) in reader.wiring.taps() {
+            let stays = connection.fixed || to.has(&connection.backend);
+            if connection.outport != *address || stays {
+                continue;
+            }
+            let Some(ty) = reader.port_type(key.0) else { continue };
+            let middleware = daemon.backends.get(to.first())?;
+            let end = middleware.subscription(address, ty, connection.policy).map_err(boxed)?;
+            let component = Some(Arc::clone(&reader));
+            all.push(NewFeed { key, tap, backend: to.first().to_owned(), end, component });
+        }
+    }
+    Ok(all)
+}
+
+/// Connections of the component's own in ports to writers of other daemons: they move too when
+/// the writer is visible there. Writers of this daemon stay where they are, and so do
+/// connections to them.
+fn own_feeds(
+    daemon: &Arc<Daemon>,
+    hosted: &Arc<Hosted>,
+    port: Option<usize>,
+    to: &BackendNames,
+) -> Result<Vec<NewFeed>, BindError> {
+    let mut all = Vec::new();
+    for (key, connection, tap) in hosted.wiring.taps() {
+        let stays = connection.fixed
+            || to.has(&connection.backend)
+            || daemon.components.get(&connection.outport.instance).is_some();
+        if port.is_some_and(|only| only != key.0) || stays {
+            continue;
+        }
+        let Some(ty) = hosted.port_type(key.0) else { continue };
+        let middleware = daemon.backends.get(to.first())?;
+        if !connect::publishes(middleware.as_ref(), &connection.outport) {
+            continue;
+        }
+        let end =
+            middleware.subscription(&connection.outport, ty, connection.policy).map_err(boxed)?;
+        all.push(NewFeed { key, tap, backend: to.first().to_owned(), end, component: None });
+    }
+    Ok(all)
+}
+
+fn boxed(error: OpenError) -> BindError {
+    BindError::Open(Box::new(error))
+}

@@ -1,0 +1,106 @@
+//! The reading end of a connection, which may move to another middleware while codels read.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_middleware::{ReadError, Reading, Subscription};
+use genom_types::Record;
+
+use super::gauge::Gauge;
+
+/// The supervisor's handle on what an in port reads.
+#[derive(Clone)]
+pub(crate) struct Tap {
+    /// Taken by the codel at each read, and by the supervisor only with all codels excluded:
+    /// a codel never waits for it.
+    end: Arc<Mutex<Box<dyn Subscription>>>,
+    gauge: Arc<Gauge>,
+}
+
+impl Tap {
+    /// A connection that reads this.
+    pub(crate) fn new(end: Box<dyn Subscription>) -> Self {
+        Self { end: Arc::new(Mutex::new(end)), gauge: Arc::new(Gauge::new()) }
+    }
+
+    /// What the component reads.
+    pub(crate) fn subscription(&self) -> Box<dyn Subscription> {
+        Box::new(TapSubscription { tap: self.clone(), read: false })
+    }
+
+    /// What passed.
+    pub(crate) fn gauge(&self) -> &Arc<Gauge> {
+        &self.gauge
+    }
+
+    /// Reads something else from now on; what it read is given back, to be dropped later. To be
+    /// called with all codels excluded.
+    pub(super) fn exchange(&self, end: Box<dyn Subscription>) -> Box<dyn Subscription> {
+        std::mem::replace(&mut *self.end.lock().unwrap_or_else(PoisonError::into_inner), end)
+    }
+}
+
+impl std::fmt::Debug for Tap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Tap").field("gauge", &self.gauge).finish_non_exhaustive()
+    }
+}
+
+struct TapSubscription {
+    tap: Tap,
+    /// Whether anything was read yet: then there is a last value, whatever the new end says.
+    read: bool,
+}
+
+impl Subscription for TapSubscription {
+    fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        let Tap { end, gauge } = &self.tap;
+        let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
+        match end.read(into) {
+            Ok(Reading::New) => {
+                self.read = true;
+                gauge.passed(end.dropped());
+                Ok(Reading::New)
+            }
+            Ok(Reading::Never) if self.read => Ok(Reading::Same),
+            Ok(other) => Ok(other),
+            Err(error) => {
+                gauge.failed();
+                Err(error)
+            }
+        }
+    }
+
+    fn dropped(&self) -> u64 {
+        self.tap.end.lock().unwrap_or_else(PoisonError::into_inner).dropped()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use genom_middleware::{Address, Middleware, Policy};
+    use genom_types::{DataType, Kind, TypeTable};
+
+    #[test]
+    fn a_reader_keeps_its_last_value_when_the_middleware_is_exchanged() {
+        let mut table = TypeTable::default();
+        let id = table.add(Kind::Double);
+        let ty = DataType::new(&Arc::new(table), id).unwrap();
+        let (one, two) = (genom_local::Local::new(), genom_local::Local::new());
+        let at = Address::new("demo", "position");
+        let open = |on: &dyn Middleware| on.subscription(&at, &ty, Policy::Latest).unwrap();
+        let tap = Tap::new(open(&one));
+        let (mut reader, mut into) = (tap.subscription(), Record::new(&ty));
+        assert_eq!(reader.read(&mut into), Ok(Reading::Never));
+        let mut value = Record::new(&ty);
+        value.merge_json(&0.5.into()).unwrap();
+        one.publisher(&at, &ty).unwrap().publish(&value).unwrap();
+        assert_eq!(reader.read(&mut into), Ok(Reading::New));
+        drop(tap.exchange(open(&two)));
+        assert_eq!(reader.read(&mut into), Ok(Reading::Same));
+        assert_eq!(into.to_json(), 0.5);
+        two.publisher(&at, &ty).unwrap().publish(&value).unwrap();
+        assert_eq!(reader.read(&mut into), Ok(Reading::New));
+        assert_eq!(tap.gauge().counts().samples, 2);
+    }
+}

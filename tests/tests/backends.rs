@@ -1,0 +1,109 @@
+//! Several middlewares on one daemon, and components that move between them while they run.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
+
+use std::sync::Arc;
+
+use genom_tests::{Daemon, Home, Memory, component, path};
+use serde_json::Value;
+
+/// A daemon with the paper's component, which publishes a double, and the demo, which reads one.
+fn both(backend: &str) -> Daemon {
+    let (demo, paper) = (component("demo"), component("demo-2010"));
+    let daemon = Daemon::start(&["--backend", backend, path(&demo.library)]);
+    daemon.ctl(&["load", path(&paper.description), "--name", "paper"]).expect_code(0);
+    daemon.ctl(&["connect", "demo/parameter", "paper/position"]).expect_code(0);
+    daemon
+}
+
+/// What the demo reads after the paper's component went to `position`.
+fn read_after_goto(daemon: &Daemon, position: &str, goal: &str) -> Value {
+    daemon.ctl(&["call", "paper", "goto", &format!("position={position}")]).expect_code(0);
+    daemon.ctl(&["call", "demo", "goto", &format!("goal={goal}")]).expect_code(0);
+    daemon.port("demo", "parameter")["value"].clone()
+}
+
+#[test]
+fn a_running_component_moves_and_what_it_feeds_follows() {
+    let daemon = both("local");
+    assert_eq!(read_after_goto(&daemon, "0.125", "0.01"), 0.125);
+    for (backend, position, goal) in
+        [("shm", "0.25", "0.02"), ("zenoh", "0.375", "0.03"), ("local", "0.5", "0.04")]
+    {
+        let moved = daemon.ctl(&["backend", "paper", backend]);
+        moved.expect_code(0).expect_out(&format!("paper is on {backend}\n"));
+        let connections = daemon.json(&["connections"]);
+        assert_eq!(connections["connections"][0]["backend"], backend);
+        assert_eq!(read_after_goto(&daemon, position, goal).to_string(), position);
+    }
+    let refused = daemon.ctl(&["backend", "paper", "zeno"]);
+    refused.expect_code(1).expect_err("did you mean `zenoh`?");
+    daemon.ctl(&["backend", "paper/positon", "shm"]).expect_code(1).expect_err("`position`?");
+}
+
+#[test]
+fn a_move_in_the_middle_of_a_motion_misses_no_tick() {
+    let demo = component("demo");
+    // A period that the noise of a busy machine does not use up; opening a middleware does.
+    let config = format!(
+        "backend = \"shm\"\n[[component]]\nlibrary = {:?}\ntasks = {{ main = {{ period_ms = 40 }} }}\n",
+        demo.library
+    );
+    let daemon = Home::new().configured(&config).start(&[]);
+    let paper = component("demo-2010");
+    daemon.ctl(&["load", path(&paper.description), "--name", "paper"]).expect_code(0);
+    daemon.ctl(&["connect", "demo/parameter", "paper/position"]).expect_code(0);
+    let mut events = daemon.events();
+    let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=0.15"]);
+    events.wait_for(|event| event["event"] == "transition" && event["state"] == "main");
+    for round in 0..6 {
+        let to = ["shm+zenoh", "zenoh", "shm"][round % 3];
+        daemon.ctl(&["backend", "demo", to]).expect_code(0);
+        daemon.ctl(&["backend", "paper", to]).expect_code(0);
+    }
+    let running = daemon.json(&["activities", "demo"])["activities"][0]["status"].clone();
+    assert_eq!(running, "running", "the motion ended before the moves did");
+    waiting.finish().expect_code(0);
+    let after = daemon.json(&["stats", "demo"])["tasks"][0].clone();
+    assert_eq!(after["overruns"], 0, "{after}");
+    assert!(after["cycles"]["count"].as_u64().unwrap() > 40, "{after}");
+}
+
+#[test]
+fn one_out_port_on_two_middlewares_feeds_readers_on_both() {
+    let memory = Arc::new(Memory::new());
+    let (writer, reader) = (component("demo-2010"), component("demo"));
+    let mut config = String::from("backend = \"shm\"\n");
+    config
+        .push_str("[[component]]\nname = \"paper\"\nports = { position = [\"shm\", \"zenoh\"] }\n");
+    config.push_str(&format!("library = {:?}\n", writer.description));
+    let writer = Home::with(&memory).configured(&config).start(&[]);
+    for (backend, name, position, value) in
+        [("shm", "one", "0.25", 0.25), ("zenoh", "two", "0.5", 0.5)]
+    {
+        let reader = Home::with(&memory).start(&[
+            "--backend",
+            backend,
+            "--name",
+            name,
+            path(&reader.library),
+        ]);
+        let inport = format!("{name}/parameter");
+        // The in port's own middleware is taken, and any can be named.
+        for outport in ["paper/position".to_owned(), format!("{backend}:paper/position")] {
+            let made = reader.ctl(&["connect", &inport, &outport, "--wait"]);
+            made.expect_code(0);
+            made.expect_out(&format!("{inport} reads paper/position ({backend}, latest)\n"));
+        }
+        writer.ctl(&["call", "paper", "goto", &format!("position={position}")]).expect_code(0);
+        let arrived = || {
+            reader.ctl(&["call", name, "goto", "goal=0.01"]).expect_code(0);
+            reader.ctl(&["call", name, "goto", "goal=0"]).expect_code(0);
+            reader.port(name, "parameter")["value"].clone()
+        };
+        assert_eq!(arrived(), value, "{backend}");
+    }
+    let shown = writer.json(&["info", "paper"]);
+    assert_eq!(shown["port_backends"]["position"], "shm+zenoh");
+}
