@@ -34,6 +34,7 @@ mod stats;
 mod step;
 mod unload;
 mod wait;
+mod why;
 
 use clap::Subcommand;
 
@@ -67,6 +68,7 @@ pub(crate) enum Verb {
     Dump(dump::Args),
     Backend(backend::Args),
     Backends(backends::Args),
+    Why(why::Args),
     Kill(kill::Args),
     Check(check::Args),
     Explain(explain::Args),
@@ -105,6 +107,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Dump(args) => dump::run(args, session).await,
         Verb::Backend(args) => backend::run(args, session).await,
         Verb::Backends(args) => backends::run(args, session).await,
+        Verb::Why(args) => why::run(args, session).await,
         Verb::Kill(args) => kill::run(args, session).await,
         Verb::Check(args) => check::run(&args, session),
         Verb::Explain(args) => explain::run(&args, session),

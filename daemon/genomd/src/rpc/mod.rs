@@ -13,6 +13,7 @@
 //! | `GET /components/{c}/ports/{p}/type` | its type as it lies in memory |
 //! | `POST /components/{c}/events/{e}` | fire |
 //! | `GET /components/{c}/tasks` | statistics |
+//! | `GET /components/{c}/ports/{p}/why` | why no data flows |
 //! | `PUT /components/{c}/backend` | move to another middleware while it runs |
 //! | `GET, POST /connections`, `DELETE /connections/{c}/{p}[/{element}]` | wiring |
 //! | `GET, POST /clock` | the date, step |
@@ -44,6 +45,7 @@ pub(crate) mod serve;
 mod services;
 mod stream;
 mod tasks;
+mod why;
 
 use std::sync::Arc;
 
@@ -80,6 +82,7 @@ pub(crate) fn router(daemon: Arc<Daemon>) -> Router {
         .route("/components/{component}/ports/{port}/stream", get(ports::stream))
         .route("/components/{component}/events/{event}", post(events::fire))
         .route("/components/{component}/tasks", get(tasks::statistics))
+        .route("/components/{component}/ports/{port}/why", get(why::explain))
         .route("/components/{component}/backend", put(backends::change))
         .route("/ports", get(ports::all))
         .route("/connections", get(connections::list).post(connections::connect))
