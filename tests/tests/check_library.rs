@@ -21,7 +21,6 @@ fn a_library_that_fits_is_told_with_its_digest_and_nothing_is_started() {
 #[test]
 fn genomctl_hands_libraries_to_the_genomd_beside_it() {
     let library = component("demo").library;
-    let _ = program("genomd");
     let mut command = Command::new(program("genomctl"));
     command.env_clear().args(["check", path(&library)]);
     let fits = Running::start(&mut command).finish();
