@@ -80,5 +80,5 @@ pub unsafe fn encode_cdr_of(
     out: &mut Vec<u8>,
 ) -> Result<(), CdrError> {
     // SAFETY: the caller's promise.
-    unsafe { cdr::encode(ty.graph(), ty.ix(), at, out) }
+    unsafe { cdr::encode(ty.graph(), ty.ix(), at, out.len(), out) }
 }

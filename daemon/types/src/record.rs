@@ -203,8 +203,17 @@ impl Record {
     /// # Errors
     /// An enum is out of range, a string is no UTF-8, or a native is inside.
     pub fn encode_cdr(&self, out: &mut Vec<u8>) -> Result<(), CdrError> {
+        self.encode_cdr_within(out.len(), out)
+    }
+
+    /// Appends the value to a CDR payload that starts at `start` in `out` and holds other things
+    /// before: alignment counts from there. On error `out` is as before.
+    ///
+    /// # Errors
+    /// As [`encode_cdr`](Record::encode_cdr).
+    pub fn encode_cdr_within(&self, start: usize, out: &mut Vec<u8>) -> Result<(), CdrError> {
         // SAFETY: the record holds a value of its type, borrowed here.
-        unsafe { cdr::encode(self.ty.graph(), self.ty.ix(), self.as_ptr(), out) }
+        unsafe { cdr::encode(self.ty.graph(), self.ty.ix(), self.as_ptr(), start, out) }
     }
 
     /// Reads a little endian CDR payload; buffers that are large enough are reused. On error the
@@ -213,7 +222,21 @@ impl Record {
     /// # Errors
     /// The bytes are no value of the type.
     pub fn decode_cdr(&mut self, payload: &[u8]) -> Result<(), CdrError> {
-        self.decode(payload, false)
+        self.decode(payload, 0, false)
+    }
+
+    /// Reads the value that starts at byte `from` of a CDR payload, after other things. On error
+    /// the record is empty.
+    ///
+    /// # Errors
+    /// The bytes are no value of the type.
+    pub fn decode_cdr_within(
+        &mut self,
+        payload: &[u8],
+        from: usize,
+        big_endian: bool,
+    ) -> Result<(), CdrError> {
+        self.decode(payload, from, big_endian)
     }
 
     /// Appends the encapsulation header and the payload: a whole DDS or ROS 2 message.
@@ -234,13 +257,14 @@ impl Record {
     pub fn decode_message(&mut self, message: &[u8]) -> Result<(), CdrError> {
         let opened = cdr::open(&self.ty, message).inspect_err(|_| self.edit().clear());
         let (payload, big_endian) = opened?;
-        self.decode(payload, big_endian)
+        self.decode(payload, 0, big_endian)
     }
 
-    fn decode(&mut self, payload: &[u8], big_endian: bool) -> Result<(), CdrError> {
+    fn decode(&mut self, payload: &[u8], from: usize, big_endian: bool) -> Result<(), CdrError> {
         let (graph, ix) = (self.ty.graph(), self.ty.ix());
         // SAFETY: the record holds a value of its type, borrowed here to be changed.
-        let decoded = unsafe { cdr::decode(graph, ix, self.at.as_ptr(), payload, big_endian) };
+        let decoded =
+            unsafe { cdr::decode(graph, ix, self.at.as_ptr(), payload, from, big_endian) };
         decoded.inspect_err(|_| self.clear())
     }
 

@@ -217,12 +217,8 @@ impl Core {
     fn feed(&self, wanted: &Wanted, ty: &DataType) -> Result<Arc<FeedHandle>, String> {
         self.feeds.get(&wanted.topic, || {
             let qos = wire::qos(self.options.qos.reliable, false, samples_of(ty));
-            let feed = Arc::new(Feed::new(
-                wanted.topic.clone(),
-                wanted.dds_type.clone(),
-                wanted.digest.clone(),
-                Arc::clone(&self.graph),
-            ));
+            let ourselves = self.dds.participant.guid();
+            let feed = Arc::new(Feed::new(wanted, Arc::clone(&self.graph), ourselves));
             let reader = self.dds.reader(&wanted.topic, &wanted.dds_type, &qos)?;
             let guid = reader.guid();
             let token = self.inlet.add(reader, Box::new(FeedSink(Arc::clone(&feed))));
@@ -344,7 +340,7 @@ impl Middleware for Ros2 {
             waits: AtomicBool::new(false),
             refused: AtomicU64::new(0),
         });
-        core.orders().add(writer, Arc::clone(&outlet));
+        core.orders().add(writer, topic.clone(), Arc::clone(&outlet), Arc::clone(&core.feeds));
         claim.made(vec![guid.to_bytes()], Vec::new());
         Ok(Box::new(Ros2Publisher {
             ty: ty.clone(),
@@ -368,6 +364,7 @@ impl Middleware for Ros2 {
         let feed = core.feed(claim.wanted(), ty).map_err(|why| core.failed(at, why))?;
         let inbox = Arc::new(Inbox::new(policy, room_for(ty)));
         feed.feed.add(&inbox);
+        core.orders().offer(Arc::clone(&feed.feed));
         claim.made(Vec::new(), vec![feed.guid.to_bytes()]);
         Ok(Box::new(Ros2Subscription {
             scratch: Record::new(ty),

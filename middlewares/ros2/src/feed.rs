@@ -13,7 +13,7 @@ use genom_middleware::mailbox::{Full, Mailbox};
 use rustdds::mio1::Token;
 use rustdds::{GUID, Timestamp};
 
-use crate::graph::{Graph, Verdict};
+use crate::graph::{Graph, Verdict, Wanted};
 use crate::receiver::{Inlet, Sample, Sink};
 
 /// At most one line about bad samples in this time.
@@ -69,10 +69,12 @@ impl Inbox {
 
 /// The samples of a topic.
 pub(crate) struct Feed {
-    topic: String,
+    pub(crate) topic: String,
     dds_type: String,
     digest: String,
     graph: Arc<Graph>,
+    /// This daemon: its own samples come another way.
+    ourselves: GUID,
     /// What was received before is of an earlier reader of the topic.
     since: Timestamp,
     state: Mutex<State>,
@@ -116,9 +118,29 @@ impl Drop for FeedHandle {
 }
 
 impl Feed {
-    pub(crate) fn new(topic: String, dds_type: String, digest: String, graph: Arc<Graph>) -> Self {
-        let state = Mutex::default();
-        Self { topic, dds_type, digest, graph, since: Timestamp::now(), state }
+    pub(crate) fn new(wanted: &Wanted, graph: Arc<Graph>, ourselves: GUID) -> Self {
+        Self {
+            topic: wanted.topic.clone(),
+            dds_type: wanted.dds_type.clone(),
+            digest: wanted.digest.clone(),
+            graph,
+            ourselves,
+            since: Timestamp::now(),
+            state: Mutex::default(),
+        }
+    }
+
+    /// A sample of this daemon's own out port.
+    pub(crate) fn hear(&self, writer: GUID, message: &[u8]) {
+        self.lock().deliver(writer, message);
+    }
+
+    /// The last value of this daemon's own out port, unless it came already.
+    pub(crate) fn hear_first(&self, writer: GUID, message: &[u8]) {
+        let mut state = self.lock();
+        if state.last.is_none() {
+            state.deliver(writer, message);
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -204,7 +226,7 @@ pub(crate) struct FeedSink(pub(crate) Arc<Feed>);
 impl Sink for FeedSink {
     fn arrive(&mut self, sample: &Sample<'_>) {
         let feed = &*self.0;
-        if sample.received < feed.since {
+        if sample.received < feed.since || sample.writer.prefix == feed.ourselves.prefix {
             return;
         }
         let version = feed.graph.version();
@@ -259,13 +281,17 @@ impl Sink for FeedSink {
 pub(crate) struct Feeds(Mutex<HashMap<String, Weak<FeedHandle>>>);
 
 impl Feeds {
+    fn lock(&self) -> MutexGuard<'_, HashMap<String, Weak<FeedHandle>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The feed of a topic, made unless there is one.
     pub(crate) fn get(
         &self,
         topic: &str,
         make: impl FnOnce() -> Result<FeedHandle, String>,
     ) -> Result<Arc<FeedHandle>, String> {
-        let mut feeds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut feeds = self.lock();
         if let Some(feed) = feeds.get(topic).and_then(Weak::upgrade) {
             return Ok(feed);
         }
@@ -275,11 +301,16 @@ impl Feeds {
         Ok(handle)
     }
 
+    /// The feed of a topic, if it is read.
+    pub(crate) fn find(&self, topic: &str) -> Option<Arc<Feed>> {
+        // Out of the lock before it goes: the last one to let go of a feed may be this.
+        let handle = self.lock().get(topic).and_then(Weak::upgrade);
+        handle.map(|handle| Arc::clone(&handle.feed))
+    }
+
     /// There is news of writers.
     pub(crate) fn settle(&self) {
-        // Taken out first: the last one to let go of a feed may be this.
-        let feeds = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let feeds: Vec<_> = feeds.values().filter_map(Weak::upgrade).collect();
+        let feeds: Vec<_> = self.lock().values().filter_map(Weak::upgrade).collect();
         feeds.iter().for_each(|handle| handle.feed.settle());
     }
 }

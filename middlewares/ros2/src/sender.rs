@@ -15,6 +15,7 @@ use genom_middleware::mailbox::Mailbox;
 use rustdds::bytes::Bytes;
 use rustdds::{GUID, RTPSEntity, Timestamp, WriteOptionsBuilder};
 
+use crate::feed::{Feed, Feeds};
 use crate::wire::{HEADER, Payload, Writer};
 
 /// Messages of one port sent in a row, before others have their turn.
@@ -35,6 +36,8 @@ enum Order {
     Remove(GUID, Sender<()>),
     /// A reader has matched a writer of ours: it shall see the last value.
     Greet(GUID, GUID),
+    /// This daemon begins to read a topic.
+    Offer(Arc<Feed>),
     Stop,
 }
 
@@ -50,6 +53,9 @@ pub(crate) struct Outlet {
 /// An out port as the thread sees it.
 struct Line {
     writer: Writer,
+    topic: String,
+    /// In ports of this daemon: DDS shows a participant to itself only over multicast.
+    feeds: Arc<Feeds>,
     outlet: Arc<Outlet>,
     /// For readers that come later.
     last: Option<(Bytes, Timestamp)>,
@@ -107,8 +113,19 @@ impl Orders {
     }
 
     /// Adds an out port.
-    pub(crate) fn add(&self, writer: Writer, outlet: Arc<Outlet>) {
-        self.order(Order::Add(Box::new(Line { writer, outlet, last: None })));
+    pub(crate) fn add(
+        &self,
+        writer: Writer,
+        topic: String,
+        outlet: Arc<Outlet>,
+        feeds: Arc<Feeds>,
+    ) {
+        self.order(Order::Add(Box::new(Line { writer, topic, feeds, outlet, last: None })));
+    }
+
+    /// Gives a topic that is read from now on the last value of this daemon's own out port.
+    pub(crate) fn offer(&self, feed: Arc<Feed>) {
+        self.order(Order::Offer(feed));
     }
 
     /// Sends what an out port still has, and takes it away.
@@ -135,10 +152,13 @@ impl Orders {
 impl Line {
     /// Sends one message, if there is one.
     fn send(&mut self) -> bool {
-        let taken = self
-            .outlet
-            .mailbox
-            .take(|message| Bytes::copy_from_slice(message.get(HEADER..).unwrap_or_default()));
+        let writer = self.writer.guid();
+        let taken = self.outlet.mailbox.take(|message| {
+            if let Some(feed) = self.feeds.find(&self.topic) {
+                feed.hear(writer, message);
+            }
+            Bytes::copy_from_slice(message.get(HEADER..).unwrap_or_default())
+        });
         let Some(payload) = taken else { return false };
         // Each sample has a time of its own: readers know a sample that comes twice by it.
         let now = Timestamp::now();
@@ -190,6 +210,15 @@ impl Work {
                     Order::Greet(writer, reader) => {
                         if let Some(line) = self.lines.get(&writer) {
                             line.greet(reader);
+                        }
+                    }
+                    Order::Offer(feed) => {
+                        let line = self.lines.values().find(|line| line.topic == feed.topic);
+                        if let Some((line, (payload, _))) =
+                            line.and_then(|line| Some((line, line.last.as_ref()?)))
+                        {
+                            let message = [&genom_types::cdr::HEADER[..], payload].concat();
+                            feed.hear_first(line.writer.guid(), &message);
                         }
                     }
                     Order::Stop => return,

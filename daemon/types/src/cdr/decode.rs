@@ -12,7 +12,7 @@ const FREE_MEMORY: usize = 1 << 26;
 /// Memory each byte of a message may ask for.
 const PER_BYTE: usize = 64;
 
-/// Reads a payload into a value, reusing its buffers. On error the value is a mixture.
+/// Reads a value that starts at `from` in a payload, reusing its buffers. On error the value is a mixture.
 ///
 /// # Safety
 /// `at` holds a value of the node that nobody else uses meanwhile.
@@ -21,10 +21,11 @@ pub(crate) unsafe fn decode(
     ix: Ix,
     at: *mut u8,
     payload: &[u8],
+    from: usize,
     big_endian: bool,
 ) -> Result<(), CdrError> {
     let budget = FREE_MEMORY.saturating_add(payload.len().saturating_mul(PER_BYTE));
-    let mut reader = Reader { graph, payload, at: 0, swap: big_endian, budget };
+    let mut reader = Reader { graph, payload, at: from, swap: big_endian, budget };
     // SAFETY: the caller's promise.
     unsafe { reader.value(ix, at, 0) }.map_err(|error| *error)
 }

@@ -6,7 +6,7 @@ use crate::graph::{Graph, Ix, Shape};
 use crate::layout::MAX_NESTING;
 use crate::memory::{elements, integer, text};
 
-/// Appends the payload of a value; on error `out` is as before.
+/// Appends a value to a payload that starts at `start` in `out`; on error `out` is as before.
 ///
 /// # Safety
 /// `at` holds a value of the node that nobody changes meanwhile.
@@ -14,13 +14,14 @@ pub(crate) unsafe fn encode(
     graph: &Graph,
     ix: Ix,
     at: *const u8,
+    start: usize,
     out: &mut Vec<u8>,
 ) -> Result<(), CdrError> {
-    let start = out.len();
+    let before = out.len();
     let mut writer = Writer { graph, out, start };
     // SAFETY: the caller's promise.
     unsafe { writer.value(ix, at, 0) }.map_err(|error| {
-        out.truncate(start);
+        out.truncate(before);
         *error
     })
 }
