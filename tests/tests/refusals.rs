@@ -27,7 +27,7 @@ fn an_unknown_backend_lists_the_known_ones() {
     let demo = component("demo");
     let refused = home.refused(&["--backend", "smh", path(&demo.library)]);
     refused.expect_code(2).expect_err("unknown backend `smh` (did you mean `shm`?)");
-    refused.expect_err("This daemon knows: local, shm, zenoh");
+    refused.expect_err("This daemon knows: local, shm, zenoh, ros2");
     assert!(!home.socket().exists());
 }
 

@@ -51,6 +51,18 @@ pub(crate) fn known() -> &'static [Known] {
                 Err(error) => Err(error.to_string()),
             },
         },
+        Known {
+            name: "ros2",
+            // The same on the wire since ROS 2 Iron.
+            version: "rustdds 0.15, ROS 2 Iron to Kilted",
+            open: |options| {
+                let options = read::<Ros2Options>(options)?.over_environment()?;
+                match genom_ros2::Ros2::open(&options) {
+                    Ok(ros2) => Ok(ros2),
+                    Err(error) => Err(error.to_string()),
+                }
+            },
+        },
     ]
 }
 
@@ -123,6 +135,71 @@ impl From<ZenohOptions> for genom_zenoh::Options {
             // JSON is JSON5, and a value of TOML is one of JSON.
             set: set.into_iter().map(|(key, value)| (key, json(value))).collect(),
         }
+    }
+}
+
+/// `[backends.ros2]`; `configs/ros2.toml` explains it.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Ros2Options {
+    /// What is not set here is as ROS's variables say.
+    domain: Option<u16>,
+    networks: Option<Ros2Networks>,
+    namespace: String,
+    qos: Ros2Qos,
+    /// ROS types to use for IDL types.
+    masquerade: BTreeMap<String, String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Ros2Networks {
+    Named(Ros2Range),
+    Only(Vec<std::net::IpAddr>),
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Ros2Range {
+    Loopback,
+    All,
+}
+
+/// `[backends.ros2.qos]`
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+struct Ros2Qos {
+    reliable: bool,
+    depth: usize,
+    transient_local: bool,
+}
+
+impl Default for Ros2Qos {
+    fn default() -> Self {
+        let genom_ros2::Qos { reliable, depth, transient_local } = genom_ros2::Qos::default();
+        Self { reliable, depth, transient_local }
+    }
+}
+
+impl Ros2Options {
+    /// The environment of ROS, with what the configuration says instead.
+    fn over_environment(self) -> Result<genom_ros2::Options, String> {
+        let environment = genom_ros2::Options::from_env().map_err(|error| error.to_string())?;
+        let Self { domain, networks, namespace, qos, masquerade } = self;
+        let Ros2Qos { reliable, depth, transient_local } = qos;
+        Ok(genom_ros2::Options {
+            domain: domain.unwrap_or(environment.domain),
+            networks: match networks {
+                None => environment.networks,
+                Some(Ros2Networks::Named(Ros2Range::Loopback)) => genom_ros2::Networks::Loopback,
+                Some(Ros2Networks::Named(Ros2Range::All)) => genom_ros2::Networks::All,
+                Some(Ros2Networks::Only(addresses)) => genom_ros2::Networks::Only(addresses),
+            },
+            namespace,
+            qos: genom_ros2::Qos { reliable, depth, transient_local },
+            masquerade,
+            ..genom_ros2::Options::default()
+        })
     }
 }
 
@@ -210,8 +287,24 @@ mod tests {
         let told = check("smh").unwrap_err().to_string();
         assert_eq!(
             told,
-            "unknown backend `smh` (did you mean `shm`?). This daemon knows: local, shm, zenoh"
+            "unknown backend `smh` (did you mean `shm`?). This daemon knows: local, shm, zenoh, \
+             ros2"
         );
+    }
+
+    #[test]
+    fn options_of_ros2_are_read_and_wrong_ones_are_named() {
+        let table = |text: &str| text.parse::<toml::Table>().unwrap();
+        let given = "domain = 7\nnetworks = [\"192.168.1.7\"]\n[qos]\ndepth = 4\n\
+                     [masquerade]\n\"::demo::pose\" = \"geometry_msgs/msg/Pose\"\n";
+        let options = read::<Ros2Options>(&table(given)).unwrap().over_environment().unwrap();
+        assert_eq!((options.domain, options.qos.depth, options.qos.reliable), (7, 4, true));
+        assert_eq!(options.networks, genom_ros2::Networks::Only(vec![[192, 168, 1, 7].into()]));
+        assert_eq!(options.masquerade["::demo::pose"], "geometry_msgs/msg/Pose");
+        let all = read::<Ros2Options>(&table("networks = \"all\"")).unwrap();
+        assert_eq!(all.over_environment().unwrap().networks, genom_ros2::Networks::All);
+        let error = read::<Ros2Options>(&table("domian = 7")).unwrap_err();
+        assert!(error.contains("`domian`") && error.contains("`domain`"), "{error}");
     }
 
     #[test]

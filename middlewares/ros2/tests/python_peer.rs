@@ -1,0 +1,120 @@
+//! A DDS peer of another make reads and writes ports, as a ROS 2 node would.
+
+#![allow(
+    clippy::expect_used,
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "test code, also outside of test functions"
+)]
+
+mod world;
+
+use std::io::{BufRead, BufReader, Write};
+use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::thread;
+use std::time::Duration;
+
+use genom_middleware::conformance::eventually;
+use genom_middleware::conformance::samples::{number, numbered, state};
+use genom_middleware::{Address, EndpointKind, Middleware, Policy, ReadError, Reading};
+use genom_types::Record;
+use world::Domain;
+
+/// Only a failing test waits this long.
+const WATCHDOG: Duration = Duration::from_secs(60);
+
+/// A running peer: lines in, lines out.
+struct Peer {
+    child: Child,
+    input: ChildStdin,
+    lines: Receiver<String>,
+}
+
+impl Peer {
+    fn start(domain: &Domain, what: &str) -> Self {
+        let python = genom_components::python::environment(&["cyclonedds==11.0.1"])
+            .unwrap_or_else(|error| panic!("the peer in Python cannot be had: {error}"));
+        let mut child = Command::new(python)
+            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py"))
+            .args([domain.options().domain.to_string().as_str(), what])
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let (sender, lines) = channel();
+        let output = BufReader::new(child.stdout.take().unwrap());
+        thread::spawn(move || {
+            output.lines().map_while(Result::ok).try_for_each(|line| sender.send(line))
+        });
+        let input = child.stdin.take().unwrap();
+        Self { child, input, lines }
+    }
+
+    fn tell(&mut self, line: &str) {
+        writeln!(self.input, "{line}").unwrap();
+    }
+
+    #[track_caller]
+    fn says(&self, expected: &str) {
+        match self.lines.recv_timeout(WATCHDOG) {
+            Ok(line) => assert_eq!(line, expected),
+            Err(error) => panic!("the peer says nothing instead of `{expected}`: {error}"),
+        }
+    }
+}
+
+impl Drop for Peer {
+    fn drop(&mut self) {
+        // It may have ended by itself.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn position() -> Address {
+    Address::new("demo", "position")
+}
+
+#[test]
+fn a_dds_peer_reads_a_port_though_it_comes_late() {
+    let domain = Domain::new();
+    let ros2 = domain.open();
+    let mut writer = ros2.publisher(&position(), &state()).unwrap();
+    writer.publish(&numbered(41)).unwrap();
+    let peer = Peer::start(&domain, "read");
+    peer.says("sample 41");
+    for n in 42..60 {
+        writer.publish(&numbered(n)).unwrap();
+        peer.says(&format!("sample {n}"));
+    }
+}
+
+#[test]
+fn a_dds_peer_writes_a_port_and_what_it_breaks_is_counted() {
+    let domain = Domain::new();
+    let ros2 = domain.open();
+    let mut reader = ros2.subscription(&position(), &state(), Policy::Queue(8)).unwrap();
+    let mut peer = Peer::start(&domain, "write");
+    let mut got = Record::new(&state());
+    for n in 5..9 {
+        peer.tell(&format!("put {n}"));
+        peer.says("done");
+        eventually("the sample arrives", || reader.read(&mut got).unwrap() == Reading::New);
+        assert_eq!(number(&got), n);
+    }
+    let seen = ros2.discover().unwrap();
+    let shows = seen.iter().any(|end| {
+        end.kind == EndpointKind::Publisher
+            && (end.address.as_str(), end.ty.as_str()) == ("demo/position", "demo/msg/State")
+    });
+    assert!(shows, "the peer's topic is listed: {seen:?}");
+    assert_eq!(reader.dropped(), 0);
+    peer.tell("short 7");
+    peer.says("done");
+    eventually("the bad sample is refused", || {
+        reader.read(&mut got) == Err(ReadError::Serialization)
+    });
+    assert_eq!(number(&got), 8, "the value read before is kept");
+    assert_eq!(reader.dropped(), 1);
+}
