@@ -146,6 +146,7 @@ struct Ros2Options {
     domain: Option<u16>,
     networks: Option<Ros2Networks>,
     namespace: String,
+    services: Ros2Services,
     qos: Ros2Qos,
     /// ROS types to use for IDL types.
     masquerade: BTreeMap<String, String>,
@@ -163,6 +164,15 @@ enum Ros2Networks {
 enum Ros2Range {
     Loopback,
     All,
+}
+
+/// How requests and replies are told apart on the wire.
+#[derive(Clone, Copy, Debug, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum Ros2Services {
+    #[default]
+    Enhanced,
+    Cyclone,
 }
 
 /// `[backends.ros2.qos]`
@@ -185,7 +195,7 @@ impl Ros2Options {
     /// The environment of ROS, with what the configuration says instead.
     fn over_environment(self) -> Result<genom_ros2::Options, String> {
         let environment = genom_ros2::Options::from_env().map_err(|error| error.to_string())?;
-        let Self { domain, networks, namespace, qos, masquerade } = self;
+        let Self { domain, networks, namespace, services, qos, masquerade } = self;
         let Ros2Qos { reliable, depth, transient_local } = qos;
         Ok(genom_ros2::Options {
             domain: domain.unwrap_or(environment.domain),
@@ -196,9 +206,12 @@ impl Ros2Options {
                 Some(Ros2Networks::Only(addresses)) => genom_ros2::Networks::Only(addresses),
             },
             namespace,
+            services: match services {
+                Ros2Services::Enhanced => genom_ros2::ServiceMapping::Enhanced,
+                Ros2Services::Cyclone => genom_ros2::ServiceMapping::Cyclone,
+            },
             qos: genom_ros2::Qos { reliable, depth, transient_local },
             masquerade,
-            ..genom_ros2::Options::default()
         })
     }
 }

@@ -221,3 +221,27 @@ fn nesting_without_end_is_refused() {
     copy.encode_cdr(&mut again).unwrap();
     assert_eq!(again, some);
 }
+
+#[test]
+fn values_may_stand_after_others_in_a_payload() {
+    let ty = reading();
+    let mut record = Record::new(&ty);
+    record
+        .merge_json(&json!({"ok": true, "name": "arm", "stamp": -5, "notes": ["a", "bc"]}))
+        .unwrap();
+    let mut alone = Vec::new();
+    record.encode_cdr(&mut alone).unwrap();
+    for before in 0..17 {
+        // Something else, then a payload that begins with other things.
+        let mut out = vec![0xaa; 3];
+        out.extend(vec![0xbb; before]);
+        record.encode_cdr_within(3, &mut out).unwrap();
+        let mut back = Record::new(&ty);
+        back.decode_cdr_within(&out[3..], before, false).unwrap();
+        assert_eq!(back.to_json(), record.to_json(), "after {before} bytes");
+        if before % 8 == 0 {
+            assert_eq!(out[3 + before..], alone[..], "aligned alike");
+        }
+    }
+    assert!(Record::new(&ty).decode_cdr_within(&alone, alone.len() + 9, false).is_err());
+}

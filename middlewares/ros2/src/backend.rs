@@ -1,13 +1,14 @@
 //! The middleware as the daemon sees it.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::time::Duration;
 
 use genom_middleware::describe::type_of_port;
 use genom_middleware::mailbox::{Full, Mailbox};
 use genom_middleware::{
-    Address, Capabilities, DiscoverError, Endpoint, EndpointKind, Middleware, OpenError, Policy,
-    Publisher, Subscription,
+    Address, Capabilities, Client, DiscoverError, Endpoint, EndpointKind, Middleware, OpenError,
+    Policy, Publisher, Served, ServiceHandler, ServiceType, Subscription,
 };
 use genom_types::{DataType, Record};
 use rustdds::bytes::Bytes;
@@ -22,9 +23,11 @@ use crate::info::{self, Ends};
 use crate::names;
 use crate::options::{Options, OptionsError};
 use crate::ports::{Ros2Publisher, Ros2Subscription};
+use crate::post::Matches;
 use crate::process::Process;
 use crate::receiver::{Inlet, Sample, Sink};
-use crate::sender::{Orders, Outlet, Worker};
+use crate::sender::{Announce, Orders, Outlet, Worker};
+use crate::services::Services;
 use crate::wire::{self, Payload, Reader, Writer};
 
 /// Samples the DDS library keeps for one topic may take that much memory in all.
@@ -63,8 +66,9 @@ pub struct Ros2 {
 pub(crate) struct Core {
     feeds: Arc<Feeds>,
     worker: Worker,
-    inlet: Arc<Inlet>,
-    told: Arc<Told>,
+    pub(crate) inlet: Arc<Inlet>,
+    pub(crate) matches: Arc<Matches>,
+    pub(crate) services: Services,
     pub(crate) graph: Arc<Graph>,
     pub(crate) dds: Dds,
     pub(crate) options: Options,
@@ -85,22 +89,23 @@ struct Told {
     namespace: String,
     participant: info::Gid,
     process: Process,
-    /// Whether there is news that was not told yet.
-    news: AtomicBool,
 }
 
-impl Told {
-    fn tell(&self) {
-        self.news.store(false, Ordering::SeqCst);
+impl Announce for Told {
+    fn tell(&self) -> bool {
         let (ends, nodes) = self.graph.ours(&self.namespace);
         let ends = info::encode(&Ends { process: self.process.clone(), ends });
         let nodes = info::encode(&Graph::nodes(self.participant, nodes));
-        for (writer, payload) in [(&self.ends, ends), (&self.nodes, nodes)] {
-            let payload = payload.map(|bytes| Payload(Bytes::from(bytes)));
-            if payload.is_some_and(|payload| writer.write(payload, None).is_err()) {
-                tracing::warn!("ros2 could not tell others of a change");
-            }
-        }
+        [(&self.ends, ends), (&self.nodes, nodes)].into_iter().all(|(writer, payload)| {
+            // What cannot be encoded will not be by trying again.
+            let Some(payload) = payload else { return true };
+            writer.write(Payload(Bytes::from(payload)), None).is_ok()
+        })
+    }
+
+    fn settle(&self, longest: Duration) {
+        // Those that are gone without a word are not waited for any longer.
+        let _ = self.ends.wait_for_acknowledgments(longest);
     }
 }
 
@@ -173,15 +178,10 @@ impl Core {
         &self.worker.orders
     }
 
-    /// Has others told of a change of ours, once for several at a time.
+    /// Has others told of a change of ours.
     pub(crate) fn announcer(&self) -> Box<dyn Fn() + Send + Sync> {
-        let (told, orders) = (Arc::clone(&self.told), self.orders().clone());
-        Box::new(move || {
-            if !told.news.swap(true, Ordering::SeqCst) {
-                let told = Arc::clone(&told);
-                orders.submit(move || told.tell());
-            }
-        })
+        let orders = self.orders().clone();
+        Box::new(move || orders.announce())
     }
 
     /// The name of an address in messages and lists, and without its slash in ROS.
@@ -257,22 +257,23 @@ impl Ros2 {
         let failed = |why| ParticipantError::Dds { domain: options.domain, why };
         let dds = Dds::open(options).map_err(failed)?;
         let graph = Arc::new(Graph::default());
-        let told_qos = wire::qos(true, true, 64);
+        let told_qos = wire::qos(true, true, 256);
         let writer = |(topic, ty)| dds.writer(topic, ty, &told_qos).map_err(failed);
-        let told = Arc::new(Told {
+        let told = Told {
             ends: writer(info::ENDS)?,
             nodes: writer(info::NODES)?,
             graph: Arc::clone(&graph),
             namespace: options.namespace.clone(),
             participant: dds.participant.guid().to_bytes(),
             process: Process::this(),
-            news: AtomicBool::new(false),
-        });
-        let worker = Worker::start()?;
+        };
+        let worker = Worker::start(Box::new(told))?;
         let ourselves = dds.participant.guid();
         let (known, orders) = (Arc::clone(&graph), worker.orders.clone());
         let feeds = Arc::new(Feeds::default());
         let hearing = Arc::clone(&feeds);
+        let matches = Arc::new(Matches::default());
+        let matched = Arc::clone(&matches);
         let news = move |event| match event {
             Event::WriterDetected { writer } if writer.guid.prefix != ourselves.prefix => {
                 let (guid, found) = found(writer, true);
@@ -283,10 +284,20 @@ impl Ros2 {
                 let (guid, found) = found(reader, false);
                 known.found(guid, found);
             }
-            Event::WriterLost { guid, .. } | Event::ReaderLost { guid, .. } => known.lost(&guid),
-            Event::ParticipantLost { id, .. } => known.lost_all(|guid| guid.prefix == id),
+            Event::WriterLost { guid, .. } => known.lost(&guid),
+            Event::ReaderLost { guid, .. } => {
+                known.lost(&guid);
+                matched.lost(|reader| *reader == guid);
+            }
+            Event::ParticipantLost { id, .. } => {
+                known.lost_all(|guid| guid.prefix == id);
+                matched.lost(|reader| reader.prefix == id);
+            }
             Event::RemoteReaderMatched { local_writer, remote_reader } => {
-                orders.greet(local_writer, remote_reader);
+                match matched.matched(local_writer, remote_reader) {
+                    Some(post) => orders.submit(move || post.go_on()),
+                    None => orders.greet(local_writer, remote_reader),
+                }
             }
             _ => {}
         };
@@ -298,7 +309,8 @@ impl Ros2 {
             feeds,
             worker,
             inlet: Arc::new(inlet),
-            told,
+            matches,
+            services: Services::default(),
             graph,
             dds,
             options: options.clone(),
@@ -319,8 +331,8 @@ impl Middleware for Ros2 {
             zero_copy: false,
             cross_process: true,
             cross_host: true,
-            services: false,
-            native_services: false,
+            services: true,
+            native_services: true,
         }
     }
 
@@ -374,6 +386,19 @@ impl Middleware for Ros2 {
             _claim: claim,
             _core: Arc::clone(core),
         }))
+    }
+
+    fn serve(
+        &self,
+        at: &Address,
+        service: &ServiceType,
+        handler: Arc<dyn ServiceHandler>,
+    ) -> Result<Box<dyn Served>, OpenError> {
+        self.core.serve(at, service, handler)
+    }
+
+    fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
+        self.core.client(at, service)
     }
 
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {

@@ -253,6 +253,8 @@ impl Sink for FeedSink {
             held.extend_from_slice(sample.message);
             return;
         }
+        // What was held is older than this, and arrived together with it.
+        known.held = None;
         if known.version != version {
             known.verdict = feed.graph.writes(&sample.writer, &feed.digest, &feed.dds_type);
             known.version = version;

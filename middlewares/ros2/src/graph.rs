@@ -171,7 +171,6 @@ impl Graph {
         }
     }
 
-    #[allow(dead_code, reason = "services use it")]
     /// Whether a service is there, and its types where they are known to differ.
     pub(crate) fn service(&self, wanted: &Wanted) -> Service {
         let state = self.lock();
@@ -181,37 +180,23 @@ impl Graph {
             .map(|own| &own.wanted)
             .find(|own| own.kind == EndpointKind::Service && own.address == wanted.address);
         if let Some(own) = own {
-            return Service::of(&own.digest, &own.types, wanted);
+            return Service::of(&own.digest, &own.types, wanted, None);
         }
-        let mut found = false;
+        let mut there = None;
         for (guid, other) in state.found.iter().filter(|(_, other)| other.topic == wanted.topic) {
             if other.writer || state.is_dead(guid) {
                 continue;
             }
             match state.told_of(guid) {
-                Some(end) => return Service::of(&end.digest, &end.types, wanted),
+                Some(end) => return Service::of(&end.digest, &end.types, wanted, Some(*guid)),
+                None if state.is_daemon(guid) => {}
                 None if other.dds_type != wanted.dds_type => {
                     return Service::Differs(TypeName::from_dds(&other.dds_type));
                 }
-                None => found = true,
+                None => there = Some(*guid),
             }
         }
-        if found { Service::There } else { Service::Nobody }
-    }
-
-    #[allow(dead_code, reason = "services use it")]
-    /// Waits for news, at most until `end`; whether there may be some.
-    pub(crate) fn wait(&self, since: u64, end: Instant) -> bool {
-        let mut state = self.lock();
-        while self.version() == since {
-            let left = end.saturating_duration_since(Instant::now());
-            if left.is_zero() {
-                return false;
-            }
-            let waited = self.changed.wait_timeout(state, left);
-            state = waited.unwrap_or_else(PoisonError::into_inner).0;
-        }
-        true
+        there.map_or(Service::Nobody, |guid| Service::There(Some(guid)))
     }
 
     pub(crate) fn list(&self) -> Vec<Endpoint> {
@@ -307,20 +292,19 @@ impl Verdict {
     }
 }
 
-#[allow(dead_code, reason = "services use it")]
 /// What is known of a service that is to be called.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Service {
-    There,
+    /// With its reader of requests; none when it is of this daemon.
+    There(Option<GUID>),
     Nobody,
     /// It has these types instead.
     Differs(String),
 }
 
-#[allow(dead_code, reason = "services use it")]
 impl Service {
-    fn of(digest: &str, types: &str, wanted: &Wanted) -> Self {
-        if digest == wanted.digest { Self::There } else { Self::Differs(types.to_owned()) }
+    fn of(digest: &str, types: &str, wanted: &Wanted, reader: Option<GUID>) -> Self {
+        if digest == wanted.digest { Self::There(reader) } else { Self::Differs(types.to_owned()) }
     }
 }
 

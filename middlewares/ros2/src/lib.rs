@@ -1,4 +1,4 @@
-//! Ports as ROS 2 topics, for genuine ROS 2 nodes and for other daemons.
+//! Ports, services and activities as ROS 2 topics, services and actions.
 //!
 //! **Names.** Port `position` of instance `demo` is the topic `/demo/position` (DDS:
 //! `rt/demo/position`), below a namespace if one is configured; an instance is a node. Characters
@@ -11,6 +11,12 @@
 //! would say so in DDS's own words, is an option: RustDDS keeps all samples of several seconds
 //! for it and hands them all to those who come.)
 //!
+//! **Services.** `<component>/srv/<Service>`: the request has the input's members, the response
+//! `string genom_exception` (empty if none), `string genom_detail` (JSON) and the output's members.
+//! Activities are actions, `<component>/action/<Activity>`: the goal is the input, the result is
+//! like a response, feedback is `string genom_state`; an interrupted activity ends CANCELED, one
+//! with another exception ABORTED. Callers that cancel a goal interrupt the activity.
+//!
 //! **Who is there.** DDS's discovery names topics and types; daemons tell each other besides, on
 //! the topic `genom_discovery_info`, the full types and digests of their ends: types of one name
 //! that differ are refused. Of ROS nodes only the name of the type is known.
@@ -18,15 +24,22 @@
 #![forbid(unsafe_code)]
 
 mod backend;
+mod body;
+mod channel;
+mod client;
 mod feed;
+mod goals;
 mod graph;
 mod info;
 mod names;
 mod options;
 mod ports;
+mod post;
 mod process;
 mod receiver;
 mod sender;
+mod server;
+mod services;
 mod wire;
 
 pub use backend::{ParticipantError, Ros2};

@@ -97,7 +97,6 @@ fn scoped(name: &ScopedName, folder: &str) -> TypeName {
     }
 }
 
-#[allow(dead_code, reason = "services use it")]
 /// The type of a service: its input struct is `::component::service::input`.
 pub(crate) fn service(input: &DataType, at: &Address, folder: &str) -> TypeName {
     match input.kind() {

@@ -45,6 +45,7 @@ impl Publisher for Ros2Publisher {
 impl Drop for Ros2Publisher {
     fn drop(&mut self) {
         self.core.orders().remove(self.writer);
+        self.core.matches.forget(&self.writer);
         self.claim = None;
     }
 }

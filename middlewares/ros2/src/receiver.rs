@@ -23,7 +23,6 @@ const FIRST: usize = 2;
 /// Samples of one reader taken in a row, before others have their turn.
 const TURN: usize = 64;
 
-#[allow(dead_code, reason = "services use it")]
 /// A sample as it arrived.
 #[derive(Debug)]
 pub(crate) struct Sample<'a> {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle, ThreadId};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use genom_middleware::bell::Bell;
 use genom_middleware::mailbox::Mailbox;
@@ -27,6 +27,18 @@ const LONG: Duration = Duration::from_secs(3600);
 /// Longest time the last samples of a port that closes may take to arrive.
 const FAREWELL: Duration = Duration::from_millis(100);
 
+/// Time between two announcements of what changed: many changes at once are one.
+const BETWEEN: Duration = Duration::from_millis(20);
+
+/// Tells others what changed.
+pub(crate) trait Announce: Send {
+    /// Tells; false when it has to be done again.
+    fn tell(&self) -> bool;
+
+    /// Waits a while until others know.
+    fn settle(&self, longest: Duration);
+}
+
 /// Something to do on the thread.
 pub(crate) type Job = Box<dyn FnOnce() + Send>;
 
@@ -34,6 +46,8 @@ enum Order {
     Run(Job),
     Add(Box<Line>),
     Remove(GUID, Sender<()>),
+    /// Others shall know of a change before anything else happens.
+    Announce(Sender<()>),
     /// A reader has matched a writer of ours: it shall see the last value.
     Greet(GUID, GUID),
     /// This daemon begins to read a topic.
@@ -66,6 +80,8 @@ struct Line {
 pub(crate) struct Orders {
     sender: Sender<Order>,
     bell: Arc<Bell>,
+    /// Whether there is something to announce.
+    news: Arc<AtomicBool>,
     thread: ThreadId,
 }
 
@@ -76,13 +92,21 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    pub(crate) fn start() -> io::Result<Self> {
+    pub(crate) fn start(announce: Box<dyn Announce>) -> io::Result<Self> {
         let (sender, receiver) = channel();
         let bell = Arc::new(Bell::default());
-        let mut work = Work { receiver, bell: Arc::clone(&bell), lines: HashMap::new() };
+        let news = Arc::new(AtomicBool::new(false));
+        let mut work = Work {
+            receiver,
+            bell: Arc::clone(&bell),
+            lines: HashMap::new(),
+            announce,
+            news: Arc::clone(&news),
+            announced: None,
+        };
         let thread =
             thread::Builder::new().name("ros2-sender".to_owned()).spawn(move || work.go_on())?;
-        let orders = Orders { sender, bell, thread: thread.thread().id() };
+        let orders = Orders { sender, bell, news, thread: thread.thread().id() };
         Ok(Self { orders, thread: Some(thread) })
     }
 }
@@ -107,9 +131,38 @@ impl Orders {
         self.bell.ring();
     }
 
+    /// Has others told of a change, soon.
+    pub(crate) fn announce(&self) {
+        self.news.store(true, Ordering::Release);
+        self.bell.ring();
+    }
+
+    /// Has others told of a change, and waits a while until they know.
+    pub(crate) fn announce_now(&self) {
+        let (done, finished) = channel();
+        self.order(Order::Announce(done));
+        if !self.on_thread() {
+            // Ends when the order was carried out, or dropped with the thread.
+            let _ = finished.recv();
+        }
+    }
+
     /// Has a job done soon, after all that was ordered before.
     pub(crate) fn submit(&self, job: impl FnOnce() + Send + 'static) {
         self.order(Order::Run(Box::new(job)));
+    }
+
+    /// Has a job done and waits for it, except on the thread itself.
+    pub(crate) fn finish(&self, job: impl FnOnce() + Send + 'static) {
+        let (done, finished) = channel();
+        self.submit(move || {
+            job();
+            let _ = done.send(());
+        });
+        if !self.on_thread() {
+            // Ends when the job did, or was dropped with the thread.
+            let _ = finished.recv();
+        }
     }
 
     /// Adds an out port.
@@ -189,12 +242,34 @@ struct Work {
     receiver: Receiver<Order>,
     bell: Arc<Bell>,
     lines: HashMap<GUID, Line>,
+    announce: Box<dyn Announce>,
+    news: Arc<AtomicBool>,
+    announced: Option<Instant>,
 }
 
 impl Work {
+    /// Announces what is due, and says how long nothing will be.
+    fn until_announcement(&mut self) -> Duration {
+        if !self.news.load(Ordering::Acquire) {
+            return LONG;
+        }
+        let since = self.announced.map_or(BETWEEN, |announced| announced.elapsed());
+        if since < BETWEEN {
+            return BETWEEN.saturating_sub(since);
+        }
+        self.announced = Some(Instant::now());
+        self.news.store(false, Ordering::SeqCst);
+        if self.announce.tell() {
+            return LONG;
+        }
+        self.news.store(true, Ordering::Release);
+        BETWEEN
+    }
+
     fn go_on(&mut self) {
         loop {
-            self.bell.wait(LONG);
+            let longest = self.until_announcement();
+            self.bell.wait(longest);
             while let Ok(order) = self.receiver.try_recv() {
                 match order {
                     Order::Run(job) => job(),
@@ -211,6 +286,12 @@ impl Work {
                         if let Some(line) = self.lines.get(&writer) {
                             line.greet(reader);
                         }
+                    }
+                    Order::Announce(done) => {
+                        if self.announce.tell() {
+                            self.announce.settle(FAREWELL);
+                        }
+                        let _ = done.send(());
                     }
                     Order::Offer(feed) => {
                         let line = self.lines.values().find(|line| line.topic == feed.topic);

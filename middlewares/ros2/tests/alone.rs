@@ -1,16 +1,24 @@
-//! One daemon with both ends of a port.
+//! One daemon with both ends of a port or a service.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "test code, also outside of test functions")]
 
 mod world;
 
 use genom_middleware::conformance::{World, eventually, samples};
-use genom_middleware::{Address, Policy, Reading};
+use std::sync::Arc;
+use std::time::Duration;
+
+use genom_middleware::{
+    ActivityId, Address, Outcome, Policy, Reading, Replies, ServiceHandler, ServiceKind,
+    ServiceType,
+};
+use genom_ros2::ServiceMapping;
+use genom_types::Record;
 use world::Domain;
 
 #[test]
 fn both_ends_of_a_port_may_be_in_one_daemon() {
-    let world = Domain::new();
+    let world = Domain::new(ServiceMapping::Cyclone);
     let alone = world.join();
     let (at, ty) = (Address::new("demo", "position"), samples::state());
     let mut reader = alone.subscription(&at, &ty, Policy::Latest).unwrap();
@@ -28,5 +36,32 @@ fn both_ends_of_a_port_may_be_in_one_daemon() {
         eventually("a late reader has it too", || late.read(&mut got).unwrap() == Reading::New);
         assert_eq!(samples::number(&got), n);
         assert_eq!(late.read(&mut got).unwrap(), Reading::Same);
+    }
+}
+
+/// Gives back what it gets.
+struct Echo;
+
+impl ServiceHandler for Echo {
+    fn request(&self, input: Record, replies: Box<dyn Replies>) {
+        replies.finish(Outcome::Success(input));
+    }
+
+    fn cancel(&self, _: ActivityId) {}
+}
+
+#[test]
+fn both_ends_of_a_service_may_be_in_one_daemon() {
+    let world = Domain::new(ServiceMapping::Enhanced);
+    let alone = world.join();
+    let (at, state) = (Address::new("demo", "goto"), samples::state());
+    let ty = ServiceType { kind: ServiceKind::Function, input: state.clone(), output: state };
+    let _served = alone.serve(&at, &ty, Arc::new(Echo)).unwrap();
+    let mut client = alone.client(&at, &ty).unwrap();
+    for n in 1..4 {
+        match client.call(&samples::numbered(n), Duration::from_secs(30)) {
+            Ok(Outcome::Success(output)) => assert_eq!(samples::number(&output), n),
+            other => panic!("no echo: {other:?}"),
+        }
     }
 }

@@ -1,12 +1,11 @@
-//! ROS 2 holds what every middleware must hold.
+//! ROS 2 holds what every middleware must hold, with either mapping of services.
 
-#![allow(
-    clippy::expect_used,
-    clippy::panic,
-    reason = "this is test code, also outside of test functions"
-)]
 mod world;
 
+use genom_ros2::ServiceMapping;
 use world::Domain;
 
-genom_middleware::conformance! { ros2: Domain::new() }
+genom_middleware::conformance! {
+    ros2: Domain::new(ServiceMapping::Enhanced),
+    cyclone: Domain::new(ServiceMapping::Cyclone),
+}

@@ -1,6 +1,6 @@
 """A DDS peer of another make: reads and writes the topic /demo/position as a ROS 2 node would.
 
-Arguments: the domain, and `read` or `write`. One line out for each thing done.
+Arguments: the domain, and `read`, `write` or `call`. One line out for each thing done.
 """
 
 import os
@@ -23,7 +23,7 @@ os.environ["CYCLONEDDS_URI"] = """<CycloneDDS><Domain>
 from cyclonedds.core import Policy, Qos, ReadCondition, SampleState, ViewState, InstanceState, WaitSet
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import IdlStruct
-from cyclonedds.idl.types import array, float64, sequence, uint64
+from cyclonedds.idl.types import array, float64, int64, uint64
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
@@ -41,6 +41,26 @@ class Short(IdlStruct, typename="demo::msg::dds_::State_"):
     """Goes by the name of a state, and ends too early."""
 
     count: uint64
+
+
+@dataclass
+class Request(IdlStruct, typename="demo::srv::dds_::Goto_Request_"):
+    """With the header that rmw_cyclonedds puts before the fields."""
+
+    client: uint64
+    number: int64
+    count: uint64
+    values: array[float64, 7]
+
+
+@dataclass
+class Response(IdlStruct, typename="demo::srv::dds_::Goto_Response_"):
+    client: uint64
+    number: int64
+    genom_exception: str
+    genom_detail: str
+    count: uint64
+    values: array[float64, 7]
 
 
 def state(n):
@@ -91,6 +111,30 @@ def write():
         say("done")
 
 
+def call():
+    requests = DataWriter(participant, Topic(participant, "rq/demo/gotoRequest", Request), qos=QOS)
+    replies = DataReader(participant, Topic(participant, "rr/demo/gotoReply", Response), qos=QOS)
+    while not (requests.get_matched_subscriptions() and replies.get_matched_publications()):
+        pass_time()
+    any_state = SampleState.Any | ViewState.Any | InstanceState.Any
+    waitset = WaitSet(participant)
+    waitset.attach(ReadCondition(replies, any_state))
+    for number, line in enumerate(sys.stdin):
+        n = int(line)
+        requests.write(Request(client=77, number=number, **vars(state(n))))
+        answered = False
+        while not answered:
+            waitset.wait(duration(seconds=60))
+            for reply in replies.take(N=10):
+                if isinstance(reply, Response) and (reply.client, reply.number) == (77, number):
+                    answered = True
+                    if reply.genom_exception:
+                        say(f"{reply.genom_exception} {reply.genom_detail}")
+                    else:
+                        assert reply.values == state(reply.count).values, reply
+                        say(f"reply {reply.count}")
+
+
 def pass_time():
     # Nothing tells of a match but asking.
     import time
@@ -98,4 +142,4 @@ def pass_time():
     time.sleep(0.001)
 
 
-{"read": read, "write": write}[sys.argv[2]]()
+{"read": read, "write": write, "call": call}[sys.argv[2]]()

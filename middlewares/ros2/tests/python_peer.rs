@@ -11,14 +11,20 @@ mod world;
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::Duration;
 
 use genom_middleware::conformance::eventually;
 use genom_middleware::conformance::samples::{number, numbered, state};
-use genom_middleware::{Address, EndpointKind, Middleware, Policy, ReadError, Reading};
+use genom_middleware::{
+    ActivityId, Address, EndpointKind, Middleware, Outcome, Policy, ReadError, Reading, Replies,
+    ServiceHandler, ServiceKind, ServiceType,
+};
+use genom_ros2::ServiceMapping;
 use genom_types::Record;
+use serde_json::json;
 use world::Domain;
 
 /// Only a failing test waits this long.
@@ -78,7 +84,7 @@ fn position() -> Address {
 
 #[test]
 fn a_dds_peer_reads_a_port_though_it_comes_late() {
-    let domain = Domain::new();
+    let domain = Domain::new(ServiceMapping::Cyclone);
     let ros2 = domain.open();
     let mut writer = ros2.publisher(&position(), &state()).unwrap();
     writer.publish(&numbered(41)).unwrap();
@@ -92,7 +98,7 @@ fn a_dds_peer_reads_a_port_though_it_comes_late() {
 
 #[test]
 fn a_dds_peer_writes_a_port_and_what_it_breaks_is_counted() {
-    let domain = Domain::new();
+    let domain = Domain::new(ServiceMapping::Cyclone);
     let ros2 = domain.open();
     let mut reader = ros2.subscription(&position(), &state(), Policy::Queue(8)).unwrap();
     let mut peer = Peer::start(&domain, "write");
@@ -117,4 +123,37 @@ fn a_dds_peer_writes_a_port_and_what_it_breaks_is_counted() {
     });
     assert_eq!(number(&got), 8, "the value read before is kept");
     assert_eq!(reader.dropped(), 1);
+}
+
+/// Adds 1000, and refuses 13.
+struct Adder;
+
+impl ServiceHandler for Adder {
+    fn request(&self, input: Record, replies: Box<dyn Replies>) {
+        replies.finish(match number(&input) {
+            13 => Outcome::Exception {
+                name: "::demo::TOO_FAR_AWAY".to_owned(),
+                detail: json!({"why": "trop loin"}),
+            },
+            n => Outcome::Success(numbered(n + 1000)),
+        });
+    }
+
+    fn cancel(&self, _: ActivityId) {}
+}
+
+#[test]
+fn a_dds_peer_calls_a_service_as_rmw_cyclonedds_does() {
+    let domain = Domain::new(ServiceMapping::Cyclone);
+    let ros2 = domain.open();
+    let ty = ServiceType { kind: ServiceKind::Function, input: state(), output: state() };
+    let at = Address::new("demo", "goto");
+    let _served = ros2.serve(&at, &ty, Arc::new(Adder)).unwrap();
+    let mut peer = Peer::start(&domain, "call");
+    for n in [1, 2, 40] {
+        peer.tell(&n.to_string());
+        peer.says(&format!("reply {}", n + 1000));
+    }
+    peer.tell("13");
+    peer.says("::demo::TOO_FAR_AWAY {\"why\":\"trop loin\"}");
 }

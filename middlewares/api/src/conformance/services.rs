@@ -108,7 +108,8 @@ fn answered(client: &mut dyn Client, n: u64) -> Outcome {
             outcome = Some(answer);
             true
         }
-        Err(CallError::Nobody { .. } | CallError::Timeout(_)) => false,
+        // Gone: one that left before was asked, while that was not known here.
+        Err(CallError::Nobody { .. } | CallError::Timeout(_) | CallError::Gone) => false,
         Err(other) => panic!("{other}"),
     });
     outcome.expect("an outcome")

@@ -1,11 +1,13 @@
 //! A domain of its own for each test: participants of other tests and processes are not seen.
 
+#![allow(clippy::expect_used, clippy::panic, reason = "test code")]
+
 use std::fs::{File, TryLockError};
 use std::sync::Arc;
 
 use genom_middleware::Middleware;
 use genom_middleware::conformance::World;
-use genom_ros2::{Options, Ros2};
+use genom_ros2::{Options, Ros2, ServiceMapping};
 
 /// Ports of domains above this one are also given to programs that ask for any port.
 const LAST: u16 = 101;
@@ -13,17 +15,18 @@ const LAST: u16 = 101;
 /// A domain that nobody else on this machine uses while this lives.
 pub(crate) struct Domain {
     number: u16,
+    services: ServiceMapping,
     /// Locked; the system lets go of it however the process ends.
     _lock: File,
 }
 
 impl Domain {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(services: ServiceMapping) -> Self {
         let free = (1..=LAST).find_map(|number| {
             let path = std::env::temp_dir().join(format!("genom-ros2-domain-{number}.lock"));
             let lock = File::options().create(true).append(true).open(path).expect("a lock");
             match lock.try_lock() {
-                Ok(()) => Some(Self { number, _lock: lock }),
+                Ok(()) => Some(Self { number, services, _lock: lock }),
                 Err(TryLockError::WouldBlock) => None,
                 Err(TryLockError::Error(error)) => panic!("{error}"),
             }
@@ -32,7 +35,7 @@ impl Domain {
     }
 
     pub(crate) fn options(&self) -> Options {
-        Options { domain: self.number, ..Options::default() }
+        Options { domain: self.number, services: self.services, ..Options::default() }
     }
 
     pub(crate) fn open(&self) -> Arc<Ros2> {

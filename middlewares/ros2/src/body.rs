@@ -1,0 +1,136 @@
+//! Bodies of requests and replies: a few fields by hand around a record.
+
+use genom_middleware::{CallError, Outcome};
+use genom_types::{CdrError, DataType, Record};
+use serde_json::Value;
+
+use crate::wire::HEADER;
+
+/// Stands for the end of a service before it answered.
+pub(crate) const GONE: &str = "::genom::gone";
+
+/// A request that could not be decoded.
+const SERIALIZATION: &str = "::genom::serialization";
+
+/// Appends a string to a payload that starts at 0.
+pub(crate) fn put_string(out: &mut Vec<u8>, text: &str) {
+    // CDR strings end at a NUL; what has one inside ends there.
+    let text = text.split('\0').next().unwrap_or_default();
+    out.resize(out.len().next_multiple_of(4), 0);
+    let length = u32::try_from(text.len() + 1).unwrap_or(u32::MAX);
+    out.extend_from_slice(&length.to_le_bytes());
+    out.extend_from_slice(text.as_bytes());
+    out.push(0);
+}
+
+/// The input of a service. ROS has no empty messages: they have one byte.
+pub(crate) fn put_input(out: &mut Vec<u8>, input: &Record) -> Result<(), CdrError> {
+    let before = out.len();
+    input.encode_cdr_within(0, out)?;
+    if out.len() == before {
+        out.push(0);
+    }
+    Ok(())
+}
+
+/// The result of a service: exception, detail, output.
+pub(crate) fn put_outcome(out: &mut Vec<u8>, ty: &DataType, outcome: &Outcome) {
+    let before = out.len();
+    let (name, detail, output) = match outcome {
+        Outcome::Success(output) => ("", Value::Null, Some(output)),
+        Outcome::Exception { name, detail } => (name.as_str(), detail.clone(), None),
+        Outcome::Lost(CallError::Serialization(why)) => {
+            (SERIALIZATION, Value::String(why.clone()), None)
+        }
+        Outcome::Lost(error) => (GONE, Value::String(error.to_string()), None),
+    };
+    put_string(out, name);
+    put_string(out, &if detail.is_null() { String::new() } else { detail.to_string() });
+    let encoded = match output {
+        Some(output) => output.encode_cdr_within(0, out),
+        None => Record::new(ty).encode_cdr_within(0, out),
+    };
+    if let Err(error) = encoded
+        && !matches!(outcome, Outcome::Lost(_))
+    {
+        out.truncate(before);
+        let why = error.to_string();
+        put_outcome(out, ty, &Outcome::Lost(CallError::Serialization(why)));
+    }
+}
+
+/// Reads a message field by field. Nothing is trusted.
+#[derive(Clone, Debug)]
+pub(crate) struct Fields<'a> {
+    payload: &'a [u8],
+    at: usize,
+    big_endian: bool,
+}
+
+impl<'a> Fields<'a> {
+    /// The payload of a message.
+    pub(crate) fn of(message: &'a [u8]) -> Option<Self> {
+        let (header, payload) = message.split_at_checked(HEADER)?;
+        Some(Self { payload, at: 0, big_endian: header.get(1) != Some(&1) })
+    }
+
+    pub(crate) fn bytes<const N: usize>(&mut self) -> Option<[u8; N]> {
+        let bytes = self.payload.get(self.at..)?.first_chunk::<N>()?;
+        self.at += N;
+        Some(*bytes)
+    }
+
+    pub(crate) fn byte(&mut self) -> Option<u8> {
+        self.bytes::<1>().map(|[byte]| byte)
+    }
+
+    pub(crate) fn word(&mut self) -> Option<u32> {
+        self.at = self.at.next_multiple_of(4);
+        let bytes = self.bytes()?;
+        Some(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    }
+
+    pub(crate) fn long(&mut self) -> Option<u64> {
+        self.at = self.at.next_multiple_of(8);
+        let bytes = self.bytes()?;
+        Some(if self.big_endian { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) })
+    }
+
+    pub(crate) fn string(&mut self) -> Option<&'a str> {
+        let length = usize::try_from(self.word()?).ok()?;
+        let end = self.at.checked_add(length)?;
+        let bytes = self.payload.get(self.at..end)?;
+        self.at = end;
+        // Some writers send an empty string without its NUL.
+        std::str::from_utf8(bytes.strip_suffix(&[0]).unwrap_or(bytes)).ok()
+    }
+
+    /// The record that is left.
+    pub(crate) fn record(&self, ty: &DataType) -> Result<Record, CdrError> {
+        let mut record = Record::new(ty);
+        record.decode_cdr_within(self.payload, self.at, self.big_endian)?;
+        Ok(record)
+    }
+
+    /// The result of a service.
+    pub(crate) fn outcome(&mut self, ty: &DataType) -> Outcome {
+        let lost = |why: &str| Outcome::Lost(CallError::Serialization(why.to_owned()));
+        let (Some(name), Some(detail)) = (self.string(), self.string()) else {
+            return lost("exception and detail are missing");
+        };
+        let json = || match detail {
+            "" => Ok(Value::Null),
+            text => serde_json::from_str(text),
+        };
+        match (name, json()) {
+            ("", _) => match self.record(ty) {
+                Ok(output) => Outcome::Success(output),
+                Err(error) => lost(&error.to_string()),
+            },
+            (GONE, _) => Outcome::Lost(CallError::Gone),
+            (SERIALIZATION, _) => lost(detail),
+            (_, Ok(detail)) => Outcome::Exception { name: name.to_owned(), detail },
+            (_, Err(error)) => lost(&error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,372 @@
+//! One ROS service: a topic of requests and a topic of replies, with bodies as bytes.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+use genom_middleware::CallError;
+use rustdds::bytes::Bytes;
+use rustdds::mio1::Token;
+use rustdds::rpc::SampleIdentity;
+use rustdds::{GUID, RTPSEntity, SequenceNumber, Timestamp, WriteOptions, WriteOptionsBuilder};
+
+use crate::backend::Dds;
+use crate::body::Fields;
+use crate::options::ServiceMapping;
+use crate::post::{Matches, Post, Prefix, Target, prefix};
+use crate::receiver::{Inlet, Sample, Sink};
+use crate::sender::Orders;
+use crate::wire::{self, HEADER, Payload, Reader};
+
+/// Requests or replies of one service that wait for the receiving thread.
+const CACHED: i32 = 1024;
+
+/// Bytes that the Cyclone mapping puts before a body.
+const CYCLONE: usize = 16;
+
+/// What making a service takes.
+#[derive(Clone)]
+pub(crate) struct Maker {
+    pub(crate) inlet: Arc<Inlet>,
+    pub(crate) orders: Orders,
+    pub(crate) matches: Arc<Matches>,
+    pub(crate) mapping: ServiceMapping,
+}
+
+/// Names of a service in DDS.
+#[derive(Clone, Debug)]
+pub(crate) struct Names {
+    /// `rq/demo/goto` without `Request`, and so on: the path.
+    pub(crate) path: String,
+    pub(crate) request: String,
+    pub(crate) reply: String,
+}
+
+impl Names {
+    pub(crate) fn request_topic(&self) -> String {
+        format!("rq/{}Request", self.path)
+    }
+
+    fn reply_topic(&self) -> String {
+        format!("rr/{}Reply", self.path)
+    }
+}
+
+/// Which request a reply is for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RequestId {
+    asker: Prefix,
+    identity: SampleIdentity,
+    /// Of the Cyclone mapping: half an id and a number, sent back as they came.
+    half: u64,
+    number: u64,
+}
+
+/// A request that arrived: who it is from, and its body.
+pub(crate) type OnRequest = Box<dyn FnMut(RequestId, Prefix, &[u8]) + Send>;
+
+/// The serving end.
+pub(crate) struct ServerEnd {
+    maker: Maker,
+    replies: Arc<Post>,
+    token: Token,
+    pub(crate) reader: GUID,
+}
+
+struct Requests {
+    mapping: ServiceMapping,
+    since: Timestamp,
+    ourselves: Prefix,
+    on_request: OnRequest,
+}
+
+impl Sink for Requests {
+    fn arrive(&mut self, sample: &Sample<'_>) {
+        let asker = prefix(&sample.writer);
+        if sample.received < self.since || asker == self.ourselves {
+            return;
+        }
+        let Some((identity, half, number, body)) = self.open(sample) else {
+            tracing::warn!("a request without header was left out: other service mapping?");
+            return;
+        };
+        (self.on_request)(RequestId { asker, identity, half, number }, asker, &body);
+    }
+}
+
+impl Requests {
+    fn open(&self, sample: &Sample<'_>) -> Option<(SampleIdentity, u64, u64, Vec<u8>)> {
+        let actual = SequenceNumber::from(sample.number);
+        match self.mapping {
+            ServiceMapping::Enhanced => {
+                let mut identity = sample.related.unwrap_or_default();
+                // Only some clients say under what id they want the reply.
+                if prefix(&identity.writer_guid) != prefix(&sample.writer) {
+                    identity.writer_guid = sample.writer;
+                    identity.sequence_number = actual;
+                }
+                if i64::from(identity.sequence_number) <= 0 {
+                    identity.sequence_number = actual;
+                }
+                Some((identity, 0, 0, sample.message.to_vec()))
+            }
+            ServiceMapping::Cyclone => {
+                let (half, number, body) = split_cyclone(sample.message)?;
+                let identity =
+                    SampleIdentity { writer_guid: sample.writer, sequence_number: actual };
+                Some((identity, half, number, body))
+            }
+        }
+    }
+}
+
+/// Takes a message of the Cyclone mapping apart: id, number, message without both.
+fn split_cyclone(message: &[u8]) -> Option<(u64, u64, Vec<u8>)> {
+    let mut fields = Fields::of(message)?;
+    let (half, number) = (fields.long()?, fields.long()?);
+    let (header, body) = (message.get(..HEADER)?, message.get(HEADER + CYCLONE..)?);
+    Some((half, number, [header, body].concat()))
+}
+
+/// Puts id and number before a body.
+fn join_cyclone(half: u64, number: u64, body: &[u8]) -> Bytes {
+    [&half.to_le_bytes()[..], &number.to_le_bytes(), body].concat().into()
+}
+
+fn write(writer: &wire::Writer, payload: Bytes, options: WriteOptions) -> Option<SequenceNumber> {
+    match writer.write_with_options(Payload(payload), options) {
+        Ok(identity) => Some(identity.sequence_number),
+        Err(error) => {
+            tracing::warn!(%error, "DDS refused a request or reply");
+            None
+        }
+    }
+}
+
+impl ServerEnd {
+    pub(crate) fn open(
+        dds: &Dds,
+        maker: &Maker,
+        names: &Names,
+        on_request: OnRequest,
+    ) -> Result<Self, String> {
+        let qos = wire::qos(true, false, CACHED);
+        let writer = dds.writer(&names.reply_topic(), &names.reply, &qos)?;
+        let ourselves = prefix(&writer.guid());
+        let replies = Post::new(writer, &maker.matches, Box::new(|_| {}));
+        let since = Timestamp::now();
+        let reader = dds.reader(&names.request_topic(), &names.request, &qos)?;
+        let guid = reader.guid();
+        let sink = Requests { mapping: maker.mapping, since, ourselves, on_request };
+        let token = maker.inlet.add(reader, Box::new(sink));
+        Ok(Self { maker: maker.clone(), replies, token, reader: guid })
+    }
+
+    pub(crate) fn writer(&self) -> GUID {
+        self.replies.guid()
+    }
+
+    /// Answers a request, once its asker can hear.
+    pub(crate) fn reply(&self, to: RequestId, body: Vec<u8>) {
+        let (post, mapping) = (Arc::clone(&self.replies), self.maker.mapping);
+        self.maker.orders.submit(move || {
+            let letter = move |writer: &wire::Writer| {
+                let options = WriteOptionsBuilder::new().source_timestamp(Timestamp::now());
+                _ = match mapping {
+                    ServiceMapping::Enhanced => {
+                        let options = options.related_sample_identity(to.identity);
+                        write(writer, body.into(), options.build())
+                    }
+                    ServiceMapping::Cyclone => {
+                        write(writer, join_cyclone(to.half, to.number, &body), options.build())
+                    }
+                };
+            };
+            post.send(Target::Participant(to.asker), Box::new(letter));
+        });
+    }
+
+    /// The post of the replies, to be closed on the sending thread after the last reply.
+    pub(crate) fn post(&self) -> Arc<Post> {
+        Arc::clone(&self.replies)
+    }
+}
+
+impl Drop for ServerEnd {
+    fn drop(&mut self) {
+        self.maker.inlet.remove(self.token);
+    }
+}
+
+type Then = Box<dyn FnOnce(Result<&[u8], CallError>) + Send>;
+
+/// Takes the body of a reply, or why there is none. Heard of in any case.
+pub(crate) struct Answer(Option<Then>);
+
+impl Answer {
+    pub(crate) fn new(then: impl FnOnce(Result<&[u8], CallError>) + Send + 'static) -> Self {
+        Self(Some(Box::new(then)))
+    }
+
+    fn give(mut self, answer: Result<&[u8], CallError>) {
+        if let Some(then) = self.0.take() {
+            then(answer);
+        }
+    }
+}
+
+impl Drop for Answer {
+    fn drop(&mut self) {
+        if let Some(then) = self.0.take() {
+            then(Err(CallError::Gone));
+        }
+    }
+}
+
+/// Requests that are not answered yet.
+#[derive(Default)]
+struct Pending(Mutex<Asked>);
+
+#[derive(Default)]
+struct Asked {
+    /// By number, with who was asked.
+    answers: HashMap<u64, (Target, Answer)>,
+    /// The last number given, where this side gives them.
+    last: u64,
+}
+
+impl Pending {
+    fn lock(&self) -> MutexGuard<'_, Asked> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Servers are gone: they will not answer.
+    fn give_up(&self, reaches: &dyn Fn(Target) -> bool) {
+        let mut asked = self.lock();
+        let all = std::mem::take(&mut asked.answers);
+        let (rest, given_up) = all.into_iter().partition(|(_, (of, _))| reaches(*of));
+        asked.answers = rest;
+        drop(asked);
+        let given_up: HashMap<_, _> = given_up;
+        drop(given_up);
+    }
+}
+
+/// The calling end, shared by all callers of a service in this daemon.
+pub(crate) struct ClientEnd {
+    maker: Maker,
+    requests: Arc<Post>,
+    token: Token,
+    reader: GUID,
+    pending: Arc<Pending>,
+}
+
+struct Answers {
+    mapping: ServiceMapping,
+    since: Timestamp,
+    ids: [GUID; 2],
+    half: u64,
+    pending: Weak<Pending>,
+}
+
+impl Sink for Answers {
+    fn arrive(&mut self, sample: &Sample<'_>) {
+        if sample.received < self.since {
+            return;
+        }
+        let Some(pending) = self.pending.upgrade() else { return };
+        let (number, body) = match self.mapping {
+            ServiceMapping::Enhanced => {
+                let Some(related) = sample.related else { return };
+                if !self.ids.contains(&related.writer_guid) {
+                    return;
+                }
+                (i64::from(related.sequence_number).cast_unsigned(), sample.message.to_vec())
+            }
+            ServiceMapping::Cyclone => match split_cyclone(sample.message) {
+                Some((half, number, body)) if half == self.half => (number, body),
+                _ => return,
+            },
+        };
+        let answer = pending.lock().answers.remove(&number);
+        if let Some((_, answer)) = answer {
+            answer.give(Ok(&body));
+        }
+    }
+}
+
+/// The second half of an id, by which replies of the Cyclone mapping are told apart.
+fn half(of: &GUID) -> u64 {
+    of.to_bytes().last_chunk().map_or(0, |half| u64::from_le_bytes(*half))
+}
+
+impl ClientEnd {
+    pub(crate) fn open(dds: &Dds, maker: &Maker, names: &Names) -> Result<Self, String> {
+        let qos = wire::qos(true, false, CACHED);
+        let since = Timestamp::now();
+        let reader: Reader = dds.reader(&names.reply_topic(), &names.reply, &qos)?;
+        let guid = reader.guid();
+        let writer = dds.writer(&names.request_topic(), &names.request, &qos)?;
+        let writes = writer.guid();
+        let pending = Arc::new(Pending::default());
+        let waits = Arc::downgrade(&pending);
+        let on_lost = move |reaches: &dyn Fn(Target) -> bool| {
+            if let Some(pending) = waits.upgrade() {
+                pending.give_up(reaches);
+            }
+        };
+        let requests = Post::new(writer, &maker.matches, Box::new(on_lost));
+        let sink = Answers {
+            mapping: maker.mapping,
+            since,
+            ids: [guid, writes],
+            half: half(&writes),
+            pending: Arc::downgrade(&pending),
+        };
+        let token = maker.inlet.add(reader, Box::new(sink));
+        Ok(Self { maker: maker.clone(), requests, token, reader: guid, pending })
+    }
+
+    /// Sends a request, once its server can hear it.
+    pub(crate) fn call(&self, to: Target, body: Vec<u8>, answer: Answer) {
+        let (post, pending) = (Arc::clone(&self.requests), Arc::clone(&self.pending));
+        let (mapping, reader) = (self.maker.mapping, self.reader);
+        self.maker.orders.submit(move || {
+            let half = half(&post.guid());
+            let letter = move |writer: &wire::Writer| {
+                let options = WriteOptionsBuilder::new().source_timestamp(Timestamp::now());
+                // Locked until the number is known: the reply may come at once.
+                let mut waiting = pending.lock();
+                let number = match mapping {
+                    ServiceMapping::Enhanced => {
+                        let identity = SampleIdentity {
+                            writer_guid: reader,
+                            sequence_number: SequenceNumber::UNKNOWN,
+                        };
+                        let options = options.related_sample_identity(identity);
+                        write(writer, body.into(), options.build())
+                            .map(|number| i64::from(number).cast_unsigned())
+                    }
+                    ServiceMapping::Cyclone => {
+                        waiting.last += 1;
+                        let number = waiting.last;
+                        let payload = join_cyclone(half, number, &body);
+                        write(writer, payload, options.build()).map(|_| number)
+                    }
+                };
+                let refused = match number {
+                    Some(number) => waiting.answers.insert(number, (to, answer)),
+                    None => Some((to, answer)),
+                };
+                drop(waiting);
+                drop(refused);
+            };
+            post.send(to, Box::new(letter));
+        });
+    }
+}
+
+impl Drop for ClientEnd {
+    fn drop(&mut self) {
+        self.maker.inlet.remove(self.token);
+    }
+}

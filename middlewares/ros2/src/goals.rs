@@ -1,0 +1,344 @@
+//! Activities, served: a ROS action each.
+
+use std::collections::{HashMap, VecDeque};
+use std::sync::{Arc, Mutex, OnceLock, Weak};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use genom_middleware::{
+    ActivityId, CallError, Outcome, Replies, Served, ServiceHandler, ServiceType,
+};
+use rustdds::bytes::Bytes;
+
+use crate::backend::Core;
+use crate::body::{self, Fields};
+use crate::channel::{RequestId, ServerEnd};
+use crate::graph::Claim;
+use crate::post::{Post, Prefix, Target};
+use crate::sender::Orders;
+use crate::server::{close, lock};
+use crate::wire::{Payload, Writer};
+
+/// Goals that ended are remembered, for those who ask late; so many of them.
+const REMEMBERED: usize = 64;
+
+/// Id of a goal, made by who sends it.
+pub(crate) type GoalId = [u8; 16];
+
+/// `action_msgs/msg/GoalStatus`.
+const ACCEPTED: u8 = 1;
+const CANCELING: u8 = 3;
+const SUCCEEDED: u8 = 4;
+const CANCELED: u8 = 5;
+const ABORTED: u8 = 6;
+
+/// What an interrupted activity ends with (genom3.md 7.6).
+const INTERRUPTED: &str = "::genom::interrupted";
+
+/// The DDS ends of an action.
+pub(crate) struct Ends {
+    pub(crate) send_goal: ServerEnd,
+    pub(crate) get_result: ServerEnd,
+    pub(crate) cancel_goal: ServerEnd,
+    pub(crate) feedback: Arc<Post>,
+    pub(crate) status: Arc<Mutex<Writer>>,
+}
+
+/// An activity.
+pub(crate) struct ActionServer {
+    pub(crate) ty: ServiceType,
+    pub(crate) handler: Arc<dyn ServiceHandler>,
+    pub(crate) orders: Orders,
+    pub(crate) ends: OnceLock<Ends>,
+    goals: Mutex<Goals>,
+}
+
+#[derive(Default)]
+struct Goals {
+    by_id: HashMap<GoalId, Goal>,
+    ended: VecDeque<GoalId>,
+}
+
+struct Goal {
+    asker: Prefix,
+    /// Who sent it, until that is answered.
+    sent: Option<RequestId>,
+    stamp: (i32, u32),
+    status: u8,
+    run: Option<ActivityId>,
+    /// Status and outcome, once it ended.
+    result: Option<Vec<u8>>,
+    /// Who wants the result.
+    waiting: Vec<RequestId>,
+}
+
+fn now() -> (i32, u32) {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    (i32::try_from(since.as_secs()).unwrap_or(i32::MAX), since.subsec_nanos())
+}
+
+fn put_info(out: &mut Vec<u8>, id: &GoalId, stamp: (i32, u32)) {
+    out.extend_from_slice(id);
+    out.extend_from_slice(&stamp.0.to_le_bytes());
+    out.extend_from_slice(&stamp.1.to_le_bytes());
+}
+
+impl ActionServer {
+    pub(crate) fn new(
+        ty: ServiceType,
+        handler: Arc<dyn ServiceHandler>,
+        orders: Orders,
+    ) -> Arc<Self> {
+        let (ends, goals) = (OnceLock::new(), Mutex::default());
+        Arc::new(Self { ty, handler, orders, ends, goals })
+    }
+
+    /// Somebody sends a goal.
+    pub(crate) fn send_goal(self: &Arc<Self>, by: RequestId, asker: Prefix, message: &[u8]) {
+        let Some(mut fields) = Fields::of(message) else { return };
+        let Some(id) = fields.bytes::<16>() else { return };
+        let mut goals = lock(&self.goals);
+        let input = fields.record(&self.ty.input);
+        let input = match input {
+            Ok(input) if !goals.by_id.contains_key(&id) => input,
+            refused => {
+                drop(goals);
+                let why = refused.err().map(|error| error.to_string());
+                tracing::warn!(why, "a goal was refused: undecodable, or its id is in use");
+                return self.answer_goal(by, false, now());
+            }
+        };
+        goals.by_id.insert(
+            id,
+            Goal {
+                asker,
+                sent: Some(by),
+                stamp: now(),
+                status: ACCEPTED,
+                run: None,
+                result: None,
+                waiting: Vec::new(),
+            },
+        );
+        drop(goals);
+        // The service may call back into this middleware: no lock is held here.
+        let replies = ToGoal { server: Arc::downgrade(self), id, ended: false };
+        self.handler.request(input, Box::new(replies));
+    }
+
+    fn answer_goal(&self, by: RequestId, accepted: bool, stamp: (i32, u32)) {
+        let mut reply = vec![u8::from(accepted), 0, 0, 0];
+        reply.extend_from_slice(&stamp.0.to_le_bytes());
+        reply.extend_from_slice(&stamp.1.to_le_bytes());
+        if let Some(ends) = self.ends.get() {
+            ends.send_goal.reply(by, reply);
+        }
+    }
+
+    /// Somebody wants to know how a goal ends.
+    pub(crate) fn get_result(&self, by: RequestId, message: &[u8]) {
+        let Some(id) = Fields::of(message).and_then(|mut fields| fields.bytes::<16>()) else {
+            return;
+        };
+        let mut goals = lock(&self.goals);
+        let result = match goals.by_id.get_mut(&id) {
+            Some(goal) if goal.result.is_none() => return goal.waiting.push(by),
+            Some(goal) => goal.result.clone().unwrap_or_default(),
+            None => {
+                let mut unknown = vec![0];
+                let outcome = Outcome::Lost(CallError::Gone);
+                body::put_outcome(&mut unknown, &self.ty.output, &outcome);
+                unknown
+            }
+        };
+        drop(goals);
+        if let Some(ends) = self.ends.get() {
+            ends.get_result.reply(by, result);
+        }
+    }
+
+    /// Somebody gives up a goal; or, as ROS has it, all, or all up to a time.
+    pub(crate) fn cancel_goal(&self, by: RequestId, message: &[u8]) {
+        let wanted = Fields::of(message).and_then(|mut fields| {
+            let id = fields.bytes::<16>()?;
+            Some((id, (fields.word()?.cast_signed(), fields.word()?)))
+        });
+        let Some((wanted, until)) = wanted else { return };
+        let mut canceling = Vec::new();
+        let mut goals = lock(&self.goals);
+        for (id, goal) in &mut goals.by_id {
+            let meant = *id == wanted
+                || (wanted == GoalId::default() && until == (0, 0))
+                || (until != (0, 0) && goal.stamp <= until);
+            if meant && goal.result.is_none() {
+                goal.status = CANCELING;
+                canceling.push((*id, goal.stamp, goal.run));
+            }
+        }
+        let known = goals.by_id.contains_key(&wanted) || wanted == GoalId::default();
+        drop(goals);
+        for run in canceling.iter().filter_map(|(_, _, run)| *run) {
+            self.handler.cancel(run);
+        }
+        // action_msgs/srv/CancelGoal: 0 some are canceling, 2 unknown goal, 3 it has ended.
+        let code = match (canceling.is_empty(), known) {
+            (false, _) => 0,
+            (true, false) => 2,
+            (true, true) => 3,
+        };
+        let mut reply = vec![code, 0, 0, 0];
+        reply.extend_from_slice(&u32::try_from(canceling.len()).unwrap_or(0).to_le_bytes());
+        canceling.iter().for_each(|(id, stamp, _)| put_info(&mut reply, id, *stamp));
+        if let Some(ends) = self.ends.get() {
+            ends.cancel_goal.reply(by, reply);
+        }
+        self.tell_status();
+    }
+
+    /// The status of all goals, on its topic.
+    fn tell_status(&self) {
+        let goals = lock(&self.goals);
+        let mut message = u32::try_from(goals.by_id.len()).unwrap_or(0).to_le_bytes().to_vec();
+        for (id, goal) in &goals.by_id {
+            message.resize(message.len().next_multiple_of(4), 0);
+            put_info(&mut message, id, goal.stamp);
+            message.push(goal.status);
+        }
+        drop(goals);
+        let Some(ends) = self.ends.get() else { return };
+        let status = Arc::clone(&ends.status);
+        self.orders.submit(move || {
+            if lock(&status).write(Payload(Bytes::from(message)), None).is_err() {
+                tracing::debug!("DDS refused the status of goals");
+            }
+        });
+    }
+
+    fn accepted(&self, id: &GoalId, run: Option<ActivityId>) {
+        let mut goals = lock(&self.goals);
+        let Some(goal) = goals.by_id.get_mut(id) else { return };
+        goal.run = run.or(goal.run);
+        let (sent, stamp) = (goal.sent.take(), goal.stamp);
+        // Given up before it was known under what number.
+        let cancelled = run.filter(|_| goal.status == CANCELING);
+        drop(goals);
+        if let Some(by) = sent {
+            self.answer_goal(by, true, stamp);
+            self.tell_status();
+        }
+        cancelled.into_iter().for_each(|run| self.handler.cancel(run));
+    }
+
+    fn feedback(&self, id: &GoalId, state: &str) {
+        let asker = lock(&self.goals).by_id.get(id).map(|goal| goal.asker);
+        let (Some(asker), Some(ends)) = (asker, self.ends.get()) else { return };
+        let mut message = id.to_vec();
+        body::put_string(&mut message, state);
+        let post = Arc::clone(&ends.feedback);
+        self.orders.submit(move || {
+            let letter = move |writer: &Writer| {
+                if writer.write(Payload(Bytes::from(message)), None).is_err() {
+                    tracing::warn!("DDS refused the state of an activity");
+                }
+            };
+            post.send(Target::Participant(asker), Box::new(letter));
+        });
+    }
+
+    fn finish(&self, id: &GoalId, outcome: &Outcome) {
+        // Also what failed before it was accepted is a goal that ran, to ROS.
+        self.accepted(id, None);
+        let status = match outcome {
+            Outcome::Success(_) => SUCCEEDED,
+            Outcome::Exception { name, .. } if name == INTERRUPTED => CANCELED,
+            _ => ABORTED,
+        };
+        let mut result = vec![status];
+        body::put_outcome(&mut result, &self.ty.output, outcome);
+        let mut goals = lock(&self.goals);
+        let Some(goal) = goals.by_id.get_mut(id).filter(|goal| goal.result.is_none()) else {
+            return;
+        };
+        goal.status = status;
+        goal.result = Some(result.clone());
+        let waiting = std::mem::take(&mut goal.waiting);
+        goals.ended.push_back(*id);
+        if goals.ended.len() > REMEMBERED
+            && let Some(oldest) = goals.ended.pop_front()
+        {
+            goals.by_id.remove(&oldest);
+        }
+        drop(goals);
+        if let Some(ends) = self.ends.get() {
+            waiting.into_iter().for_each(|by| ends.get_result.reply(by, result.clone()));
+        }
+        self.tell_status();
+    }
+
+    fn leave(&self) {
+        let running: Vec<_> = lock(&self.goals)
+            .by_id
+            .iter()
+            .filter(|(_, goal)| goal.result.is_none())
+            .map(|(id, _)| *id)
+            .collect();
+        running.iter().for_each(|id| self.finish(id, &Outcome::Lost(CallError::Gone)));
+    }
+}
+
+/// What the activity gets as the caller's replies.
+struct ToGoal {
+    server: Weak<ActionServer>,
+    id: GoalId,
+    ended: bool,
+}
+
+impl Replies for ToGoal {
+    fn accepted(&mut self, id: ActivityId) {
+        if let Some(server) = self.server.upgrade() {
+            server.accepted(&self.id, Some(id));
+        }
+    }
+
+    fn feedback(&mut self, state: &str) {
+        if let Some(server) = self.server.upgrade() {
+            server.feedback(&self.id, state);
+        }
+    }
+
+    fn finish(mut self: Box<Self>, outcome: Outcome) {
+        self.ended = true;
+        if let Some(server) = self.server.upgrade() {
+            server.finish(&self.id, &outcome);
+        }
+    }
+}
+
+impl Drop for ToGoal {
+    fn drop(&mut self) {
+        if let Some(server) = self.server.upgrade().filter(|_| !self.ended) {
+            server.finish(&self.id, &Outcome::Lost(CallError::Gone));
+        }
+    }
+}
+
+/// Keeps an activity open.
+pub(crate) struct Ros2Action {
+    pub(crate) server: Arc<ActionServer>,
+    pub(crate) claim: Option<Claim>,
+    pub(crate) core: Arc<Core>,
+}
+
+impl Served for Ros2Action {}
+
+impl Drop for Ros2Action {
+    fn drop(&mut self) {
+        // First of all nobody calls any more.
+        self.claim = None;
+        self.core.orders().announce_now();
+        self.server.leave();
+        let posts = self.server.ends.get().map(|ends| {
+            vec![ends.get_result.post(), ends.send_goal.post(), Arc::clone(&ends.feedback)]
+        });
+        close(self.core.orders(), posts.unwrap_or_default());
+    }
+}

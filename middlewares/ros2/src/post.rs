@@ -1,0 +1,176 @@
+//! Writers whose messages wait until the reader they are for is connected.
+//!
+//! DDS gives a volatile message to those readers only that it knows already: a reply sent too
+//! early is lost. So requests, replies and feedback wait here for their reader.
+
+use std::collections::{HashMap, HashSet, VecDeque};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::Duration;
+
+use rustdds::{GUID, RTPSEntity};
+
+use crate::wire::Writer;
+
+/// Messages that wait; older ones are given up.
+const MOST: usize = 256;
+
+/// First part of the ids of all ends of a participant.
+pub(crate) type Prefix = [u8; 12];
+
+pub(crate) fn prefix(of: &GUID) -> Prefix {
+    let mut prefix = Prefix::default();
+    prefix.iter_mut().zip(of.to_bytes()).for_each(|(to, byte)| *to = byte);
+    prefix
+}
+
+/// Who a message is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    Reader(GUID),
+    /// Any reader of the topic in that participant.
+    Participant(Prefix),
+}
+
+impl Target {
+    fn is(self, reader: &GUID) -> bool {
+        match self {
+            Self::Reader(wanted) => *reader == wanted,
+            Self::Participant(wanted) => prefix(reader) == wanted,
+        }
+    }
+}
+
+/// Which readers our writers are connected to.
+#[derive(Default)]
+pub(crate) struct Matches(Mutex<Matched>);
+
+#[derive(Default)]
+struct Matched {
+    readers: HashMap<GUID, HashSet<GUID>>,
+    posts: HashMap<GUID, Weak<Post>>,
+}
+
+impl Matches {
+    fn lock(&self) -> MutexGuard<'_, Matched> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// A writer is connected to a reader; the post to be gone on with.
+    pub(crate) fn matched(&self, writer: GUID, reader: GUID) -> Option<Arc<Post>> {
+        let mut state = self.lock();
+        state.readers.entry(writer).or_default().insert(reader);
+        state.posts.get(&writer).and_then(Weak::upgrade)
+    }
+
+    /// Some readers are gone.
+    pub(crate) fn lost(&self, gone: impl Fn(&GUID) -> bool) {
+        let mut state = self.lock();
+        state.readers.values_mut().for_each(|readers| readers.retain(|reader| !gone(reader)));
+        let posts: Vec<_> = state.posts.values().filter_map(Weak::upgrade).collect();
+        drop(state);
+        posts.iter().for_each(|post| post.lost(&gone));
+    }
+
+    /// A writer is closed.
+    pub(crate) fn forget(&self, writer: &GUID) {
+        let mut state = self.lock();
+        state.readers.remove(writer);
+        state.posts.remove(writer);
+    }
+
+    fn reaches(&self, writer: &GUID, to: Target) -> bool {
+        self.lock().readers.get(writer).into_iter().flatten().any(|reader| to.is(reader))
+    }
+}
+
+/// Writes one message.
+pub(crate) type Letter = Box<dyn FnOnce(&Writer) + Send>;
+
+/// Does what is to be done when readers are gone; it is told who can still be reached.
+pub(crate) type OnLost = Box<dyn Fn(&dyn Fn(Target) -> bool) + Send + Sync>;
+
+/// One writer. All is done on the sending thread, except making it.
+pub(crate) struct Post {
+    writer: Writer,
+    matches: Arc<Matches>,
+    waiting: Mutex<VecDeque<(Target, Letter)>>,
+    on_lost: OnLost,
+}
+
+impl Post {
+    pub(crate) fn new(writer: Writer, matches: &Arc<Matches>, on_lost: OnLost) -> Arc<Self> {
+        let waiting = Mutex::default();
+        let post = Arc::new(Self { writer, matches: Arc::clone(matches), waiting, on_lost });
+        matches.lock().posts.insert(post.guid(), Arc::downgrade(&post));
+        post
+    }
+
+    pub(crate) fn guid(&self) -> GUID {
+        self.writer.guid()
+    }
+
+    /// Writes a message as soon as who it is for is connected.
+    pub(crate) fn send(&self, to: Target, letter: Letter) {
+        if self.matches.reaches(&self.guid(), to) {
+            return letter(&self.writer);
+        }
+        let mut waiting = self.lock();
+        waiting.push_back((to, letter));
+        let given_up = if waiting.len() > MOST { waiting.pop_front() } else { None };
+        // What it does in its end may come back here.
+        drop(waiting);
+        drop(given_up);
+    }
+
+    /// A reader has been connected.
+    pub(crate) fn go_on(&self) {
+        let guid = self.guid();
+        let waiting = std::mem::take(&mut *self.lock());
+        let (ready, rest): (Vec<_>, VecDeque<_>) = {
+            let mut ready = Vec::new();
+            let mut rest = VecDeque::new();
+            for (to, letter) in waiting {
+                if self.matches.reaches(&guid, to) {
+                    ready.push(letter);
+                } else {
+                    rest.push_back((to, letter));
+                }
+            }
+            (ready, rest)
+        };
+        let mut now = self.lock();
+        let later = std::mem::replace(&mut *now, rest);
+        now.extend(later);
+        drop(now);
+        ready.into_iter().for_each(|letter| letter(&self.writer));
+    }
+
+    /// Readers are gone: nothing waits for them any more.
+    fn lost(&self, gone: impl Fn(&GUID) -> bool) {
+        let mut waiting = self.lock();
+        let (given_up, rest) = std::mem::take(&mut *waiting)
+            .into_iter()
+            .partition::<VecDeque<_>, _>(|(to, _)| matches!(to, Target::Reader(of) if gone(of)));
+        *waiting = rest;
+        // What it does in its end may come back here.
+        drop(waiting);
+        drop(given_up);
+        (self.on_lost)(&|to| self.matches.reaches(&self.guid(), to));
+    }
+
+    /// Waits a while until what was written has arrived.
+    pub(crate) fn settle(&self, longest: Duration) {
+        // Readers that are gone without a word are not waited for any longer.
+        let _ = self.writer.wait_for_acknowledgments(longest);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, VecDeque<(Target, Letter)>> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Post {
+    fn drop(&mut self) {
+        self.matches.forget(&self.writer.guid());
+    }
+}

@@ -1,0 +1,128 @@
+//! Attributes and functions, served: a ROS service each.
+
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+use std::time::Duration;
+
+use genom_middleware::{
+    ActivityId, CallError, Outcome, Replies, Served, ServiceHandler, ServiceType,
+};
+
+use crate::backend::Core;
+use crate::body::{self, Fields};
+use crate::channel::{RequestId, ServerEnd};
+use crate::graph::Claim;
+use crate::post::Post;
+use crate::sender::Orders;
+
+/// Longest time the last replies of a service that closes may take to arrive.
+const FAREWELL: Duration = Duration::from_millis(100);
+
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A service without activities.
+pub(crate) struct Server {
+    pub(crate) ty: ServiceType,
+    pub(crate) handler: Arc<dyn ServiceHandler>,
+    pub(crate) end: OnceLock<ServerEnd>,
+    /// Requests under way: their callers are told when the service leaves.
+    pending: Mutex<Vec<Weak<Request>>>,
+}
+
+struct Request {
+    server: Weak<Server>,
+    /// Until it is answered.
+    id: Mutex<Option<RequestId>>,
+}
+
+impl Server {
+    pub(crate) fn new(ty: ServiceType, handler: Arc<dyn ServiceHandler>) -> Arc<Self> {
+        let (end, pending) = (OnceLock::new(), Mutex::default());
+        Arc::new(Self { ty, handler, end, pending })
+    }
+
+    pub(crate) fn request(self: &Arc<Self>, id: RequestId, message: &[u8]) {
+        let request = Arc::new(Request { server: Arc::downgrade(self), id: Mutex::new(Some(id)) });
+        let input = Fields::of(message).map(|fields| fields.record(&self.ty.input));
+        match input {
+            Some(Ok(input)) => {
+                let mut pending = lock(&self.pending);
+                pending.retain(|other| other.strong_count() > 0);
+                pending.push(Arc::downgrade(&request));
+                drop(pending);
+                self.handler.request(input, Box::new(ToCaller(request)));
+            }
+            Some(Err(error)) => {
+                tracing::warn!(%error, "a request cannot be decoded");
+                request.end(&Outcome::Lost(CallError::Serialization(error.to_string())));
+            }
+            None => {}
+        }
+    }
+
+    fn leave(&self) {
+        let pending = std::mem::take(&mut *lock(&self.pending));
+        let requests = pending.iter().filter_map(Weak::upgrade);
+        requests.for_each(|request| request.end(&Outcome::Lost(CallError::Gone)));
+    }
+}
+
+impl Request {
+    fn end(&self, outcome: &Outcome) {
+        let id = lock(&self.id).take();
+        let server = self.server.upgrade();
+        if let (Some(id), Some(server)) = (id, server)
+            && let Some(end) = server.end.get()
+        {
+            let mut reply = Vec::new();
+            body::put_outcome(&mut reply, &server.ty.output, outcome);
+            end.reply(id, reply);
+        }
+    }
+}
+
+/// What the service gets as the caller's replies.
+struct ToCaller(Arc<Request>);
+
+impl Replies for ToCaller {
+    fn accepted(&mut self, _: ActivityId) {}
+
+    fn feedback(&mut self, _: &str) {}
+
+    fn finish(self: Box<Self>, outcome: Outcome) {
+        self.0.end(&outcome);
+    }
+}
+
+impl Drop for ToCaller {
+    // After `finish` this comes second and changes nothing.
+    fn drop(&mut self) {
+        self.0.end(&Outcome::Lost(CallError::Gone));
+    }
+}
+
+/// Keeps a service open.
+pub(crate) struct Ros2Served {
+    pub(crate) server: Arc<Server>,
+    pub(crate) claim: Option<Claim>,
+    pub(crate) core: Arc<Core>,
+}
+
+impl Served for Ros2Served {}
+
+impl Drop for Ros2Served {
+    fn drop(&mut self) {
+        // First of all nobody calls any more.
+        self.claim = None;
+        self.core.orders().announce_now();
+        self.server.leave();
+        let posts = self.server.end.get().map(ServerEnd::post);
+        close(self.core.orders(), posts.into_iter().collect());
+    }
+}
+
+/// Has the last messages arrive.
+pub(crate) fn close(orders: &Orders, posts: Vec<Arc<Post>>) {
+    orders.finish(move || posts.iter().for_each(|post| post.settle(FAREWELL)));
+}

@@ -1,0 +1,260 @@
+//! Makes services and actions, served and called.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+use genom_middleware::describe::types_of_service;
+use genom_middleware::{
+    Address, Client, EndpointKind, OpenError, Served, ServiceHandler, ServiceKind, ServiceType,
+};
+use rustdds::{GUID, RTPSEntity, Timestamp};
+
+use crate::backend::Core;
+use crate::channel::{ClientEnd, Maker, Names, ServerEnd};
+use crate::client::{ActionEnd, Feedback, Ros2Client, Runs, Way};
+use crate::goals::{ActionServer, Ends, Ros2Action};
+use crate::graph::{Claim, Service, Wanted};
+use crate::names::{self, TypeName};
+use crate::post::Post;
+use crate::server::{Ros2Served, Server, lock};
+use crate::wire;
+
+/// Messages of feedback that wait for the receiving thread.
+const CACHED: i32 = 1024;
+
+/// What this daemon serves and calls, by topic of requests.
+#[derive(Default)]
+pub(crate) struct Services {
+    own: Mutex<HashMap<String, Weak<dyn ServiceHandler>>>,
+    clients: Mutex<HashMap<String, Weak<ClientEnd>>>,
+    actions: Mutex<HashMap<String, Weak<ActionEnd>>>,
+}
+
+/// All names of one service.
+struct Plan {
+    wanted: Wanted,
+    path: String,
+    ty: TypeName,
+}
+
+impl Plan {
+    fn names(&self, suffix: &str, part: &str) -> Names {
+        Names {
+            path: format!("{}{suffix}", self.path),
+            request: self.ty.to_dds(&format!("{part}_Request")),
+            reply: self.ty.to_dds(&format!("{part}_Response")),
+        }
+    }
+
+    fn cancel_goal(&self) -> Names {
+        let ty = TypeName::new("action_msgs", "srv", "CancelGoal");
+        Names {
+            path: format!("{}/_action/cancel_goal", self.path),
+            request: ty.to_dds("_Request"),
+            reply: ty.to_dds("_Response"),
+        }
+    }
+
+    fn feedback(&self) -> (String, String) {
+        (format!("rt/{}/_action/feedback", self.path), self.ty.to_dds("_FeedbackMessage"))
+    }
+}
+
+fn digest_of(ty: &ServiceType) -> String {
+    format!("{}-{}", ty.input.digest(), ty.output.digest())
+}
+
+fn gids(guids: &[GUID]) -> Vec<[u8; 16]> {
+    guids.iter().map(|guid| guid.to_bytes()).collect()
+}
+
+impl Core {
+    fn plan(&self, at: &Address, ty: &ServiceType) -> Plan {
+        let path = self.path(at);
+        let activity = ty.kind == ServiceKind::Activity;
+        let ros = names::service(&ty.input, at, if activity { "action" } else { "srv" });
+        let (suffix, part) = if activity { ("/_action/send_goal", "_SendGoal") } else { ("", "") };
+        let wanted = Wanted {
+            kind: EndpointKind::Service,
+            address: self.full(at),
+            types: types_of_service(ty),
+            digest: digest_of(ty),
+            topic: format!("rq/{path}{suffix}Request"),
+            dds_type: ros.to_dds(&format!("{part}_Request")),
+            node: names::token(&at.instance),
+        };
+        Plan { wanted, path, ty: ros }
+    }
+
+    fn maker(&self) -> Maker {
+        Maker {
+            inlet: Arc::clone(&self.inlet),
+            orders: self.orders().clone(),
+            matches: Arc::clone(&self.matches),
+            mapping: self.options.services,
+        }
+    }
+
+    /// A service of this daemon itself.
+    pub(crate) fn own_service(&self, topic: &str) -> Option<Arc<dyn ServiceHandler>> {
+        lock(&self.services.own).get(topic).and_then(Weak::upgrade)
+    }
+
+    pub(crate) fn serve(
+        self: &Arc<Self>,
+        at: &Address,
+        ty: &ServiceType,
+        handler: Arc<dyn ServiceHandler>,
+    ) -> Result<Box<dyn Served>, OpenError> {
+        let plan = self.plan(at, ty);
+        let claim = self.graph.claim(at, plan.wanted.clone(), self.announcer())?;
+        let weak = Arc::downgrade(&handler);
+        let served = match ty.kind {
+            ServiceKind::Activity => self.serve_action(&plan, ty, handler, claim),
+            _ => self.serve_function(&plan, ty, handler, claim),
+        };
+        let served = served.map_err(|why| self.failed(at, why))?;
+        let mut own = lock(&self.services.own);
+        own.retain(|_, handler| handler.strong_count() > 0);
+        own.insert(plan.wanted.topic, weak);
+        Ok(served)
+    }
+
+    fn serve_function(
+        self: &Arc<Self>,
+        plan: &Plan,
+        ty: &ServiceType,
+        handler: Arc<dyn ServiceHandler>,
+        claim: Claim,
+    ) -> Result<Box<dyn Served>, String> {
+        let server = Server::new(ty.clone(), handler);
+        let weak = Arc::downgrade(&server);
+        let on_request = move |id, _, message: &[u8]| {
+            if let Some(server) = weak.upgrade() {
+                server.request(id, message);
+            }
+        };
+        let names = plan.names("", "");
+        let end = ServerEnd::open(&self.dds, &self.maker(), &names, Box::new(on_request))?;
+        claim.made(gids(&[end.writer()]), gids(&[end.reader]));
+        let _ = server.end.set(end);
+        let core = Arc::clone(self);
+        Ok(Box::new(Ros2Served { server, claim: Some(claim), core }))
+    }
+
+    fn serve_action(
+        self: &Arc<Self>,
+        plan: &Plan,
+        ty: &ServiceType,
+        handler: Arc<dyn ServiceHandler>,
+        claim: Claim,
+    ) -> Result<Box<dyn Served>, String> {
+        let server = ActionServer::new(ty.clone(), handler, self.orders().clone());
+        let (maker, dds) = (self.maker(), &self.dds);
+        let open = |names: &Names, on: fn(&Arc<ActionServer>, _, _, &[u8])| {
+            let weak = Arc::downgrade(&server);
+            let on_request = move |id, asker, message: &[u8]| {
+                if let Some(server) = weak.upgrade() {
+                    on(&server, id, asker, message);
+                }
+            };
+            ServerEnd::open(dds, &maker, names, Box::new(on_request))
+        };
+        let get_result = open(&plan.names("/_action/get_result", "_GetResult"), |to, id, _, m| {
+            to.get_result(id, m);
+        })?;
+        let cancel_goal = open(&plan.cancel_goal(), |to, id, _, m| to.cancel_goal(id, m))?;
+        let send_goal = open(&plan.names("/_action/send_goal", "_SendGoal"), |to, id, by, m| {
+            to.send_goal(id, by, m);
+        })?;
+        let (topic, name) = plan.feedback();
+        let writer = dds.writer(&topic, &name, &wire::qos(true, false, CACHED))?;
+        let feedback = Post::new(writer, &self.matches, Box::new(|_| {}));
+        let topic = format!("rt/{}/_action/status", plan.path);
+        let name = TypeName::new("action_msgs", "msg", "GoalStatusArray").to_dds("");
+        let status = dds.writer(&topic, &name, &wire::qos(true, true, CACHED))?;
+        claim.made(
+            gids(&[
+                send_goal.writer(),
+                get_result.writer(),
+                cancel_goal.writer(),
+                feedback.guid(),
+                status.guid(),
+            ]),
+            gids(&[send_goal.reader, get_result.reader, cancel_goal.reader]),
+        );
+        let status = Arc::new(Mutex::new(status));
+        let ends = Ends { send_goal, get_result, cancel_goal, feedback, status };
+        let _ = server.ends.set(ends);
+        let core = Arc::clone(self);
+        Ok(Box::new(Ros2Action { server, claim: Some(claim), core }))
+    }
+
+    pub(crate) fn client(
+        self: &Arc<Self>,
+        at: &Address,
+        ty: &ServiceType,
+    ) -> Result<Box<dyn Client>, OpenError> {
+        let plan = self.plan(at, ty);
+        if let Service::Differs(theirs) = self.graph.service(&plan.wanted) {
+            let ours = types_of_service(ty);
+            return Err(OpenError::TypeMismatch { address: at.clone(), ours, theirs });
+        }
+        let topic = plan.wanted.topic.clone();
+        let way = match ty.kind {
+            ServiceKind::Activity => {
+                shared(&self.services.actions, topic, || self.action(&plan)).map(Way::Action)
+            }
+            _ => shared(&self.services.clients, topic, || {
+                ClientEnd::open(&self.dds, &self.maker(), &plan.names("", ""))
+            })
+            .map(Way::Service),
+        };
+        let way = way.map_err(|why| self.failed(at, why))?;
+        let (at, ty, wanted, core) = (at.clone(), ty.clone(), plan.wanted, Arc::clone(self));
+        Ok(Box::new(Ros2Client { at, ty, wanted, way, core }))
+    }
+
+    fn action(&self, plan: &Plan) -> Result<ActionEnd, String> {
+        let (maker, dds) = (self.maker(), &self.dds);
+        let runs = Arc::new(Runs::default());
+        let (topic, name) = plan.feedback();
+        let since = Timestamp::now();
+        let reader = dds.reader(&topic, &name, &wire::qos(true, false, CACHED))?;
+        let mut mark = [0; 8];
+        let of = reader.guid().to_bytes();
+        mark.iter_mut().zip(of.iter().skip(4)).for_each(|(to, byte)| *to = *byte);
+        let sink = Feedback { runs: Arc::clone(&runs), since };
+        let feedback = self.inlet.add(reader, Box::new(sink));
+        let get_result = plan.names("/_action/get_result", "_GetResult");
+        Ok(ActionEnd {
+            send_goal: ClientEnd::open(
+                dds,
+                &maker,
+                &plan.names("/_action/send_goal", "_SendGoal"),
+            )?,
+            get_result: ClientEnd::open(dds, &maker, &get_result)?,
+            cancel_goal: ClientEnd::open(dds, &maker, &plan.cancel_goal())?,
+            runs,
+            feedback,
+            inlet: Arc::clone(&self.inlet),
+            mark,
+        })
+    }
+}
+
+/// What is there under a name, made unless somebody still uses it.
+fn shared<T>(
+    all: &Mutex<HashMap<String, Weak<T>>>,
+    name: String,
+    make: impl FnOnce() -> Result<T, String>,
+) -> Result<Arc<T>, String> {
+    let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(there) = all.get(&name).and_then(Weak::upgrade) {
+        return Ok(there);
+    }
+    all.retain(|_, other| other.strong_count() > 0);
+    let made = Arc::new(make()?);
+    all.insert(name, Arc::downgrade(&made));
+    Ok(made)
+}
