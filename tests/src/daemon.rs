@@ -40,6 +40,12 @@ impl Memory {
         &self.prefix
     }
 
+    /// A ROS domain; another test may have the same by chance, but not the same names in it.
+    #[must_use]
+    pub fn domain(&self) -> u32 {
+        self.prefix.bytes().fold(0, |sum, byte| (sum * 31 + u32::from(byte)) % 100) + 1
+    }
+
     /// Every file of it, wherever.
     #[must_use]
     pub fn files(&self) -> Vec<PathBuf> {
@@ -99,10 +105,13 @@ impl Home {
     pub fn with(memory: &Arc<Memory>) -> Self {
         let scratch = TempDir::new().expect("a directory can be made");
         let config = format!(
-            "[backends.shm]\nprefix = {:?}\nroot = {:?}\n[backends.zenoh]\nrendezvous = {:?}\n",
+            "[backends.shm]\nprefix = {:?}\nroot = {:?}\n[backends.zenoh]\nrendezvous = {:?}\n\
+             [backends.ros2]\ndomain = {}\nnamespace = \"{}\"\n",
             memory.prefix(),
             memory.root(),
             memory.root().join("zenoh"),
+            memory.domain(),
+            memory.prefix().trim_end_matches('_'),
         );
         std::fs::write(scratch.path().join("genomd.toml"), config).expect("a file can be written");
         Self { scratch, memory: Arc::clone(memory) }

@@ -52,6 +52,11 @@ fn the_demo_moves_to_its_goal_on_zenoh() {
 }
 
 #[test]
+fn the_demo_moves_to_its_goal_on_ros2() {
+    the_demo_moves_to_its_goal("ros2");
+}
+
+#[test]
 fn echo_follows_the_motion() {
     let daemon = Daemon::demo("shm");
     let echo = daemon.spawn(&["echo", "demo/position", "--rate", "200"]);
