@@ -1,5 +1,7 @@
 //! What the lexer hands to the parser.
 
+use std::rc::Rc;
+
 use crate::model::Span;
 
 /// A token and where it stands in the source.
@@ -15,7 +17,8 @@ pub struct Token {
 #[derive(Clone, Debug, PartialEq)]
 pub enum TokenKind {
     /// Identifier or contextual keyword, also `clock-rate`, `codels-require(s)`, `real-time`.
-    Identifier(Box<str>),
+    /// A name is held once, however often it is written: descriptions are mostly names.
+    Identifier(Rc<str>),
     /// Reserved keyword, as spelled in genom3.md 2.2 (`module`, `TRUE`, ...), but not the word
     /// operators, which come as [`TokenKind::Punctuation`].
     Keyword(&'static str),
@@ -32,8 +35,8 @@ pub enum TokenKind {
     /// Punctuation in its main spelling: digraphs and word operators are already replaced
     /// (`<%` is `{`, `xor` is `^`). `::`, `<<` and `>>` are single tokens.
     Punctuation(&'static str),
-    /// A `#pragma` line that the parser acts on.
-    Pragma(Pragma),
+    /// A `#pragma` line that the parser acts on; boxed, for it is rare and large.
+    Pragma(Box<Pragma>),
     /// End of the input files. Always the last token, once.
     End,
 }

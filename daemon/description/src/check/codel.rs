@@ -72,7 +72,7 @@ impl Checker {
         }
         self.codel_names.insert(codel.name.text.clone());
         let mut parameters: Vec<CodelParameter> = Vec::new();
-        let mut seen: HashMap<Box<str>, Span> = HashMap::new();
+        let mut seen: HashMap<Rc<str>, Span> = HashMap::new();
         for (rank, dcl) in codel.parameters.iter().enumerate() {
             let fixed = fixed.and_then(|list| list.get(rank)).map(|p| p.qualifier);
             let Some(parameter) = self.codel_parameter(id, service, codel, dcl, role, fixed) else {

@@ -1,6 +1,7 @@
 //! From what was read to the model: ranks instead of names, everything implicit made explicit.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 use std::sync::Arc;
 
 use genom_types::{Digester, Kind, Member, ScopedName, TypeId};
@@ -41,6 +42,10 @@ type Made = HashMap<(BodyId, usize), Records>;
 impl Checker {
     pub(super) fn finish(mut self) -> (Specification, Vec<Diagnostic>) {
         self.check_forwards();
+        // All names are resolved: room for the model.
+        self.prototypes = HashMap::new();
+        self.codel_names = HashSet::new();
+        self.scopes.forget_names();
         let mut made = Made::new();
         let mut components = Vec::new();
         let mut interfaces = Vec::new();
@@ -171,7 +176,7 @@ impl Checker {
         id: BodyId,
         service: &state::Service,
         records: Records,
-        all: &IndexMap<Box<str>, state::Service>,
+        all: &IndexMap<Rc<str>, state::Service>,
     ) -> Service {
         let body = &self.bodies[id];
         let mut throws = body.throws.clone();
@@ -362,7 +367,7 @@ fn add_codels(
             Role::Machine => CodelKind::Fsm { triggers: codel.triggers, yields: codel.yields },
         };
         let parameters = codel.parameters.into_iter().map(|p| CodelParameter {
-            name: p.name.into_string(),
+            name: p.name.to_string(),
             direction: p.direction,
             ty: match &p.source {
                 Source::Remote(rank) => remotes.get(*rank).map_or(p.ty, |remote| remote.input),
@@ -386,7 +391,7 @@ fn add_codels(
 
 fn lower_parameter(parameter: state::Parameter) -> Parameter {
     Parameter {
-        name: parameter.name.into_string(),
+        name: parameter.name.to_string(),
         direction: parameter.direction,
         ty: parameter.ty,
         default: parameter.default,

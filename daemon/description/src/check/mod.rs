@@ -27,6 +27,7 @@ mod value;
 mod warnings;
 
 use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 
 use genom_types::{TypeId, TypeTable};
 
@@ -80,24 +81,24 @@ pub(super) struct Checker {
     forwards: Vec<(TypeId, Span)>,
     masquerades: Vec<Masquerade>,
     bodies: Vec<Body>,
-    body_index: HashMap<Box<str>, BodyId>,
+    body_index: HashMap<Rc<str>, BodyId>,
     /// Prototype of each codel, by name (K1).
-    prototypes: HashMap<Box<str>, codel::Prototype>,
+    prototypes: HashMap<Rc<str>, codel::Prototype>,
     /// Names of all codels: most are new, and need not be compared with their neighbours.
-    codel_names: HashSet<Box<str>>,
+    codel_names: HashSet<Rc<str>>,
     /// `#pragma requires` so far.
     requires: Vec<String>,
     /// `#pragma provides` so far.
     provided: Vec<(BodyId, Span)>,
     /// Names that a mistake kept from being declared: nothing more is said of them.
-    lost: HashSet<Box<str>>,
+    lost: HashSet<Rc<str>>,
     suggestions: u32,
     dialect: crate::model::Dialect,
     diagnostics: Vec<Diagnostic>,
 }
 
 impl Checker {
-    fn new(lost: HashSet<Box<str>>) -> Self {
+    fn new(lost: HashSet<Rc<str>>) -> Self {
         Checker {
             types: TypeTable::default(),
             facts: Vec::new(),

@@ -1,6 +1,7 @@
 //! Scopes and what names mean in them (genom3.md 4.2).
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use genom_types::{ScopedName, TypeId};
 
@@ -56,10 +57,10 @@ pub(super) enum ScopeKind {
 #[derive(Debug)]
 pub(super) struct Scope {
     parent: Option<ScopeId>,
-    name: Box<str>,
+    name: Rc<str>,
     kind: ScopeKind,
-    names: HashMap<Box<str>, (Entity, Span)>,
-    children: HashMap<Box<str>, ScopeId>,
+    names: HashMap<Rc<str>, (Entity, Span)>,
+    children: HashMap<Rc<str>, ScopeId>,
     span: Span,
 }
 
@@ -73,6 +74,14 @@ impl Scopes {
         let mut scopes = Scopes { all: Vec::new() };
         scopes.add(None, "", ScopeKind::Module, Span::default());
         scopes
+    }
+
+    /// Lets go of what is declared where: only the names of the scopes remain.
+    pub(super) fn forget_names(&mut self) {
+        for scope in &mut self.all {
+            scope.names = HashMap::new();
+            scope.children = HashMap::new();
+        }
     }
 
     /// A new scope, not yet reachable by name.

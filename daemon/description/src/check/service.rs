@@ -1,6 +1,7 @@
 //! Attributes, functions, activities and the services of the papers (genom3.md 3.6).
 
 use std::collections::HashMap;
+use std::rc::Rc;
 
 use super::Checker;
 use super::attribute::direction;
@@ -151,7 +152,7 @@ impl Checker {
                 self.push(Diagnostic::error("E0612", parameter.span, message));
             }
         }
-        let mut seen: HashMap<Box<str>, Span> = HashMap::new();
+        let mut seen: HashMap<Rc<str>, Span> = HashMap::new();
         parameters.retain(|parameter| match seen.get(&parameter.name) {
             None => {
                 seen.insert(parameter.name.clone(), parameter.span);

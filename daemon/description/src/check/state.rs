@@ -20,7 +20,7 @@ pub(super) type Given<T> = Option<(T, Span)>;
 #[derive(Debug)]
 pub(super) struct Body {
     pub(super) interface: bool,
-    pub(super) name: Box<str>,
+    pub(super) name: Rc<str>,
     pub(super) span: Span,
     pub(super) scope: ScopeId,
     pub(super) dialect: Dialect,
@@ -38,11 +38,11 @@ pub(super) struct Body {
     pub(super) ids_scope: ScopeId,
     /// Where each member of the IDS is declared.
     pub(super) ids_members: Vec<Span>,
-    pub(super) tasks: IndexMap<Box<str>, Task>,
-    pub(super) ports: IndexMap<Box<str>, Port>,
-    pub(super) remotes: IndexMap<Box<str>, Remote>,
-    pub(super) services: IndexMap<Box<str>, Service>,
-    pub(super) states: IndexMap<Box<str>, Span>,
+    pub(super) tasks: IndexMap<Rc<str>, Task>,
+    pub(super) ports: IndexMap<Rc<str>, Port>,
+    pub(super) remotes: IndexMap<Rc<str>, Remote>,
+    pub(super) services: IndexMap<Rc<str>, Service>,
+    pub(super) states: IndexMap<Rc<str>, Span>,
     /// External events: states by rank, and where they are declared.
     pub(super) sinks: IndexMap<usize, Span>,
     /// Tasks and services changed since the body was last closed.
@@ -52,7 +52,7 @@ pub(super) struct Body {
 
 #[derive(Clone, Debug)]
 pub(super) struct Task {
-    pub(super) name: Box<str>,
+    pub(super) name: Rc<str>,
     pub(super) span: Span,
     pub(super) docs: Vec<String>,
     pub(super) period: Given<f64>,
@@ -85,7 +85,7 @@ pub(super) struct Remote {
 #[derive(Clone, Debug)]
 pub(super) struct Service {
     pub(super) kind: ServiceKind,
-    pub(super) name: Box<str>,
+    pub(super) name: Rc<str>,
     pub(super) span: Span,
     pub(super) docs: Vec<String>,
     pub(super) parameters: Vec<Parameter>,
@@ -105,7 +105,7 @@ pub(super) struct Service {
 
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
-    pub(super) name: Box<str>,
+    pub(super) name: Rc<str>,
     pub(super) direction: Direction,
     pub(super) ty: TypeId,
     pub(super) default: Option<DefaultValue>,
@@ -142,7 +142,7 @@ pub(super) struct CodelState {
 
 #[derive(Clone, Debug)]
 pub(super) struct CodelParameter {
-    pub(super) name: Box<str>,
+    pub(super) name: Rc<str>,
     pub(super) direction: Direction,
     pub(super) ty: TypeId,
     pub(super) source: Source,

@@ -9,6 +9,9 @@ mod words;
 
 pub(crate) use literal::{character, unescape};
 
+use std::collections::HashSet;
+use std::rc::Rc;
+
 use crate::diagnostic::Diagnostic;
 use crate::model::Span;
 use crate::preprocess::{Kind, PToken};
@@ -18,6 +21,8 @@ use crate::token::{Pragma, Token, TokenKind};
 #[derive(Debug, Default)]
 pub(crate) struct Lexer {
     tokens: Vec<Token>,
+    /// Every name so far: tokens and all that comes of them share one text.
+    names: HashSet<Rc<str>>,
     /// Rank of a `-` that touches the token before it, for names such as `clock-rate`.
     dash: Option<usize>,
     /// Where the last stray character ended: a row of them is one mistake.
@@ -78,7 +83,7 @@ impl Lexer {
 
     /// A pragma that the parser acts on.
     pub(crate) fn pragma(&mut self, pragma: Pragma, span: Span) {
-        self.push(TokenKind::Pragma(pragma), span);
+        self.push(TokenKind::Pragma(Box::new(pragma)), span);
     }
 
     /// All tokens, with the last one at `end`.
@@ -99,19 +104,30 @@ impl Lexer {
             && let TokenKind::Identifier(first) = &before.kind
             && words::is_dashed(first, text)
         {
-            let whole = format!("{first}-{text}").into();
+            let whole = format!("{first}-{text}");
             let start = before.span;
             let span =
                 if start.file == span.file { Span { end: span.end, ..start } } else { start };
             self.tokens.truncate(dash - 1);
+            let whole = self.name(&whole);
             self.push(TokenKind::Identifier(whole), span);
             return;
         }
         let kind = words::keyword(text)
             .map(TokenKind::Keyword)
             .or_else(|| words::word_operator(text).map(TokenKind::Punctuation))
-            .unwrap_or_else(|| TokenKind::Identifier(text.into()));
+            .unwrap_or_else(|| TokenKind::Identifier(self.name(text)));
         self.push(kind, span);
+    }
+
+    /// The one copy of a name.
+    fn name(&mut self, text: &str) -> Rc<str> {
+        if let Some(known) = self.names.get(text) {
+            return known.clone();
+        }
+        let name: Rc<str> = text.into();
+        self.names.insert(name.clone());
+        name
     }
 
     fn stray(&mut self, text: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {

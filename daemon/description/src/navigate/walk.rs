@@ -63,7 +63,7 @@ impl Walker<'_> {
     pub(super) fn symbol(&self, parent: usize, name: &Name, kind: SymbolKind) -> Symbol {
         let extent = self.extents.statement(name.span);
         Symbol {
-            name: name.text.clone(),
+            name: name.text.as_ref().into(),
             kind,
             span: name.span,
             extent,
@@ -82,9 +82,8 @@ impl Walker<'_> {
         extent: Span,
         doc: Option<String>,
     ) -> Symbol {
-        let name_text = name.text.clone();
-        let (span, signature) = (name.span, extent);
-        Symbol { name: name_text, kind, span, extent, signature, doc, parent, ty: None }
+        let (name, span, signature) = (name.text.as_ref().into(), name.span, extent);
+        Symbol { name, kind, span, extent, signature, doc, parent, ty: None }
     }
 
     pub(super) fn idl(&mut self, scope: usize, idl: &Idl) {

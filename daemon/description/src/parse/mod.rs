@@ -14,6 +14,7 @@ mod types;
 pub(crate) use statement::nearest;
 
 use std::collections::HashSet;
+use std::rc::Rc;
 
 use crate::diagnostic::Diagnostic;
 use crate::model::Span;
@@ -37,7 +38,7 @@ pub(crate) struct Recover;
 
 pub(crate) type Parsed<T> = Result<T, Recover>;
 
-static END: TokenKind = TokenKind::End;
+const END: &TokenKind = &TokenKind::End;
 
 pub(crate) struct Parser<'a> {
     tokens: &'a [Token],
@@ -56,7 +57,7 @@ pub(crate) struct Parser<'a> {
     diagnostics: Vec<Diagnostic>,
     /// Pragmas met since the last statement.
     pragmas: Vec<(Pragma, Span)>,
-    lost: HashSet<Box<str>>,
+    lost: HashSet<Rc<str>>,
 }
 
 impl<'a> Parser<'a> {
@@ -79,7 +80,7 @@ impl<'a> Parser<'a> {
     }
 
     fn kind(&self) -> &'a TokenKind {
-        self.tokens.get(self.at).map_or(&END, |token| &token.kind)
+        self.tokens.get(self.at).map_or(END, |token| &token.kind)
     }
 
     /// The token after the current one, pragmas not counted.
@@ -90,7 +91,7 @@ impl<'a> Parser<'a> {
             .iter()
             .map(|token| &token.kind)
             .find(|kind| !matches!(kind, TokenKind::Pragma(_)))
-            .unwrap_or(&END)
+            .unwrap_or(END)
     }
 
     fn span(&self) -> Span {
@@ -120,7 +121,7 @@ impl<'a> Parser<'a> {
 
     fn skip_pragmas(&mut self) {
         while let Some(Token { kind: TokenKind::Pragma(pragma), span }) = self.tokens.get(self.at) {
-            self.pragmas.push((pragma.clone(), *span));
+            self.pragmas.push(((**pragma).clone(), *span));
             self.at += 1;
         }
     }
@@ -207,6 +208,8 @@ impl<'a> Parser<'a> {
         while self.eat(",") {
             items.push(item(self)?);
         }
+        // The tree is held whole until it is checked, and most lists are short.
+        items.shrink_to_fit();
         Ok(items)
     }
 

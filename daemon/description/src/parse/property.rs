@@ -63,6 +63,7 @@ impl Parser<'_> {
                 Err(_) => self.recover(level, from),
             }
         }
+        properties.shrink_to_fit();
         Ok(properties)
     }
 

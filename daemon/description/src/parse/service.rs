@@ -119,6 +119,7 @@ impl Parser<'_> {
                 steps.push(VariableStep::Index(self.expression()?));
                 self.expect("]")?;
             } else {
+                steps.shrink_to_fit();
                 return Ok(Variable { root, steps });
             }
         }

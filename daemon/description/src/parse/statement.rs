@@ -307,6 +307,7 @@ impl Parser<'_> {
             self.bump();
             segments.push(self.name("a name")?);
         }
+        segments.shrink_to_fit();
         Ok(Path { absolute, segments, span: self.since(start) })
     }
 

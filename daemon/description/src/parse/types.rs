@@ -220,6 +220,7 @@ impl Parser<'_> {
             }
         }
         self.bump();
+        members.shrink_to_fit();
         Ok(members)
     }
 
@@ -238,6 +239,7 @@ impl Parser<'_> {
             dimensions.push(self.expression()?);
             self.expect("]")?;
         }
+        dimensions.shrink_to_fit();
         Ok(Declarator { name, dimensions })
     }
 }

@@ -18,6 +18,7 @@ pub use idl::{
 };
 
 use std::collections::HashSet;
+use std::rc::Rc;
 
 use crate::model::Span;
 use crate::token::Pragma;
@@ -28,7 +29,7 @@ pub struct Tree {
     /// Statements in order.
     pub statements: Vec<Statement>,
     /// Identifiers of statements that could not be read: that they are unknown later is no news.
-    pub lost: HashSet<Box<str>>,
+    pub lost: HashSet<Rc<str>>,
 }
 
 /// A statement at top level.
@@ -50,7 +51,7 @@ pub enum Statement {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Name {
     /// As written.
-    pub text: Box<str>,
+    pub text: Rc<str>,
     /// Where.
     pub span: Span,
 }

@@ -62,9 +62,11 @@ fn show(kind: &TokenKind) -> String {
         TokenKind::Char(code) => format!("'{code}'"),
         TokenKind::String(text) => format!("{text:?}"),
         TokenKind::Punctuation(sign) => (*sign).to_owned(),
-        TokenKind::Pragma(Pragma::Requires(list)) => format!("#requires {}", words(list)),
-        TokenKind::Pragma(Pragma::Provides(list)) => format!("#provides {}", words(list)),
-        TokenKind::Pragma(Pragma::Masquerade(list)) => format!("#masquerade {}", words(list)),
+        TokenKind::Pragma(pragma) => match &**pragma {
+            Pragma::Requires(list) => format!("#requires {}", words(list)),
+            Pragma::Provides(list) => format!("#provides {}", words(list)),
+            Pragma::Masquerade(list) => format!("#masquerade {}", words(list)),
+        },
         TokenKind::End => String::new(),
     }
 }
