@@ -5,9 +5,10 @@ use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use genom_description::Analysis;
 use genom_description::diagnostic::render::{human, json, short};
+use genom_description::{Analysis, Options};
 
+use crate::agreement::Agreement;
 use crate::failure::Failure;
 use crate::reading::{Reading, counts};
 use crate::session::Session;
@@ -17,8 +18,12 @@ use crate::session::Session;
 pub(crate) struct Args {
     /// The .gen files, read in order as one specification; or one library of codels (demo.so),
     /// which `genomd --check` compares with its description.
-    #[arg(required = true)]
+    #[arg(required_unless_present = "manifest")]
     files: Vec<PathBuf>,
+    /// Check each file that a table names, and compare with the verdicts of GenoM3's tool in it:
+    /// file, number of errors, accept, reject or CRASH, and why we differ, with tabs between.
+    #[arg(long, value_name = "FILE.tsv", conflicts_with_all = ["files", "format", "short", "deny_warnings"])]
+    manifest: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
     /// How to tell: drawn for people; one line each, FILE:LINE:COLUMN, for editors; or data.
@@ -40,6 +45,9 @@ enum Format {
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    if let Some(manifest) = &args.manifest {
+        return compare(args, manifest, session);
+    }
     if let Some(library) = args.files.iter().find(|path| is_library(path)) {
         return Err(check_library(args, library));
     }
@@ -66,6 +74,15 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         return Err(Failure::Description { errors, warnings });
     }
     if format == Format::Human { session.print(&render(&analysis)) } else { Ok(()) }
+}
+
+/// The table of agreement. GenoM3's tool knows no standard interface.
+fn compare(args: &Args, manifest: &Path, session: &Session) -> Result<(), Failure> {
+    let options = Options { standard_interface: false, ..args.reading.options() };
+    let agreement = Agreement::read(manifest, &options)?;
+    let text = if session.json { format!("{}\n", agreement.data()) } else { agreement.text() };
+    session.print(&text)?;
+    agreement.verdict()
 }
 
 /// What was read, one component a line.
