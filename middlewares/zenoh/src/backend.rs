@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread;
 
 use genom_middleware::describe::{type_of_port, types_of_service};
+use genom_middleware::mailbox::{Full, MAX_DEPTH, Mailbox};
 use genom_middleware::{
     Address, Capabilities, Client, DiscoverError, Endpoint, EndpointKind, Middleware, OpenError,
     Policy, Publisher, Served, ServiceHandler, ServiceKind, ServiceType, Subscription,
@@ -22,7 +23,6 @@ use crate::client::ZenohClient;
 use crate::graph::{Claim, Graph};
 use crate::inbox::Inbox;
 use crate::keys::{Keys, Token};
-use crate::mailbox::{Full, MAX_DEPTH, Mailbox};
 use crate::options::{Options, SessionError};
 use crate::ports::{ZenohPublisher, ZenohSubscription};
 use crate::rendezvous::Rendezvous;

@@ -7,9 +7,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use genom_middleware::mailbox::{Full, Mailbox};
 use zenoh::sample::{Sample, SampleKind};
 
-use crate::mailbox::{Full, Mailbox};
 use crate::wire::{Expected, Mark};
 
 /// At most one line about bad samples in this time.

@@ -27,7 +27,6 @@ mod client;
 mod graph;
 mod inbox;
 mod keys;
-mod mailbox;
 mod options;
 mod ports;
 mod rendezvous;

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use genom_middleware::mailbox::{Mailbox, PutError};
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
 use genom_types::{DataType, Record};
 use zenoh::query::Queryable;
@@ -10,7 +11,6 @@ use zenoh::query::Queryable;
 use crate::backend::Core;
 use crate::graph::Claim;
 use crate::inbox::{Inbox, OURS};
-use crate::mailbox::{Mailbox, PutError};
 
 /// An out port.
 pub(crate) struct ZenohPublisher {

@@ -9,11 +9,11 @@ use std::thread::{self, JoinHandle, ThreadId};
 use std::time::Duration;
 
 use genom_middleware::bell::Bell;
+use genom_middleware::mailbox::Mailbox;
 use zenoh::bytes::ZBytes;
 use zenoh::pubsub::Publisher;
 use zenoh::{Session, Wait};
 
-use crate::mailbox::Mailbox;
 use crate::wire::Mark;
 
 /// Words of the bit set of ports that have something to send.
