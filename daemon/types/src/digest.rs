@@ -8,7 +8,6 @@ use std::fmt::Write as _;
 use md5::{Digest as _, Md5};
 
 use crate::kind::{Kind, TypeId};
-use crate::names::keyword;
 use crate::table::TypeTable;
 
 /// Types met while following one type. Structs that double at each level of nesting would
@@ -91,7 +90,7 @@ impl Walk<'_> {
         let kind = self.table.kind(id);
         self.left = self.left.saturating_sub(1);
         if self.left == 0 || self.open.len() >= DEEPEST || self.open.contains(&id) {
-            out.text(keyword(kind));
+            out.text(kind.keyword());
             return;
         }
         self.open.push(id);
@@ -133,7 +132,7 @@ impl Walk<'_> {
                     out.text(&member.name).text("union member");
                 }
             }
-            kind => _ = out.text(keyword(kind)),
+            kind => _ = out.text(kind.keyword()),
         }
         self.open.pop();
     }

@@ -5,7 +5,6 @@ use std::collections::HashSet;
 use crate::digest::Digester;
 use crate::kind::{Kind, TypeId};
 use crate::layout::MAX_NESTING;
-use crate::names::keyword;
 use crate::table::TypeTable;
 
 impl TypeTable {
@@ -125,7 +124,7 @@ fn print(
     }
     open.push(id);
     let kind = table.kind(id);
-    out.text(keyword(kind));
+    out.text(kind.keyword());
     match kind {
         Kind::String { bound } => _ = out.text(&format!("{bound:?}")),
         Kind::Array { element, length } => {

@@ -44,7 +44,7 @@ impl TypeTable {
             }
             kind => match kind.name() {
                 Some(name) => _ = write!(out, "{name}"),
-                None => out.push_str(keyword(kind)),
+                None => out.push_str(kind.keyword()),
             },
         }
     }
@@ -100,7 +100,7 @@ impl TypeTable {
             }
             kind => match kind.name() {
                 Some(name) => out.push_str(&name.to_c()),
-                None => out.push_str(&keyword(kind).replace(' ', "_")),
+                None => out.push_str(&kind.keyword().replace(' ', "_")),
             },
         }
     }
@@ -116,33 +116,36 @@ impl TypeTable {
     }
 }
 
-/// The IDL keyword of a kind: the whole spelling of a basic type.
-pub(crate) fn keyword(kind: &Kind) -> &'static str {
-    match kind {
-        Kind::Boolean => "boolean",
-        Kind::Char => "char",
-        Kind::Octet => "octet",
-        Kind::Short => "short",
-        Kind::UnsignedShort => "unsigned short",
-        Kind::Long => "long",
-        Kind::UnsignedLong => "unsigned long",
-        Kind::LongLong => "long long",
-        Kind::UnsignedLongLong => "unsigned long long",
-        Kind::Float => "float",
-        Kind::Double => "double",
-        Kind::String { .. } => "string",
-        Kind::Array { .. } => "array",
-        Kind::Sequence { .. } => "sequence",
-        Kind::Optional { .. } => "optional",
-        Kind::Enum { .. } => "enum",
-        Kind::Struct { .. } => "struct",
-        Kind::Union { .. } => "union",
-        Kind::Exception { .. } => "exception",
-        Kind::Typedef { .. } => "typedef",
-        Kind::Forward { union: false, .. } => "forward struct",
-        Kind::Forward { union: true, .. } => "forward union",
-        Kind::Native { .. } => "native",
-        Kind::Any => "any",
+impl Kind {
+    /// The IDL keyword of a kind: the whole spelling of a basic type.
+    #[must_use]
+    pub fn keyword(&self) -> &'static str {
+        match self {
+            Kind::Boolean => "boolean",
+            Kind::Char => "char",
+            Kind::Octet => "octet",
+            Kind::Short => "short",
+            Kind::UnsignedShort => "unsigned short",
+            Kind::Long => "long",
+            Kind::UnsignedLong => "unsigned long",
+            Kind::LongLong => "long long",
+            Kind::UnsignedLongLong => "unsigned long long",
+            Kind::Float => "float",
+            Kind::Double => "double",
+            Kind::String { .. } => "string",
+            Kind::Array { .. } => "array",
+            Kind::Sequence { .. } => "sequence",
+            Kind::Optional { .. } => "optional",
+            Kind::Enum { .. } => "enum",
+            Kind::Struct { .. } => "struct",
+            Kind::Union { .. } => "union",
+            Kind::Exception { .. } => "exception",
+            Kind::Typedef { .. } => "typedef",
+            Kind::Forward { union: false, .. } => "forward struct",
+            Kind::Forward { union: true, .. } => "forward union",
+            Kind::Native { .. } => "native",
+            Kind::Any => "any",
+        }
     }
 }
 

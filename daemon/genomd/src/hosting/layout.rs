@@ -38,7 +38,7 @@ impl Walk {
 
     fn describe(&mut self, ty: &DataType) -> Value {
         let mut out = Map::new();
-        out.insert("kind".into(), kind(ty.kind()).into());
+        out.insert("kind".into(), ty.kind().keyword().into());
         out.insert("name".into(), ty.name().into());
         // Behind a typedef: the name of what it stands for.
         if let Some(name) = ty.kind().name() {
@@ -105,33 +105,6 @@ fn label(label: Label) -> Value {
         Label::Value(value) => i64::try_from(value)
             .map_or_else(|_| json!(u64::try_from(value).ok()), |value| json!(value)),
         Label::Default => Value::Null,
-    }
-}
-
-fn kind(kind: &Kind) -> &'static str {
-    match kind {
-        Kind::Boolean => "boolean",
-        Kind::Char => "char",
-        Kind::Octet => "octet",
-        Kind::Short => "short",
-        Kind::UnsignedShort => "unsigned short",
-        Kind::Long => "long",
-        Kind::UnsignedLong => "unsigned long",
-        Kind::LongLong => "long long",
-        Kind::UnsignedLongLong => "unsigned long long",
-        Kind::Float => "float",
-        Kind::Double => "double",
-        Kind::String { .. } => "string",
-        Kind::Array { .. } => "array",
-        Kind::Sequence { .. } => "sequence",
-        Kind::Optional { .. } => "optional",
-        Kind::Enum { .. } => "enum",
-        Kind::Struct { .. } => "struct",
-        Kind::Union { .. } => "union",
-        Kind::Exception { .. } => "exception",
-        Kind::Typedef { .. } => "typedef",
-        Kind::Native { .. } => "native",
-        Kind::Forward { .. } | Kind::Any => "unknown",
     }
 }
 
