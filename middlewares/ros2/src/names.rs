@@ -4,10 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use genom_middleware::Address;
-use genom_types::{DataType, Kind, ScopedName, TypeId, TypeTable};
-
-/// Package of types that belong to no component: anonymous ones.
-const ANONYMOUS: &str = "genom_types";
+use genom_types::message::{ANONYMOUS, MessageName, camel, name_in, package};
+use genom_types::{DataType, Kind, TypeId, TypeTable};
 
 /// A ROS type such as `demo/msg/State`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -58,43 +56,8 @@ pub(crate) fn message(ty: &DataType, masquerade: &BTreeMap<String, String>) -> T
 }
 
 fn message_of(table: &TypeTable, id: TypeId) -> TypeName {
-    let standard = match table.resolved(id) {
-        Kind::Boolean => "Bool",
-        Kind::Char => "Int8",
-        Kind::Octet => "UInt8",
-        Kind::Short => "Int16",
-        Kind::UnsignedShort => "UInt16",
-        Kind::Long => "Int32",
-        Kind::UnsignedLong => "UInt32",
-        Kind::LongLong => "Int64",
-        Kind::UnsignedLongLong => "UInt64",
-        Kind::Float => "Float32",
-        Kind::Double => "Float64",
-        Kind::String { .. } => "String",
-        // A struct is its own message, under whatever typedef.
-        Kind::Struct { name, .. } | Kind::Union { name, .. } | Kind::Exception { name, .. } => {
-            return scoped(name, "msg");
-        }
-        _ => "",
-    };
-    if !standard.is_empty() {
-        return TypeName::new("std_msgs", "msg", standard);
-    }
-    match table.kind(id).name() {
-        Some(name) => scoped(name, "msg"),
-        None => TypeName::new(ANONYMOUS, "msg", &camel([table.c_name(id).as_str()])),
-    }
-}
-
-/// Package and name of a scoped name: `::or_pose::track::state` is `or_pose/msg/TrackState`.
-fn scoped(name: &ScopedName, folder: &str) -> TypeName {
-    match name.segments() {
-        [] => TypeName::new(ANONYMOUS, folder, "Unnamed"),
-        [alone] => TypeName::new(ANONYMOUS, folder, &camel([alone.as_str()])),
-        [first, rest @ ..] => {
-            TypeName::new(&package(first), folder, &camel(rest.iter().map(String::as_str)))
-        }
-    }
+    let MessageName { package, name } = name_in(table, id);
+    TypeName { package, folder: "msg".to_owned(), name }
 }
 
 /// The type of a service: its input struct is `::component::service::input`.
@@ -112,26 +75,6 @@ pub(crate) fn service(input: &DataType, at: &Address, folder: &str) -> TypeName 
         },
         _ => TypeName::new(ANONYMOUS, folder, &camel([at.name.as_str()])),
     }
-}
-
-/// A legal package name: small letters, digits, single underscores.
-fn package(scope: &str) -> String {
-    let legal = scope.starts_with(|c: char| c.is_ascii_lowercase())
-        && scope.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
-        && !scope.ends_with('_')
-        && !scope.contains("__");
-    if legal { scope.to_owned() } else { format!("genom_{}", scope.to_ascii_lowercase()) }
-}
-
-/// `[track, arm_state]` is `TrackArmState`.
-fn camel<'a>(segments: impl IntoIterator<Item = &'a str>) -> String {
-    let mut out = String::new();
-    for word in segments.into_iter().flat_map(|s| s.split(|c: char| !c.is_ascii_alphanumeric())) {
-        let mut letters = word.chars();
-        out.extend(letters.next().map(|first| first.to_ascii_uppercase()));
-        out.push_str(letters.as_str());
-    }
-    out
 }
 
 /// The ROS name of an address, without the first slash: `arm/demo/position`.
@@ -171,6 +114,7 @@ pub(crate) fn token(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use genom_types::ScopedName;
 
     #[test]
     fn addresses_become_legal_ros_names_and_stay_apart() {
