@@ -144,8 +144,16 @@ impl Home {
         self
     }
 
-    fn command(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(program("genomd"));
+    fn command(&self, prefix: &[&str], arguments: &[&str]) -> Command {
+        let genomd = program("genomd");
+        let mut command = match prefix {
+            [] => Command::new(genomd),
+            [by, options @ ..] => {
+                let mut command = Command::new(by);
+                command.args(options).arg(genomd);
+                command
+            }
+        };
         command.env_clear().env("PATH", std::env::var_os("PATH").unwrap_or_default());
         command.current_dir(self.path());
         command.arg("--config").arg(self.path().join("genomd.toml"));
@@ -157,7 +165,14 @@ impl Home {
     #[must_use]
     #[track_caller]
     pub fn start(self, arguments: &[&str]) -> Daemon {
-        let running = Running::start(&mut self.command(arguments));
+        self.start_by(&[], arguments)
+    }
+
+    /// The same through a program that becomes it, such as `prlimit --rtprio=0`.
+    #[must_use]
+    #[track_caller]
+    pub fn start_by(self, prefix: &[&str], arguments: &[&str]) -> Daemon {
+        let running = Running::start(&mut self.command(prefix, arguments));
         if running.error_line_where(|line| line.contains("ready on ")).is_none() {
             panic!("genomd does not start:\n{}", running.finish().err);
         }
@@ -167,7 +182,7 @@ impl Home {
     /// Starts a daemon here that is expected to refuse.
     #[must_use]
     pub fn refused(&self, arguments: &[&str]) -> Finished {
-        Running::start(&mut self.command(arguments)).finish()
+        Running::start(&mut self.command(&[], arguments)).finish()
     }
 }
 

@@ -14,6 +14,7 @@ mod flag;
 mod hosting;
 mod locate;
 mod logs;
+mod memory;
 mod nearest;
 mod registry;
 mod rpc;

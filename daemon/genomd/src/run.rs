@@ -11,6 +11,7 @@ use crate::daemon::Daemon;
 use crate::deploy::apply::{ApplyError, apply};
 use crate::deploy::plan::plan;
 use crate::deploy::{Step, keep};
+use crate::memory;
 use crate::rpc;
 use crate::rpc::listen::{self, Socket};
 
@@ -49,6 +50,10 @@ impl Refusal {
 
 /// Runs until asked to stop.
 pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
+    if settings.lock_memory {
+        // Before there are threads: their stacks come into RAM as they are made.
+        memory::lock();
+    }
     let runtime = tokio::runtime::Builder::new_multi_thread()
         .worker_threads(2)
         .thread_name("genomd-rpc")

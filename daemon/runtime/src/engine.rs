@@ -8,6 +8,7 @@ use genom_description::model::Owner;
 use crate::api::Wiring;
 use crate::body::Frame;
 use crate::control::state_port::StateClock;
+use crate::control::window::Window;
 use crate::control::{Control, Stage};
 use crate::driven::DrivenTask;
 use crate::shared::Shared;
@@ -27,6 +28,8 @@ pub(crate) struct Engine {
     pub(crate) wiring: Arc<dyn Wiring>,
     pub(crate) watcher: Option<Arc<dyn Watcher>>,
     pub(crate) activity_limit: usize,
+    /// When the component was built.
+    pub(crate) date: String,
     control: Mutex<Control>,
     /// A request is ready for a worker, or the workers are to end.
     pub(crate) work: Condvar,
@@ -37,8 +40,8 @@ pub(crate) struct Engine {
     /// Tasks of an instance on a virtual clock.
     pub(crate) driven: Option<Mutex<Vec<DrivenTask>>>,
     pub(crate) state_clock: StateClock,
-    /// Held while the state port is written.
-    pub(crate) writing: Mutex<()>,
+    /// By task: its lately past. Held while the state port is written.
+    pub(crate) recent: Mutex<Vec<Window>>,
     /// Held by whoever excludes everything.
     pub(crate) everything: Mutex<()>,
     pub(crate) threads: Mutex<Vec<JoinHandle<()>>>,
@@ -98,19 +101,21 @@ impl Engine {
         driven: Option<Vec<DrivenTask>>,
     ) -> Self {
         let services = shared.plan.services().len();
+        let tasks = shared.tasks.iter().map(|_| Window::default()).collect();
         Self {
             name: options.name,
             shared,
             wiring: options.wiring,
             watcher: options.watcher,
             activity_limit: options.activity_limit,
+            date: options.date,
             control: Mutex::new(control),
             work: Condvar::new(),
             quiet: Condvar::new(),
             spare: Mutex::new((0..services).map(|_| Vec::new()).collect()),
             driven: driven.map(Mutex::new),
             state_clock: StateClock::default(),
-            writing: Mutex::new(()),
+            recent: Mutex::new(tasks),
             everything: Mutex::new(()),
             threads: Mutex::new(Vec::new()),
         }

@@ -26,6 +26,8 @@ pub struct Options {
     pub tasks: HashMap<String, TaskOptions>,
     /// Who wants to know what happens inside.
     pub watcher: Option<Arc<dyn Watcher>>,
+    /// When the component was built, as `genom_state` tells it (genom3.md 4.8); at most 30 bytes.
+    pub date: String,
     /// How long a task's first codel may take; `None` waits for ever, as genom3.md 7.2 says.
     pub start_timeout: Option<Duration>,
 }
@@ -54,6 +56,7 @@ impl Options {
             activity_limit: ACTIVITY_LIMIT,
             tasks: HashMap::new(),
             watcher: None,
+            date: String::new(),
             start_timeout: None,
         }
     }

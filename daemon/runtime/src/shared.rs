@@ -10,7 +10,7 @@ use rtrb::Producer;
 use crate::body::Body;
 use crate::clock::Clock;
 use crate::exclusion::Exclusion;
-use crate::plan::{CONTROL_WORKERS, Plan};
+use crate::plan::Plan;
 use crate::statistics::{CodelFigures, Counter, TaskFigures};
 use crate::task::timing::Timing;
 
@@ -73,7 +73,7 @@ impl Shared {
         let sinks = model.sinks.len().div_ceil(64);
         let nanos = |d: std::time::Duration| u64::try_from(d.as_nanos()).unwrap_or(u64::MAX);
         // One more context, for those who exclude everything.
-        let contexts = model.tasks.len() + CONTROL_WORKERS + 1;
+        let contexts = plan.contexts() + 1;
         Self {
             body,
             clock,
@@ -91,7 +91,7 @@ impl Shared {
 
     /// The context that excludes everything; its users take turns.
     pub(crate) fn outside_context(&self) -> usize {
-        self.tasks.len() + CONTROL_WORKERS
+        self.plan.contexts()
     }
 
     /// A codel was called and took so long.

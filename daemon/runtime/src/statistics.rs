@@ -67,6 +67,11 @@ impl Histogram {
         bucket.store(bucket.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
     }
 
+    /// How many were recorded, and their sum in nanoseconds.
+    pub(crate) fn totals(&self) -> (u64, u64) {
+        (self.count.load(Ordering::Relaxed), self.sum.load(Ordering::Relaxed))
+    }
+
     pub(crate) fn read(&self) -> Durations {
         let count = self.count.load(Ordering::Relaxed);
         let counts: Vec<u64> =

@@ -9,7 +9,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use genom_runtime::{
-    ActivityPhase, Change, Instance, Outcome, Plan, PlanError, Progress, TaskOptions, Watcher,
+    ActivityPhase, Change, Clock, Instance, Outcome, Plan, PlanError, Progress, TaskOptions,
+    VirtualClock, Watcher,
 };
 use genom_types::Record;
 use support::closures::{Closures, Codel, LONG, next, request};
@@ -94,7 +95,7 @@ fn every_string_a_codel_may_return_is_an_event_of_the_plan() {
         assert_eq!(plan.event_names()[usize::from(event.0)], name);
     }
     assert_eq!(plan.event("::test::nothing"), None);
-    assert_eq!(plan.contexts(), 1 + genom_runtime::plan::CONTROL_WORKERS);
+    assert_eq!(plan.contexts(), 1 + plan.services().len());
 }
 
 struct Changes(Mutex<Sender<Change>>);
@@ -137,6 +138,63 @@ fn a_watcher_sees_each_activity_from_acceptance_to_end_in_order() {
     }
     instance.shutdown(LONG).unwrap();
     assert_eq!(instance.statistics().lost_changes, 0);
+}
+
+/// States that an activity was seen to move to, on a clock of its own; `stop` tells it to stop.
+fn moves_when_stopped(stop: impl FnOnce(&Instance)) -> Vec<String> {
+    let codels = [
+        ("first", codel("main")),
+        ("second", codel("pause::main")),
+        ("last", codel("pause::stop")),
+    ];
+    let body = Closures::new(STOPS, &codels);
+    let (sender, changes) = channel();
+    let clock = Arc::new(VirtualClock::new());
+    let instance = body.start_with(|options| {
+        options.watcher = Some(Arc::new(Changes(Mutex::new(sender))));
+        options.clock = Clock::Virtual(Arc::clone(&clock));
+    });
+    let job = request(&instance, "job");
+    assert_eq!(next(&job), "accepted 2");
+    let period = Duration::from_millis(2);
+    clock.step(period);
+    stop(&instance);
+    clock.step(period);
+    let states = &body.plan.component().states;
+    let moves = changes.try_iter().filter_map(|change| match change {
+        Change::Moved { activity: 2, state, paused } => {
+            Some(format!("{}{}", states[state], if paused { ", paused" } else { "" }))
+        }
+        _ => None,
+    });
+    moves.collect()
+}
+
+const STOPS: &str = "component test {
+  task t { period 2 ms; };
+  activity job() {
+    task t;
+    codel<start> first() yield main;
+    codel<main> second() yield pause::main, ether;
+    codel<stop> last() yield pause::stop, ether;
+  };
+  function halt() { interrupts job; };
+};";
+
+#[test]
+fn a_stop_shows_as_a_move_to_stop_whoever_asked_for_it() {
+    // genom3.md 7.5: the activity jumps to `stop`, which no codel yielded.
+    let seen = ["main", "main, paused", "stop", "stop, paused"];
+    assert_eq!(moves_when_stopped(|instance| instance.abort(2).unwrap()), seen);
+    let interrupted = |instance: &Instance| assert_eq!(next(&request(instance, "halt")), "done");
+    assert_eq!(moves_when_stopped(interrupted), seen);
+    let aborted = |instance: &Instance| {
+        let rank = instance.plan().service("abort_activity").unwrap();
+        let mut input = Record::new(&instance.plan().services()[rank].input);
+        input.merge_json(&serde_json::json!({ "activity": 2 })).unwrap();
+        instance.request(rank, input, Box::new(|_| {}));
+    };
+    assert_eq!(moves_when_stopped(aborted), seen);
 }
 
 #[test]

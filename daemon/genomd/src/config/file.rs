@@ -25,6 +25,8 @@ pub(crate) struct Config {
     pub(crate) log: String,
     /// Time of the components.
     pub(crate) clock: ClockKind,
+    /// Whether to keep all memory in RAM.
+    pub(crate) lock_memory: bool,
     /// Seconds the start codel of a task may take.
     pub(crate) start_timeout: u64,
     /// Seconds a component may take to stop.
@@ -69,6 +71,7 @@ impl Default for Config {
             include: Vec::new(),
             log: "info".to_owned(),
             clock: ClockKind::Monotonic,
+            lock_memory: false,
             start_timeout: 60,
             stop_timeout: 10,
             rpc: Rpc::default(),

@@ -58,6 +58,8 @@ pub(crate) struct Settings {
     pub(crate) backends: BTreeMap<String, toml::Table>,
     /// Time of the components.
     pub(crate) clock: ClockKind,
+    /// Whether to keep all memory in RAM.
+    pub(crate) lock_memory: bool,
     /// How long the start codel of a task may take before the component is refused.
     pub(crate) start_timeout: Duration,
     /// How long a component may take to stop before it is left behind.
@@ -138,6 +140,7 @@ impl Settings {
             log: cli.log.unwrap_or(config.log),
             backends: config.backends,
             clock: cli.clock.unwrap_or(config.clock),
+            lock_memory: config.lock_memory,
             start_timeout: Duration::from_secs(config.start_timeout),
             stop_timeout: Duration::from_secs(config.stop_timeout),
             rpc,

@@ -19,6 +19,7 @@ use serde_json::{Value, json};
 use tokio::sync::mpsc;
 
 use super::activities::{Activity, ActivityLog, Ending};
+use super::built;
 use super::done::Done;
 use super::load::LoadError;
 use super::watch::BusWatcher;
@@ -87,6 +88,7 @@ impl Hosted {
         let mut options = Options::new(name.as_str(), supervisor);
         options.watcher = Some(watcher);
         options.clock = daemon.clock.clone();
+        options.date = built::date(&library);
         options.start_timeout = Some(daemon.settings.start_timeout);
         for (task, entry) in &request.tasks {
             let refused = |why| LoadError::Override { name: name.clone(), why };

@@ -1,6 +1,7 @@
 //! The components of the daemon: loaded, running, unloaded.
 
 mod activities;
+mod built;
 mod done;
 mod hosted;
 pub(crate) mod layout;

@@ -5,6 +5,7 @@ pub(crate) mod builtin;
 pub(crate) mod collect;
 pub(crate) mod requests;
 pub(crate) mod state_port;
+pub(crate) mod window;
 pub(crate) mod workers;
 
 use std::collections::VecDeque;

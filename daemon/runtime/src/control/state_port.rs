@@ -2,11 +2,13 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use genom_description::model::Task;
 use genom_types::Record;
 use serde_json::{Value, json};
 
-use crate::engine::Engine;
-use crate::statistics::Durations;
+use super::window::{Totals, Window};
+use crate::engine::{Engine, lock};
+use crate::shared::TaskShared;
 
 /// How often it is written at least.
 pub(crate) const PERIOD_NS: u64 = 1_000_000_000;
@@ -25,12 +27,12 @@ impl Engine {
         let Some(port) = plan.state_port() else { return };
         let Some(ty) = plan.port_type(port) else { return };
         let mut record = Record::new(ty);
-        if let Err(error) = record.merge_json(&self.state()) {
+        // One writer at a time, whichever thread it is: a later value is a newer one.
+        let mut recent = lock(&self.recent);
+        if let Err(error) = record.merge_json(&self.state(&mut recent)) {
             tracing::debug!(instance = self.name, "genom_state is of another type: {error}");
             return;
         }
-        // One writer at a time, whichever thread it is.
-        let _one = self.writing.lock();
         self.shared.body.write_port(port, &record);
     }
 
@@ -46,12 +48,11 @@ impl Engine {
         }
     }
 
-    fn state(&self) -> Value {
+    fn state(&self, recent: &mut [Window]) -> Value {
         let model = self.shared.plan.component();
         let activities = self.activities();
-        let task = |(rank, task): (usize, &genom_description::model::Task)| {
+        let task = |((rank, task), window): ((usize, &Task), &mut Window)| {
             let shared = &self.shared.tasks[rank];
-            let cycles = shared.figures.cycles.read();
             let list: Vec<Value> = activities
                 .iter()
                 .filter(|activity| activity.task == task.name)
@@ -60,44 +61,44 @@ impl Engine {
                     json!({ "id": activity.id, "name": fit(name, 63) })
                 })
                 .collect();
-            let period = shared.timing.map(|timing| timing.period);
             json!({
                 "name": fit(&task.name, 63),
-                "rusage": {
-                    "cycles": cycles.count & 0xffff_ffff,
-                    "timings": seconds(&cycles),
-                    "load": load(&cycles, period),
-                },
+                "rusage": rusage(shared, window, self.shared.clock.now()),
                 "activity": list,
             })
         };
-        let tasks: Vec<Value> = model.tasks.iter().enumerate().map(task).collect();
+        let tasks: Vec<Value> = model.tasks.iter().enumerate().zip(recent).map(task).collect();
         json!({
             "task": tasks,
             "digest": fit(&model.digest, 32),
+            "date": fit(&self.date, 30),
             "version": fit(&model.version, 31),
         })
     }
 }
 
+/// Cycles, seconds and percent of a task: averages over about ten seconds, maxima since the start.
+///
+/// The load of a periodic task is that of its period, so that overruns show; that of another one
+/// is its share of the time, of which the last figure is that of the last second.
 #[allow(clippy::cast_precision_loss)]
-fn seconds(durations: &Durations) -> Value {
-    let of = |ns: u64| ns as f64 * 1e-9;
+fn rusage(task: &TaskShared, window: &mut Window, date: u64) -> Value {
+    let durations = task.figures.cycles.read();
+    let (cycles, busy_ns) = task.figures.cycles.totals();
+    let recent = window.look(Totals { date, cycles, busy_ns });
+    let seconds = |ns: f64| ns * 1e-9;
+    let (last, max) = (durations.last_ns as f64, durations.max_ns as f64);
+    let (last_load, max_load) = match task.timing {
+        Some(timing) => {
+            let of_period = |ns: f64| ns * 100.0 / timing.period as f64;
+            (of_period(last), of_period(max))
+        }
+        None => (recent.last_load, recent.max_load),
+    };
     json!({
-        "last": of(durations.last_ns),
-        "max": of(durations.max_ns),
-        "avg": of(durations.mean_ns),
-    })
-}
-
-/// In percent of the period; zero for a task without.
-#[allow(clippy::cast_precision_loss)]
-fn load(durations: &Durations, period: Option<u64>) -> Value {
-    let of = |ns: u64| period.map_or(0.0, |period| ns as f64 * 100.0 / period as f64);
-    json!({
-        "last": of(durations.last_ns),
-        "max": of(durations.max_ns),
-        "avg": of(durations.mean_ns),
+        "cycles": cycles & 0xffff_ffff,
+        "timings": { "last": seconds(last), "max": seconds(max), "avg": seconds(recent.mean_ns) },
+        "load": { "last": last_load, "max": max_load, "avg": recent.load },
     })
 }
 
@@ -109,3 +110,7 @@ fn fit(text: &str, bytes: usize) -> &str {
     }
     &text[..end]
 }
+
+#[cfg(test)]
+#[path = "state_port_tests.rs"]
+mod tests;

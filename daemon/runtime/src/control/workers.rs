@@ -9,7 +9,6 @@ use std::time::Duration;
 
 use super::{Phase, state_port::PERIOD_NS};
 use crate::engine::Engine;
-use crate::plan::CONTROL_WORKERS;
 
 /// How often to look for what watchers may want to know, while activities run.
 const LOOK: Duration = Duration::from_millis(50);
@@ -23,7 +22,8 @@ impl Engine {
             return self.serve_here();
         }
         let mut control = self.lock();
-        if control.ready.len() > control.idle && control.workers.len() < CONTROL_WORKERS {
+        if control.ready.len() > control.idle {
+            // None left: a worker that gets free takes what is ready.
             let Some(context) = control.contexts.pop() else { return };
             let (engine, rank) = (Arc::clone(self), control.workers.len());
             let name = format!("{}:control-{rank}", self.name);

@@ -21,8 +21,9 @@ pub use machine::{Machine, Transition};
 pub use node::Nodes;
 pub use service::{Builtin, ServicePlan};
 
-/// Requests served side by side at most: each needs a `genom_context` of its own.
-pub const CONTROL_WORKERS: usize = 8;
+/// Requests served side by side at most, however many services there are: each needs a thread
+/// and a `genom_context` of its own. What comes beyond waits for one of them.
+pub const MOST_CONTROL_WORKERS: usize = 64;
 
 /// Why a component cannot be planned.
 #[derive(Debug, thiserror::Error)]
@@ -215,7 +216,14 @@ impl Plan {
     /// worker. [`Frame::call`](crate::body::Frame::call) says which.
     #[must_use]
     pub fn contexts(&self) -> usize {
-        self.component().tasks.len() + CONTROL_WORKERS
+        self.component().tasks.len() + self.control_workers()
+    }
+
+    /// Requests served side by side. Those of one service are served one by one, so with a
+    /// worker for each service none waits behind another's that blocks.
+    #[must_use]
+    pub fn control_workers(&self) -> usize {
+        self.services.len().clamp(1, MOST_CONTROL_WORKERS)
     }
 
     /// Whether one transition of each active place is taken per period (dialects.md A), as in

@@ -60,8 +60,8 @@ impl Core {
     ) -> Passed {
         for run in &mut self.runs {
             // Events first: they are for those that were active when they were fired.
-            fired.iter().for_each(|state| fire(run, plan, *state));
-            prepare(run, plan, runnable);
+            fired.iter().for_each(|state| fire(run, plan, *state, calls));
+            prepare(run, plan, runnable, calls);
         }
         let mut passed = Passed::default();
         for run in &mut self.runs {
@@ -87,7 +87,7 @@ impl Core {
 }
 
 /// What is due before codels run: start, stop, resume (genom3.md 7.4, step 2).
-fn prepare(run: &mut Run, plan: &Plan, runnable: bool) {
+fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
     let machine = &plan.machines()[run.machine];
     let permanent = matches!(machine.owner, genom_description::model::Owner::Task(_));
     let ready = |state| Token { state, mode: Mode::Ready };
@@ -95,11 +95,11 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool) {
         Status::Cancelled => run.end = Some(End::Cancelled),
         Status::Init if run.at_stop && runnable => {
             run.marker.set(Status::Stop);
-            enter(run, ready(machine.stop), machine.codel(machine.stop).is_some());
+            enter(run, ready(machine.stop), machine.codel(machine.stop).is_some(), calls);
         }
         Status::Init if runnable => {
             if run.marker.leave_init(Status::Run) {
-                enter(run, ready(machine.start), machine.codel(machine.start).is_some());
+                enter(run, ready(machine.start), machine.codel(machine.start).is_some(), calls);
             } else {
                 run.end = Some(End::Cancelled);
             }
@@ -107,7 +107,7 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool) {
         Status::Run if run.marker.stop_requested() => {
             run.marker.set(Status::Stop);
             let stops = machine.codel(machine.stop).is_some();
-            enter(run, ready(machine.stop), stops);
+            enter(run, ready(machine.stop), stops, calls);
             if !stops && !permanent {
                 run.end = Some(End::Interrupted);
             }
@@ -121,18 +121,21 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool) {
 }
 
 /// Makes `token` the whole marking; without a codel there, there is nothing to do.
-fn enter(run: &mut Run, token: Token, has_codel: bool) {
+fn enter(run: &mut Run, token: Token, has_codel: bool, calls: &mut impl Calls) {
     run.tokens.clear();
     if has_codel {
         run.tokens.push(token);
-        run.marker.show(token);
+        // A start shows already; a stop is a move that no codel made.
+        if run.marker.show(token) {
+            calls.moved(run, token);
+        }
     } else {
         run.end = Some(End::Success);
     }
 }
 
 /// An external event puts a token on its place; sleeping places wake into it (dialects.md A).
-fn fire(run: &mut Run, plan: &Plan, state: u16) {
+fn fire(run: &mut Run, plan: &Plan, state: u16, calls: &mut impl Calls) {
     let active = matches!(run.marker.status(), Status::Run | Status::Stop);
     if !active || run.end.is_some() || plan.machines()[run.machine].codel(state).is_none() {
         return;
@@ -141,7 +144,13 @@ fn fire(run: &mut Run, plan: &Plan, state: u16) {
     match run.tokens.iter_mut().find(|token| token.state == state) {
         Some(token) => token.mode = Mode::Ready,
         // The room suffices: no two tokens are in one state here.
-        None => run.tokens.push(Token { state, mode: Mode::Ready }),
+        None => {
+            let token = Token { state, mode: Mode::Ready };
+            run.tokens.push(token);
+            if run.marker.show(token) {
+                calls.moved(run, token);
+            }
+        }
     }
 }
 

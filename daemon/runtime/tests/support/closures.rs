@@ -38,7 +38,8 @@ impl Closures {
             plan.component().codels.iter().map(|c| find(&c.name).map(|c| Arc::clone(&c.1)));
         let codels = codels.collect();
         let scope = plan.component().scope();
-        let names = ["start", "stop", "ether", "main", "pause::main", "pause::start", "E"];
+        let names =
+            ["start", "stop", "ether", "main", "pause::main", "pause::start", "pause::stop", "E"];
         let events = names
             .iter()
             .filter_map(|name| plan.event(&format!("{scope}::{name}")).map(|event| (*name, event)));

@@ -1,0 +1,37 @@
+//! Memory of the daemon kept in RAM, so that no task waits for a page.
+
+use rustix::io::Result;
+use rustix::mm::{MlockAllFlags, mlockall};
+
+/// Locks what there is and what will come; where that is not allowed, says so and goes on.
+pub(crate) fn lock() {
+    match refusal(mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE)) {
+        None => tracing::info!("memory is locked"),
+        Some(told) => tracing::warn!("{told}"),
+    }
+}
+
+fn refusal(locked: Result<()>) -> Option<String> {
+    locked.err().map(|error| {
+        format!(
+            "memory is not locked: {error} (see RLIMIT_MEMLOCK, CAP_IPC_LOCK); pages may be \
+             swapped out"
+        )
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use rustix::io::Errno;
+
+    use super::*;
+
+    #[test]
+    fn a_refusal_says_what_would_be_needed() {
+        assert_eq!(refusal(Ok(())), None);
+        for why in [Errno::PERM, Errno::NOMEM] {
+            let told = refusal(Err(why)).unwrap();
+            assert!(told.contains(&why.to_string()) && told.contains("RLIMIT_MEMLOCK"), "{told}");
+        }
+    }
+}

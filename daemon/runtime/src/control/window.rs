@@ -1,0 +1,152 @@
+//! A task's lately past: averages over about the last ten seconds (genom3.md 4.8, 7.8).
+//!
+//! It knows no clock, task or port: the caller brings dates and totals since the start, and the
+//! window keeps one pair a second.
+
+use std::collections::VecDeque;
+
+/// How far back an average reaches.
+const SPAN_NS: u64 = 10_000_000_000;
+/// Between two totals that are kept.
+const STEP_NS: u64 = 1_000_000_000;
+
+/// What a task did since its start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Totals {
+    /// When this was so.
+    pub(crate) date: u64,
+    /// Times it was at work.
+    pub(crate) cycles: u64,
+    /// How long that took.
+    pub(crate) busy_ns: u64,
+}
+
+/// Totals of the last ten seconds, and what was made of older ones.
+#[derive(Debug, Default)]
+pub(crate) struct Window {
+    /// Oldest first; the first is as old as the span, when there is one that old.
+    kept: VecDeque<Totals>,
+    /// Share of the time at work between the last two that were kept, in percent.
+    last_load: f64,
+    max_load: f64,
+}
+
+/// Figures on the lately past.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Recent {
+    /// Mean time at work, in nanoseconds.
+    pub(crate) mean_ns: f64,
+    /// Share of the time at work, in percent.
+    pub(crate) load: f64,
+    /// The same over the last second, and its maximum since the start.
+    pub(crate) last_load: f64,
+    pub(crate) max_load: f64,
+}
+
+impl Window {
+    /// Takes in what was done until now, and tells the lately past.
+    pub(crate) fn look(&mut self, now: Totals) -> Recent {
+        match self.kept.back() {
+            Some(last) if now.date < last.date.saturating_add(STEP_NS) => {}
+            last => {
+                if let Some(last) = last {
+                    self.last_load = load(*last, now);
+                    self.max_load = self.max_load.max(self.last_load);
+                }
+                self.kept.push_back(now);
+            }
+        }
+        // The one before the first that is young enough stays: the window is full then.
+        while self.kept.get(1).is_some_and(|next| next.date.saturating_add(SPAN_NS) <= now.date) {
+            self.kept.pop_front();
+        }
+        let since = self.kept.front().copied().unwrap_or(now);
+        Recent {
+            mean_ns: mean(since, now),
+            load: load(since, now),
+            last_load: self.last_load,
+            max_load: self.max_load,
+        }
+    }
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn mean(since: Totals, now: Totals) -> f64 {
+    match now.cycles.wrapping_sub(since.cycles) {
+        0 => 0.0,
+        cycles => now.busy_ns.wrapping_sub(since.busy_ns) as f64 / cycles as f64,
+    }
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn load(since: Totals, now: Totals) -> f64 {
+    match now.date.saturating_sub(since.date) {
+        0 => 0.0,
+        // Work is counted when it ends: of a long one a part may be older than the span.
+        span => (now.busy_ns.wrapping_sub(since.busy_ns) as f64 * 100.0 / span as f64).min(100.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SECOND: u64 = 1_000_000_000;
+
+    /// A task that works `busy` nanoseconds a hundred times in each second of a list.
+    fn lived(busy: &[u64]) -> Recent {
+        let mut window = Window::default();
+        let mut now = Totals::default();
+        let mut recent = window.look(now);
+        for busy in busy {
+            now.date += SECOND;
+            now.cycles += 100;
+            now.busy_ns += 100 * busy;
+            recent = window.look(now);
+        }
+        recent
+    }
+
+    #[test]
+    fn an_average_reaches_ten_seconds_back_and_no_further() {
+        // genom3.md 4.8, 7.8: averages over ~10 s.
+        let long_ago = vec![5_000_000; 60];
+        let recent = lived(&[long_ago.clone(), vec![1_000_000; 10]].concat());
+        assert_eq!((recent.mean_ns, recent.load), (1_000_000.0, 10.0));
+        assert_eq!((recent.last_load, recent.max_load), (10.0, 50.0));
+        // Five of the ten seconds were busy ones.
+        let recent = lived(&[long_ago, vec![1_000_000; 5]].concat());
+        assert_eq!((recent.mean_ns, recent.load), (3_000_000.0, 30.0));
+    }
+
+    #[test]
+    fn a_young_task_is_averaged_since_its_start() {
+        assert_eq!(lived(&[]), Recent::default());
+        let recent = lived(&[2_000_000, 4_000_000]);
+        assert_eq!((recent.mean_ns, recent.load), (3_000_000.0, 30.0));
+    }
+
+    #[test]
+    fn looking_often_neither_shortens_the_window_nor_grows_it() {
+        let mut window = Window::default();
+        let mut now = Totals::default();
+        for _ in 0..100_000 {
+            now.date += SECOND / 1000;
+            now.cycles += 1;
+            now.busy_ns += 300_000;
+            window.look(now);
+        }
+        assert!(window.kept.len() <= 12, "{}", window.kept.len());
+        let recent = window.look(now);
+        assert!((recent.mean_ns - 300_000.0).abs() < 1.0 && (recent.load - 30.0).abs() < 0.1);
+    }
+
+    #[test]
+    fn work_that_began_before_the_window_does_not_load_beyond_its_length() {
+        let mut window = Window::default();
+        window.look(Totals::default());
+        window.look(Totals { date: 20 * SECOND, cycles: 0, busy_ns: 0 });
+        let recent = window.look(Totals { date: 21 * SECOND, cycles: 1, busy_ns: 15 * SECOND });
+        assert!(recent.last_load <= 100.0 && recent.load <= 100.0, "{recent:?}");
+    }
+}
