@@ -20,6 +20,7 @@ use rustdds::{
 use crate::feed::{Feed, FeedHandle, FeedSink, Feeds, Inbox};
 use crate::graph::{Found, Graph, Wanted};
 use crate::info::{self, Ends};
+use crate::meetings;
 use crate::names;
 use crate::options::{Options, OptionsError};
 use crate::ports::{Ros2Publisher, Ros2Subscription};
@@ -267,13 +268,12 @@ impl Ros2 {
             participant: dds.participant.guid().to_bytes(),
             process: Process::this(),
         };
-        let worker = Worker::start(Box::new(told))?;
+        let matches = Arc::new(Matches::default());
+        let worker = Worker::start(Box::new(told), Arc::clone(&matches))?;
         let ourselves = dds.participant.guid();
         let (known, orders) = (Arc::clone(&graph), worker.orders.clone());
         let feeds = Arc::new(Feeds::default());
         let hearing = Arc::clone(&feeds);
-        let matches = Arc::new(Matches::default());
-        let matched = Arc::clone(&matches);
         let news = move |event| match event {
             Event::WriterDetected { writer } if writer.guid.prefix != ourselves.prefix => {
                 let (guid, found) = found(writer, true);
@@ -287,17 +287,14 @@ impl Ros2 {
             Event::WriterLost { guid, .. } => known.lost(&guid),
             Event::ReaderLost { guid, .. } => {
                 known.lost(&guid);
-                matched.lost(|reader| *reader == guid);
+                orders.part(move |reader| *reader == guid);
             }
             Event::ParticipantLost { id, .. } => {
                 known.lost_all(|guid| guid.prefix == id);
-                matched.lost(|reader| reader.prefix == id);
+                orders.part(move |reader| reader.prefix == id);
             }
             Event::RemoteReaderMatched { local_writer, remote_reader } => {
-                match matched.matched(local_writer, remote_reader) {
-                    Some(post) => orders.submit(move || post.go_on()),
-                    None => orders.greet(local_writer, remote_reader),
-                }
+                orders.meet(local_writer, remote_reader);
             }
             _ => {}
         };
@@ -346,6 +343,9 @@ impl Middleware for Ros2 {
         let of_writer = wire::qos(qos.reliable, qos.transient_local, samples_of(ty));
         let writer = core.dds.writer(topic, dds_type, &of_writer);
         let writer = writer.map_err(|why| core.failed(at, why))?;
+        if !qos.transient_local {
+            meetings::prime(&writer);
+        }
         let guid = writer.guid();
         let outlet = Arc::new(Outlet {
             mailbox: Mailbox::new(depth_of(ty, qos.depth), room_for(ty), Full::Oldest),

@@ -7,9 +7,10 @@
 //! `std_msgs/msg/Float64`); a type may go under the name of a ROS type of equal structure.
 //!
 //! **Samples.** CDR as [`genom_types::cdr`] says. Out ports are reliable and volatile; each
-//! reader that connects is sent the last value, whatever it asked for. (Transient local, which
-//! would say so in DDS's own words, is an option: RustDDS keeps all samples of several seconds
-//! for it and hands them all to those who come.)
+//! reader that connects is sent the last value, whatever it asked for (a best-effort reader of
+//! another make may miss it: DDS does not tell when it is ready). Transient local, which would
+//! say so in DDS's own words, is an option: RustDDS keeps all samples of several seconds for it
+//! and hands them all to those who come.
 //!
 //! **Services.** `<component>/srv/<Service>`: the request has the input's members, the response
 //! `string genom_exception` (empty if none), `string genom_detail` (JSON) and the output's members.
@@ -31,6 +32,7 @@ mod feed;
 mod goals;
 mod graph;
 mod info;
+mod meetings;
 mod names;
 mod options;
 mod ports;

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use rustdds::{GUID, RTPSEntity};
 
+use crate::meetings;
 use crate::wire::Writer;
 
 /// Messages that wait; older ones are given up.
@@ -55,6 +56,11 @@ impl Matches {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    /// What is written with a writer of requests, replies or feedback.
+    pub(crate) fn post(&self, writer: &GUID) -> Option<Arc<Post>> {
+        self.lock().posts.get(writer).and_then(Weak::upgrade)
+    }
+
     /// A writer is connected to a reader; the post to be gone on with.
     pub(crate) fn matched(&self, writer: GUID, reader: GUID) -> Option<Arc<Post>> {
         let mut state = self.lock();
@@ -99,6 +105,7 @@ pub(crate) struct Post {
 
 impl Post {
     pub(crate) fn new(writer: Writer, matches: &Arc<Matches>, on_lost: OnLost) -> Arc<Self> {
+        meetings::prime(&writer);
         let waiting = Mutex::default();
         let post = Arc::new(Self { writer, matches: Arc::clone(matches), waiting, on_lost });
         matches.lock().posts.insert(post.guid(), Arc::downgrade(&post));
@@ -156,6 +163,11 @@ impl Post {
         drop(waiting);
         drop(given_up);
         (self.on_lost)(&|to| self.matches.reaches(&self.guid(), to));
+    }
+
+    /// Whether all readers know the writer and have all that was written.
+    pub(crate) fn is_acknowledged(&self) -> bool {
+        meetings::acknowledged(&self.writer)
     }
 
     /// Waits a while until what was written has arrived.

@@ -16,6 +16,8 @@ use rustdds::bytes::Bytes;
 use rustdds::{GUID, RTPSEntity, Timestamp, WriteOptionsBuilder};
 
 use crate::feed::{Feed, Feeds};
+use crate::meetings::{self, Meetings};
+use crate::post::Matches;
 use crate::wire::{HEADER, Payload, Writer};
 
 /// Messages of one port sent in a row, before others have their turn.
@@ -42,14 +44,19 @@ pub(crate) trait Announce: Send {
 /// Something to do on the thread.
 pub(crate) type Job = Box<dyn FnOnce() + Send>;
 
+/// Whether a reader is gone.
+pub(crate) type Gone = Box<dyn Fn(&GUID) -> bool + Send>;
+
 enum Order {
     Run(Job),
     Add(Box<Line>),
     Remove(GUID, Sender<()>),
     /// Others shall know of a change before anything else happens.
     Announce(Sender<()>),
-    /// A reader has matched a writer of ours: it shall see the last value.
-    Greet(GUID, GUID),
+    /// DDS has connected a writer of ours and a reader.
+    Meet(GUID, GUID),
+    /// Readers are gone: those the function tells.
+    Part(Gone),
     /// This daemon begins to read a topic.
     Offer(Arc<Feed>),
     Stop,
@@ -92,7 +99,7 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    pub(crate) fn start(announce: Box<dyn Announce>) -> io::Result<Self> {
+    pub(crate) fn start(announce: Box<dyn Announce>, matches: Arc<Matches>) -> io::Result<Self> {
         let (sender, receiver) = channel();
         let bell = Arc::new(Bell::default());
         let news = Arc::new(AtomicBool::new(false));
@@ -100,6 +107,8 @@ impl Worker {
             receiver,
             bell: Arc::clone(&bell),
             lines: HashMap::new(),
+            meetings: Meetings::default(),
+            matches,
             announce,
             news: Arc::clone(&news),
             announced: None,
@@ -191,8 +200,14 @@ impl Orders {
         }
     }
 
-    pub(crate) fn greet(&self, writer: GUID, reader: GUID) {
-        self.order(Order::Greet(writer, reader));
+    /// DDS has connected a writer of ours and a reader.
+    pub(crate) fn meet(&self, writer: GUID, reader: GUID) {
+        self.order(Order::Meet(writer, reader));
+    }
+
+    /// DDS has lost readers.
+    pub(crate) fn part(&self, gone: impl Fn(&GUID) -> bool + Send + 'static) {
+        self.order(Order::Part(Box::new(gone)));
     }
 
     /// Says that an out port has something to send. Wait-free.
@@ -242,6 +257,8 @@ struct Work {
     receiver: Receiver<Order>,
     bell: Arc<Bell>,
     lines: HashMap<GUID, Line>,
+    meetings: Meetings,
+    matches: Arc<Matches>,
     announce: Box<dyn Announce>,
     news: Arc<AtomicBool>,
     announced: Option<Instant>,
@@ -266,10 +283,27 @@ impl Work {
         BETWEEN
     }
 
+    /// A reader is ready: it gets what waits for it, or the last value of the port.
+    fn met(&self, writer: GUID, reader: GUID) {
+        match self.matches.matched(writer, reader) {
+            Some(post) => post.go_on(),
+            None => _ = self.lines.get(&writer).map(|line| line.greet(reader)),
+        }
+    }
+
+    fn look_at_meetings(&mut self) {
+        let ready = self.meetings.ready(|writer| match self.lines.get(writer) {
+            Some(line) => meetings::acknowledged(&line.writer),
+            // One that is not known is being made.
+            None => self.matches.post(writer).is_some_and(|post| post.is_acknowledged()),
+        });
+        ready.into_iter().for_each(|(writer, reader)| self.met(writer, reader));
+    }
+
     fn go_on(&mut self) {
         loop {
             let longest = self.until_announcement();
-            self.bell.wait(longest);
+            self.bell.wait(self.meetings.pause().map_or(longest, |pause| pause.min(longest)));
             while let Ok(order) = self.receiver.try_recv() {
                 match order {
                     Order::Run(job) => job(),
@@ -282,10 +316,14 @@ impl Work {
                         }
                         let _ = done.send(());
                     }
-                    Order::Greet(writer, reader) => {
-                        if let Some(line) = self.lines.get(&writer) {
-                            line.greet(reader);
+                    Order::Meet(writer, reader) => {
+                        if self.meetings.begin(writer, reader) {
+                            self.met(writer, reader);
                         }
+                    }
+                    Order::Part(gone) => {
+                        self.meetings.lost(&gone);
+                        self.matches.lost(&gone);
                     }
                     Order::Announce(done) => {
                         if self.announce.tell() {
@@ -305,6 +343,7 @@ impl Work {
                     Order::Stop => return,
                 }
             }
+            self.look_at_meetings();
             for line in self.lines.values_mut() {
                 if line.outlet.waits.swap(false, Ordering::Acquire)
                     && (0..TURN).all(|_| line.send())
