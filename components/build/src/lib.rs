@@ -8,6 +8,7 @@
 mod cargo;
 mod compile;
 mod error;
+pub mod peer;
 pub mod python;
 mod recipe;
 

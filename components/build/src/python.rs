@@ -10,6 +10,16 @@ use std::process::Command;
 
 use crate::{BuildError, Paths};
 
+/// Genuine ROS 2 Jazzy: its client library, its default middleware and some message packages.
+pub const ROS_JAZZY: [&str; 6] = [
+    "ros-jazzy-rclpy==7.1.6",
+    "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
+    "ros-jazzy-std-msgs==5.3.6",
+    "ros-jazzy-geometry-msgs==5.3.6",
+    "ros-jazzy-std-srvs==5.3.6",
+    "ros-jazzy-test-msgs==2.0.3",
+];
+
 /// The interpreter of an environment that holds these packages, given as `name==version`.
 ///
 /// The first call installs them, which needs the network; several processes may call at once.

@@ -4,9 +4,13 @@ use std::io::IsTerminal as _;
 
 use tracing_subscriber::EnvFilter;
 
+/// The DDS library tells of each packet it cannot send yet: nobody else wants to know.
+/// A filter that names it says otherwise.
+const QUIET: &str = "rustdds=error";
+
 /// Starts logging; the filter was wrong when this gives an error.
 pub(crate) fn start(filter: &str) -> Result<(), String> {
-    let filter = EnvFilter::try_new(filter).map_err(|error| {
+    let filter = EnvFilter::try_new(format!("{QUIET},{filter}")).map_err(|error| {
         format!("--log {filter}: {error}; write for instance info,genomd=debug")
     })?;
     tracing_subscriber::fmt()

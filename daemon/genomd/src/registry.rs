@@ -148,6 +148,8 @@ struct Ros2Options {
     namespace: String,
     services: Ros2Services,
     qos: Ros2Qos,
+    /// Attributes are parameters, too, unless this says no.
+    parameters: Option<bool>,
     /// ROS types to use for IDL types.
     masquerade: BTreeMap<String, String>,
 }
@@ -195,7 +197,7 @@ impl Ros2Options {
     /// The environment of ROS, with what the configuration says instead.
     fn over_environment(self) -> Result<genom_ros2::Options, String> {
         let environment = genom_ros2::Options::from_env().map_err(|error| error.to_string())?;
-        let Self { domain, networks, namespace, services, qos, masquerade } = self;
+        let Self { domain, networks, namespace, services, qos, parameters, masquerade } = self;
         let Ros2Qos { reliable, depth, transient_local } = qos;
         Ok(genom_ros2::Options {
             domain: domain.unwrap_or(environment.domain),
@@ -211,6 +213,7 @@ impl Ros2Options {
                 Ros2Services::Cyclone => genom_ros2::ServiceMapping::Cyclone,
             },
             qos: genom_ros2::Qos { reliable, depth, transient_local },
+            parameters: parameters.unwrap_or(environment.parameters),
             masquerade,
         })
     }

@@ -105,6 +105,12 @@ impl<'a> Fields<'a> {
         std::str::from_utf8(bytes.strip_suffix(&[0]).unwrap_or(bytes)).ok()
     }
 
+    /// A sequence, read one by one: no length makes room beforehand.
+    pub(crate) fn all<T>(&mut self, one: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
+        let count = self.word()?;
+        (0..count).map(|_| one(self)).collect()
+    }
+
     /// The record that is left.
     pub(crate) fn record(&self, ty: &DataType) -> Result<Record, CdrError> {
         let mut record = Record::new(ty);

@@ -50,6 +50,8 @@ pub(crate) struct Found {
 #[derive(Debug, Default)]
 struct State {
     own: HashMap<u64, Arc<Own>>,
+    /// What belongs to our nodes and is no end of ours.
+    others: HashMap<u64, Entities>,
     next: u64,
     found: HashMap<GUID, Found>,
     /// What daemons tell, by the writer they tell it with.
@@ -71,6 +73,21 @@ pub(crate) struct Claim {
     number: u64,
     own: Arc<Own>,
     /// Has others told of the change.
+    announce: Box<dyn Fn() + Send + Sync>,
+}
+
+/// DDS writers and readers of a node.
+#[derive(Clone, Debug)]
+pub(crate) struct Entities {
+    pub(crate) node: String,
+    pub(crate) writers: Vec<Gid>,
+    pub(crate) readers: Vec<Gid>,
+}
+
+/// Keeps writers and readers known as a node's.
+pub(crate) struct Belonging {
+    graph: Arc<Graph>,
+    number: u64,
     announce: Box<dyn Fn() + Send + Sync>,
 }
 
@@ -123,6 +140,21 @@ impl Graph {
         drop(state);
         self.touch();
         Ok(Claim { graph: Arc::clone(self), number, own, announce })
+    }
+
+    /// Tells of writers and readers that are no end of ours.
+    pub(crate) fn belong(
+        self: &Arc<Self>,
+        entities: Entities,
+        announce: Box<dyn Fn() + Send + Sync>,
+    ) -> Belonging {
+        let mut state = self.lock();
+        let number = state.next;
+        state.next += 1;
+        state.others.insert(number, entities);
+        drop(state);
+        announce();
+        Belonging { graph: Arc::clone(self), number, announce }
     }
 
     /// DDS found an end of others.
@@ -228,6 +260,19 @@ impl Graph {
         let state = self.lock();
         let mut ends = Vec::new();
         let mut nodes: Vec<Node> = Vec::new();
+        let mut put = |name: &str, writers: &[Gid], readers: &[Gid]| {
+            if let Some(node) = nodes.iter_mut().find(|node| node.name == name) {
+                node.readers.extend(readers);
+                node.writers.extend(writers);
+                return;
+            }
+            nodes.push(Node {
+                namespace: format!("/{}", namespace.trim_matches('/')),
+                name: name.to_owned(),
+                readers: readers.to_vec(),
+                writers: writers.to_vec(),
+            });
+        };
         for own in state.own.values() {
             let (Some(writers), Some(readers)) = (own.writers.get(), own.readers.get()) else {
                 continue;
@@ -250,21 +295,10 @@ impl Graph {
                     digest: wanted.digest.clone(),
                 });
             }
-            let node = match nodes.iter_mut().find(|node| node.name == wanted.node) {
-                Some(node) => node,
-                None => {
-                    nodes.push(Node {
-                        namespace: format!("/{}", namespace.trim_matches('/')),
-                        name: wanted.node.clone(),
-                        readers: Vec::new(),
-                        writers: Vec::new(),
-                    });
-                    let Some(node) = nodes.last_mut() else { continue };
-                    node
-                }
-            };
-            node.readers.extend(readers);
-            node.writers.extend(writers);
+            put(&wanted.node, writers, readers);
+        }
+        for other in state.others.values() {
+            put(&other.node, &other.writers, &other.readers);
         }
         (ends, nodes)
     }
@@ -396,6 +430,13 @@ impl Claim {
         // Once only, by the one who opens the end.
         let _ = (self.own.writers.set(writers), self.own.readers.set(readers));
         self.graph.touch();
+        (self.announce)();
+    }
+}
+
+impl Drop for Belonging {
+    fn drop(&mut self) {
+        self.graph.lock().others.remove(&self.number);
         (self.announce)();
     }
 }

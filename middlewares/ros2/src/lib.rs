@@ -18,6 +18,8 @@
 //! like a response, feedback is `string genom_state`; an interrupted activity ends CANCELED, one
 //! with another exception ABORTED. Callers that cancel a goal interrupt the activity.
 //!
+//! **Parameters.** Attributes of one plain value are parameters of the node, too.
+//!
 //! **Who is there.** DDS's discovery names topics and types; daemons tell each other besides, on
 //! the topic `genom_discovery_info`, the full types and digests of their ends: types of one name
 //! that differ are refused. Of ROS nodes only the name of the type is known.
@@ -35,6 +37,7 @@ mod info;
 mod meetings;
 mod names;
 mod options;
+mod parameters;
 mod ports;
 mod post;
 mod process;

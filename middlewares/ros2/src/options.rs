@@ -51,7 +51,7 @@ impl Default for Qos {
 }
 
 /// How to open the middleware. The default stays within this machine.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Options {
     /// Participants of other domains are not seen.
     pub domain: u16,
@@ -63,9 +63,25 @@ pub struct Options {
     pub services: ServiceMapping,
     /// Quality of service of ports.
     pub qos: Qos,
+    /// Attributes of one plain value are parameters, too.
+    pub parameters: bool,
     /// ROS types of equal structure to be used for IDL types: `::demo::pose` as
     /// `geometry_msgs/msg/Pose`.
     pub masquerade: BTreeMap<String, String>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            domain: 0,
+            networks: Networks::default(),
+            namespace: String::new(),
+            services: ServiceMapping::default(),
+            qos: Qos::default(),
+            parameters: true,
+            masquerade: BTreeMap::new(),
+        }
+    }
 }
 
 /// An option or a variable of the environment is wrong.

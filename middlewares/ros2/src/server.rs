@@ -11,6 +11,7 @@ use crate::backend::Core;
 use crate::body::{self, Fields};
 use crate::channel::{RequestId, ServerEnd};
 use crate::graph::Claim;
+use crate::parameters::Part;
 use crate::post::Post;
 use crate::sender::Orders;
 
@@ -106,6 +107,8 @@ impl Drop for ToCaller {
 pub(crate) struct Ros2Served {
     pub(crate) server: Arc<Server>,
     pub(crate) claim: Option<Claim>,
+    /// What it is of the node's parameters.
+    pub(crate) parameter: Option<Part>,
     pub(crate) core: Arc<Core>,
 }
 
@@ -114,6 +117,9 @@ impl Served for Ros2Served {}
 impl Drop for Ros2Served {
     fn drop(&mut self) {
         // First of all nobody calls any more.
+        if let Some(part) = &self.parameter {
+            self.core.remove_parameter(part);
+        }
         self.claim = None;
         self.core.orders().announce_now();
         self.server.leave();

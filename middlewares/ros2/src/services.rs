@@ -15,6 +15,7 @@ use crate::client::{ActionEnd, Feedback, Ros2Client, Runs, Way};
 use crate::goals::{ActionServer, Ends, Ros2Action};
 use crate::graph::{Claim, Service, Wanted};
 use crate::names::{self, TypeName};
+use crate::parameters::Parameters;
 use crate::post::Post;
 use crate::server::{Ros2Served, Server, lock};
 use crate::wire;
@@ -28,6 +29,7 @@ pub(crate) struct Services {
     own: Mutex<HashMap<String, Weak<dyn ServiceHandler>>>,
     clients: Mutex<HashMap<String, Weak<ClientEnd>>>,
     actions: Mutex<HashMap<String, Weak<ActionEnd>>>,
+    pub(crate) parameters: Parameters,
 }
 
 /// All names of one service.
@@ -86,7 +88,7 @@ impl Core {
         Plan { wanted, path, ty: ros }
     }
 
-    fn maker(&self) -> Maker {
+    pub(crate) fn maker(&self) -> Maker {
         Maker {
             inlet: Arc::clone(&self.inlet),
             orders: self.orders().clone(),
@@ -111,7 +113,7 @@ impl Core {
         let weak = Arc::downgrade(&handler);
         let served = match ty.kind {
             ServiceKind::Activity => self.serve_action(&plan, ty, handler, claim),
-            _ => self.serve_function(&plan, ty, handler, claim),
+            _ => self.serve_function(&plan, at, ty, handler, claim),
         };
         let served = served.map_err(|why| self.failed(at, why))?;
         let mut own = lock(&self.services.own);
@@ -123,10 +125,12 @@ impl Core {
     fn serve_function(
         self: &Arc<Self>,
         plan: &Plan,
+        at: &Address,
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
         claim: Claim,
     ) -> Result<Box<dyn Served>, String> {
+        let parameter = self.add_parameter(at, ty, &handler);
         let server = Server::new(ty.clone(), handler);
         let weak = Arc::downgrade(&server);
         let on_request = move |id, _, message: &[u8]| {
@@ -139,7 +143,7 @@ impl Core {
         claim.made(gids(&[end.writer()]), gids(&[end.reader]));
         let _ = server.end.set(end);
         let core = Arc::clone(self);
-        Ok(Box::new(Ros2Served { server, claim: Some(claim), core }))
+        Ok(Box::new(Ros2Served { server, claim: Some(claim), parameter, core }))
     }
 
     fn serve_action(

@@ -1,0 +1,223 @@
+//! Which attributes make which parameters.
+//!
+//! An attribute that gives one plain value makes a parameter under the name of that member, and
+//! one that takes such a value makes it settable: `get_speed(out velocity)` and
+//! `set_speed(in velocity)` are the parameter `velocity`. Members of one name that do not belong
+//! together are parameters of their own, named `attribute.member`.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::sync::Arc;
+
+use genom_middleware::{ServiceHandler, ServiceType};
+
+use super::value::{Shape, Type};
+
+/// An attribute that is served, and fits a parameter.
+pub(crate) struct Attribute {
+    pub(crate) name: String,
+    pub(crate) ty: ServiceType,
+    pub(crate) handler: Arc<dyn ServiceHandler>,
+    pub(crate) way: Way,
+}
+
+/// What an attribute does for its parameter.
+#[derive(Clone, Debug)]
+pub(crate) enum Way {
+    Get(Shape),
+    Set(Shape),
+}
+
+impl Way {
+    /// How an attribute serves as (a part of) a parameter, if it does.
+    pub(crate) fn of(ty: &ServiceType) -> Option<Self> {
+        if ty.input.member_count() == 0 {
+            Shape::of(&ty.output).map(Self::Get)
+        } else {
+            Shape::of(&ty.input).map(Self::Set)
+        }
+    }
+
+    fn shape(&self) -> &Shape {
+        match self {
+            Self::Get(shape) | Self::Set(shape) => shape,
+        }
+    }
+}
+
+/// A parameter: at least one of both.
+#[derive(Clone, Default)]
+pub(crate) struct Parameter {
+    pub(crate) get: Option<(Arc<Attribute>, Shape)>,
+    pub(crate) set: Option<(Arc<Attribute>, Shape)>,
+}
+
+impl Parameter {
+    /// What it takes, or else what it gives.
+    fn shape(&self) -> Option<&Shape> {
+        self.set.as_ref().or(self.get.as_ref()).map(|(_, shape)| shape)
+    }
+
+    pub(crate) fn ty(&self) -> Type {
+        self.shape().map_or(Type::NotSet, |shape| shape.ty)
+    }
+
+    pub(crate) fn range(&self) -> Option<(i64, i64)> {
+        self.shape()?.range
+    }
+
+    pub(crate) fn constraint(&self) -> &str {
+        self.shape().map_or("", |shape| &shape.constraint)
+    }
+
+    /// How it comes to its value, for users.
+    pub(crate) fn description(&self) -> String {
+        let mut out = String::new();
+        if let Some((attribute, _)) = &self.get {
+            _ = write!(out, "read by attribute {}", attribute.name);
+        }
+        if let Some((attribute, _)) = &self.set {
+            let before = if out.is_empty() { "only " } else { ", " };
+            _ = write!(out, "{before}set by attribute {}", attribute.name);
+        }
+        out
+    }
+
+    fn add(&mut self, attribute: &Arc<Attribute>) {
+        let with = |shape: &Shape| Some((Arc::clone(attribute), shape.clone()));
+        match &attribute.way {
+            Way::Get(shape) => self.get = with(shape),
+            Way::Set(shape) => self.set = with(shape),
+        }
+    }
+}
+
+/// All parameters, by name. The same whatever the order the attributes came in.
+pub(crate) fn parameters<'a>(
+    attributes: impl Iterator<Item = &'a Arc<Attribute>>,
+) -> BTreeMap<String, Parameter> {
+    let mut by_member: BTreeMap<&str, Vec<&Arc<Attribute>>> = BTreeMap::new();
+    for attribute in attributes {
+        by_member.entry(attribute.way.shape().name()).or_default().push(attribute);
+    }
+    let mut all = BTreeMap::new();
+    for (member, attributes) in by_member {
+        let belong = match attributes.as_slice() {
+            [_] => true,
+            [one, other] => {
+                one.way.shape().ty == other.way.shape().ty
+                    && matches!(one.way, Way::Get(_)) != matches!(other.way, Way::Get(_))
+            }
+            _ => false,
+        };
+        for attribute in attributes {
+            let name = match belong {
+                true => member.to_owned(),
+                false => format!("{}.{member}", attribute.name),
+            };
+            all.entry(name).or_insert_with(Parameter::default).add(attribute);
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    use genom_middleware::{ActivityId, Replies, ServiceKind};
+    use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeTable};
+
+    struct Nothing;
+
+    impl ServiceHandler for Nothing {
+        fn request(&self, _: Record, _: Box<dyn Replies>) {}
+
+        fn cancel(&self, _: ActivityId) {}
+    }
+
+    fn structure(members: &[(&str, Kind)]) -> DataType {
+        let mut table = TypeTable::default();
+        let members = members.iter().map(|(name, kind)| {
+            let ty = table.add(kind.clone());
+            Member { name: (*name).to_owned(), ty }
+        });
+        let members = members.collect();
+        let id = table.add(Kind::Struct { name: ScopedName::new(["demo", "x"]), members });
+        DataType::new(&Arc::new(table), id).unwrap()
+    }
+
+    fn attribute(name: &str, takes: bool, member: &str, kind: Kind) -> Arc<Attribute> {
+        let (value, nothing) = (structure(&[(member, kind)]), structure(&[]));
+        let (input, output) = if takes { (value, nothing) } else { (nothing, value) };
+        let ty = ServiceType { kind: ServiceKind::Attribute, input, output };
+        let way = Way::of(&ty).unwrap();
+        Arc::new(Attribute { name: name.to_owned(), ty, handler: Arc::new(Nothing), way })
+    }
+
+    fn described(attributes: &[Arc<Attribute>]) -> Vec<(String, String)> {
+        let forth = parameters(attributes.iter());
+        let back = parameters(attributes.iter().rev());
+        let tell = |all: BTreeMap<String, Parameter>| {
+            all.into_iter().map(|(name, one)| (name, one.description())).collect::<Vec<_>>()
+        };
+        let told = tell(forth);
+        assert_eq!(told, tell(back), "the order does not matter");
+        told
+    }
+
+    #[track_caller]
+    fn check(attributes: &[Arc<Attribute>], expected: &[(&str, &str)]) {
+        let owned = expected.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned()));
+        assert_eq!(described(attributes), owned.collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn getter_and_setter_of_a_member_are_one_parameter() {
+        check(
+            &[
+                attribute("set_speed", true, "velocity", Kind::Double),
+                attribute("get_speed", false, "velocity", Kind::Double),
+                attribute("get_mode", false, "mode", Kind::Boolean),
+                attribute("set_name", true, "name", Kind::String { bound: None }),
+            ],
+            &[
+                ("mode", "read by attribute get_mode"),
+                ("name", "only set by attribute set_name"),
+                ("velocity", "read by attribute get_speed, set by attribute set_speed"),
+            ],
+        );
+    }
+
+    #[test]
+    fn members_of_one_name_that_do_not_belong_together_stay_apart() {
+        check(
+            &[
+                attribute("set_left", true, "gain", Kind::Double),
+                attribute("set_right", true, "gain", Kind::Double),
+                attribute("get_left", false, "gain", Kind::Double),
+            ],
+            &[
+                ("get_left.gain", "read by attribute get_left"),
+                ("set_left.gain", "only set by attribute set_left"),
+                ("set_right.gain", "only set by attribute set_right"),
+            ],
+        );
+        check(
+            &[attribute("set", true, "v", Kind::Double), attribute("get", false, "v", Kind::Long)],
+            &[("get.v", "read by attribute get"), ("set.v", "only set by attribute set")],
+        );
+    }
+
+    #[test]
+    fn attributes_of_several_members_are_no_parameters() {
+        let two = structure(&[("a", Kind::Double), ("b", Kind::Double)]);
+        let ty = |input: &DataType, output: &DataType| ServiceType {
+            kind: ServiceKind::Attribute,
+            input: input.clone(),
+            output: output.clone(),
+        };
+        assert!(Way::of(&ty(&two, &structure(&[]))).is_none());
+        assert!(Way::of(&ty(&structure(&[]), &two)).is_none());
+    }
+}

@@ -1,0 +1,188 @@
+"""A genuine ROS 2 node, told what to do.
+
+Each line in is a command, `["verb", arguments...]`, each line out its outcome. A verb that makes
+an end replies when ROS says that the other end is there, so that whoever tells may rely on it.
+"""
+
+import json
+import sys
+import time
+from array import array
+from collections import deque
+from importlib import import_module
+
+import numpy
+import rclpy
+from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import NodeNameNonExistentError
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.parameter_client import AsyncParameterClient
+
+# Only what fails takes this long; the test's own watchdog is longer.
+PATIENCE = 50.0
+
+rclpy.init()
+node = rclpy.create_node("peer", enable_rosout=False, start_parameter_services=False)
+executor = SingleThreadedExecutor()
+executor.add_node(node)
+
+
+def until(what, holds):
+    """Lets ROS work until something holds."""
+    end = time.monotonic() + PATIENCE
+    while not (held := holds()):
+        if time.monotonic() > end:
+            raise TimeoutError(f"never: {what}")
+        executor.spin_once(timeout_sec=0.02)
+    return held
+
+
+def done(future):
+    until("the reply", future.done)
+    return future.result()
+
+
+def type_of(name):
+    package, folder, name = name.split("/")
+    return getattr(import_module(f"{package}.{folder}"), name)
+
+
+def plain(value):
+    """A message as JSON."""
+    if hasattr(value, "get_fields_and_field_types"):
+        return {name: plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
+    if isinstance(value, (list, tuple, array, numpy.ndarray)):
+        return [plain(element) for element in value]
+    if isinstance(value, bytes):
+        return value[0]
+    return value.item() if isinstance(value, numpy.generic) else value
+
+
+def fill(message, values):
+    """Sets the fields that JSON gives."""
+    for name, value in values.items():
+        if isinstance(value, dict):
+            fill(getattr(message, name), value)
+        else:
+            setattr(message, name, value)
+    return message
+
+
+class Matched:
+    """How many ends of others an end of ours is connected to."""
+
+    count = 0
+
+    def __call__(self, status):
+        self.count = status.current_count
+
+
+readers, writers, clients = {}, {}, {}
+
+
+def read(topic, kind):
+    matched, samples = Matched(), deque()
+    events = SubscriptionEventCallbacks(matched=matched)
+    node.create_subscription(type_of(kind), topic, lambda sample: samples.append(sample), 10, event_callbacks=events)
+    readers[topic] = samples
+    until(f"a publisher of {topic}", lambda: matched.count)
+    return "matched"
+
+
+def sample(topic):
+    until(f"a sample of {topic}", lambda: readers[topic])
+    return plain(readers[topic].popleft())
+
+
+def write(topic, kind):
+    matched = Matched()
+    events = PublisherEventCallbacks(matched=matched)
+    writers[topic] = node.create_publisher(type_of(kind), topic, 10, event_callbacks=events)
+    until(f"a subscription of {topic}", lambda: matched.count)
+    return "matched"
+
+
+def put(topic, values):
+    writers[topic].publish(fill(writers[topic].msg_type(), values))
+    return "put"
+
+
+def no_node(name, namespace):
+    nodes = node.get_node_names_and_namespaces
+    until(f"the end of the node {name}", lambda: (name, namespace) not in nodes())
+    return "gone"
+
+
+def services_of(name, namespace):
+    try:
+        return dict(node.get_service_names_and_types_by_node(name, namespace))
+    except NodeNameNonExistentError:
+        return {}
+
+
+def service(service, name, namespace):
+    return until(f"{service} of {name}", lambda: services_of(name, namespace).get(service))
+
+
+def no_service(service, name, namespace):
+    until(f"the end of {service}", lambda: service not in services_of(name, namespace))
+    return "gone"
+
+
+def topics():
+    return dict(node.get_topic_names_and_types())
+
+
+def parameters(of):
+    clients[of] = AsyncParameterClient(node, of)
+    until(f"the parameter services of {of}", clients[of].services_are_ready)
+    return "ready"
+
+
+def get(of, names):
+    values = done(clients[of].get_parameters(names)).values
+    return [plain(parameter_value_to_python(value)) for value in values]
+
+
+def types(of, names):
+    return [Parameter.Type(kind).name for kind in done(clients[of].get_parameter_types(names)).types]
+
+
+def put_all(of, values, atomically=False):
+    given = [Parameter(name, value=value) for name, value in values]
+    if atomically:
+        return plain(done(clients[of].set_parameters_atomically(given)).result)
+    return plain(done(clients[of].set_parameters(given)).results)
+
+
+def describe(of, names):
+    return plain(done(clients[of].describe_parameters(names)).descriptors)
+
+
+def names(of, prefixes=None, depth=None):
+    return plain(done(clients[of].list_parameters(prefixes, depth)).result)
+
+
+VERBS = {
+    "read": read,
+    "sample": sample,
+    "write": write,
+    "put": put,
+    "no node": no_node,
+    "service": service,
+    "no service": no_service,
+    "topics": topics,
+    "parameters": parameters,
+    "get": get,
+    "set": put_all,
+    "types": types,
+    "describe": describe,
+    "list": names,
+}
+
+print(json.dumps("up"), flush=True)
+for line in sys.stdin:
+    verb, *arguments = json.loads(line)
+    print(json.dumps(VERBS[verb](*arguments)), flush=True)
+rclpy.shutdown()
