@@ -14,8 +14,10 @@ mod build;
 mod command;
 mod daemon;
 mod http;
+mod transcript;
 
 pub use build::{component, files, program, repository};
 pub use command::{Finished, Running, WATCHDOG};
 pub use daemon::{Daemon, Home, Memory, path};
 pub use http::{Events, Reply, connect, request};
+pub use transcript::transcript;

@@ -81,12 +81,3 @@ fn fmt_changes_blanks_once() {
     assert_eq!(fs::read_to_string(file).unwrap(), shown.out);
     genomctl(&["fmt", "--check", file]).expect_code(0);
 }
-
-#[test]
-fn completions_know_the_verbs() {
-    for shell in ["bash", "zsh", "fish"] {
-        let made = genomctl(&["completion", shell]);
-        made.expect_code(0);
-        assert!(made.out.contains("disconnect"), "{shell}");
-    }
-}

@@ -8,6 +8,7 @@
 mod agreement;
 mod args;
 mod client;
+mod complete;
 mod failure;
 mod inputs;
 mod lsp;
@@ -16,16 +17,21 @@ mod reading;
 mod session;
 mod sse;
 mod table;
+mod traffic;
+mod units;
 mod verbs;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory as _, Parser as _};
+use clap_complete::CompleteEnv;
 
 use crate::args::Cli;
 use crate::session::Session;
 
 fn main() -> ExitCode {
+    // A shell asks: it gets its answer, and nothing else happens.
+    CompleteEnv::with_factory(Cli::command).var(verbs::COMPLETE).complete();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {

@@ -68,21 +68,25 @@ pub(crate) enum Change {
     Stopping {},
 }
 
-/// A change and its number.
+/// Something told, and its number.
 #[derive(Clone, Debug)]
 pub(crate) struct Numbered {
     /// From 1, without gaps.
     pub(crate) id: u64,
-    /// The change as JSON.
+    /// What was told, as JSON.
     pub(crate) data: Arc<Value>,
 }
 
-/// Changes kept for listeners that come back (`Last-Event-ID`).
+/// How much is kept for listeners that come back (`Last-Event-ID`).
 const KEPT: usize = 1024;
 
 /// Where changes are told and heard.
 #[derive(Debug)]
-pub(crate) struct Bus {
+pub(crate) struct Bus(Numbers);
+
+/// What was told lately, by number, and who listens.
+#[derive(Debug)]
+pub(crate) struct Numbers {
     past: Mutex<Past>,
     live: broadcast::Sender<Numbered>,
 }
@@ -96,12 +100,32 @@ struct Past {
 impl Bus {
     /// A bus on which nothing was told yet.
     pub(crate) fn new() -> Self {
-        Self { past: Mutex::default(), live: broadcast::Sender::new(KEPT) }
+        Self(Numbers::new())
     }
 
     /// Tells a change to all listeners.
     pub(crate) fn tell(&self, change: &Change) {
-        let data = Arc::new(serde_json::to_value(change).unwrap_or_default());
+        self.0.add(serde_json::to_value(change).unwrap_or_default());
+    }
+
+    /// The kept changes after number `after` (none: from now on), and those to come.
+    pub(crate) fn listen(
+        &self,
+        after: Option<u64>,
+    ) -> (Vec<Numbered>, broadcast::Receiver<Numbered>) {
+        self.0.listen(after)
+    }
+}
+
+impl Numbers {
+    /// Nothing told yet.
+    pub(crate) fn new() -> Self {
+        Self { past: Mutex::default(), live: broadcast::Sender::new(KEPT) }
+    }
+
+    /// Numbers it and tells it to all listeners.
+    pub(crate) fn add(&self, data: Value) {
+        let data = Arc::new(data);
         let mut past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
         past.last += 1;
         let numbered = Numbered { id: past.last, data };
@@ -113,7 +137,7 @@ impl Bus {
         let _ = self.live.send(numbered);
     }
 
-    /// The kept changes after number `after` (none: from now on), and those to come.
+    /// What is kept after number `after` (none: from now on), and what is to come.
     pub(crate) fn listen(
         &self,
         after: Option<u64>,

@@ -77,9 +77,11 @@ impl Daemon {
                 return Err(LoadError::Attribute { name, why });
             }
         }
+        let backend = hosted.wiring.bindings.component();
+        tracing::info!(instance = hosted.name, "runs on {backend}");
         self.bus.tell(&Change::ComponentLoaded {
             component: hosted.name.clone(),
-            backend: hosted.wiring.bindings.component().to_string(),
+            backend: backend.to_string(),
         });
         Ok(hosted)
     }
@@ -87,6 +89,7 @@ impl Daemon {
     /// Stops a component and closes its library. Blocks until its codels have ended.
     pub(crate) fn unload(&self, name: &str) -> Result<(), UnloadError> {
         self.components.remove(name, self.settings.stop_timeout)?;
+        tracing::info!(instance = name, "unloaded");
         self.bus.tell(&Change::ComponentUnloaded { component: name.to_owned() });
         Ok(())
     }

@@ -1,8 +1,26 @@
-//! Logs on standard error.
+//! Logs: on standard error, and the last ones for supervisors.
 
+use std::fmt::Write as _;
 use std::io::IsTerminal as _;
+use std::sync::LazyLock;
+use std::time::{SystemTime, UNIX_EPOCH};
 
-use tracing_subscriber::EnvFilter;
+use serde_json::{Map, Value};
+use tracing::field::{Field, Visit};
+use tracing::{Event, Subscriber};
+use tracing_subscriber::layer::{Context, SubscriberExt as _};
+use tracing_subscriber::util::SubscriberInitExt as _;
+use tracing_subscriber::{EnvFilter, Layer};
+
+use crate::bus::Numbers;
+
+/// What was logged: one process has one log.
+static PAST: LazyLock<Numbers> = LazyLock::new(Numbers::new);
+
+/// The last entries, and those to come.
+pub(crate) fn past() -> &'static Numbers {
+    &PAST
+}
 
 /// The DDS library tells of each packet it cannot send yet: nobody else wants to know.
 /// A filter that names it says otherwise.
@@ -13,11 +31,80 @@ pub(crate) fn start(filter: &str) -> Result<(), String> {
     let filter = EnvFilter::try_new(format!("{QUIET},{filter}")).map_err(|error| {
         format!("--log {filter}: {error}; write for instance info,genomd=debug")
     })?;
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
+    let terminal = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
-        .with_target(false)
+        .with_target(false);
+    tracing_subscriber::registry()
+        .with(filter)
+        .with(terminal)
+        .with(Keep)
         .try_init()
         .map_err(|error| error.to_string())
+}
+
+/// Keeps what passes the filter.
+struct Keep;
+
+impl<S: Subscriber> Layer<S> for Keep {
+    fn on_event(&self, event: &Event<'_>, _: Context<'_, S>) {
+        let mut words = Words::default();
+        event.record(&mut words);
+        let about = event.metadata();
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let mut entry = Map::new();
+        entry.insert("time".into(), now.as_secs_f64().into());
+        entry.insert("level".into(), about.level().as_str().to_lowercase().into());
+        entry.insert("origin".into(), about.target().into());
+        entry.extend(words.component.map(|name| ("component".to_owned(), Value::from(name))));
+        entry.insert("message".into(), (words.message + &words.rest).into());
+        PAST.add(entry.into());
+    }
+}
+
+/// The fields of an event: the message, the component it is about, and the rest as `key=value`.
+#[derive(Default)]
+struct Words {
+    message: String,
+    component: Option<String>,
+    rest: String,
+}
+
+impl Visit for Words {
+    fn record_str(&mut self, field: &Field, value: &str) {
+        match field.name() {
+            "instance" => self.component = Some(value.to_owned()),
+            _ => self.record_debug(field, &value),
+        }
+    }
+
+    fn record_debug(&mut self, field: &Field, value: &dyn std::fmt::Debug) {
+        let _ = match field.name() {
+            "message" => write!(self.message, "{value:?}"),
+            // Written with %.
+            "instance" => {
+                self.component = Some(format!("{value:?}"));
+                Ok(())
+            }
+            name => write!(self.rest, " {name}={value:?}"),
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_entry_names_its_component_and_level() {
+        let logger = tracing_subscriber::registry().with(Keep);
+        tracing::subscriber::with_default(logger, || {
+            tracing::warn!(instance = "arm", task = "main", "cannot run on {}", 3);
+        });
+        let (kept, _) = past().listen(Some(0));
+        let mine = |entry: &&crate::bus::Numbered| entry.data["component"] == "arm";
+        let entry = kept.iter().find(mine).expect("it was kept");
+        assert_eq!(entry.data["level"], "warn");
+        assert_eq!(entry.data["message"], "cannot run on 3 task=\"main\"");
+    }
 }

@@ -137,9 +137,7 @@ async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
             () = daemon.asked_to_stop() => loading.await,
         };
         match loaded {
-            Ok(Ok(hosted)) => {
-                tracing::info!("{} runs on {}", hosted.name, hosted.wiring.bindings.component());
-            }
+            Ok(Ok(_)) => {}
             Ok(Err(error)) => return Err(Refusal::component(error)),
             Err(error) => return Err(Refusal::own(error)),
         }

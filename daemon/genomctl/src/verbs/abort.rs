@@ -1,7 +1,9 @@
 //! `genomctl abort`: asks an activity to stop.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
@@ -10,8 +12,10 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
     /// Number of the activity, or name of a service: then all its activities.
+    #[arg(add = ArgValueCompleter::from(Names::Activities))]
     activity: String,
 }
 

@@ -1,7 +1,9 @@
 //! `genomctl activities`: what runs, and what ended lately.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
@@ -11,6 +13,7 @@ use crate::table::table;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
 }
 

@@ -1,8 +1,10 @@
 //! `genomctl backend`: moves a running component, or one of its ports, to other middlewares.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
 use serde_json::json;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
@@ -13,8 +15,10 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// COMPONENT, with all its ports and services, or COMPONENT/PORT.
+    #[arg(add = ArgValueCompleter::from(Names::Movable))]
     target: String,
     /// The backend, or several: shm+zenoh.
+    #[arg(add = ArgValueCompleter::from(Names::Backends))]
     backend: String,
 }
 

@@ -1,9 +1,11 @@
 //! `genomctl call`: a service from request to end.
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
 use crate::verbs::{outcome, start};
+use clap_complete::engine::ArgValueCompleter;
 
 /// Call a service and wait for its outputs.
 ///
@@ -11,10 +13,13 @@ use crate::verbs::{outcome, start};
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
     /// The service.
+    #[arg(add = ArgValueCompleter::from(Names::Services))]
     service: String,
     /// Inputs: '{"velocity": 0.5}' or velocity=0.5; what is missing takes its default.
+    #[arg(add = ArgValueCompleter::from(Names::Inputs))]
     inputs: Vec<String>,
 }
 

@@ -1,20 +1,32 @@
 //! `genomctl completion`: completions for a shell, from the same definitions as `--help`.
 
-use clap::CommandFactory as _;
+use std::io;
+
+use clap_complete::env::Shells;
 
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Print the completions of genomctl for a shell.
+/// Print the completions of genomctl for a shell: verbs and options, and the live names of
+/// components, services, ports and inputs.
+///
+/// In ~/.bashrc: `source <(genomctl completion bash)`; in ~/.zshrc, after compinit: `source
+/// <(genomctl completion zsh)`; in ~/.config/fish/config.fish: `genomctl completion fish | source`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The shell.
     shell: clap_complete::Shell,
 }
 
+/// The variable that tells `genomctl` that a shell asks.
+pub(crate) const VARIABLE: &str = "GENOMCTL_COMPLETE";
+
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let mut text = Vec::new();
-    let mut command = crate::args::Cli::command();
-    clap_complete::generate(args.shell, &mut command, "genomctl", &mut text);
+    let shells = Shells::builtins();
+    let shell = shells
+        .completer(&args.shell.to_string())
+        .ok_or_else(|| io::Error::other(format!("nothing completes for {}", args.shell)))?;
+    shell.write_registration(VARIABLE, "genomctl", "genomctl", "genomctl", &mut text)?;
     session.print(&String::from_utf8_lossy(&text))
 }

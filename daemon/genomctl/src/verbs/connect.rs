@@ -1,8 +1,10 @@
 //! `genomctl connect`: an in port to an out port, or a remote to a service.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::Path2;
 use crate::session::Session;
@@ -12,14 +14,16 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT; or a remote.
+    #[arg(add = ArgValueCompleter::from(Names::Inports))]
     inport: Path2,
     /// The out port that feeds it, or the service that a remote calls.
+    #[arg(add = ArgValueCompleter::from(Names::Outports))]
     outport: Path2,
     /// What the reader gets of the samples it has not read: latest, queue:N or ring:N.
     #[arg(long)]
     policy: Option<String>,
     /// Middleware to use [default: that of the out port].
-    #[arg(long)]
+    #[arg(long, add = ArgValueCompleter::from(Names::Backends))]
     backend: Option<String>,
     /// Connect also when the out port does not exist yet: it may come later.
     #[arg(long)]

@@ -1,7 +1,9 @@
 //! `genomctl echo`: values of a port as they come.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde_json::Value;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::{Path2, encode, url};
 use crate::session::Session;
@@ -10,6 +12,7 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
+    #[arg(add = ArgValueCompleter::from(Names::Ports))]
     port: Path2,
     /// Stop after this many values.
     #[arg(short = 'n', long, value_name = "COUNT")]

@@ -1,15 +1,19 @@
 //! `genomctl fire`: an external event.
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
+use clap_complete::engine::ArgValueCompleter;
 
 /// Fire an external event of a component.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
     /// The event.
+    #[arg(add = ArgValueCompleter::from(Names::Events))]
     event: String,
 }
 

@@ -1,8 +1,10 @@
 //! `genomctl info`: what a component offers.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
@@ -11,8 +13,10 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
     /// One service only.
+    #[arg(add = ArgValueCompleter::from(Names::Services))]
     service: Option<String>,
 }
 

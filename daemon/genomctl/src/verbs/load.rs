@@ -1,10 +1,12 @@
 //! `genomctl load`: one more component in the daemon.
 
+use clap_complete::engine::ArgValueCompleter;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -20,7 +22,7 @@ pub(crate) struct Args {
     #[arg(long)]
     name: Option<String>,
     /// Middleware of its ports [default: that of the daemon].
-    #[arg(long)]
+    #[arg(long, add = ArgValueCompleter::from(Names::Backends))]
     backend: Option<String>,
 }
 

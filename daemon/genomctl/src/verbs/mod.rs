@@ -5,6 +5,7 @@ mod activities;
 mod apply;
 mod backend;
 mod backends;
+mod bw;
 mod call;
 mod check;
 mod completion;
@@ -21,14 +22,18 @@ mod fire;
 mod fmt;
 mod graph;
 mod header;
+mod hz;
 mod info;
 mod kill;
 mod list;
 mod load;
+mod logs;
 mod lsp;
+mod man;
 mod outcome;
 mod ports;
 mod publish;
+mod reference;
 mod start;
 mod stats;
 mod step;
@@ -40,6 +45,7 @@ use clap::Subcommand;
 
 use crate::failure::Failure;
 use crate::session::Session;
+pub(crate) use completion::VARIABLE as COMPLETE;
 
 /// What to do.
 #[derive(Debug, Subcommand)]
@@ -53,6 +59,8 @@ pub(crate) enum Verb {
     Activities(activities::Args),
     Ports(ports::Args),
     Echo(echo::Args),
+    Hz(hz::Args),
+    Bw(bw::Args),
     #[command(name = "pub")]
     Publish(publish::Args),
     Connect(connect::Args),
@@ -63,6 +71,7 @@ pub(crate) enum Verb {
     Fire(fire::Args),
     Events(events::Args),
     Stats(stats::Args),
+    Logs(logs::Args),
     Step(step::Args),
     Apply(apply::Args),
     Dump(dump::Args),
@@ -79,6 +88,9 @@ pub(crate) enum Verb {
     Digest(digest::Args),
     Lsp(lsp::Args),
     Completion(completion::Args),
+    Man(man::Args),
+    #[command(hide = true)]
+    Reference(reference::Args),
 }
 
 /// Does it.
@@ -93,6 +105,8 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Activities(args) => activities::run(args, session).await,
         Verb::Ports(args) => ports::run(args, session).await,
         Verb::Echo(args) => echo::run(args, session).await,
+        Verb::Hz(args) => hz::run(args, session).await,
+        Verb::Bw(args) => bw::run(args, session).await,
         Verb::Publish(args) => publish::run(args, session).await,
         Verb::Connect(args) => connect::run(args, session).await,
         Verb::Disconnect(args) => disconnect::run(args, session).await,
@@ -102,6 +116,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Fire(args) => fire::run(args, session).await,
         Verb::Events(args) => events::run(args, session).await,
         Verb::Stats(args) => stats::run(args, session).await,
+        Verb::Logs(args) => logs::run(args, session).await,
         Verb::Step(args) => step::run(args, session).await,
         Verb::Apply(args) => apply::run(args, session).await,
         Verb::Dump(args) => dump::run(args, session).await,
@@ -118,5 +133,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Digest(args) => digest::run(&args, session),
         Verb::Lsp(args) => lsp::run(&args),
         Verb::Completion(args) => completion::run(&args, session),
+        Verb::Man(args) => man::run(&args, session),
+        Verb::Reference(args) => reference::run(&args, session),
     }
 }

@@ -1,8 +1,10 @@
 //! `genomctl ports`: ports with their connections and values.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
@@ -12,6 +14,7 @@ use crate::table::table;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component; all components when left out.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: Option<String>,
 }
 

@@ -1,8 +1,10 @@
 //! `genomctl pub`: a value to an in port, from outside.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::inputs;
 use crate::names::{Path2, encode, url};
@@ -15,6 +17,7 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
+    #[arg(add = ArgValueCompleter::from(Names::Inports))]
     port: Path2,
     /// The value: 0.5, '{"position": 1.0}' or position=1.0.
     #[arg(required = true, allow_negative_numbers = true)]

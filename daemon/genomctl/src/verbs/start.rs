@@ -1,18 +1,23 @@
 //! `genomctl start`: an activity, and on request its end.
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
 use crate::verbs::outcome::{self, Outcome};
+use clap_complete::engine::ArgValueCompleter;
 
 /// Start an activity; its number is printed at once.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
     /// The activity.
+    #[arg(add = ArgValueCompleter::from(Names::Startable))]
     service: String,
     /// Inputs: '{"goal": 1.0}' or goal=1.0; what is missing takes its default.
+    #[arg(add = ArgValueCompleter::from(Names::Inputs))]
     inputs: Vec<String>,
     /// Wait for its end; Ctrl-C aborts it, a second Ctrl-C leaves it alone.
     #[arg(long, short)]

@@ -1,16 +1,20 @@
 //! `genomctl stats`: how the tasks do.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
 use crate::table::table;
+use crate::units::duration;
 
 /// Show the statistics of the tasks of a component.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
 }
 
@@ -62,18 +66,6 @@ fn render(reply: &Reply) -> String {
     let header =
         ["TASK", "PERIOD", "REAL-TIME", "CYCLES", "OVERRUNS", "WORK", "LONGEST", "LATENESS P99"];
     table(&header, &rows)
-}
-
-/// Three digits and a unit.
-fn duration(ns: u64) -> String {
-    #[allow(clippy::cast_precision_loss, reason = "three digits are shown")]
-    let value = ns as f64;
-    match ns {
-        0..1_000 => format!("{ns} ns"),
-        1_000..1_000_000 => format!("{:.3} us", value / 1e3),
-        1_000_000..1_000_000_000 => format!("{:.3} ms", value / 1e6),
-        _ => format!("{:.3} s", value / 1e9),
-    }
 }
 
 #[cfg(test)]

@@ -1,13 +1,16 @@
 //! `genomctl unload`: stops a component and takes it out of the daemon.
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
+use clap_complete::engine::ArgValueCompleter;
 
 /// Stop a component and unload its library.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
 }
 

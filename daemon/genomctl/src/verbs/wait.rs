@@ -1,7 +1,9 @@
 //! `genomctl wait`: until an activity has ended.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde_json::Value;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::{activity_number, url};
 use crate::session::Session;
@@ -11,8 +13,10 @@ use crate::verbs::outcome::{self, Outcome};
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
+    #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
     /// Number of the activity.
+    #[arg(add = ArgValueCompleter::from(Names::Activities))]
     activity: String,
     /// Give up after this many seconds.
     #[arg(long, value_name = "SECONDS")]

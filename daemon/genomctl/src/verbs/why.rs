@@ -1,7 +1,9 @@
 //! `genomctl why`: why no data flows through a port.
 
+use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::{Path2, url};
 use crate::session::Session;
@@ -10,6 +12,7 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// COMPONENT/PORT.
+    #[arg(add = ArgValueCompleter::from(Names::Ports))]
     port: Path2,
 }
 

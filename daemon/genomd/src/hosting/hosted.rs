@@ -113,7 +113,7 @@ impl Hosted {
             // It runs already: it must stop before its memory goes.
             let why = hosted.stop(daemon.settings.stop_timeout);
             if let Err(why) = why {
-                tracing::error!("{}: {why}", hosted.name);
+                tracing::error!(instance = hosted.name, "{why}");
             }
             LoadError::Bind { name: hosted.name.clone(), source }
         })?;
@@ -247,7 +247,7 @@ impl Hosted {
     /// Fires an external event, by rank of its sink.
     pub(crate) fn fire(&self, sink: usize) {
         if let Err(error) = self.instance.fire(sink) {
-            tracing::warn!("{}: {error}", self.name);
+            tracing::warn!(instance = self.name, "{error}");
         }
     }
 

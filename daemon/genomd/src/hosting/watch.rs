@@ -84,7 +84,7 @@ impl Watcher for BusWatcher {
             Inner::Failed { task, exception } => {
                 let task = &self.plan.component().tasks[*task].name;
                 let why = format!("the permanent activity of task {task} ended with {exception}");
-                tracing::error!("{component}: {why}");
+                tracing::error!(instance = component, "{why}");
                 Change::ComponentFailed { component, why }
             }
         };

@@ -168,10 +168,11 @@ fn remote_json(connection: &RemoteConnection) -> Value {
 fn refused(error: &ConnectError) -> RpcError {
     let message = error.to_string();
     let refused = match error {
-        ConnectError::NoSuchInport { .. } => {
+        // The code says it already, which codels see in the message alone.
+        ConnectError::NoSuchInport { message, .. } => {
             RpcError::new(StatusCode::NOT_FOUND, "no_such_inport", message).place("/in")
         }
-        ConnectError::NoSuchOutport { .. } => {
+        ConnectError::NoSuchOutport { message, .. } => {
             RpcError::new(StatusCode::NOT_FOUND, "no_such_outport", message).place("/out")
         }
         ConnectError::Type { .. } => RpcError::conflict("type_mismatch", message).place("/out"),

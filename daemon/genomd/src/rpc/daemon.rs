@@ -15,7 +15,7 @@ pub(crate) async fn about(State(daemon): State<Arc<Daemon>>) -> Json<Value> {
         "genomd": env!("CARGO_PKG_VERSION"),
         "pid": std::process::id(),
         "backend": daemon.settings.backend,
-        "resources": ["/components", "/connections", "/deployment", "/ports", "/clock", "/metrics", "/middlewares", "/events", "/shutdown"],
+        "resources": ["/components", "/connections", "/deployment", "/ports", "/clock", "/logs", "/metrics", "/middlewares", "/events", "/shutdown"],
     }))
 }
 

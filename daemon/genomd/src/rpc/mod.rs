@@ -12,6 +12,7 @@
 //! | `POST /components/{c}/ports/{p}` | publish to an in port |
 //! | `GET /components/{c}/ports/{p}/type` | its type as it lies in memory |
 //! | `POST /components/{c}/events/{e}` | fire |
+//! | `GET /components/{c}/ports/{p}/traffic` | counts that rates are made of |
 //! | `GET /components/{c}/tasks` | statistics |
 //! | `GET /components/{c}/ports/{p}/why` | why no data flows |
 //! | `PUT /components/{c}/backend` | move to another middleware while it runs |
@@ -19,6 +20,7 @@
 //! | `GET, POST /clock` | the date, step |
 //! | `GET, POST /deployment` | the whole system as a file: dump; plan and apply |
 //! | `GET /metrics` | figures for Prometheus |
+//! | `GET /logs[/stream]` | what the daemon logged lately, and as it does |
 //! | `GET /middlewares` | what they can do, what is visible on them |
 //! | `GET /events` | what changes, as it happens |
 //! | `POST /shutdown` | stop the daemon |
@@ -38,6 +40,7 @@ mod error;
 mod events;
 mod input;
 pub(crate) mod listen;
+mod logs;
 mod metrics;
 mod middlewares;
 mod ports;
@@ -80,6 +83,7 @@ pub(crate) fn router(daemon: Arc<Daemon>) -> Router {
         .route("/components/{component}/ports/{port}", get(ports::value).post(ports::publish))
         .route("/components/{component}/ports/{port}/type", get(ports::layout))
         .route("/components/{component}/ports/{port}/stream", get(ports::stream))
+        .route("/components/{component}/ports/{port}/traffic", get(ports::traffic))
         .route("/components/{component}/events/{event}", post(events::fire))
         .route("/components/{component}/tasks", get(tasks::statistics))
         .route("/components/{component}/ports/{port}/why", get(why::explain))
@@ -92,6 +96,8 @@ pub(crate) fn router(daemon: Arc<Daemon>) -> Router {
         .route("/deployment", get(deployment::dump).post(deployment::apply))
         .route("/metrics", get(metrics::text))
         .route("/middlewares", get(middlewares::list))
+        .route("/logs", get(logs::list))
+        .route("/logs/stream", get(logs::stream))
         .route("/events", get(events::stream))
         .fallback(no_such_path)
         .method_not_allowed_fallback(no_such_method)

@@ -128,6 +128,28 @@ pub(crate) async fn layout(
     }
 }
 
+/// `GET /components/{component}/ports/{port}/traffic`
+///
+/// Counts whose differences give rates: `genomctl hz` and `genomctl bw`.
+pub(crate) async fn traffic(
+    State(daemon): State<Arc<Daemon>>,
+    Path((component, port)): Path<(String, String)>,
+    Parameters(parameters): Parameters<ValueParameters>,
+) -> Result<Json<Value>, RpcError> {
+    let hosted = components::find(&daemon, &component)?;
+    let index = find(&hosted, &port)?;
+    let element = element(&hosted, index, parameters.element)?;
+    let address = hosted.address(&port, element.as_deref());
+    let Some(gauge) = hosted.wiring.gauge(index, element.as_deref()) else {
+        let message = format!("nothing passes through {address}: it is not connected");
+        return Err(RpcError::conflict("not_connected", message)
+            .help(format!("`genomctl connect {address} COMPONENT/PORT`")));
+    };
+    let mut reply = json!(gauge.traffic());
+    reply["address"] = address.to_string().into();
+    Ok(Json(reply))
+}
+
 /// `GET /components/{component}/ports/{port}/stream`
 ///
 /// Events `value` when the value is another than the last one sent, the first at once if there

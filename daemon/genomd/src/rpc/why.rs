@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::{Path, State};
-use genom_description::model::PortDirection;
+use genom_description::model::{
+    CodelParameter, Direction, PortDirection, Service, ServiceKind, Source,
+};
 use serde_json::{Value, json};
 
 use crate::daemon::Daemon;
@@ -33,7 +35,7 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Value> {
     let mut out = Vec::new();
     let elements = ports::elements(hosted, port);
     let model = &hosted.model().ports[port];
-    let (name, address) = (&hosted.name, hosted.address(&model.name, None));
+    let address = hosted.address(&model.name, None);
     if elements.is_empty() {
         let what = format!("{address} is a multiple port without elements");
         out.push(match model.direction {
@@ -45,16 +47,27 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Value> {
         let address = hosted.address(&model.name, element.as_deref());
         let counts = hosted.wiring.gauge(port, element.as_deref()).map(|gauge| gauge.counts());
         let samples = counts.map_or(0, |counts| counts.samples);
+        let age = counts.and_then(|counts| counts.age_ns).unwrap_or_default();
         match (model.direction, hosted.wiring.connection(port, element.as_deref())) {
             (PortDirection::Out, _) if samples == 0 => {
-                let fix = format!("`genomctl activities {name}`; start one that writes it");
-                let idle = hosted.activities.running() == 0;
-                let why = if idle { ", and no activity runs" } else { "" };
-                out.push(finding(format!("{address} was never written{why}"), fix));
+                let why = if idle(hosted) { ", and no activity runs" } else { "" };
+                let what = format!("{address} was never written{why}");
+                out.push(finding(what, start_one(hosted, port)));
+            }
+            (PortDirection::Out, _) if idle(hosted) && age > STALE => {
+                let what = format!(
+                    "{address} was last written {} s ago, and no activity runs",
+                    age / STALE
+                );
+                out.push(finding(what, start_one(hosted, port)));
             }
             (PortDirection::In, None) => {
                 let fix = format!("`genomctl connect {address} COMPONENT/PORT`");
                 out.push(finding(format!("{address} is not connected"), fix));
+                if let Some(what) = hosted.wiring.differed(port, element.as_deref()) {
+                    let fix = "make the two .gen types equal";
+                    out.push(finding(format!("a connection was refused: {what}"), fix));
+                }
             }
             (PortDirection::In, Some(made)) => {
                 let gone = match daemon.components.get(&made.outport.instance) {
@@ -80,6 +93,41 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Value> {
             out.push(finding(what, "look at the exceptions of its codels and at the log"));
         }
     }
+    stopped_tasks(hosted, &mut out);
+    out
+}
+
+/// An out port that was not written for so long does not flow, when nothing runs.
+const STALE: u64 = 1_000_000_000;
+
+fn idle(hosted: &Hosted) -> bool {
+    hosted.activities.running() == 0
+}
+
+/// Which activities write a port, for somebody who wants it written.
+fn start_one(hosted: &Hosted, port: usize) -> String {
+    let name = &hosted.name;
+    let writes = |service: &&Service| {
+        service.kind == ServiceKind::Activity
+            && !service.standard
+            && service.codels.iter().any(|&codel| {
+                let mut parameters = hosted.model().codels[codel].parameters.iter();
+                parameters.any(|one| writes_port(one, port))
+            })
+    };
+    match hosted.model().services.iter().find(writes) {
+        Some(service) => format!("`genomctl start {name} {}`", service.name),
+        None => format!("`genomctl info {name}` shows what can be started"),
+    }
+}
+
+fn writes_port(parameter: &CodelParameter, port: usize) -> bool {
+    parameter.direction != Direction::In && parameter.source == Source::Port(port)
+}
+
+/// Ticks that were missed.
+fn stopped_tasks(hosted: &Hosted, out: &mut Vec<Value>) {
+    let name = &hosted.name;
     for task in hosted.figures().tasks.iter().filter(|task| task.overruns > 0) {
         let what = format!("task {} of {name} missed {} ticks", task.name, task.overruns);
         out.push(finding(
@@ -87,5 +135,4 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Value> {
             format!("`genomctl stats {name}`; a longer period, or shorter codels"),
         ));
     }
-    out
 }

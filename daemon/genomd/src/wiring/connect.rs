@@ -90,6 +90,20 @@ pub(crate) fn connect(
     request: &ConnectRequest,
 ) -> Result<Connection, ConnectError> {
     let (hosted, port, element) = reader(daemon, &request.inport)?;
+    let made = connect_port(daemon, request, &hosted, port, element.as_deref());
+    if let Err(error @ ConnectError::Type { .. }) = &made {
+        hosted.wiring.refused(port, element.as_deref(), error.to_string());
+    }
+    made
+}
+
+fn connect_port(
+    daemon: &Arc<Daemon>,
+    request: &ConnectRequest,
+    hosted: &Arc<Hosted>,
+    port: usize,
+    element: Option<&str>,
+) -> Result<Connection, ConnectError> {
     let place = Place::parse(&request.outport).map_err(|error| match error {
         PlaceError::Backend(error) => ConnectError::Backend(error),
         error @ PlaceError::Form(_) => {
@@ -105,26 +119,25 @@ pub(crate) fn connect(
     let outport = place.address;
     let asked = request.backend.clone().or(place.backend.clone());
     let local = daemon.components.get(&outport.instance);
-    let backend = choose(daemon, asked.as_deref(), local.as_deref(), &hosted, port, &outport);
+    let backend = choose(daemon, asked.as_deref(), local.as_deref(), hosted, port, &outport);
     let middleware = daemon.backends.get(&backend)?;
-    let inport = hosted.address(&hosted.model().ports[port].name, element.as_deref());
+    let inport = hosted.address(&hosted.model().ports[port].name, element);
     // From itself: somebody outside publishes there, or will.
     let from_outside = outport == inport;
     // A peer that is no genomd need not show itself where there are no announcements.
     let foreign = place.backend.is_some() && middleware.capabilities().cross_host;
     match &local {
         _ if from_outside => {}
-        Some(writer) => check_local(writer, &outport, &backend, &hosted, port, &inport)?,
+        Some(writer) => check_local(writer, &outport, &backend, hosted, port, &inport)?,
         None if !request.wait && !foreign => {
             check_remote(middleware.as_ref(), &outport, request.patient)?;
         }
         None => {}
     }
-    let element = element.as_deref();
     let made = hosted.wiring.feeds.hold(|feeds| {
         let (outport, fixed) = (outport.clone(), asked.is_some());
         let source = Source { outport, policy: request.policy, fixed };
-        let made = attach(daemon, &hosted, port, element, &middleware, source)?;
+        let made = attach(daemon, hosted, port, element, &middleware, source)?;
         // What the daemon published there is over, also for who wants to publish there itself.
         feeds.remove(&(port, element.map(str::to_owned)));
         Ok(made)
@@ -162,7 +175,7 @@ pub(super) fn attach(
         return Err(OpenError::Failed { backend, address: inport, why });
     };
     let subscription = middleware.subscription(&outport, ty, policy)?;
-    let tap = Tap::new(subscription);
+    let tap = Tap::new(subscription, &daemon.clock, ty);
     hosted.bind_in(port, element, Some(tap.subscription()));
     let backend = middleware.name().to_owned();
     let connection = Connection { inport, outport, backend, policy, fixed };

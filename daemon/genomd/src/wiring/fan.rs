@@ -4,7 +4,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_middleware::{PublishError, Publisher};
-use genom_types::Record;
+use genom_runtime::Clock;
+use genom_types::{DataType, Record};
 
 use super::gauge::Gauge;
 
@@ -21,14 +22,14 @@ pub(crate) struct Fan {
 }
 
 impl Fan {
-    /// A port on these.
-    pub(crate) fn new(ends: Ends) -> Self {
-        Self { ends: Arc::new(Mutex::new(ends)), gauge: Arc::new(Gauge::new()) }
+    /// A port of this type on these.
+    pub(crate) fn new(ends: Ends, clock: &Clock, ty: &DataType) -> Self {
+        Self { ends: Arc::new(Mutex::new(ends)), gauge: Arc::new(Gauge::new(clock, ty)) }
     }
 
     /// What the component writes to.
     pub(crate) fn publisher(&self) -> Box<dyn Publisher> {
-        Box::new(FanPublisher(self.clone()))
+        Box::new(FanPublisher { fan: self.clone(), scratch: Vec::new() })
     }
 
     /// What passed.
@@ -49,12 +50,16 @@ impl std::fmt::Debug for Fan {
     }
 }
 
-struct FanPublisher(Fan);
+struct FanPublisher {
+    fan: Fan,
+    /// For weighing samples.
+    scratch: Vec<u8>,
+}
 
 impl Publisher for FanPublisher {
     /// Publishes on all; the first failure is told when none took the value.
     fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
-        let Fan { ends, gauge } = &self.0;
+        let Fan { ends, gauge } = &self.fan;
         let mut ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
         let (mut taken, mut dropped, mut failure) = (false, 0, None);
         for (_, end) in ends.iter_mut() {
@@ -71,13 +76,14 @@ impl Publisher for FanPublisher {
             Some(error) if !taken => Err(error),
             _ => {
                 gauge.passed(dropped);
+                gauge.weigh(value, &mut self.scratch);
                 Ok(())
             }
         }
     }
 
     fn dropped(&self) -> u64 {
-        let ends = self.0.ends.lock().unwrap_or_else(PoisonError::into_inner);
+        let ends = self.fan.ends.lock().unwrap_or_else(PoisonError::into_inner);
         ends.iter().map(|(_, end)| end.dropped()).sum()
     }
 }
@@ -99,7 +105,8 @@ mod tests {
         let (one, two) = (genom_local::Local::new(), genom_local::Local::new());
         let (ty, at) = (double(), Address::new("demo", "position"));
         let end = |on: &dyn Middleware| on.publisher(&at, &ty).unwrap();
-        let fan = Fan::new(vec![("one".into(), end(&one)), ("two".into(), end(&two))]);
+        let ends = vec![("one".into(), end(&one)), ("two".into(), end(&two))];
+        let fan = Fan::new(ends, &Clock::Monotonic, &ty);
         let mut publisher = fan.publisher();
         let mut value = Record::new(&ty);
         value.merge_json(&0.5.into()).unwrap();

@@ -60,6 +60,8 @@ pub(crate) struct Wires {
 struct State {
     connections: BTreeMap<Key, (Connection, Tap)>,
     remotes: BTreeMap<usize, RemoteConnection>,
+    /// In ports whose last connection was refused because types differ, with both types.
+    differed: BTreeMap<Key, String>,
     /// Out ports, and the elements of multiple ones that codels opened.
     opened: BTreeMap<Key, Fan>,
 }
@@ -129,7 +131,21 @@ impl Wires {
     /// An in port was connected.
     fn connected(&self, port: usize, element: Option<&str>, connection: Connection, tap: Tap) {
         let key = (port, element.map(str::to_owned));
-        self.with(|state| state.connections.insert(key, (connection, tap)));
+        self.with(|state| {
+            state.differed.remove(&key);
+            state.connections.insert(key, (connection, tap))
+        });
+    }
+
+    /// An in port was not connected because the types differ.
+    fn refused(&self, port: usize, element: Option<&str>, why: String) {
+        self.with(|state| state.differed.insert((port, element.map(str::to_owned)), why));
+    }
+
+    /// Both types, when the last connection asked for was refused because they differ.
+    pub(crate) fn differed(&self, port: usize, element: Option<&str>) -> Option<String> {
+        let key = (port, element.map(str::to_owned));
+        self.with(|state| state.differed.get(&key).cloned())
     }
 
     /// A connection moved to another middleware.

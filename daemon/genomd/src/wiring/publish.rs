@@ -55,7 +55,8 @@ pub(crate) fn bind(
             && let Some(ty) = plan.port_type(index)
         {
             let address = Address::new(instance, port.name.as_str());
-            let fan = Fan::new(open(daemon, &wires.bindings.port(&port.name), &address, ty)?);
+            let ends = open(daemon, &wires.bindings.port(&port.name), &address, ty)?;
+            let fan = Fan::new(ends, &daemon.clock, ty);
             body.bind_out(index, None, Some(fan.publisher()));
             wires.opened(index, None, fan);
         }
@@ -94,7 +95,7 @@ impl Opener for ElementOpener {
         let address = Address::new(self.instance.as_str(), format!("{name}/{element}"));
         let names = self.wires.bindings.port(name);
         let ends = open(&daemon, &names, &address, ty).map_err(|error| error.to_string())?;
-        let fan = Fan::new(ends);
+        let fan = Fan::new(ends, &daemon.clock, ty);
         let publisher = fan.publisher();
         self.wires.opened(port, Some(element), fan);
         Ok(publisher)

@@ -3,7 +3,8 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_middleware::{ReadError, Reading, Subscription};
-use genom_types::Record;
+use genom_runtime::Clock;
+use genom_types::{DataType, Record};
 
 use super::gauge::Gauge;
 
@@ -17,14 +18,14 @@ pub(crate) struct Tap {
 }
 
 impl Tap {
-    /// A connection that reads this.
-    pub(crate) fn new(end: Box<dyn Subscription>) -> Self {
-        Self { end: Arc::new(Mutex::new(end)), gauge: Arc::new(Gauge::new()) }
+    /// A connection of this type that reads this.
+    pub(crate) fn new(end: Box<dyn Subscription>, clock: &Clock, ty: &DataType) -> Self {
+        Self { end: Arc::new(Mutex::new(end)), gauge: Arc::new(Gauge::new(clock, ty)) }
     }
 
     /// What the component reads.
     pub(crate) fn subscription(&self) -> Box<dyn Subscription> {
-        Box::new(TapSubscription { tap: self.clone(), read: false })
+        Box::new(TapSubscription { tap: self.clone(), read: false, scratch: Vec::new() })
     }
 
     /// What passed.
@@ -49,6 +50,8 @@ struct TapSubscription {
     tap: Tap,
     /// Whether anything was read yet: then there is a last value, whatever the new end says.
     read: bool,
+    /// For weighing samples.
+    scratch: Vec<u8>,
 }
 
 impl Subscription for TapSubscription {
@@ -59,6 +62,7 @@ impl Subscription for TapSubscription {
             Ok(Reading::New) => {
                 self.read = true;
                 gauge.passed(end.dropped());
+                gauge.weigh(into, &mut self.scratch);
                 Ok(Reading::New)
             }
             Ok(Reading::Never) if self.read => Ok(Reading::Same),
@@ -89,7 +93,7 @@ mod tests {
         let (one, two) = (genom_local::Local::new(), genom_local::Local::new());
         let at = Address::new("demo", "position");
         let open = |on: &dyn Middleware| on.subscription(&at, &ty, Policy::Latest).unwrap();
-        let tap = Tap::new(open(&one));
+        let tap = Tap::new(open(&one), &Clock::Monotonic, &ty);
         let (mut reader, mut into) = (tap.subscription(), Record::new(&ty));
         assert_eq!(reader.read(&mut into), Ok(Reading::Never));
         let mut value = Record::new(&ty);

@@ -1,0 +1,195 @@
+//! Completion with live names: components, services, ports and inputs of the daemon that the
+//! line typed so far is about.
+//!
+//! The shell calls `genomctl` with the words typed; whatever fails, it completes nothing.
+
+use std::ffi::{OsStr, OsString};
+use std::time::Duration;
+
+use clap::{ArgMatches, CommandFactory as _, FromArgMatches as _};
+use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
+use serde_json::Value;
+
+use crate::args::{Cli, Connection};
+use crate::names::url;
+use crate::session::Session;
+
+/// A daemon that does not answer must not hold up a shell.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// What an argument names.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Names {
+    /// Instances.
+    Components,
+    /// Services of the component typed before.
+    Services,
+    /// Activities (the services) of the component typed before.
+    Startable,
+    /// Inputs of the service typed before, as `name=`.
+    Inputs,
+    /// Activities that run or ran lately, by number and by service.
+    Activities,
+    /// Events of the component typed before.
+    Events,
+    /// Ports.
+    Ports,
+    /// In ports.
+    Inports,
+    /// Out ports.
+    Outports,
+    /// In ports that are connected.
+    Connected,
+    /// Components and ports.
+    Movable,
+    /// Middlewares.
+    Backends,
+}
+
+impl From<Names> for ArgValueCompleter {
+    fn from(names: Names) -> Self {
+        ArgValueCompleter::new(move |typed: &OsStr| {
+            let typed = typed.to_string_lossy();
+            let all = Line::read().map_or_else(Vec::new, |line| line.ask(names));
+            all.into_iter()
+                .filter(|(name, _)| name.starts_with(&*typed))
+                .map(|(name, help)| CompletionCandidate::new(name).help(help.map(Into::into)))
+                .collect()
+        })
+    }
+}
+
+type Candidate = (String, Option<String>);
+
+/// The line typed so far.
+struct Line {
+    matches: ArgMatches,
+    connection: Connection,
+}
+
+impl Line {
+    /// The words before the one to complete, as the shell's script hands them over.
+    fn read() -> Option<Self> {
+        let words: Vec<OsString> =
+            std::env::args_os().skip_while(|word| word != "--").skip(1).collect();
+        let index = std::env::var("_CLAP_COMPLETE_INDEX").ok();
+        let index = index.and_then(|index| index.parse().ok());
+        let index = index.unwrap_or(words.len().saturating_sub(1)).min(words.len());
+        let command = Cli::command().ignore_errors(true);
+        let matches = command.try_get_matches_from(words.get(..index)?).ok()?;
+        let connection = Connection::from_arg_matches(&matches).ok()?;
+        Some(Self { matches, connection })
+    }
+
+    /// What was typed for an argument of the verb.
+    fn typed(&self, argument: &str) -> Option<String> {
+        let (_, verb) = self.matches.subcommand()?;
+        verb.try_get_one::<String>(argument).ok()?.cloned()
+    }
+
+    fn ask(&self, names: Names) -> Vec<Candidate> {
+        let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build();
+        let Ok(runtime) = runtime else { return Vec::new() };
+        let session = Session::new(self.connection.clone(), true);
+        let asking = async {
+            tokio::time::timeout(PATIENCE, self.candidates(&session, names)).await.ok().flatten()
+        };
+        runtime.block_on(asking).unwrap_or_default()
+    }
+
+    async fn candidates(&self, session: &Session, names: Names) -> Option<Vec<Candidate>> {
+        let get = async |path: String| session.get(&path).await.ok();
+        let component = || self.typed("component");
+        let of_component = |what: &[&str]| {
+            let component = component()?;
+            let segments = ["components", component.as_str()].into_iter();
+            Some(url(segments.chain(what.iter().copied())))
+        };
+        Some(match names {
+            Names::Components => {
+                list(&get("/components".into()).await?["components"], "name", "component")
+            }
+            Names::Services | Names::Startable => {
+                let mut reply = get(of_component(&[])?).await?;
+                let activity = |service: &Value| service["kind"] == "activity";
+                if let Some(services) = reply["services"].as_array_mut() {
+                    services.retain(|one| matches!(names, Names::Services) || activity(one));
+                    // What every component has comes last.
+                    services.sort_by_key(|one| one["standard"] == true);
+                }
+                list(&reply["services"], "name", "doc")
+            }
+            Names::Inputs => {
+                let service = self.typed("service")?;
+                let reply = get(of_component(&["services", &service])?).await?;
+                let inputs = reply["parameters"].as_array()?.iter();
+                let inputs = inputs.filter(|one| one["direction"] != "out");
+                inputs
+                    .filter_map(|one| Some((format!("{}=", one["name"].as_str()?), about(one))))
+                    .collect()
+            }
+            Names::Activities => {
+                let reply = get(of_component(&["activities"])?).await?;
+                let all = reply["activities"].as_array()?.iter();
+                let mut found: Vec<Candidate> = all
+                    .map(|one| {
+                        let told = format!("{} {}", text(&one["service"]), text(&one["status"]));
+                        (one["activity"].to_string(), Some(told))
+                    })
+                    .collect();
+                found.reverse();
+                found
+            }
+            Names::Events => {
+                let reply = get(of_component(&[])?).await?;
+                let events = reply["events"].as_array()?.iter();
+                events.map(|event| (text(event), None)).collect()
+            }
+            Names::Ports | Names::Inports | Names::Outports | Names::Connected => {
+                let mut reply = get("/ports".into()).await?;
+                if let Some(ports) = reply["ports"].as_array_mut() {
+                    ports.retain(|port| match names {
+                        Names::Inports => port["direction"] == "in",
+                        Names::Outports => port["direction"] == "out",
+                        Names::Connected => port["connected"].is_string(),
+                        _ => true,
+                    });
+                }
+                list(&reply["ports"], "address", "type")
+            }
+            Names::Movable => {
+                let components = get("/components".into()).await?;
+                let ports = get("/ports".into()).await?;
+                let mut all = list(&components["components"], "name", "component");
+                all.extend(list(&ports["ports"], "address", "type"));
+                all
+            }
+            Names::Backends => {
+                list(&get("/middlewares".into()).await?["middlewares"], "name", "version")
+            }
+        })
+    }
+}
+
+/// Names and a word about each, from a list of objects.
+fn list(all: &Value, name: &str, help: &str) -> Vec<Candidate> {
+    let first_line = |one: &Value| one[help].as_str()?.lines().next().map(str::to_owned);
+    let all = all.as_array().map(Vec::as_slice).unwrap_or_default().iter();
+    all.map(|one| (text(&one[name]), first_line(one))).collect()
+}
+
+/// Type, default and documentation of an input.
+fn about(input: &Value) -> Option<String> {
+    let mut told = text(&input["type"]);
+    if let Some(default) = input.get("default") {
+        told.push_str(&format!(" = {default}"));
+    }
+    if let Some(doc) = input["doc"].as_str() {
+        told.push_str(&format!(": {doc}"));
+    }
+    Some(told)
+}
+
+fn text(value: &Value) -> String {
+    value.as_str().unwrap_or_default().to_owned()
+}

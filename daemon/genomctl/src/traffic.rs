@@ -1,0 +1,186 @@
+//! Rates of a port, from two readings of its counters: exact however fast the port is.
+
+use serde::Deserialize;
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::names::{Path2, encode, url};
+use crate::session::Session;
+
+/// Squares of intervals come in this unit of time.
+const UNIT_NS: f64 = 100.0;
+
+/// The counters of a port. Dates are those of the components' clock.
+#[derive(Clone, Debug, Default, Deserialize)]
+pub(crate) struct Reading {
+    samples: u64,
+    first_ns: Option<u64>,
+    last_ns: Option<u64>,
+    squares: u64,
+    weighed: u64,
+    bytes: u64,
+}
+
+/// What passed between two readings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rate {
+    /// Samples.
+    pub(crate) samples: u64,
+    /// Samples a second, when there were two at least.
+    pub(crate) hertz: Option<f64>,
+    /// Standard deviation of the intervals, in seconds.
+    pub(crate) jitter: f64,
+    /// Bytes of a sample, when any was weighed.
+    pub(crate) size: Option<f64>,
+}
+
+impl Reading {
+    /// Asks the daemon.
+    pub(crate) async fn take(session: &Session, at: &Path2) -> Result<Self, Failure> {
+        let (port, element) = at.port();
+        let mut path = url(["components", &at.component, "ports", port, "traffic"]);
+        if let Some(element) = element {
+            path.push_str(&format!("?element={}", encode(element)));
+        }
+        session.read(session.get(&path).await?)
+    }
+
+    /// What passed since an earlier reading.
+    #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
+    pub(crate) fn since(&self, earlier: &Reading) -> Rate {
+        let samples = self.samples.saturating_sub(earlier.samples);
+        let (start, intervals) = match earlier.last_ns {
+            Some(last) => (Some(last), samples),
+            // The first sample ends no interval.
+            None => (self.first_ns, samples.saturating_sub(1)),
+        };
+        let span = self.last_ns.zip(start).map_or(0, |(end, start)| end.saturating_sub(start));
+        let (hertz, jitter) = if intervals == 0 || span == 0 {
+            (None, 0.0)
+        } else {
+            let mean = span as f64 / intervals as f64;
+            let squares = self.squares.wrapping_sub(earlier.squares) as f64 * UNIT_NS * UNIT_NS;
+            let variance = (squares / intervals as f64 - mean * mean).max(0.0);
+            // Intervals are rounded down to the unit: less than that is no jitter.
+            let deviation = variance.sqrt();
+            (Some(1e9 / mean), if deviation < UNIT_NS { 0.0 } else { deviation / 1e9 })
+        };
+        let weighed = self.weighed.saturating_sub(earlier.weighed);
+        let bytes = self.bytes.wrapping_sub(earlier.bytes);
+        let size = (weighed > 0).then(|| bytes as f64 / weighed as f64);
+        Rate { samples, hertz, jitter, size }
+    }
+}
+
+impl Rate {
+    /// Bytes a second.
+    pub(crate) fn bandwidth(&self) -> Option<f64> {
+        Some(self.hertz? * self.size?)
+    }
+
+    /// The same as data.
+    pub(crate) fn data(&self, port: &Path2) -> Value {
+        json!({
+            "address": port.to_string(), "samples": self.samples, "hertz": self.hertz,
+            "jitter": self.jitter, "sample_bytes": self.size,
+            "bytes_per_second": self.bandwidth(),
+        })
+    }
+}
+
+/// How to watch a port's traffic.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct Watch {
+    /// Stop after this many lines.
+    #[arg(short = 'n', long, value_name = "COUNT")]
+    count: Option<u64>,
+    /// Seconds that each line is about.
+    #[arg(long, value_name = "SECONDS", default_value_t = 1.0)]
+    window: f64,
+    /// One line about all that passed since the port was opened or connected.
+    #[arg(long, conflicts_with_all = ["count", "window"])]
+    total: bool,
+}
+
+impl Watch {
+    /// Prints a line a window, until Ctrl-C.
+    pub(crate) async fn run(
+        &self,
+        session: &Session,
+        port: &Path2,
+        render: fn(&Rate) -> String,
+    ) -> Result<(), Failure> {
+        let show = |rate: &Rate| {
+            let text = if session.json { rate.data(port).to_string() } else { render(rate) };
+            session.print(&format!("{text}\n"))
+        };
+        if self.total {
+            return show(&Reading::take(session, port).await?.since(&Reading::default()));
+        }
+        let window = std::time::Duration::try_from_secs_f64(self.window)
+            .ok()
+            .filter(|window| !window.is_zero())
+            .ok_or_else(|| {
+                Failure::usage(format!("--window {}: no time to count in", self.window), "try 1")
+            })?;
+        let mut ticks = tokio::time::interval(window);
+        ticks.tick().await;
+        let mut before = Reading::take(session, port).await?;
+        for _ in 0..self.count.unwrap_or(u64::MAX) {
+            tokio::select! {
+                _ = ticks.tick() => {}
+                _ = tokio::signal::ctrl_c() => return Ok(()),
+            }
+            let now = Reading::take(session, port).await?;
+            show(&now.since(&before))?;
+            before = now;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reading(samples: u64, last_ms: u64, squares: u64) -> Reading {
+        let last_ns = Some(last_ms * 1_000_000);
+        Reading {
+            samples,
+            first_ns: Some(0),
+            last_ns,
+            squares,
+            weighed: samples,
+            bytes: samples * 8,
+        }
+    }
+
+    #[test]
+    fn a_steady_port_has_its_rate_and_no_jitter() {
+        // 5 ms are 50,000 units.
+        let square = 50_000_u64.pow(2);
+        let before = reading(100, 495, 99 * square);
+        let after = reading(300, 1_495, 299 * square);
+        let rate = after.since(&before);
+        assert_eq!((rate.samples, rate.hertz, rate.jitter), (200, Some(200.0), 0.0));
+        assert_eq!(rate.bandwidth(), Some(1600.0));
+        let total = before.since(&Reading::default());
+        assert_eq!((total.samples, total.hertz), (100, Some(200.0)));
+    }
+
+    #[test]
+    fn uneven_intervals_are_jitter() {
+        // 4 ms and 6 ms in turn: 1 ms around the mean.
+        let squares = 40_000_u64.pow(2) + 60_000_u64.pow(2);
+        let rate = reading(3, 10, squares).since(&Reading::default());
+        assert_eq!(rate.hertz, Some(200.0));
+        assert!((rate.jitter - 0.001).abs() < 1e-9, "{}", rate.jitter);
+    }
+
+    #[test]
+    fn silence_has_no_rate() {
+        let rate = reading(5, 20, 0).since(&reading(5, 20, 0));
+        assert_eq!((rate.samples, rate.hertz, rate.size), (0, None, None));
+        assert_eq!(Reading::default().since(&Reading::default()).hertz, None);
+    }
+}

@@ -1,0 +1,36 @@
+//! `genomctl bw`: how many bytes pass through a port.
+
+use crate::complete::Names;
+use crate::failure::Failure;
+use crate::names::Path2;
+use crate::session::Session;
+use crate::traffic::{Rate, Watch};
+use crate::units::bytes;
+use clap_complete::engine::ArgValueCompleter;
+
+/// Show the bandwidth of a port: bytes a second that its component writes or reads.
+///
+/// A sample counts as it lies in memory, or as CDR when its size varies; the latter are weighed
+/// only while this runs.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
+    #[arg(add = ArgValueCompleter::from(Names::Ports))]
+    port: Path2,
+    #[command(flatten)]
+    watch: Watch,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    args.watch.run(session, &args.port, render).await
+}
+
+fn render(rate: &Rate) -> String {
+    match (rate.bandwidth(), rate.size) {
+        (Some(bandwidth), Some(size)) => {
+            format!("{}/s, {} samples of {}", bytes(bandwidth), rate.samples, bytes(size))
+        }
+        _ if rate.samples == 0 => "no sample".to_owned(),
+        _ => format!("{} samples, not enough to tell", rate.samples),
+    }
+}

@@ -1,0 +1,36 @@
+//! `genomctl hz`: how often a port is written or read.
+
+use crate::complete::Names;
+use crate::failure::Failure;
+use crate::names::Path2;
+use crate::session::Session;
+use crate::traffic::{Rate, Watch};
+use crate::units::seconds;
+use clap_complete::engine::ArgValueCompleter;
+
+/// Show the rate of a port: samples a second that its component writes or reads, and their jitter.
+///
+/// Counted by the daemon for each sample: exact at any rate. Time is that of the components.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
+    #[arg(add = ArgValueCompleter::from(Names::Ports))]
+    port: Path2,
+    #[command(flatten)]
+    watch: Watch,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    args.watch.run(session, &args.port, render).await
+}
+
+fn render(rate: &Rate) -> String {
+    match rate.hertz {
+        Some(hertz) => {
+            let jitter = seconds(rate.jitter);
+            format!("{hertz:.2} Hz, jitter {jitter}, {} samples", rate.samples)
+        }
+        None if rate.samples == 0 => "no sample".to_owned(),
+        None => format!("{} sample", rate.samples),
+    }
+}

@@ -1,0 +1,29 @@
+//! `genomctl man`: manual pages, from the same definitions as `--help`.
+
+use std::fs;
+use std::path::PathBuf;
+
+use clap::CommandFactory as _;
+
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Write the manual pages of genomctl and of each verb into a directory.
+///
+/// For instance ~/.local/share/man/man1; then `man genomctl-start`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Where to; made when it is not there.
+    directory: PathBuf,
+}
+
+pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    fs::create_dir_all(&args.directory)?;
+    clap_mangen::generate_to(crate::args::Cli::command(), &args.directory)?;
+    let mut pages: Vec<_> = fs::read_dir(&args.directory)?
+        .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
+        .filter(|name| name.starts_with("genomctl") && name.ends_with(".1"))
+        .collect();
+    pages.sort();
+    session.print(&pages.iter().map(|page| format!("{page}\n")).collect::<String>())
+}

@@ -1,0 +1,34 @@
+//! `genomctl reference`: docs/cli.md, from the same definitions as `--help`.
+
+use clap::CommandFactory as _;
+
+use crate::args::Cli;
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Print the reference of genomctl in Markdown: every verb as `--help` tells it.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {}
+
+/// Columns of the page, whatever the terminal.
+const WIDTH: usize = 100;
+
+pub(super) fn run(_: &Args, session: &Session) -> Result<(), Failure> {
+    let cli = Cli::command().term_width(WIDTH);
+    let mut verbs = String::new();
+    let mut whole = cli.clone();
+    for verb in cli.get_subcommands().filter(|verb| !verb.is_hide_set()) {
+        let name = verb.get_name();
+        // Without the options that all verbs have: they stand at the top.
+        let mut verb = verb.clone().term_width(WIDTH).bin_name(format!("genomctl {name}"));
+        verb = verb.disable_help_flag(true);
+        verbs.push_str(&format!("\n## {name}\n\n```text\n{}\n```\n", trimmed(&mut verb)));
+    }
+    session.print(&format!("# genomctl\n\n```text\n{}\n```\n{verbs}", trimmed(&mut whole)))
+}
+
+fn trimmed(command: &mut clap::Command) -> String {
+    let help = command.render_long_help().to_string();
+    let lines: Vec<&str> = help.trim().lines().map(str::trim_end).collect();
+    lines.join("\n")
+}

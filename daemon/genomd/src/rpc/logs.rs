@@ -1,0 +1,120 @@
+//! What the daemon logged lately, and what it logs as it does.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::HeaderMap;
+use axum::response::sse::{Event, Sse};
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tokio::sync::broadcast::error::RecvError;
+use tokio_stream::Stream;
+
+use crate::bus::Numbered;
+use crate::daemon::Daemon;
+use crate::logs;
+use crate::nearest::suggest;
+use crate::rpc::error::RpcError;
+use crate::rpc::input::Parameters;
+use crate::rpc::stream;
+
+/// From the gravest on.
+const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
+
+/// `?level=LEVEL&component=NAME&last=COUNT`
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LogParameters {
+    /// This level and graver ones.
+    level: Option<String>,
+    /// What is about this component.
+    component: Option<String>,
+    /// At most so many entries, the latest; in a stream, so many before it starts.
+    last: Option<usize>,
+}
+
+/// Which entries are wanted.
+struct Wanted {
+    rank: usize,
+    component: Option<String>,
+}
+
+impl Wanted {
+    fn new(level: Option<&str>, component: Option<String>) -> Result<Self, RpcError> {
+        let level = level.unwrap_or("trace");
+        let rank = LEVELS.iter().position(|known| *known == level).ok_or_else(|| {
+            RpcError::bad_input(format!("level: there is no level `{level}`"))
+                .place("level")
+                .help(suggest(level, LEVELS))
+        })?;
+        Ok(Self { rank, component })
+    }
+
+    fn has(&self, entry: &Numbered) -> bool {
+        let level = entry.data["level"].as_str().unwrap_or_default();
+        LEVELS.iter().position(|known| *known == level).is_some_and(|rank| rank <= self.rank)
+            && self.component.as_deref().is_none_or(|name| entry.data["component"] == name)
+    }
+}
+
+/// The last of those wanted.
+fn latest(all: Vec<Numbered>, wanted: &Wanted, last: Option<usize>) -> Vec<Numbered> {
+    let mut found: Vec<_> = all.into_iter().filter(|entry| wanted.has(entry)).collect();
+    found.drain(..found.len().saturating_sub(last.unwrap_or(usize::MAX)));
+    found
+}
+
+/// `GET /logs`
+pub(crate) async fn list(
+    Parameters(parameters): Parameters<LogParameters>,
+) -> Result<Json<Value>, RpcError> {
+    let LogParameters { level, component, last } = parameters;
+    let wanted = Wanted::new(level.as_deref(), component)?;
+    let (all, _) = logs::past().listen(Some(0));
+    let entries: Vec<Value> =
+        latest(all, &wanted, last).iter().map(|entry| Value::clone(&entry.data)).collect();
+    Ok(Json(json!({ "logs": entries })))
+}
+
+/// `GET /logs/stream`: from the last `last` entries on, or since `Last-Event-ID`.
+pub(crate) async fn stream(
+    State(daemon): State<Arc<Daemon>>,
+    headers: HeaderMap,
+    Parameters(parameters): Parameters<LogParameters>,
+) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
+    let LogParameters { level, component, last } = parameters;
+    let wanted = Wanted::new(level.as_deref(), component)?;
+    let after: Option<u64> =
+        headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.parse().ok());
+    let (all, mut live) = logs::past().listen(after.or(Some(0)));
+    let past = latest(all, &wanted, after.map_or(Some(last.unwrap_or(0)), |_| None));
+    stream::open(&daemon, move |writer| async move {
+        for entry in past {
+            if !writer.send(event(&entry)).await {
+                return;
+            }
+        }
+        loop {
+            let entry = tokio::select! {
+                entry = live.recv() => entry,
+                () = writer.closed() => return,
+            };
+            match entry {
+                Ok(entry) if !wanted.has(&entry) => {}
+                Ok(entry) => {
+                    if !writer.send(event(&entry)).await {
+                        return;
+                    }
+                }
+                // Too slow: the stream ends, and resumes where it was with Last-Event-ID.
+                Err(RecvError::Lagged(_) | RecvError::Closed) => return,
+            }
+        }
+    })
+}
+
+fn event(entry: &Numbered) -> Event {
+    Event::default().event("log").id(entry.id.to_string()).data(entry.data.to_string())
+}

@@ -1,0 +1,104 @@
+//! docs/cli.md is what genomctl says of itself, and every verb has a test.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::process::Command;
+
+use genom_tests::{Running, program, repository};
+
+/// Verbs that no transcript can show, with the tests that do.
+const ELSEWHERE: &[(&str, &str, &str)] =
+    &[("lsp", "daemon/genomctl/tests/lsp/main.rs", "mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected")];
+
+/// Transcripts by the test that plays them: `"look": what_runs_is_listed,`.
+fn played() -> Vec<(String, String)> {
+    let source = fs::read_to_string(repository().join("tests/tests/transcripts.rs")).unwrap();
+    let entry = |line: &str| {
+        let (file, test) = line.trim().strip_suffix(',')?.split_once(": ")?;
+        let file = file.strip_prefix('"')?.strip_suffix('"')?;
+        let path = repository().join(format!("tests/transcripts/{file}.txt"));
+        Some((fs::read_to_string(path).ok()?, test.to_owned()))
+    };
+    let found: Vec<_> = source.lines().filter_map(entry).collect();
+    assert!(!found.is_empty(), "the list of transcripts has another form");
+    found
+}
+
+/// Whether a transcript uses a verb, and sees it refused.
+fn uses(text: &str, verb: &str) -> (bool, bool) {
+    let (mut used, mut refused, mut current) = (false, false, false);
+    for line in text.lines() {
+        if let Some(command) = line.strip_prefix("$ ") {
+            let words: Vec<&str> = command.split_whitespace().collect();
+            let verb_of = |at: usize| words[at + 1..].iter().find(|word| !word.starts_with('-'));
+            current = words.iter().enumerate().any(|(at, word)| {
+                word.ends_with("genomctl") && verb_of(at).is_some_and(|found| *found == verb)
+            });
+            used |= current;
+        } else if current && line.starts_with("? ") {
+            refused = true;
+        }
+    }
+    (used, refused)
+}
+
+/// The table of verbs and tests.
+fn table(verbs: &[&str]) -> String {
+    let mut tests: BTreeMap<&str, Vec<String>> = BTreeMap::new();
+    let mut unrefused = verbs.to_vec();
+    for (text, test) in played() {
+        for verb in verbs {
+            let (used, refused) = uses(&text, verb);
+            if used {
+                tests.entry(verb).or_default().push(format!("`{test}`"));
+            }
+            if refused {
+                unrefused.retain(|other| other != verb);
+            }
+        }
+    }
+    for (verb, file, test) in ELSEWHERE {
+        let source = fs::read_to_string(repository().join(file)).unwrap();
+        assert!(source.contains(&format!("fn {test}(")), "{file} has no {test}");
+        tests.entry(verb).or_default().push(format!("`{test}`"));
+        unrefused.retain(|other| other != verb);
+    }
+    let mut out = String::from("\n## Tests\n\nWhere each verb is shown at work.\n\n");
+    out.push_str("| Verb | Tests |\n|---|---|\n");
+    let mut untested = Vec::new();
+    for verb in verbs {
+        match tests.get(verb) {
+            Some(tests) => writeln!(out, "| `{verb}` | {} |", tests.join(", ")).unwrap(),
+            None => untested.push(verb),
+        }
+    }
+    assert!(untested.is_empty(), "verbs without a test: {untested:?}");
+    // What takes no argument and asks no daemon for anything by name cannot be refused.
+    assert!(unrefused.is_empty(), "verbs never seen refused: {unrefused:?}");
+    out
+}
+
+#[test]
+fn the_reference_is_what_genomctl_says_of_itself() {
+    let mut command = Command::new(program("genomctl"));
+    command.env_clear().arg("reference");
+    let told = Running::start(&mut command).finish();
+    told.expect_code(0);
+    let verbs: Vec<&str> = told.out.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+    assert!(verbs.len() > 30, "{verbs:?}");
+    let wanted = format!("{}{}", told.out, table(&verbs));
+    let path = repository().join("docs/cli.md");
+    if std::env::var_os("UPDATE_EXPECT").is_some() {
+        fs::write(&path, &wanted).unwrap();
+    }
+    let written = fs::read_to_string(&path).unwrap_or_default();
+    assert!(
+        written == wanted,
+        "docs/cli.md is out of step: `UPDATE_EXPECT=1 cargo test -p genom-tests --test reference` \
+         writes it"
+    );
+}
