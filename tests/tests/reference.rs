@@ -11,8 +11,11 @@ use std::process::Command;
 use genom_tests::{Running, program, repository};
 
 /// Verbs that no transcript can show, with the tests that do.
-const ELSEWHERE: &[(&str, &str, &str)] =
-    &[("lsp", "daemon/genomctl/tests/lsp/main.rs", "mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected")];
+const ELSEWHERE: &[(&str, &str, &str)] = &[(
+    "lsp",
+    "daemon/genomctl/tests/lsp/main.rs",
+    "mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected",
+)];
 
 /// Transcripts by the test that plays them: `"look": what_runs_is_listed,`.
 fn played() -> Vec<(String, String)> {

@@ -1,7 +1,7 @@
 //! `genomctl man`: manual pages, from the same definitions as `--help`.
 
-use std::fs;
 use std::path::PathBuf;
+use std::{fs, io};
 
 use clap::CommandFactory as _;
 
@@ -18,8 +18,12 @@ pub(crate) struct Args {
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
-    fs::create_dir_all(&args.directory)?;
-    clap_mangen::generate_to(crate::args::Cli::command(), &args.directory)?;
+    let refused = |error: io::Error| {
+        let message = format!("{}: {error}", args.directory.display());
+        Failure::usage(message, "name a directory to write to")
+    };
+    fs::create_dir_all(&args.directory).map_err(refused)?;
+    clap_mangen::generate_to(crate::args::Cli::command(), &args.directory).map_err(refused)?;
     let mut pages: Vec<_> = fs::read_dir(&args.directory)?
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
         .filter(|name| name.starts_with("genomctl") && name.ends_with(".1"))

@@ -14,6 +14,7 @@ mod connections;
 mod describe;
 mod digest;
 mod disconnect;
+mod doctor;
 mod dump;
 mod echo;
 mod events;
@@ -37,6 +38,7 @@ mod reference;
 mod start;
 mod stats;
 mod step;
+mod top;
 mod unload;
 mod wait;
 mod why;
@@ -71,6 +73,7 @@ pub(crate) enum Verb {
     Fire(fire::Args),
     Events(events::Args),
     Stats(stats::Args),
+    Top(top::Args),
     Logs(logs::Args),
     Step(step::Args),
     Apply(apply::Args),
@@ -78,6 +81,7 @@ pub(crate) enum Verb {
     Backend(backend::Args),
     Backends(backends::Args),
     Why(why::Args),
+    Doctor(doctor::Args),
     Kill(kill::Args),
     Check(check::Args),
     Explain(explain::Args),
@@ -116,6 +120,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Fire(args) => fire::run(args, session).await,
         Verb::Events(args) => events::run(args, session).await,
         Verb::Stats(args) => stats::run(args, session).await,
+        Verb::Top(args) => top::run(args, session).await,
         Verb::Logs(args) => logs::run(args, session).await,
         Verb::Step(args) => step::run(args, session).await,
         Verb::Apply(args) => apply::run(args, session).await,
@@ -123,6 +128,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Backend(args) => backend::run(args, session).await,
         Verb::Backends(args) => backends::run(args, session).await,
         Verb::Why(args) => why::run(args, session).await,
+        Verb::Doctor(args) => doctor::run(args, session).await,
         Verb::Kill(args) => kill::run(args, session).await,
         Verb::Check(args) => check::run(&args, session),
         Verb::Explain(args) => explain::run(&args, session),

@@ -1,0 +1,207 @@
+//! What files tell of a machine.
+
+use std::fs;
+
+use super::{Finding, Machine};
+use crate::units::bytes;
+
+/// Less shared memory than this holds few images.
+const LITTLE_MEMORY: u64 = 64 << 20;
+/// Sockets with smaller buffers lose bursts of a large sample's fragments.
+const SMALL_BUFFER: u64 = 2 << 20;
+/// Bit of `CAP_SYS_NICE`, and of `CAP_IPC_LOCK`.
+const SYS_NICE: u32 = 23;
+const IPC_LOCK: u32 = 14;
+
+pub(super) fn findings(machine: &Machine) -> Vec<Finding> {
+    let mut found = vec![
+        shared_memory(machine),
+        stale_nodes(machine),
+        loopback(machine),
+        buffers(machine),
+        domain(std::env::var("ROS_DOMAIN_ID").ok().as_deref()),
+    ];
+    found.extend(rights(machine));
+    found.extend(timing(machine));
+    found
+}
+
+fn shared_memory(machine: &Machine) -> Finding {
+    const ABOUT: &str = "shared memory";
+    let path = machine.path("/dev/shm");
+    if !path.is_dir() {
+        let fix = "`mount -t tmpfs tmpfs /dev/shm`; in a container, give it one";
+        return Finding::problem(ABOUT, "there is no /dev/shm: backend shm cannot start", fix);
+    }
+    let Ok(space) = rustix::fs::statvfs(&path) else {
+        return Finding::problem(ABOUT, "/dev/shm cannot be looked at", "see its permissions");
+    };
+    let free = space.f_bavail.saturating_mul(space.f_frsize);
+    if free < LITTLE_MEMORY {
+        #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
+        let what = format!("{} are free in /dev/shm", bytes(free as f64));
+        let fix = "`mount -o remount,size=1G /dev/shm`; in a container, --shm-size=1g; or remove \
+                   what killed programs left there";
+        return Finding::problem(ABOUT, what, fix);
+    }
+    Finding::ok(ABOUT, "/dev/shm is there and has room")
+}
+
+/// Nodes of iceoryx2 are directories named by a number that holds their process.
+fn stale_nodes(machine: &Machine) -> Finding {
+    const ABOUT: &str = "iceoryx2 nodes";
+    let nodes = fs::read_dir(machine.path("/tmp/iceoryx2/nodes")).into_iter().flatten().flatten();
+    let (mut live, mut stale) = (0, Vec::new());
+    for node in nodes {
+        let name = node.file_name();
+        let Some(id) = name.to_str().and_then(|name| name.parse::<u128>().ok()) else { continue };
+        let process = (id >> 64) & u128::from(u32::MAX);
+        if machine.path(&format!("/proc/{process}")).exists() {
+            live += 1;
+        } else {
+            stale.push(process.to_string());
+        }
+    }
+    if stale.is_empty() {
+        return Finding::ok(ABOUT, format!("{live} at work, none left behind"));
+    }
+    stale.sort();
+    let what = format!("left behind by processes that are gone: {}", stale.join(", "));
+    Finding::note(ABOUT, what, "the next `genomd --backend shm` removes what they left")
+}
+
+/// Flags of a network interface (linux/if.h).
+const UP: u32 = 0x1;
+const MULTICAST: u32 = 0x1000;
+
+fn loopback(machine: &Machine) -> Finding {
+    const ABOUT: &str = "loopback";
+    let flags = machine.text("/sys/class/net/lo/flags");
+    let flags = flags.and_then(|text| u32::from_str_radix(text.trim_start_matches("0x"), 16).ok());
+    match flags {
+        None => Finding::problem(ABOUT, "there is no interface lo", "`ip link set lo up`"),
+        Some(flags) if flags & UP == 0 => {
+            Finding::problem(ABOUT, "interface lo is down", "`ip link set lo up`")
+        }
+        Some(flags) if flags & MULTICAST == 0 => Finding::note(
+            ABOUT,
+            "interface lo has no multicast: ROS 2 peers on this machine find each other only when \
+             another interface is up",
+            "`ip link set lo multicast on` and `ip route add 239.0.0.0/8 dev lo`",
+        ),
+        Some(_) => Finding::ok(ABOUT, "interface lo is up, with multicast"),
+    }
+}
+
+fn buffers(machine: &Machine) -> Finding {
+    const ABOUT: &str = "socket buffers";
+    let most: Option<u64> =
+        machine.text("/proc/sys/net/core/rmem_max").and_then(|text| text.parse().ok());
+    match most {
+        Some(most) if most < SMALL_BUFFER => {
+            #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
+            let what = format!("{} at most: ROS 2 loses large samples", bytes(most as f64));
+            Finding::note(ABOUT, what, "`sysctl -w net.core.rmem_max=8388608`")
+        }
+        Some(_) => Finding::ok(ABOUT, "large enough for large samples"),
+        None => Finding::ok(ABOUT, "not told"),
+    }
+}
+
+fn domain(set: Option<&str>) -> Finding {
+    const ABOUT: &str = "ROS domain";
+    match set {
+        None => Finding::ok(ABOUT, "0, as nothing else is said"),
+        Some(text) => match text.parse::<u32>() {
+            Ok(domain) if domain <= 232 => Finding::ok(ABOUT, format!("{domain}")),
+            _ => Finding::problem(
+                ABOUT,
+                format!("ROS_DOMAIN_ID is `{text}`"),
+                "a number from 0 to 232",
+            ),
+        },
+    }
+}
+
+fn rights(machine: &Machine) -> Vec<Finding> {
+    let capabilities = machine.text("/proc/self/status").and_then(|text| {
+        let line = text.lines().find_map(|line| line.strip_prefix("CapEff:"))?.trim().to_owned();
+        u64::from_str_radix(&line, 16).ok()
+    });
+    let has = |bit: u32| capabilities.is_some_and(|set| set >> bit & 1 == 1);
+    let limits = machine.text("/proc/self/limits").unwrap_or_default();
+    let limit = |name: &str| {
+        let line = limits.lines().find_map(|line| line.strip_prefix(name))?;
+        line.split_whitespace().next().map(str::to_owned)
+    };
+    let priority = limit("Max realtime priority").unwrap_or_default();
+    let real_time = if has(SYS_NICE) || priority.parse().is_ok_and(|most: u32| most >= 90) {
+        Finding::ok("real-time rights", "tasks may have real-time priorities")
+    } else {
+        Finding::note(
+            "real-time rights",
+            format!("RLIMIT_RTPRIO is {priority}: real-time tasks run as any thread"),
+            "`@realtime - rtprio 95` in /etc/security/limits.d/genom.conf, then log in again; in a \
+             container, --cap-add=SYS_NICE",
+        )
+    };
+    let memory = limit("Max locked memory").unwrap_or_default();
+    let locked = if has(IPC_LOCK) || memory == "unlimited" {
+        Finding::ok("locked memory", "as much as is wanted")
+    } else {
+        Finding::note(
+            "locked memory",
+            format!("{memory} bytes at most: pages of real-time tasks may be swapped out"),
+            "`@realtime - memlock unlimited` in /etc/security/limits.d/genom.conf; in a container, \
+             --ulimit memlock=-1",
+        )
+    };
+    vec![real_time, locked]
+}
+
+fn timing(machine: &Machine) -> Vec<Finding> {
+    // Tasks ask for no slack themselves; what they cannot change is told.
+    let source = "/sys/devices/system/clocksource/clocksource0/current_clocksource";
+    let clock = match machine.text(source) {
+        Some(name) if ["hpet", "acpi_pm", "jiffies"].contains(&name.as_str()) => Finding::note(
+            "clock",
+            format!("clock source {name} is slow to read"),
+            "boot with clocksource=tsc, when the processor has a steady one",
+        ),
+        Some(name) => Finding::ok("clock", format!("clock source {name}")),
+        None => Finding::ok("clock", "not told"),
+    };
+    let slack = match machine.text("/proc/self/timerslack_ns") {
+        Some(slack) => Finding::ok("timer slack", format!("{slack} ns; tasks ask for 1 ns")),
+        None => Finding::note(
+            "timer slack",
+            "/proc/self/timerslack_ns is missing: wake-ups may be gathered",
+            "a kernel with timer slack (Linux 4.6 or later)",
+        ),
+    };
+    let governor = match machine.text("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor") {
+        Some(name) if name == "powersave" => Finding::note(
+            "processor speed",
+            "governor powersave: the first cycles after a pause are slow",
+            "`cpupower frequency-set -g performance`",
+        ),
+        Some(name) => Finding::ok("processor speed", format!("governor {name}")),
+        None => Finding::ok("processor speed", "not governed"),
+    };
+    vec![clock, slack, governor]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::doctor::Level;
+
+    #[test]
+    fn a_domain_is_a_small_number() {
+        assert_eq!(domain(None).level, Level::Ok);
+        assert_eq!(domain(Some("232")).level, Level::Ok);
+        for wrong in ["233", "-1", "robot", ""] {
+            assert_eq!(domain(Some(wrong)).level, Level::Problem, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! What only the live machine tells: multicast that really arrives, the daemon, its versions.
+
+use std::net::{Ipv4Addr, UdpSocket};
+use std::path::Path;
+use std::process::Command;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use super::Finding;
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Where DDS participants look for each other.
+const GROUP: Ipv4Addr = Ipv4Addr::new(239, 255, 0, 1);
+/// Within one machine a datagram arrives at once, or not at all.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// Looks at this machine and at the daemon.
+pub(crate) async fn live(session: &Session, config: Option<&Path>) -> Vec<Finding> {
+    let mut found = vec![multicast()];
+    found.extend(daemon(session).await);
+    found.extend(config.map(configuration));
+    found
+}
+
+fn multicast() -> Finding {
+    const ABOUT: &str = "multicast";
+    match echo() {
+        Ok(()) => Finding::ok(ABOUT, "a datagram to 239.255.0.1 comes back"),
+        Err(error) => Finding::note(
+            ABOUT,
+            format!(
+                "a datagram to 239.255.0.1 does not come back ({error}): ROS 2 peers do not find each other"
+            ),
+            "a route for multicast (`ip route add 239.0.0.0/8 dev lo`), and a firewall that lets UDP pass",
+        ),
+    }
+}
+
+/// Sends a datagram to the group and waits for it.
+fn echo() -> std::io::Result<()> {
+    let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
+    socket.set_read_timeout(Some(PATIENCE))?;
+    socket.join_multicast_v4(&GROUP, &Ipv4Addr::UNSPECIFIED)?;
+    socket.set_multicast_loop_v4(true)?;
+    let mark = std::process::id().to_le_bytes();
+    socket.send_to(&mark, (GROUP, socket.local_addr()?.port()))?;
+    let mut came = [0; 4];
+    // Somebody else's datagram is none of ours; the time-out ends this.
+    while socket.recv(&mut came)? != mark.len() || came != mark {}
+    Ok(())
+}
+
+/// Its version, its tasks and its stale socket.
+async fn daemon(session: &Session) -> Vec<Finding> {
+    const ABOUT: &str = "daemon";
+    let about = match session.get("/").await {
+        Ok(about) => about,
+        Err(Failure::Unreachable { target, source }) => {
+            let what = match source.kind() {
+                std::io::ErrorKind::ConnectionRefused => {
+                    format!("{target} is there and nobody answers: its genomd was killed")
+                }
+                _ => format!("none runs on {target}"),
+            };
+            let fix = "`genomd LIBRARY...` starts one, and takes the socket over";
+            return vec![Finding::note(ABOUT, what, fix)];
+        }
+        Err(failure) => {
+            return vec![Finding::problem(ABOUT, failure.to_string(), "restart it")];
+        }
+    };
+    let version = about["genomd"].as_str().unwrap_or_default();
+    let own = env!("CARGO_PKG_VERSION");
+    let mut found = vec![if version == own {
+        Finding::ok(ABOUT, format!("genomd {version} runs"))
+    } else {
+        let what = format!("genomd is {version}, genomctl is {own}");
+        Finding::problem(ABOUT, what, "install both of one version")
+    }];
+    if let Ok(known) = session.get("/middlewares").await {
+        let of = |one: &Value| Some(one["version"].as_str()?.to_owned());
+        let known = known["middlewares"].as_array().map(Vec::as_slice).unwrap_or_default();
+        let versions: Vec<_> = known.iter().filter_map(of).collect();
+        found.push(Finding::ok("middlewares", versions.join("; ")));
+    }
+    found.extend(tasks(session).await);
+    found
+}
+
+/// Tasks that miss ticks.
+async fn tasks(session: &Session) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let Ok(listed) = session.get("/components").await else { return found };
+    let names = listed["components"].as_array().map(Vec::as_slice).unwrap_or_default();
+    for name in names.iter().filter_map(|one| one["name"].as_str()) {
+        let path = crate::names::url(["components", name, "tasks"]);
+        let Ok(told) = session.get(&path).await else { continue };
+        let tasks = told["tasks"].as_array().map(Vec::as_slice).unwrap_or_default();
+        for task in tasks.iter().filter(|task| task["overruns"].as_u64() > Some(0)) {
+            let task_name = task["name"].as_str().unwrap_or_default();
+            let what = format!("task {task_name} of {name} missed {} ticks", task["overruns"]);
+            let fix = format!("`genomctl stats {name}`; a longer period, or shorter codels");
+            found.push(Finding::note("tasks", what, fix));
+        }
+    }
+    found
+}
+
+/// The configuration, as genomd itself reads it.
+fn configuration(config: &Path) -> Finding {
+    const ABOUT: &str = "configuration";
+    let beside = std::env::current_exe().ok().map(|own| own.with_file_name("genomd"));
+    let genomd = beside.filter(|path| path.is_file()).unwrap_or_else(|| "genomd".into());
+    let read = Command::new(genomd).arg("--config").arg(config).arg("--dump-config").output();
+    match read {
+        Ok(read) if read.status.success() => {
+            Finding::ok(ABOUT, format!("{} is understood", config.display()))
+        }
+        Ok(read) => {
+            let told = String::from_utf8_lossy(&read.stderr);
+            let told = told.trim().trim_start_matches("error: ").to_owned();
+            Finding::problem(ABOUT, told, "configs/default.toml shows every key")
+        }
+        Err(error) => {
+            Finding::problem(ABOUT, format!("genomd: {error}"), "put genomd beside genomctl")
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! Draws a snapshot: tasks, activities, ports, as many as there is room for.
+
+use ratatui::Frame;
+use ratatui::Terminal;
+use ratatui::backend::TestBackend;
+use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::Line;
+use ratatui::widgets::{Row, Table};
+
+use super::snapshot::Snapshot;
+use crate::units::duration;
+
+/// Draws it; the ports start at the `scroll`-th.
+pub(super) fn draw(
+    frame: &mut Frame<'_>,
+    now: &Snapshot,
+    before: Option<&Snapshot>,
+    scroll: usize,
+    help: &str,
+) {
+    let [title, tasks, activities, ports, foot] = Layout::vertical([
+        Constraint::Length(1),
+        Constraint::Length(height(now.tasks.len())),
+        Constraint::Length(height(now.activities.len().min(8))),
+        Constraint::Min(1),
+        Constraint::Length(u16::from(!help.is_empty())),
+    ])
+    .areas(frame.area());
+    let running = now.activities.iter().filter(|(_, one)| one.status == "running").count();
+    let text = format!(
+        "genomd on {}: {}, {running} running",
+        now.daemon,
+        if now.components.len() == 1 {
+            "1 component".to_owned()
+        } else {
+            format!("{} components", now.components.len())
+        },
+    );
+    frame.render_widget(Line::styled(text, Modifier::BOLD), title);
+    draw_tasks(frame, tasks, now);
+    draw_activities(frame, activities, now);
+    draw_ports(frame, ports, now, before, scroll);
+    frame.render_widget(Line::styled(help, Modifier::DIM), foot);
+}
+
+/// Rows with their header and the line above.
+fn height(rows: usize) -> u16 {
+    u16::try_from(rows + 2).unwrap_or(u16::MAX)
+}
+
+fn alarm(bad: bool) -> Style {
+    if bad { Style::new().fg(Color::Red) } else { Style::new() }
+}
+
+fn table(
+    frame: &mut Frame<'_>,
+    area: Rect,
+    header: &[&str],
+    rows: Vec<Row<'_>>,
+    widths: &[Constraint],
+) {
+    let below = Rect { y: area.y + 1, height: area.height.saturating_sub(1), ..area };
+    let header = Row::new(header.iter().map(|&cell| cell.to_owned()))
+        .style(Style::new().add_modifier(Modifier::REVERSED));
+    frame.render_widget(Table::new(rows, widths).header(header).column_spacing(2), below);
+}
+
+fn draw_tasks(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
+    let rows = now.tasks.iter().map(|(component, task)| {
+        let period = task.period_ns.map_or_else(|| "-".to_owned(), duration);
+        let late = task.period_ns.is_some_and(|period| task.cycles.max_ns > period);
+        Row::new([
+            format!("{component}/{}", task.name),
+            period,
+            if task.real_time { "yes" } else { "no" }.to_owned(),
+            task.cycles.count.to_string(),
+            task.overruns.to_string(),
+            duration(task.cycles.mean_ns),
+            duration(task.cycles.max_ns),
+            duration(task.lateness.p99_ns),
+        ])
+        .style(alarm(task.overruns > 0 || late))
+    });
+    let header = ["TASK", "PERIOD", "RT", "CYCLES", "OVERRUNS", "WORK", "LONGEST", "LATE P99"];
+    let widths = [16, 10, 3, 9, 8, 10, 10, 10].map(Constraint::Length);
+    let widths = [&[Constraint::Min(16)], &widths[1..]].concat();
+    table(frame, area, &header, rows.collect(), &widths);
+}
+
+fn draw_activities(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
+    let rows = now.activities.iter().map(|(component, one)| {
+        let state = one.exception.clone().unwrap_or_else(|| one.state.clone());
+        let name = format!("{component}/{}", one.service);
+        Row::new([name, one.activity.to_string(), one.status.clone(), state])
+            .style(alarm(one.exception.is_some()))
+    });
+    let widths =
+        [Constraint::Min(16), Constraint::Length(8), Constraint::Length(10), Constraint::Fill(2)];
+    table(frame, area, &["ACTIVITY", "NUMBER", "STATUS", "STATE"], rows.collect(), &widths);
+}
+
+fn draw_ports(
+    frame: &mut Frame<'_>,
+    area: Rect,
+    now: &Snapshot,
+    before: Option<&Snapshot>,
+    scroll: usize,
+) {
+    let rows = now.ports.iter().skip(scroll).map(|port| {
+        let rate = before.and_then(|before| now.rate(port, before));
+        let dash = || "-".to_owned();
+        let dropped = port.traffic.map_or(0, |traffic| traffic.dropped);
+        Row::new([
+            port.address.clone(),
+            port.direction.clone(),
+            port.backend.clone(),
+            rate.map_or_else(dash, |rate| format!("{rate:.1} Hz")),
+            port.traffic.map_or_else(dash, |traffic| traffic.samples.to_string()),
+            dropped.to_string(),
+            port.connected.clone().unwrap_or_else(dash),
+        ])
+        .style(alarm(dropped > 0))
+    });
+    let widths = [
+        Constraint::Min(20),
+        Constraint::Length(3),
+        Constraint::Length(10),
+        Constraint::Length(10),
+        Constraint::Length(9),
+        Constraint::Length(7),
+        Constraint::Fill(1),
+    ];
+    let header = ["PORT", "DIR", "BACKEND", "RATE", "SAMPLES", "DROPPED", "CONNECTED"];
+    table(frame, area, &header, rows.collect(), &widths);
+}
+
+/// The table as plain text, all of it, so many columns wide.
+pub(crate) fn text(now: &Snapshot, before: Option<&Snapshot>, width: u16) -> String {
+    let rows = [now.tasks.len(), now.activities.len().min(8), now.ports.len()];
+    let all: u16 = rows.iter().map(|&rows| height(rows)).sum();
+    // This backend draws into memory and cannot fail.
+    let Ok(mut terminal) = Terminal::new(TestBackend::new(width, all + 1));
+    let Ok(_) = terminal.draw(|frame| draw(frame, now, before, 0, ""));
+    let buffer = terminal.backend().buffer();
+    let mut out = String::new();
+    for line in buffer.content().chunks(usize::from(width)) {
+        let line: String = line.iter().map(|cell| cell.symbol()).collect();
+        out.push_str(line.trim_end());
+        out.push('\n');
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::top::snapshot::{Activity, Component, Durations, Port, Task, Traffic};
+    use expect_test::expect;
+    use std::time::{Duration, Instant};
+
+    fn durations(ns: u64) -> Durations {
+        Durations { count: 900, mean_ns: ns, p99_ns: ns, max_ns: ns }
+    }
+
+    fn snapshot(samples: u64, taken: Instant) -> Snapshot {
+        let task = Task {
+            name: "main".into(),
+            period_ns: Some(5_000_000),
+            real_time: false,
+            cycles: durations(900),
+            lateness: durations(85_000),
+            overruns: 3,
+        };
+        let activity = Activity {
+            activity: 2,
+            service: "goto".into(),
+            status: "running".into(),
+            state: "main".into(),
+            exception: None,
+        };
+        let port = |address: &str, direction: &str, connected: Option<&str>, traffic| Port {
+            address: address.into(),
+            direction: direction.into(),
+            backend: "shm".into(),
+            connected: connected.map(str::to_owned),
+            traffic,
+        };
+        Snapshot {
+            daemon: "/run/genomd.sock".into(),
+            components: vec![Component { name: "demo".into() }],
+            tasks: vec![("demo".into(), task)],
+            activities: vec![("demo".into(), activity)],
+            ports: vec![
+                port("demo/position", "out", None, Some(Traffic { samples, dropped: 0 })),
+                port("demo/parameter", "in", Some("joystick/gain"), None),
+            ],
+            taken,
+            data: serde_json::Value::Null,
+        }
+    }
+
+    #[test]
+    fn tasks_activities_and_ports_are_drawn_with_their_rates() {
+        let begin = Instant::now();
+        let before = snapshot(100, begin);
+        let now = snapshot(500, begin + Duration::from_secs(2));
+        expect![[r#"
+            genomd on /run/genomd.sock: 1 component, 1 running
+
+            TASK                PERIOD      RT   CYCLES     OVERRUNS  WORK        LONGEST     LATE P99
+            demo/main           5.000 ms    no   900        3         900 ns      900 ns      85.000 us
+
+            ACTIVITY                               NUMBER    STATUS      STATE
+            demo/goto                              2         running     main
+
+            PORT                  DIR  BACKEND     RATE        SAMPLES    DROPPED  CONNECTED
+            demo/position         out  shm         200.0 Hz    500        0        -
+            demo/parameter        in   shm         -           -          0        joystick/gain
+        "#]]
+        .assert_eq(&text(&now, Some(&before), 100));
+    }
+
+    #[test]
+    fn a_missed_tick_is_drawn_in_red_and_a_small_screen_cuts_without_failing() {
+        let now = snapshot(1, Instant::now());
+        let mut terminal = Terminal::new(TestBackend::new(80, 12)).unwrap();
+        terminal.draw(|frame| draw(frame, &now, None, 1, "q quits")).unwrap();
+        let buffer = terminal.backend().buffer();
+        assert_eq!(buffer[(0, 3)].symbol(), "d");
+        assert_eq!(buffer[(0, 3)].fg, Color::Red);
+        assert_eq!(buffer[(0, 6)].fg, Color::Reset);
+        // Scrolled: the first port is above.
+        let shown: String = buffer.content().iter().map(|cell| cell.symbol()).collect();
+        assert!(!shown.contains("demo/position") && shown.contains("demo/parameter"), "{shown}");
+        for (width, height) in [(1, 1), (3, 5), (200, 2), (20, 40)] {
+            let mut terminal = Terminal::new(TestBackend::new(width, height)).unwrap();
+            terminal.draw(|frame| draw(frame, &now, None, 99, "q quits")).unwrap();
+        }
+    }
+}

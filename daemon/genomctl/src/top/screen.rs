@@ -1,0 +1,87 @@
+//! The live table on a terminal, until somebody quits.
+
+use std::time::Duration;
+
+use crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use tokio::sync::mpsc;
+
+use super::draw::draw;
+use super::snapshot::Snapshot;
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// What somebody asks for.
+enum Wish {
+    Quit,
+    Up,
+    Down,
+    /// Stand still, or go on.
+    Pause,
+    /// The terminal has another size.
+    Redraw,
+}
+
+/// Shows the table, new every `period`.
+pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failure> {
+    // A daemon that is not there is told on the terminal as it was.
+    let mut now = Snapshot::take(session).await?;
+    let mut before = None;
+    let mut terminal = ratatui::try_init()?;
+    let mut wishes = listen();
+    let (mut scroll, mut paused) = (0_usize, false);
+    let mut ticks = tokio::time::interval(period);
+    ticks.tick().await;
+    let outcome = loop {
+        let help = if paused { "paused; p goes on, q quits" } else { "q quits, p pauses, arrows" };
+        let drawn = terminal.draw(|frame| draw(frame, &now, before.as_ref(), scroll, help));
+        if let Err(error) = drawn {
+            break Err(Failure::Io(error));
+        }
+        tokio::select! {
+            _ = ticks.tick(), if !paused => match Snapshot::take(session).await {
+                Ok(next) => before = Some(std::mem::replace(&mut now, next)),
+                Err(failure) => break Err(failure),
+            },
+            wish = wishes.recv() => match wish {
+                None | Some(Wish::Quit) => break Ok(()),
+                Some(Wish::Up) => scroll = scroll.saturating_sub(1),
+                Some(Wish::Down) => scroll = (scroll + 1).min(now.ports.len().saturating_sub(1)),
+                Some(Wish::Pause) => paused = !paused,
+                Some(Wish::Redraw) => {}
+            },
+            _ = tokio::signal::ctrl_c() => break Ok(()),
+        }
+    };
+    ratatui::restore();
+    outcome
+}
+
+/// Keys come from a thread of their own, which ends with the process.
+fn listen() -> mpsc::UnboundedReceiver<Wish> {
+    let (sender, receiver) = mpsc::unbounded_channel();
+    std::thread::spawn(move || {
+        while let Ok(event) = event::read() {
+            if let Some(wish) = wish(&event)
+                && sender.send(wish).is_err()
+            {
+                return;
+            }
+        }
+    });
+    receiver
+}
+
+fn wish(event: &Event) -> Option<Wish> {
+    match event {
+        Event::Resize(..) => Some(Wish::Redraw),
+        Event::Key(KeyEvent { kind: KeyEventKind::Press, code, modifiers, .. }) => match code {
+            KeyCode::Char('c') if modifiers.contains(KeyModifiers::CONTROL) => Some(Wish::Quit),
+            KeyCode::Char('q') | KeyCode::Esc => Some(Wish::Quit),
+            KeyCode::Char('p' | ' ') => Some(Wish::Pause),
+            KeyCode::Up | KeyCode::Char('k') => Some(Wish::Up),
+            KeyCode::Down | KeyCode::Char('j') => Some(Wish::Down),
+            _ => None,
+        },
+        _ => None,
+    }
+}

@@ -1,0 +1,56 @@
+//! `genomctl doctor`: what of this machine keeps components from running well.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::json;
+
+use crate::doctor::{Finding, Level, Machine, live};
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Examine this machine and the daemon: each finding with its fix.
+///
+/// Shared memory, network for ROS 2, real-time rights, timing, what killed programs left behind,
+/// versions. Ends with 1 when there is a problem; notes are no problems.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Also examine a configuration of genomd.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Examine the files of another machine (/proc, /sys, /dev, /tmp), copied into a directory;
+    /// nothing is tried then, and no daemon asked.
+    #[arg(long, value_name = "DIRECTORY", conflicts_with = "config")]
+    root: Option<PathBuf>,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let machine = Machine::at(args.root.as_deref().unwrap_or(Path::new("/")));
+    let mut findings = machine.findings();
+    if args.root.is_none() {
+        findings.extend(live(session, args.config.as_deref()).await);
+    }
+    let text = if session.json {
+        format!("{}\n", json!({ "findings": findings }))
+    } else {
+        findings.iter().map(render).collect()
+    };
+    session.print(&text)?;
+    match findings.iter().filter(|finding| finding.level == Level::Problem).count() {
+        0 => Ok(()),
+        1 => Err(Failure::refused("problems", "1 problem".to_owned())),
+        count => Err(Failure::refused("problems", format!("{count} problems"))),
+    }
+}
+
+fn render(finding: &Finding) -> String {
+    let level = match finding.level {
+        Level::Ok => "ok",
+        Level::Note => "note",
+        Level::Problem => "problem",
+    };
+    let mut text = format!("{level:<8} {}: {}\n", finding.about, finding.what);
+    if let Some(fix) = &finding.fix {
+        text.push_str(&format!("         fix: {fix}\n"));
+    }
+    text
+}

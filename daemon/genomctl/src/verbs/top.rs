@@ -1,0 +1,42 @@
+//! `genomctl top`: what goes on, live.
+
+use std::io::{self, IsTerminal as _};
+use std::time::Duration;
+
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::top::{self, Snapshot};
+
+/// Show tasks, activities and ports as they do, until q.
+///
+/// Without a terminal, or with --once, the table is printed one time.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Print the table one time.
+    #[arg(long)]
+    once: bool,
+    /// Seconds between two looks.
+    #[arg(long, short, value_name = "SECONDS", default_value_t = 1.0)]
+    delay: f64,
+}
+
+/// Columns of the printed table.
+const WIDTH: u16 = 100;
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let delay = Duration::try_from_secs_f64(args.delay).ok().filter(|delay| !delay.is_zero());
+    let Some(delay) = delay else {
+        return Err(Failure::usage(format!("--delay {}: no time", args.delay), "try 1"));
+    };
+    if !session.json && !args.once && io::stdout().is_terminal() && io::stdin().is_terminal() {
+        return top::run(session, delay).await;
+    }
+    let now = Snapshot::take(session).await?;
+    let width = terminal_width().unwrap_or(WIDTH);
+    let text = if session.json { format!("{}\n", now.data) } else { top::text(&now, None, width) };
+    session.print(&text)
+}
+
+fn terminal_width() -> Option<u16> {
+    io::stdout().is_terminal().then(crossterm::terminal::size)?.ok().map(|(width, _)| width.max(20))
+}
