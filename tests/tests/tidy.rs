@@ -26,6 +26,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-derive", &[]),
     ("genom", &["genom-derive"]),
     ("genom-components", &[]),
+    ("genom-allocations", &[]),
 ];
 /// `genom`: the table that libraries of Rust codels export, which the host reads.
 const HOST: &[&str] =
@@ -34,7 +35,8 @@ const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
 /// Crates above all others: what they know is their own affair.
 const TOP: &[&str] = &["genomd", "genom-tests"];
 /// Crates outside which nothing is unsafe.
-const UNSAFE: &[&str] = &["genom-types", "genom-host", "genom-local", "genom-shm", "genom"];
+const UNSAFE: &[&str] =
+    &["genom-types", "genom-host", "genom-local", "genom-shm", "genom", "genom-allocations"];
 
 fn relative(path: &Path) -> String {
     path.strip_prefix(repository()).unwrap_or(path).display().to_string()

@@ -1,12 +1,10 @@
 //! A codel call allocates nothing: neither its arguments, nor its ports, nor its event.
 
-#![allow(unsafe_code, clippy::unwrap_used)] // the counting allocator, and fakes
+#![allow(clippy::unwrap_used)] // in fakes
 
 mod support;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
+use genom_allocations as allocations;
 use genom_description::model::Owner;
 use genom_host::{Component, Library};
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
@@ -14,27 +12,6 @@ use genom_runtime::Plan;
 use genom_runtime::body::{Body, Returned};
 use genom_types::Record;
 use support::Scratch;
-
-/// Counts what the current thread allocates.
-struct Counting;
-
-thread_local!(static COUNT: Cell<usize> = const { Cell::new(0) });
-
-// SAFETY: the system's allocator does the work.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static COUNTING: Counting = Counting;
 
 /// Writes down how often it was called.
 struct Sink(std::sync::Arc<std::sync::atomic::AtomicUsize>);
@@ -141,12 +118,12 @@ fn ten_thousand_codels_with_ports_and_an_exception_allocate_nothing() {
     assert_eq!(frame.call(fill, 0), event("::demo::servo"));
     assert_eq!(frame.call(servo, 0), event("::demo::pause::servo"));
 
-    let before = COUNT.with(Cell::get);
+    let before = allocations::count();
     let mut last = Returned::Ok;
     for _ in 0..10_000 {
         last = frame.call(servo, 0);
     }
-    let allocated = COUNT.with(Cell::get) - before;
+    let allocated = allocations::count() - before;
 
     assert_eq!(allocated, 0);
     assert_eq!(last, event("::demo::TOO_FAR"));

@@ -1,48 +1,16 @@
 //! genom3.md 7.4: a task's tick allocates nothing.
 
-#![allow(unsafe_code, clippy::unwrap_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 mod support;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::mpsc::channel;
 
+use genom_allocations as allocations;
 use genom_runtime::{Change, Watcher};
 use support::closures::{Closures, Codel, LONG, next, request};
-
-thread_local!(static CALLS: Cell<u64> = const { Cell::new(0) });
-
-struct Counting;
-
-fn count() {
-    // A thread that ends may still free; it has nothing to count.
-    let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
-}
-
-// SAFETY: everything is left to the system's allocator; counting touches no heap.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        count();
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(at, layout) }
-    }
-    unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count();
-        // SAFETY: the caller's promise.
-        unsafe { System.realloc(at, layout, size) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 struct Blind;
 
@@ -57,7 +25,7 @@ fn ten_thousand_ticks_allocate_nothing() {
     let (sender, counted) = channel();
     let state = Mutex::new((0u64, 0u64));
     let tick: Codel = Arc::new(move || {
-        let calls = CALLS.with(Cell::get);
+        let calls = allocations::count();
         let mut state = state.lock().unwrap();
         state.0 += 1;
         if state.0 == WARM {

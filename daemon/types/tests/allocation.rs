@@ -4,43 +4,12 @@
 
 mod support;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::sync::Arc;
 
+use genom_allocations as allocations;
 use genom_types::{DataType, Kind, Record, TypeTable};
 use serde_json::json;
 use support::{Rng, Types, value};
-
-struct Counting;
-
-thread_local! {
-    static COUNT: Cell<usize> = const { Cell::new(0) };
-}
-
-// SAFETY: everything is handed to the system's allocator; counting touches a thread local that
-// needs no allocation.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        COUNT.with(|count| count.set(count.get() + 1));
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-fn allocations(work: impl FnOnce()) -> usize {
-    let before = COUNT.with(Cell::get);
-    work();
-    COUNT.with(Cell::get) - before
-}
 
 #[test]
 fn fixed_size_values_are_moved_without_allocation() {
@@ -63,7 +32,7 @@ fn fixed_size_values_are_moved_without_allocation() {
             from.encode_cdr(payload).unwrap();
             to.decode_cdr(payload).unwrap();
         };
-        assert_eq!(allocations(|| tick(&mut payload)), 0);
+        assert_eq!(allocations::within(|| tick(&mut payload)), 0);
     }
 }
 

@@ -1,37 +1,10 @@
 //! The real-time paths allocate nothing.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
+use genom_allocations as allocations;
 use genom_local::Local;
 use genom_middleware::conformance::samples::{number, numbered, set_number, state};
 use genom_middleware::{Address, Middleware, Policy, Reading};
 use genom_types::Record;
-
-/// Counts the allocations of each thread.
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: all calls go to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn writing_and_reading_fixed_types_allocates_nothing() {
@@ -51,7 +24,5 @@ fn writing_and_reading_fixed_types_allocates_nothing() {
         }
     };
     round(1);
-    let before = ALLOCATIONS.get();
-    (2..10_000).for_each(&mut round);
-    assert_eq!(ALLOCATIONS.get() - before, 0);
+    assert_eq!(allocations::within(|| (2..10_000).for_each(&mut round)), 0);
 }

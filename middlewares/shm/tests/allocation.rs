@@ -2,39 +2,12 @@
 
 mod world;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
+use genom_allocations as allocations;
 use genom_middleware::conformance::samples::{number, numbered, set_number, state};
 use genom_middleware::{Address, Middleware, Policy, Reading};
 use genom_types::Record;
 
 use world::ShmWorld;
-
-/// Counts the allocations of each thread.
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: all calls go to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn reading_allocates_nothing_and_writing_only_what_iceoryx2_does_per_loan() {
@@ -49,9 +22,9 @@ fn reading_allocates_nothing_and_writing_only_what_iceoryx2_does_per_loan() {
     let (mut writing, mut reading) = (0, 0);
     for n in 0..=ROUNDS {
         set_number(&mut sent, n);
-        let before = ALLOCATIONS.get();
+        let before = allocations::count();
         writer.publish(&sent).unwrap();
-        let between = ALLOCATIONS.get();
+        let between = allocations::count();
         for reader in &mut readers {
             assert_eq!(reader.read(&mut got), Ok(Reading::New));
             assert_eq!(number(&got), n);
@@ -60,7 +33,7 @@ fn reading_allocates_nothing_and_writing_only_what_iceoryx2_does_per_loan() {
         // The first round connects.
         if n > 0 {
             writing += between - before;
-            reading += ALLOCATIONS.get() - between;
+            reading += allocations::count() - between;
         }
     }
     // iceoryx2 keeps a counted handle for each loaned sample: made by the loan, freed by the send.

@@ -2,39 +2,12 @@
 
 mod world;
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
-
+use genom_allocations as allocations;
 use genom_middleware::conformance::eventually;
 use genom_middleware::conformance::samples::{number, numbered, set_number, state};
 use genom_middleware::{Address, Middleware, Policy, Reading};
 use genom_types::Record;
 use world::Meeting;
-
-/// Counts the allocations of each thread.
-struct Counting;
-
-thread_local! {
-    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
-}
-
-// SAFETY: all calls go to the system's allocator unchanged.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
-        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
-        // SAFETY: the caller's promise.
-        unsafe { System.dealloc(at, layout) }
-    }
-}
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn position() -> Address {
     Address::new("demo", "position")
@@ -51,14 +24,14 @@ fn writing_and_reading_fixed_types_allocates_nothing() {
     let mut counted = 0;
     for n in 1..200 {
         set_number(&mut sent, n);
-        let before = ALLOCATIONS.get();
+        let before = allocations::count();
         writer.publish(&sent).unwrap();
-        counted += ALLOCATIONS.get() - before;
+        counted += allocations::count() - before;
         for reader in &mut readers {
             eventually("the sample arrives", || {
-                let before = ALLOCATIONS.get();
+                let before = allocations::count();
                 let reading = reader.read(&mut got).unwrap();
-                counted += ALLOCATIONS.get() - before;
+                counted += allocations::count() - before;
                 reading == Reading::New && number(&got) == n
             });
         }
