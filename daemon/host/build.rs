@@ -1,10 +1,17 @@
-//! Compiles the guard that stops C++ exceptions between a codel and Rust.
+//! Compiles the guard that stops C++ exceptions between a codel and Rust, and the shim that makes
+//! C++ objects.
 
 fn main() {
+    let include = "../../plugin-api/include";
     println!("cargo:rerun-if-changed=src/ffi/guard.cc");
+    println!("cargo:rerun-if-changed=src/cxx/shim.cc");
+    println!("cargo:rerun-if-changed={include}/genom3/c++");
     cc::Build::new()
         .cpp(true)
+        .std("c++17")
+        .include(include)
         .file("src/ffi/guard.cc")
+        .file("src/cxx/shim.cc")
         .opt_level(2)
         .warnings(true)
         .flag("-Wno-cast-function-type")

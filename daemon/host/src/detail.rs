@@ -36,6 +36,11 @@ impl Details {
         self.types.keys().map(String::as_str)
     }
 
+    /// The exceptions and the types of their details.
+    pub(crate) fn types(&self) -> impl Iterator<Item = (&str, Option<&DataType>)> {
+        self.types.iter().map(|(name, ty)| (name.as_str(), ty.as_ref()))
+    }
+
     /// Whether `name` is an exception, declared or one of the C run time.
     pub(crate) fn is_exception(&self, name: &str) -> bool {
         matches!(name, UNKEX | MWERR | SYSERR) || self.types.contains_key(name)

@@ -9,6 +9,7 @@
 pub mod component;
 mod context;
 pub mod contract;
+mod cxx;
 mod detail;
 mod events;
 mod ffi;

@@ -224,10 +224,10 @@ fn all_missing_codels_are_told_at_once_with_file_and_place() {
 #[test]
 fn a_component_in_another_language_is_refused() {
     let (gen_, ..) = one_function();
-    let errors = try_load(gen_.lang("c++"), "int x;").err().unwrap();
+    let errors = try_load(gen_.lang("ada"), "int x;").err().unwrap();
     let text = errors.to_string();
     assert!(
-        text.contains("component `demo` (demo.gen:1) has lang \"c++\": only codels with C linkage")
+        text.contains("component `demo` (demo.gen:1) has lang \"ada\": codels are called by the C")
     );
 }
 

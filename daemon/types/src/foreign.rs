@@ -6,6 +6,7 @@ use serde_json::Value;
 
 use crate::cdr::{self, CdrError};
 use crate::data_type::DataType;
+use crate::graph::Shape;
 use crate::json::{self, JsonError};
 use crate::memory::{self, View};
 use crate::record::Record;
@@ -81,4 +82,50 @@ pub unsafe fn encode_cdr_of(
 ) -> Result<(), CdrError> {
     // SAFETY: the caller's promise.
     unsafe { cdr::encode(ty.graph(), ty.ix(), at, out.len(), out) }
+}
+
+/// The bytes of the `string` at `at`, its NUL excluded; none for a null pointer.
+///
+/// # Safety
+/// `at` holds an unbounded string that nobody changes while the slice is used.
+#[must_use]
+pub unsafe fn text_at<'a>(at: *const u8) -> &'a [u8] {
+    // SAFETY: the caller's promise.
+    unsafe { memory::text(at, None) }
+}
+
+/// Makes the `string` at `at` a copy of `bytes`, in its own memory where there is room.
+///
+/// # Safety
+/// `at` holds an unbounded string that nobody uses meanwhile; `bytes` lie elsewhere.
+pub unsafe fn set_text_at(at: *mut u8, bytes: &[u8]) {
+    // SAFETY: the caller's promise.
+    unsafe { memory::set_text(at, None, bytes) }
+}
+
+/// The readable elements of the sequence at `at`: first address and number. None when `ty` is no
+/// sequence.
+///
+/// # Safety
+/// `at` holds a value of the type that nobody changes meanwhile.
+#[must_use]
+pub unsafe fn elements_at(ty: &DataType, at: *const u8) -> (*const u8, usize) {
+    let Shape::Sequence { element, bound } = ty.node().shape else {
+        return (std::ptr::null(), 0);
+    };
+    // SAFETY: the caller's promise.
+    let (buffer, length) = unsafe { memory::elements(ty.graph(), element, bound, at) };
+    (buffer, length)
+}
+
+/// Gives the sequence at `at` that many elements, new ones empty, and tells where they begin.
+/// `None` beyond the bound, without memory, or when `ty` is no sequence.
+///
+/// # Safety
+/// `at` holds a value of the type that nobody uses meanwhile.
+#[must_use]
+pub unsafe fn resize_at(ty: &DataType, at: *mut u8, length: usize) -> Option<*mut u8> {
+    let Shape::Sequence { element, bound } = ty.node().shape else { return None };
+    // SAFETY: the caller's promise.
+    unsafe { memory::resize(ty.graph(), (element, bound), at, length, 0) }
 }

@@ -8,4 +8,4 @@ mod header;
 pub use describe::{describe, describe_text};
 pub use fmt::{FormatError, format_bytes, format_text};
 pub use graph::{Graph, graph};
-pub use header::{HeaderError, Language, header};
+pub use header::{HeaderError, Language, declaration, header, prototype};

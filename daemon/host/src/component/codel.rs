@@ -3,8 +3,12 @@
 use genom_description::model::{Codel, CodelParameter, Component as Model, Owner, Source};
 use genom_types::{CompiledPath, DataType, PathStep};
 
+use super::cxx::CxxTypes;
 use super::error::LoadError;
 use super::types::{Checker, Kept, ServiceTypes, steps};
+use super::way::Way;
+use crate::contract::Difference;
+use crate::cxx::{self, CxxPath, CxxType, Function};
 use crate::ffi::{Class, Interface};
 use crate::library::Library;
 
@@ -16,9 +20,11 @@ pub(super) struct Prepared {
     pub(super) function: usize,
     pub(super) interface: Interface,
     pub(super) arguments: Vec<Argument>,
+    /// Whether the context follows them: not in C++.
+    pub(super) context: bool,
 }
 
-/// An argument, without the context that ends every argument list.
+/// An argument, without the context that ends every argument list in C.
 #[derive(Debug)]
 pub(super) struct Argument {
     pub(super) name: String,
@@ -29,10 +35,10 @@ pub(super) struct Argument {
 /// What an argument leads to.
 #[derive(Debug)]
 pub(super) enum From {
-    Ids(CompiledPath),
-    Input(CompiledPath),
-    Output(CompiledPath),
-    Local(CompiledPath),
+    Ids(Way),
+    Input(Way),
+    Output(Way),
+    Local(Way),
     /// The handle of a port, by rank.
     Port(usize),
     /// The handle of a remote, by rank.
@@ -45,6 +51,8 @@ pub(super) struct Workshop<'a> {
     pub(super) library: &'a Library,
     pub(super) ids: Option<&'a DataType>,
     pub(super) services: &'a [Option<ServiceTypes>],
+    /// For codels in C++.
+    pub(super) cxx: Option<&'a CxxTypes>,
 }
 
 impl Workshop<'_> {
@@ -56,20 +64,10 @@ impl Workshop<'_> {
         {
             return None;
         }
-        let found = self.library.function(&codel.name);
-        if !matches!(found, Ok(Some(_))) {
-            checker.errors.push(LoadError::MissingCodel {
-                codel: codel.name.clone(),
-                place: (checker.locate)(codel.span),
-                hint: match &found {
-                    Err(system) => {
-                        format!("; {system} has a function of that name, which is no codel")
-                    }
-                    Ok(_) => self.hint(&codel.name),
-                },
-            });
-        }
-        let function = found.ok().flatten();
+        let function = match self.cxx {
+            Some(_) => self.function_in_cxx(checker, codel),
+            None => self.function(checker, codel),
+        };
         let mut arguments = Vec::new();
         let mut wrong = false;
         for parameter in &codel.parameters {
@@ -87,13 +85,63 @@ impl Workshop<'_> {
             }
         }
         let function = function.filter(|_| !wrong)?;
+        let context = self.cxx.is_none();
         let classes = arguments.iter().map(|argument| argument.class);
-        let classes: Vec<Class> = classes.chain([Class::Address]).collect();
+        let classes: Vec<Class> = classes.chain(context.then_some(Class::Address)).collect();
         let Some(interface) = Interface::new(&classes) else {
             checker.errors.push(LoadError::NoClosures);
             return None;
         };
-        Some(Prepared { name: codel.name.clone(), function, interface, arguments })
+        Some(Prepared { name: codel.name.clone(), function, interface, arguments, context })
+    }
+
+    /// Address of the C function; notes why there is none.
+    fn function(&self, checker: &mut Checker<'_>, codel: &Codel) -> Option<usize> {
+        let found = self.library.function(&codel.name);
+        if let Ok(Some(at)) = found {
+            return Some(at);
+        }
+        checker.errors.push(LoadError::MissingCodel {
+            codel: codel.name.clone(),
+            place: (checker.locate)(codel.span),
+            hint: match &found {
+                Err(system) => {
+                    format!("; {system} has a function of that name, which is no codel")
+                }
+                Ok(_) => self.hint(&codel.name),
+            },
+        });
+        None
+    }
+
+    /// Address of the C++ function of the codel's name and parameters; notes why there is none.
+    fn function_in_cxx(&self, checker: &mut Checker<'_>, codel: &Codel) -> Option<usize> {
+        let types = &checker.specification.types;
+        let place = (checker.locate)(codel.span);
+        match cxx::find(self.library, self.model, types, codel) {
+            Function::Found(symbol) => return self.library.symbol(&symbol),
+            Function::Others(others) => {
+                checker.errors.push(LoadError::Contract(Difference {
+                    subject: format!("codel `{}`", codel.name),
+                    place,
+                    why: "the C++ function takes other parameters".to_owned(),
+                    description: genom_description::tools::prototype(types, self.model, codel),
+                    library: others.join("; "),
+                }));
+            }
+            Function::Missing => {
+                let hint = match self.library.own_symbol(&codel.name) {
+                    Some(_) => {
+                        "; it has a function of that name with C linkage: in a lang \"c++\" \
+                         component codels have none (no extern \"C\"), or say lang \"c\""
+                    }
+                    None => "; a lang \"c++\" codel is a C++ function that the library exports",
+                };
+                let (codel, hint) = (codel.name.clone(), hint.to_owned());
+                checker.errors.push(LoadError::MissingCodel { codel, place, hint });
+            }
+        }
+        None
     }
 
     fn argument(
@@ -102,32 +150,43 @@ impl Workshop<'_> {
         parameter: &CodelParameter,
         checker: &Checker<'_>,
     ) -> Result<Argument, String> {
-        let member = |root: &DataType, rank: usize, path: &[_]| {
-            let mut way = vec![PathStep::Member(rank)];
-            way.extend(steps(path));
-            CompiledPath::new(root, &way).map_err(|error| error.to_string())
+        let member = |root: (&DataType, Option<&CxxType>), rank: usize, path: &[_]| {
+            let mut steps = steps(path);
+            steps.insert(0, PathStep::Member(rank));
+            way(root, &steps)
         };
         let service = || match codel.owner {
             Owner::Service(service) => self.services.get(service).and_then(Option::as_ref),
+            Owner::Task(_) => None,
+        };
+        let in_cxx = || match codel.owner {
+            Owner::Service(service) => self.cxx?.services.get(service)?.as_ref(),
             Owner::Task(_) => None,
         };
         let no_service = || "a task has no parameters and no local variables".to_owned();
         let from = match &parameter.source {
             Source::Ids { path } => {
                 let ids = self.ids.ok_or("the component has no ids")?;
-                let way = CompiledPath::new(ids, &steps(path));
-                From::Ids(way.map_err(|error| error.to_string())?)
+                let in_cxx = self.cxx.and_then(|cxx| cxx.ids.as_ref());
+                From::Ids(way((ids, in_cxx), &steps(path))?)
             }
             Source::Parameter { index, path } => {
                 let types = service().ok_or_else(no_service)?;
                 match *types.kept.get(*index).ok_or("the service has no such parameter")? {
-                    Kept::Input(rank) => From::Input(member(&types.input, rank, path)?),
-                    Kept::Output(rank) => From::Output(member(&types.output, rank, path)?),
+                    Kept::Input(rank) => {
+                        let root = (&types.input, in_cxx().map(|cxx| &cxx.input));
+                        From::Input(member(root, rank, path)?)
+                    }
+                    Kept::Output(rank) => {
+                        let root = (&types.output, in_cxx().map(|cxx| &cxx.output));
+                        From::Output(member(root, rank, path)?)
+                    }
                 }
             }
             Source::Local { index, path } => {
                 let types = service().ok_or_else(no_service)?;
-                From::Local(member(&types.local, *index, path)?)
+                let root = (&types.local, in_cxx().map(|cxx| &cxx.local));
+                From::Local(member(root, *index, path)?)
             }
             Source::Port(port) => {
                 self.model.ports.get(*port).ok_or("the component has no such port")?;
@@ -141,19 +200,34 @@ impl Workshop<'_> {
         let class = match from {
             // genom3.md 5.5: ports and remotes by address, whatever the direction.
             From::Port(_) | From::Remote(_) => Class::Address,
-            _ => Class::of(checker.specification.types.resolved(parameter.ty), parameter.direction),
+            _ => {
+                let kind = checker.specification.types.resolved(parameter.ty);
+                match self.cxx {
+                    Some(_) => Class::of_cxx(kind, parameter.direction),
+                    None => Class::of(kind, parameter.direction),
+                }
+            }
         };
         Ok(Argument { name: parameter.name.clone(), class, from })
     }
 
     /// A C++ function of that name, compiled without C linkage, is the usual reason.
     fn hint(&self, codel: &str) -> String {
-        match self.library.mangled(codel) {
+        match self.library.mangled(codel).first() {
             Some(mangled) => format!(
                 "; it has the C++ function `{mangled}`: declare it extern \"C\", or include the \
                  component's header"
             ),
             None => String::new(),
         }
+    }
+}
+
+/// The way from a root, in C and, for codels in C++, also there.
+fn way(root: (&DataType, Option<&CxxType>), steps: &[PathStep]) -> Result<Way, String> {
+    let in_c = CompiledPath::new(root.0, steps).map_err(|error| error.to_string())?;
+    match root.1 {
+        Some(root) => CxxPath::new(root, steps).map(Way::Cxx),
+        None => Ok(Way::C(in_c)),
     }
 }

@@ -38,8 +38,8 @@ pub enum LoadError {
     },
     /// The component's language is none that the host calls.
     #[error(
-        "component `{component}` ({place}) has lang \"{lang}\": only codels with C linkage are \
-         called (lang \"c\"; their sources may be C++ or Rust)"
+        "component `{component}` ({place}) has lang \"{lang}\": codels are called by the C \
+         interface (lang \"c\"; their sources may be C++ or Rust) or by that of C++ (lang \"c++\")"
     )]
     Language {
         /// Name of the component.

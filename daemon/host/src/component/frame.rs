@@ -7,13 +7,16 @@ use std::sync::Arc;
 
 use genom_description::model::Owner;
 use genom_runtime::body::{EventId, Frame, Returned};
-use genom_types::{CompiledPath, Record, foreign};
+use genom_types::{Record, foreign};
 use serde_json::{Value, json};
 
 use super::Inner;
 use super::codel::{From, Prepared};
+use super::cxx::{CxxService, Objects};
 use super::types::Copy;
+use super::way::Way;
 use crate::context::Context;
+use crate::cxx::Catcher;
 use crate::detail::UNKEX;
 use crate::events::{EventCache, contents};
 use crate::ffi::{Class, WHAT};
@@ -27,6 +30,8 @@ pub(super) struct BoundFrame {
     input: Record,
     output: Record,
     local: Record,
+    /// For codels in C++: what they see instead of the records.
+    objects: Option<Objects>,
     calls: Box<[Call]>,
     /// By codel of the component: its rank in `calls`.
     ranks: Box<[u16]>,
@@ -80,11 +85,22 @@ impl BoundFrame {
         let mut input = Record::new(types.map_or(&inner.nothing, |types| &types.input));
         let mut output = Record::new(types.map_or(&inner.nothing, |types| &types.output));
         let mut local = Record::new(types.map_or(&inner.nothing, |types| &types.local));
-        let roots = Roots {
-            ids: inner.ids.as_ref().map_or(std::ptr::null_mut(), |ids| ids.at as *mut u8),
-            input: input.as_mut_ptr(),
-            output: output.as_mut_ptr(),
-            local: local.as_mut_ptr(),
+        let in_cxx = |service| inner.cxx.as_ref()?.services.get(service);
+        let objects = service.and_then(in_cxx).map(Objects::new);
+        let ids = inner.ids.as_ref().map_or(std::ptr::null_mut(), |ids| ids.at as *mut u8);
+        let roots = match &objects {
+            Some(objects) => Roots {
+                ids,
+                input: objects.input.at(),
+                output: objects.output.at(),
+                local: objects.local.at(),
+            },
+            None => Roots {
+                ids,
+                input: input.as_mut_ptr(),
+                output: output.as_mut_ptr(),
+                local: local.as_mut_ptr(),
+            },
         };
         let mut calls = Vec::new();
         let mut ranks = vec![ABSENT; inner.codels.len()];
@@ -98,6 +114,7 @@ impl BoundFrame {
             input,
             output,
             local,
+            objects,
             calls: calls.into(),
             ranks: ranks.into(),
             cache: EventCache::new(),
@@ -120,6 +137,12 @@ impl BoundFrame {
                 _ => tracing::error!("an attribute's element of a sequence in the ids is missing"),
             }
         }
+    }
+
+    /// The service's C++ types, and its objects.
+    fn in_cxx(&mut self) -> Option<(&CxxService, &mut Objects, &Record)> {
+        let types = self.inner.cxx.as_ref()?.services.get(self.service?)?;
+        Some((types, self.objects.as_mut()?, &self.input))
     }
 
     fn ids(&self) -> *mut u8 {
@@ -178,6 +201,21 @@ impl BoundFrame {
         Returned::Failed
     }
 
+    /// A codel in C++ threw an exception of the description, or of the run time.
+    #[cold]
+    fn thrown(&mut self, name: String, detail: Option<Value>) -> Returned {
+        match self.inner.shared.events.id(name.as_bytes()) {
+            Some(id) => {
+                self.last = detail.map_or(Last::Plain, Last::Told);
+                Returned::Event(id)
+            }
+            None => {
+                self.last = Last::Unknown(name, detail);
+                Returned::Unknown
+            }
+        }
+    }
+
     #[cold]
     fn escaped(&mut self, codel: &str) -> Returned {
         let text = self.what.iter().take_while(|byte| **byte != 0).copied().collect::<Vec<_>>();
@@ -197,7 +235,7 @@ struct Roots {
 
 impl Roots {
     /// The way of an argument and its beginning; `None` for handles.
-    fn way<'a>(&self, from: &'a From) -> Option<(&'a CompiledPath, *mut u8)> {
+    fn way<'a>(&self, from: &'a From) -> Option<(&'a Way, *mut u8)> {
         match from {
             From::Ids(way) => Some((way, self.ids)),
             From::Input(way) => Some((way, self.input)),
@@ -211,10 +249,11 @@ impl Roots {
 impl Call {
     fn new(inner: &Inner, codel: usize, prepared: &Prepared, roots: &Roots) -> Self {
         let count = prepared.arguments.len();
+        let all = count + usize::from(prepared.context);
         let mut call = Self {
             codel,
-            arguments: vec![std::ptr::null_mut(); count + 1].into(),
-            pointers: vec![std::ptr::null_mut(); count + 1].into(),
+            arguments: vec![std::ptr::null_mut(); all].into(),
+            pointers: vec![std::ptr::null_mut(); all].into(),
             dynamic: Box::default(),
         };
         let mut dynamic = Vec::new();
@@ -236,7 +275,9 @@ impl Call {
             call.set(rank, argument.class, at);
         }
         // The context, told at each call.
-        call.set(count, Class::Address, std::ptr::null_mut());
+        if prepared.context {
+            call.set(count, Class::Address, std::ptr::null_mut());
+        }
         call.dynamic = dynamic.into();
         call
     }
@@ -256,12 +297,16 @@ impl Call {
 impl Frame for BoundFrame {
     fn begin(&mut self, input: &Record) {
         self.last = Last::Plain;
-        self.output.clear();
-        self.local.clear();
         if let Err(why) = self.input.copy_from(input) {
             tracing::error!("inputs of another service: {why}");
             self.input.clear();
         }
+        if let Some((types, objects, input)) = self.in_cxx() {
+            objects.begin(types, input);
+            return;
+        }
+        self.output.clear();
+        self.local.clear();
         let Some(types) = self.service.and_then(|rank| self.inner.services.get(rank)) else {
             return;
         };
@@ -270,6 +315,13 @@ impl Frame for BoundFrame {
     }
 
     fn store(&mut self) {
+        let ids = self.ids();
+        if let Some((types, objects, input)) = self.in_cxx() {
+            let output = objects.output.at();
+            objects.transfer(&types.store, input, output, ids);
+            objects.transfer(&types.store_validated, input, output, ids);
+            return;
+        }
         let types = self.service.and_then(|rank| self.inner.services.get(rank));
         if let Some(types) = types {
             self.copy(&types.store, self.input.as_ptr(), self.ids());
@@ -278,6 +330,12 @@ impl Frame for BoundFrame {
     }
 
     fn fetch(&mut self) {
+        let ids = self.ids();
+        if let Some((types, objects, input)) = self.in_cxx() {
+            objects.changed();
+            objects.transfer(&types.fetch, input, ids, objects.output.at());
+            return;
+        }
         let to = self.output.as_mut_ptr();
         let types = self.service.and_then(|rank| self.inner.services.get(rank));
         if let Some(types) = types {
@@ -319,20 +377,29 @@ impl Frame for BoundFrame {
                 }
             }
         }
-        if let Some(last) = call.pointers.last_mut() {
+        if let Some(last) = call.pointers.last_mut().filter(|_| prepared.context) {
             *last = context.pointer().cast_mut();
         }
+        if let Some(objects) = &mut self.objects {
+            objects.changed();
+        }
+        let mut catcher =
+            inner.cxx.as_ref().map(|cxx| Catcher::new(&cxx.exceptions, &inner.details));
         context.enter();
         // SAFETY: the function was found in the library under this name, which is loaded as long
         // as the component lives; the arguments lead to data of the classes that the interface was
         // made of, excluded from change by the runtime.
         let returned = unsafe {
-            prepared.interface.call(prepared.function, &mut call.arguments, &mut self.what)
+            let (function, arguments) = (prepared.function, &mut call.arguments);
+            prepared.interface.call(function, arguments, &mut self.what, catcher.as_mut())
         };
         context.leave();
         match returned {
             Ok(event) => self.understand(event, context),
-            Err(_) => self.escaped(&prepared.name),
+            Err(_) => match catcher.as_mut().and_then(Catcher::take) {
+                Some((name, detail)) => self.thrown(name, detail),
+                None => self.escaped(&prepared.name),
+            },
         }
     }
 
@@ -358,6 +425,6 @@ impl Frame for BoundFrame {
     }
 
     fn output(&self) -> &Record {
-        &self.output
+        self.objects.as_ref().map_or(&self.output, Objects::shown)
     }
 }

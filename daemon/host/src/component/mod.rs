@@ -1,9 +1,11 @@
 //! A component's code and memory: what the runtime calls a body.
 
 mod codel;
+mod cxx;
 mod error;
 mod frame;
 mod types;
+mod way;
 
 pub use error::{LoadError, LoadErrors};
 
@@ -20,13 +22,15 @@ use serde_json::Value;
 
 use crate::context::Contexts;
 use crate::contract::{self, Checked};
+use crate::cxx::{CxxType, Exceptions, Object};
 use crate::detail::{Details, MWERR, SYSERR, UNKEX};
 use crate::events::Events;
 use crate::library::Library;
-use crate::ports::Ports;
+use crate::ports::{InCxx, Ports};
 use crate::remotes::Remotes;
 use crate::shared::Shared;
 use codel::{Prepared, Workshop};
+use cxx::{CxxService, CxxTypes};
 use types::{Checker, ServiceTypes};
 
 /// Events the host itself may hand to a library, besides declared exceptions.
@@ -62,6 +66,8 @@ struct Inner {
     services: Vec<ServiceTypes>,
     /// Codels of each service and of each task.
     owned: Owned,
+    /// For codels in C++.
+    cxx: Option<InCpp>,
     shared: Arc<Shared>,
     details: Arc<Details>,
     /// By event of the plan: whether it is an exception.
@@ -78,16 +84,27 @@ impl Drop for Inner {
     fn drop(&mut self) {
         let mut seen = HashSet::new();
         self.ports.give_up_shared(&mut seen);
-        if let Some(ids) = &mut self.ids {
-            ids.record.give_up_shared(&mut seen);
+        if let Some(Ids { memory: Memory::C(record), .. }) = &mut self.ids {
+            record.give_up_shared(&mut seen);
         }
     }
 }
 
 /// The IDS, at an address that never changes.
 struct Ids {
-    record: Record,
+    memory: Memory,
     at: usize,
+}
+
+enum Memory {
+    C(Record),
+    Cxx { _object: Object },
+}
+
+/// What a component in C++ has besides.
+struct InCpp {
+    services: Vec<CxxService>,
+    exceptions: Arc<Exceptions>,
 }
 
 /// Codels by owner.
@@ -155,12 +172,13 @@ struct Parts {
     remotes: Vec<Option<crate::remotes::Signature>>,
     details: Details,
     nothing: DataType,
+    cxx: Option<(CxxTypes, Exceptions)>,
 }
 
 impl Parts {
     fn new(checker: &mut Checker<'_>, plan: &Plan, library: &Library) -> Option<Self> {
         let model = plan.component();
-        if model.lang != "c" {
+        if !["c", "c++"].contains(&model.lang.as_str()) {
             checker.errors.push(LoadError::Language {
                 component: model.name.clone(),
                 place: (checker.locate)(model.span),
@@ -174,11 +192,14 @@ impl Parts {
             .iter()
             .map(|service| ServiceTypes::new(checker, service, ids.as_ref(), model.dialect))
             .collect();
-        let workshop = Workshop { model, library, ids: ids.as_ref(), services: &services };
-        let codels = model.codels.iter().map(|codel| workshop.prepare(checker, codel)).collect();
         let port =
             |port: &Port| checker.lay_out(port.ty, &format!("port `{}`", port.name), port.span);
-        let ports = model.ports.iter().map(port).collect();
+        let ports: Vec<_> = model.ports.iter().map(port).collect();
+        let cxx = (model.lang == "c++")
+            .then(|| CxxTypes::new(checker, model, ids.as_ref(), &services, &ports));
+        let (ids_ref, cxx_ref) = (ids.as_ref(), cxx.as_ref());
+        let workshop = Workshop { model, library, ids: ids_ref, services: &services, cxx: cxx_ref };
+        let codels = model.codels.iter().map(|codel| workshop.prepare(checker, codel)).collect();
         let mut details = Details::default();
         for event in plan.events() {
             let Meaning::Exception(Some(id)) = event.meaning else { continue };
@@ -202,7 +223,16 @@ impl Parts {
         let name = ScopedName::new(["nothing"]);
         let nothing = table.add(Kind::Struct { name, members: Vec::new() });
         let nothing = DataType::new(&Arc::new(table), nothing).ok()?;
-        Some(Self { ids, services, codels, ports, remotes, details, nothing })
+        let cxx = cxx.and_then(|cxx| {
+            let exceptions = Exceptions::new(library, details.types(), GIVEN);
+            let refuse = |(name, why)| {
+                let place = (checker.locate)(model.span);
+                let what = format!("exception {name}");
+                checker.errors.push(LoadError::Type { what, place, why });
+            };
+            exceptions.map_err(refuse).ok().map(|exceptions| (cxx, exceptions))
+        });
+        Some(Self { ids, services, codels, ports, remotes, details, nothing, cxx })
     }
 
     /// The instance; `None` without memory for executable code. Nothing else is wrong any more.
@@ -218,15 +248,36 @@ impl Parts {
         let details = Arc::new(self.details);
         let types: Vec<DataType> = self.ports.into_iter().collect::<Option<_>>()?;
         let signatures = self.remotes.into_iter().collect::<Option<Vec<_>>>()?;
+        let in_cxx = |(cxx, exceptions): (CxxTypes, Exceptions)| {
+            let ports: Vec<CxxType> = cxx.ports.into_iter().collect::<Option<_>>()?;
+            let services = cxx.services.into_iter().collect::<Option<_>>()?;
+            let exceptions = Arc::new(exceptions);
+            let in_ports = InCxx { types: ports, exceptions: Arc::clone(&exceptions) };
+            Some((cxx.ids, in_ports, InCpp { services, exceptions }))
+        };
+        let (ids_in_cxx, ports_in_cxx, cxx) = match self.cxx {
+            Some(cxx) => {
+                let (ids, ports, cxx) = in_cxx(cxx)?;
+                (ids, Some(ports), Some(cxx))
+            }
+            None => (None, None, None),
+        };
         let of =
             |service: &Service| service.validates.iter().chain(&service.codels).copied().collect();
         Some(Inner {
-            ids: self.ids.map(|ty| {
-                let mut record = Record::new(&ty);
-                let at = record.as_mut_ptr() as usize;
-                Ids { record, at }
+            ids: self.ids.map(|ty| match ids_in_cxx {
+                Some(ty) => {
+                    let object = Object::new(&ty);
+                    let at = object.at() as usize;
+                    Ids { memory: Memory::Cxx { _object: object }, at }
+                }
+                None => {
+                    let mut record = Record::new(&ty);
+                    let at = record.as_mut_ptr() as usize;
+                    Ids { memory: Memory::C(record), at }
+                }
             }),
-            ports: Ports::new(&model.ports, &types, &shared)?,
+            ports: Ports::new(&model.ports, &types, ports_in_cxx.as_ref(), &shared)?,
             remotes: Remotes::new(signatures, &shared, &details)?,
             codels: self.codels,
             services: self.services.into_iter().collect::<Option<_>>()?,
@@ -234,6 +285,7 @@ impl Parts {
                 services: model.services.iter().map(of).collect(),
                 tasks: model.tasks.iter().map(|task| task.codels.clone()).collect(),
             },
+            cxx,
             exceptions: events.iter().map(|name| details.is_exception(name)).collect(),
             events,
             shared,

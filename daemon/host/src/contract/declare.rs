@@ -1,6 +1,7 @@
 //! C declarations that a description asks for, as an author would write them (genom3.md 5.5, 5.6).
 
 use genom_description::model::{Codel, CodelParameter, Component, Direction, Source};
+use genom_description::tools;
 use genom_types::{Kind, TypeId, TypeTable};
 
 /// `genom_event f(int32_t x, demo_s *y, const genom_context self)`.
@@ -16,6 +17,15 @@ pub(super) fn codel(component: &Component, types: &TypeTable, codel: &Codel) -> 
 pub(super) fn members(types: &TypeTable, ty: TypeId) -> String {
     let members = types.members(ty).iter();
     let members = members.map(|member| format!("{} {};", types.c_name(member.ty), member.name));
+    format!("{{ {} }}", members.collect::<Vec<_>>().join(" "))
+}
+
+/// The same in C++: `{ double x; char what[64]; }`.
+pub(super) fn members_in_cxx(types: &TypeTable, ty: TypeId) -> String {
+    let member = |member: &genom_types::Member| {
+        format!("{};", tools::declaration(types, member.ty, &member.name))
+    };
+    let members = types.members(ty).iter().map(member);
     format!("{{ {} }}", members.collect::<Vec<_>>().join(" "))
 }
 

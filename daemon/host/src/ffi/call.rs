@@ -7,6 +7,7 @@ use libffi::middle::{Cif, Type};
 
 use super::registers::Plan;
 use super::{Class, Scalar};
+use crate::cxx::Catcher;
 
 /// Bytes kept of what a C++ exception says: as in `genom_unkex_detail`.
 pub(crate) const WHAT: usize = 128;
@@ -19,6 +20,7 @@ unsafe extern "C" {
         arguments: *mut *mut c_void,
         what: *mut c_char,
         room: usize,
+        who: *mut c_void,
     ) -> c_int;
 
     fn genom_host_guarded_registers(
@@ -29,6 +31,7 @@ unsafe extern "C" {
         floats: *const f64,
         what: *mut c_char,
         room: usize,
+        who: *mut c_void,
     ) -> c_int;
 }
 
@@ -72,7 +75,9 @@ impl Interface {
         function: usize,
         arguments: &mut [*mut c_void],
         what: &mut [u8; WHAT],
+        who: Option<&mut Catcher>,
     ) -> Result<*const c_char, Thrown> {
+        let who = who.map_or(std::ptr::null_mut(), |who| std::ptr::from_mut(who).cast());
         let mut result: *const c_char = std::ptr::null();
         let function = function as *const c_void;
         let what = what.as_mut_ptr().cast();
@@ -88,6 +93,7 @@ impl Interface {
                     values.floats.as_ptr().cast(),
                     what,
                     WHAT,
+                    who,
                 )
             },
             // SAFETY: the caller's promise; `result` has the size of the return type.
@@ -99,6 +105,7 @@ impl Interface {
                     arguments.as_mut_ptr(),
                     what,
                     WHAT,
+                    who,
                 )
             },
         };

@@ -32,6 +32,14 @@ pub(crate) enum Scalar {
 }
 
 impl Class {
+    /// The class in C++ (genom3.md 6): a string is passed by reference, as objects are.
+    pub(crate) fn of_cxx(kind: &Kind, direction: Direction) -> Self {
+        match kind {
+            Kind::String { .. } => Self::Address,
+            _ => Self::of(kind, direction),
+        }
+    }
+
     /// The class of an argument of this kind (typedefs followed) and direction.
     pub(crate) fn of(kind: &Kind, direction: Direction) -> Self {
         if direction != Direction::In {

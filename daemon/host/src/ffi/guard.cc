@@ -9,6 +9,8 @@
 #include <exception>
 #include <typeinfo>
 
+#include "genom3/c++/exception.h"
+
 extern "C" void ffi_call(void *cif, void (*function)(void), void *result, void **arguments);
 
 static void tell(char *what, std::size_t room, const char *text)
@@ -32,14 +34,35 @@ static void tell_type(char *what, std::size_t room)
   std::free(name);
 }
 
-// Runs `call` and tells whether it threw: what[0..room] then says what.
-template <typename F> static int guarded(F call, char *what, std::size_t room)
+// Who wants to know of exceptions of lang "c++" codels (genom3.md 6).
+struct catcher {
+  int (*caught)(catcher *self, const char *type, const char *what, const void *object);
+};
+
+// Shows the exception with its type, then as each of the types that one is derived from.
+static void show(catcher *who, const genom::exception &e)
+{
+  const void *object = dynamic_cast<const void *>(&e);
+  const std::type_info *type = &typeid(e);
+  while (type && !who->caught(who, type->name(), e.what(), object)) {
+    const abi::__si_class_type_info *derived =
+      dynamic_cast<const abi::__si_class_type_info *>(type);
+    type = derived ? derived->__base_type : nullptr;
+  }
+}
+
+// Runs `call` and tells whether it threw: what[0..room] then says what, and `who` knows it too
+// unless it is null.
+template <typename F> static int guarded(F call, char *what, std::size_t room, catcher *who)
 {
   try {
     call();
     return 0;
   } catch (const abi::__forced_unwind &) {
     throw;  // the thread is being cancelled: that must go on
+  } catch (const genom::exception &e) {
+    tell_type(what, room);
+    if (who) show(who, e);
   } catch (const std::exception &e) {
     tell(what, room, e.what());
   } catch (const char *text) {
@@ -52,9 +75,10 @@ template <typename F> static int guarded(F call, char *what, std::size_t room)
 
 // Through libffi: any interface.
 extern "C" int genom_host_guarded_call(
-  void *cif, void (*function)(void), void *result, void **arguments, char *what, std::size_t room)
+  void *cif, void (*function)(void), void *result, void **arguments, char *what, std::size_t room,
+  catcher *who)
 {
-  return guarded([&] { ffi_call(cif, function, result, arguments); }, what, room);
+  return guarded([&] { ffi_call(cif, function, result, arguments); }, what, room, who);
 }
 
 // Without libffi, where integers and floating-point numbers go to registers of their own, numbered
@@ -68,7 +92,7 @@ typedef const char *(*function14)(I, I, I, I, I, I, I, I, I, I, I, I, I, I, doub
 
 extern "C" int genom_host_guarded_registers(
   void (*function)(void), const char **result, const I *i, std::size_t count, const double *d,
-  char *what, std::size_t room)
+  char *what, std::size_t room, catcher *who)
 {
   if (count <= 8) {
     const function8 f = reinterpret_cast<function8>(function);
@@ -77,7 +101,7 @@ extern "C" int genom_host_guarded_registers(
         *result = f(i[0], i[1], i[2], i[3], i[4], i[5], i[6], i[7], d[0], d[1], d[2], d[3], d[4],
                     d[5], d[6], d[7]);
       },
-      what, room);
+      what, room, who);
   }
   const function14 f = reinterpret_cast<function14>(function);
   return guarded(
@@ -85,5 +109,5 @@ extern "C" int genom_host_guarded_registers(
       *result = f(i[0], i[1], i[2], i[3], i[4], i[5], i[6], i[7], i[8], i[9], i[10], i[11], i[12],
                   i[13], d[0], d[1], d[2], d[3], d[4], d[5], d[6], d[7]);
     },
-    what, room);
+    what, room, who);
 }

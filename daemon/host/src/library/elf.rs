@@ -139,13 +139,13 @@ fn text_symbol<'data>(file: &object::File<'data>, name: &str) -> Option<&'data [
     bytes.split(|byte| *byte == 0).next()
 }
 
-/// Name of an exported C++ function `function`, as the compiler mangles it.
-pub(super) fn mangled(bytes: &[u8], function: &str) -> Option<String> {
-    let file = object::File::parse(bytes).ok()?;
+/// Symbols of the exported C++ functions `function`, as the compiler mangles them.
+pub(super) fn mangled(bytes: &[u8], function: &str) -> Vec<String> {
+    let Ok(file) = object::File::parse(bytes) else { return Vec::new() };
     let prefix = format!("_Z{}{function}", function.len());
-    let mut symbols = file.dynamic_symbols().filter(|symbol| symbol.is_definition());
-    let found = symbols.find_map(|s| s.name().ok().filter(|name| name.starts_with(&prefix)))?;
-    Some(found.to_owned())
+    let symbols = file.dynamic_symbols().filter(|symbol| symbol.is_definition());
+    let found = symbols.filter_map(|s| s.name().ok().filter(|name| name.starts_with(&prefix)));
+    found.map(str::to_owned).collect()
 }
 
 /// A machine in one word, by ELF class, byte order and number.

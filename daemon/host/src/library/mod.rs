@@ -149,8 +149,8 @@ impl Library {
         }
     }
 
-    /// The C++ function of that name, if it has one without C linkage.
-    pub(crate) fn mangled(&self, function: &str) -> Option<String> {
+    /// Symbols of the C++ functions of that name that it exports without C linkage.
+    pub(crate) fn mangled(&self, function: &str) -> Vec<String> {
         elf::mangled(&self.bytes, function)
     }
 

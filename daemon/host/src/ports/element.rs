@@ -10,6 +10,7 @@ use genom_types::{DataType, Record};
 use serde_json::Value;
 
 use super::snapshot::Snapshot;
+use crate::cxx::{CxxType, Object};
 
 /// Why a method of a port failed (genom3.md 7.8).
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +42,8 @@ pub(super) struct Element {
 
 struct Inner {
     buffer: Record,
+    /// What codels in C++ see: filled from the buffer by `read`, and fills it before `write`.
+    object: Option<Object>,
     link: Link,
 }
 
@@ -58,13 +61,14 @@ unsafe impl Sync for Element {}
 unsafe impl Send for Element {}
 
 impl Element {
-    /// An empty buffer.
-    pub(super) fn new(ty: &DataType, link: Link) -> Self {
+    /// An empty buffer; with a C++ object for codels in that language.
+    pub(super) fn new(ty: &DataType, cxx: Option<&CxxType>, link: Link) -> Self {
         let mut buffer = Record::new(ty);
-        let address = buffer.as_mut_ptr() as usize;
+        let object = cxx.map(Object::new);
+        let address = object.as_ref().map_or(buffer.as_mut_ptr(), Object::at) as usize;
         let shown = AtomicBool::new(matches!(link, Link::Out(_)));
         Self {
-            inner: UnsafeCell::new(Inner { buffer, link }),
+            inner: UnsafeCell::new(Inner { buffer, object, link }),
             address,
             shown,
             busy: AtomicBool::new(false),
@@ -105,6 +109,9 @@ impl Element {
                 .store(matches!(reading, Ok(Reading::New | Reading::Same)), Ordering::Relaxed);
             match reading {
                 Ok(Reading::New) => {
+                    if let Some(object) = &mut inner.object {
+                        object.set(&inner.buffer);
+                    }
                     // SAFETY: one caller at a time, as `with` sees to.
                     unsafe { self.snapshot.offer(&inner.buffer) };
                     Ok(())
@@ -119,8 +126,12 @@ impl Element {
 
     /// Publishes the buffer.
     pub(super) fn write(&self) -> Result<(), Failure> {
-        let written =
-            self.with(|inner| Self::publish(&self.snapshot, &mut inner.link, &inner.buffer));
+        let written = self.with(|inner| {
+            if let Some(object) = &inner.object {
+                object.get(&mut inner.buffer);
+            }
+            Self::publish(&self.snapshot, &mut inner.link, &inner.buffer)
+        });
         written.unwrap_or(Err(Failure::PortIo))
     }
 

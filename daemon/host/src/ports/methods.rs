@@ -114,17 +114,23 @@ fn named(port: &Multiple, arguments: Arguments<'_>) -> Option<Arc<Element>> {
 /// (genom3.md 5.3, 7.8).
 fn tell(shared: &Shared, result: Result<(), Failure>, context: *mut u8) -> *const c_void {
     let Err(failure) = result else { return std::ptr::null() };
-    let event: *const c_char = match failure {
-        Failure::NoSuchInport => shared.throw(context, "::genom::no_such_inport", &[]),
-        Failure::NoSuchOutport => shared.throw(context, "::genom::no_such_outport", &[]),
-        Failure::PortIo => shared.throw(context, "::genom::port_io", &[]),
-        Failure::Serialization => shared.throw(context, "::genom::serialization", &[]),
-        Failure::Middleware(what) => {
-            let mut detail = [0; MWERR_WHAT];
-            put_text(&mut detail, &what);
-            shared.throw(context, MWERR, &detail)
-        }
-        Failure::System(code) => shared.throw(context, SYSERR, &code.to_ne_bytes()),
-    };
+    let (name, detail) = exception(&failure);
+    let event: *const c_char = shared.throw(context, name, &detail);
     event.cast()
+}
+
+/// The exception for a failure, and its detail in C.
+pub(super) fn exception(failure: &Failure) -> (&'static str, Vec<u8>) {
+    match failure {
+        Failure::NoSuchInport => ("::genom::no_such_inport", Vec::new()),
+        Failure::NoSuchOutport => ("::genom::no_such_outport", Vec::new()),
+        Failure::PortIo => ("::genom::port_io", Vec::new()),
+        Failure::Serialization => ("::genom::serialization", Vec::new()),
+        Failure::Middleware(what) => {
+            let mut detail = vec![0; MWERR_WHAT];
+            put_text(&mut detail, what);
+            (MWERR, detail)
+        }
+        Failure::System(code) => (SYSERR, code.to_ne_bytes().to_vec()),
+    }
 }

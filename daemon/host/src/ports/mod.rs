@@ -2,6 +2,7 @@
 //!
 //! Which middleware carries the values is not known here.
 
+mod cxx;
 mod element;
 mod methods;
 mod multiple;
@@ -17,6 +18,7 @@ use genom_runtime::body::Opener;
 use genom_types::{DataType, Record};
 use serde_json::Value;
 
+use crate::cxx::{CxxType, Exceptions};
 use crate::ffi::NativeFunction;
 use crate::shared::Shared;
 use element::{Element, Link};
@@ -28,13 +30,26 @@ pub(crate) struct Ports {
     opener: Arc<OnceLock<Box<dyn Opener>>>,
 }
 
-/// A port: `struct comp_p` of genom3.md 5.7, and what its functions work on.
+/// A port: `comp_p` of genom3.md 5.7 or 6, and what its functions work on.
 struct Handle {
     name: String,
-    /// The struct that codels get the address of: `data`, then `read` or `write`, `open`, `close`.
-    table: Box<[usize]>,
     buffers: Buffers,
-    _functions: Vec<NativeFunction>,
+    shown: Shown,
+}
+
+/// What codels get the address of.
+enum Shown {
+    /// A struct of functions: `data`, then `read` or `write`, `open`, `close`.
+    C { table: Box<[usize]>, _functions: Vec<NativeFunction> },
+    /// An object with virtual functions.
+    Cxx(crate::cxx::Handle),
+}
+
+/// What ports of a component in C++ need besides.
+pub(crate) struct InCxx {
+    /// Type of each port.
+    pub(crate) types: Vec<CxxType>,
+    pub(crate) exceptions: Arc<Exceptions>,
 }
 
 /// The buffer or buffers of a port.
@@ -46,19 +61,37 @@ enum Buffers {
 
 impl Ports {
     /// Handles for `ports`; `None` when there is no memory for executable code.
-    pub(crate) fn new(ports: &[Port], types: &[DataType], shared: &Arc<Shared>) -> Option<Self> {
+    pub(crate) fn new(
+        ports: &[Port],
+        types: &[DataType],
+        cxx: Option<&InCxx>,
+        shared: &Arc<Shared>,
+    ) -> Option<Self> {
         let opener = Arc::new(OnceLock::new());
         let handle = |(rank, port): (usize, &Port)| {
             let ty = &types[rank];
+            let in_cxx = cxx.and_then(|cxx| cxx.types.get(rank));
+            let direction = port.direction;
             let buffers = if port.multiple {
                 let opener = Arc::clone(&opener);
-                Buffers::Multiple(Arc::new(Elements::new(rank, port.direction, ty, opener)))
+                Buffers::Multiple(Arc::new(Elements::new(rank, direction, ty, in_cxx, opener)))
             } else {
-                Buffers::Simple(Arc::new(Element::new(ty, unbound(port.direction))))
+                Buffers::Simple(Arc::new(Element::new(ty, in_cxx, unbound(direction))))
             };
-            let functions = methods::functions(port.direction, &buffers, shared)?;
-            let table = functions.iter().map(NativeFunction::address).collect();
-            Some(Handle { name: port.name.clone(), table, buffers, _functions: functions })
+            let shown = match cxx {
+                Some(cxx) => {
+                    let shown = Box::new(cxx::Port { direction, buffers: buffers.clone() });
+                    let out = direction == PortDirection::Out;
+                    let kind = (out, port.multiple);
+                    Shown::Cxx(crate::cxx::Handle::new(shown, kind, &cxx.exceptions))
+                }
+                None => {
+                    let functions = methods::functions(direction, &buffers, shared)?;
+                    let table = functions.iter().map(NativeFunction::address).collect();
+                    Shown::C { table, _functions: functions }
+                }
+            };
+            Some(Handle { name: port.name.clone(), buffers, shown })
         };
         let ports = ports.iter().enumerate().map(handle).collect::<Option<_>>()?;
         Some(Self { ports, opener })
@@ -66,7 +99,10 @@ impl Ports {
 
     /// What codels get for the port.
     pub(crate) fn handle(&self, port: usize) -> *const c_void {
-        self.ports[port].table.as_ptr().cast()
+        match &self.ports[port].shown {
+            Shown::C { table, .. } => table.as_ptr().cast(),
+            Shown::Cxx(handle) => handle.address(),
+        }
     }
 
     /// Binds an out port, or one of its elements.

@@ -9,6 +9,7 @@ use genom_types::DataType;
 
 use super::element::{Element, Failure, Link};
 use super::unbound;
+use crate::cxx::CxxType;
 
 /// Longest name of an element, in bytes.
 pub(super) const LONGEST: usize = 128;
@@ -22,6 +23,7 @@ pub(super) struct Elements {
     port: usize,
     direction: PortDirection,
     ty: DataType,
+    cxx: Option<CxxType>,
     elements: Mutex<BTreeMap<Box<[u8]>, Arc<Element>>>,
     opener: Arc<OnceLock<Box<dyn Opener>>>,
 }
@@ -32,9 +34,11 @@ impl Elements {
         port: usize,
         direction: PortDirection,
         ty: &DataType,
+        cxx: Option<&CxxType>,
         opener: Arc<OnceLock<Box<dyn Opener>>>,
     ) -> Self {
-        Self { port, direction, ty: ty.clone(), elements: Mutex::default(), opener }
+        let cxx = cxx.cloned();
+        Self { port, direction, ty: ty.clone(), cxx, elements: Mutex::default(), opener }
     }
 
     fn lock(&self) -> MutexGuard<'_, BTreeMap<Box<[u8]>, Arc<Element>>> {
@@ -53,7 +57,8 @@ impl Elements {
 
     /// The element of that name, made when it is not there.
     fn get_or_make(&self, name: &str) -> Arc<Element> {
-        let make = || Arc::new(Element::new(&self.ty, unbound(self.direction)));
+        let cxx = self.cxx.as_ref();
+        let make = || Arc::new(Element::new(&self.ty, cxx, unbound(self.direction)));
         Arc::clone(self.lock().entry(name.as_bytes().into()).or_insert_with(make))
     }
 

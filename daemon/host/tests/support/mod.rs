@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)] // helpers of tests
 
+pub(crate) mod cxx;
 pub(crate) mod demo;
 #[path = "gen.rs"]
 pub(crate) mod generator;

@@ -1,6 +1,6 @@
 //! Constants in C (genom3.md 5.2).
 
-use genom_types::{Kind, TypeId, TypeTable};
+use genom_types::{Kind, ScopedName, TypeId, TypeTable};
 use serde_json::Value;
 
 use super::declare::declare;
@@ -16,12 +16,18 @@ pub(super) fn define(out: &mut String, types: &TypeTable, constant: &Constant) {
         Kind::String { bound: None } => format!("char *const {name}"),
         _ => declare(types, constant.ty, &name),
     };
-    let value = value(types, constant.ty, &constant.value);
+    let value = value_in(types, constant.ty, &constant.value, &enumerator);
     guarded(out, &name, &format!("static const {declared} = {value};"));
 }
 
 /// A value as a C expression of its type; out of range it is cut as the cast would.
-fn value(types: &TypeTable, ty: TypeId, value: &Value) -> String {
+/// `enumerator` names those of an enum.
+pub(super) fn value_in(
+    types: &TypeTable,
+    ty: TypeId,
+    value: &Value,
+    enumerator: &dyn Fn(&ScopedName, &str) -> String,
+) -> String {
     let integer = || {
         let signed = value.as_i64().map(i128::from);
         signed.or(value.as_u64().map(i128::from)).unwrap_or_default()

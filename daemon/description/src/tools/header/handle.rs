@@ -37,7 +37,7 @@ pub(super) fn event_names(component: &Component) -> Vec<(String, String)> {
 }
 
 /// States that some codel yields with a pause.
-fn paused(component: &Component) -> BTreeSet<usize> {
+pub(super) fn paused(component: &Component) -> BTreeSet<usize> {
     let yields = component.codels.iter().flat_map(|codel| match &codel.kind {
         CodelKind::Fsm { yields, .. } => yields.as_slice(),
         _ => &[],

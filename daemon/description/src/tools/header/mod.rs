@@ -4,11 +4,14 @@
 //! Component files by other people include these names and layouts: none may change.
 
 mod constant;
+mod cxx;
 mod declare;
 mod handle;
 mod order;
 mod rust;
 mod types;
+
+pub use cxx::{declaration, prototype};
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -22,7 +25,7 @@ use crate::model::{Component, Specification};
 pub enum Language {
     /// C99.
     C,
-    /// C++11, with the C interface.
+    /// C++11: with the C interface, or for components of `lang "c++"` that of genom3.md 6.
     Cxx,
     /// Rust, for plain `extern "C"` codels.
     Rust,
@@ -45,6 +48,23 @@ pub enum HeaderError {
     Any {
         /// The type that contains it.
         name: String,
+    },
+    /// A type has no mapping in C++ (genom3.md 6).
+    #[error("{why}")]
+    Cxx {
+        /// Which, why, and what to do, in a sentence.
+        why: String,
+    },
+    /// A header is for one interface or for the other.
+    #[error(
+        "component `{cxx}` has lang \"c++\" and component `{c}` has not: ask for one of them \
+         (--component)"
+    )]
+    Mixed {
+        /// A component in C++.
+        cxx: String,
+        /// One that is not.
+        c: String,
     },
 }
 
@@ -70,6 +90,14 @@ pub fn header(
     let records = records(spec);
     match language {
         Language::Rust => Ok(rust::write(spec, &chosen, &records)),
+        Language::Cxx if chosen.iter().any(|c| c.lang == "c++") => {
+            if let [Some(cxx), Some(c)] =
+                [true, false].map(|cxx| chosen.iter().find(|c| (c.lang == "c++") == cxx))
+            {
+                return Err(HeaderError::Mixed { cxx: cxx.name.clone(), c: c.name.clone() });
+            }
+            cxx::write(spec, &chosen, &records)
+        }
         Language::C | Language::Cxx => Ok(c(spec, &chosen, &records, language)),
     }
 }

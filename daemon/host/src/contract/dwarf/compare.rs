@@ -15,28 +15,34 @@ use crate::ffi::{Class, Scalar};
 
 /// One comparison of a library with a plan.
 pub(super) struct Comparison<'a> {
-    info: &'a DebugInfo<'a>,
-    plan: &'a Plan,
+    pub(super) info: &'a DebugInfo<'a>,
+    pub(super) plan: &'a Plan,
+    /// Whether the codels are in C++ (genom3.md 6).
+    cxx: bool,
     /// Pairs that are equal, or being compared further up, or told already.
     seen: HashSet<(TypeId, At)>,
 }
 
-type Outcome = Result<(), String>;
+pub(super) type Outcome = Result<(), String>;
 
 impl<'a> Comparison<'a> {
     /// A comparison that has seen nothing yet.
     pub(super) fn new(info: &'a DebugInfo<'a>, plan: &'a Plan) -> Self {
-        Self { info, plan, seen: HashSet::new() }
+        let cxx = plan.component().lang == "c++";
+        Self { info, plan, cxx, seen: HashSet::new() }
     }
 
-    fn types(&self) -> &'a TypeTable {
+    pub(super) fn types(&self) -> &'a TypeTable {
         &self.plan.specification().types
     }
 
     /// Compares a codel with the function of its name.
     pub(super) fn codel(&mut self, codel: &Codel, function: &Function) -> Outcome {
-        let wanted = codel.parameters.len() + 1;
+        let wanted = codel.parameters.len() + usize::from(!self.cxx);
         let found = function.parameters.len();
+        if wanted != found && self.cxx {
+            return Err(format!("{wanted} arguments are wanted; it takes {found}"));
+        }
         if wanted != found {
             return Err(format!(
                 "{wanted} arguments are wanted, the context included; it takes {found}"
@@ -48,8 +54,10 @@ impl<'a> Comparison<'a> {
             self.argument(parameter, *at)
                 .map_err(|why| format!("argument {} `{}`: {why}", rank + 1, parameter.name))?;
         }
-        let context = function.parameters.last().and_then(|(_, at)| *at);
-        self.pointer(context).map_err(|why| format!("the context: {why}"))?;
+        if !self.cxx {
+            let context = function.parameters.last().and_then(|(_, at)| *at);
+            self.pointer(context).map_err(|why| format!("the context: {why}"))?;
+        }
         self.pointer(function.result).map_err(|why| format!("the result: {why}"))?;
         Ok(())
     }
@@ -59,7 +67,7 @@ impl<'a> Comparison<'a> {
         match parameter.source {
             Source::Port(rank) => {
                 let port = model.ports.get(rank).ok_or("there is no such port")?;
-                self.port(port, at)
+                if self.cxx { self.abstract_port(port, at) } else { self.port(port, at) }
             }
             Source::Remote(rank) => {
                 let remote = model.remotes.get(rank).ok_or("there is no such remote")?;
@@ -72,7 +80,11 @@ impl<'a> Comparison<'a> {
     /// A datum as an argument (genom3.md 5.5).
     fn passed(&mut self, ty: TypeId, direction: Direction, at: Option<At>) -> Outcome {
         let kind = self.types().resolved(ty);
-        match Class::of(kind, direction) {
+        let class = match self.cxx {
+            true => Class::of_cxx(kind, direction),
+            false => Class::of(kind, direction),
+        };
+        match class {
             Class::Value(scalar) => self.scalar(ty, scalar, at),
             Class::Held => self.memory(ty, at),
             Class::Address => {
@@ -90,9 +102,9 @@ impl<'a> Comparison<'a> {
     }
 
     /// What a pointer leads to; `None` for `void *`, which may lead to anything.
-    fn pointer(&self, at: Option<At>) -> Result<Option<At>, String> {
+    pub(super) fn pointer(&self, at: Option<At>) -> Result<Option<At>, String> {
         match self.info.stripped(at) {
-            Some((_, Node::Pointer(target))) => {
+            Some((_, Node::Pointer(target) | Node::Reference(target))) => {
                 Ok(target.filter(|_| self.info.stripped(target).is_some()))
             }
             Some((_, Node::Unknown)) => Ok(None),
@@ -100,8 +112,9 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    fn differ(&self, ty: TypeId, at: Option<At>) -> Outcome {
-        let (wanted, found) = (self.types().c_name(ty), self.info.spell(at));
+    pub(super) fn differ(&self, ty: TypeId, at: Option<At>) -> Outcome {
+        let wanted = if self.cxx { self.in_cxx(ty) } else { self.types().c_name(ty) };
+        let found = self.info.spell(at);
         Err(format!("`{wanted}` is wanted, not `{found}`"))
     }
 
@@ -126,6 +139,9 @@ impl<'a> Comparison<'a> {
         }
         if matches!(node, Node::Unknown) || !self.seen.insert((ty, place)) {
             return Ok(());
+        }
+        if self.cxx {
+            return self.object(ty, place, node, at);
         }
         match (types.kind(ty), node) {
             (Kind::Native { .. }, Node::Pointer(_)) => Ok(()),
@@ -160,7 +176,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// Lengths of all dimensions, and the element: bounded strings are arrays of characters.
-    fn dimensions(&self, ty: TypeId) -> (Vec<u64>, Option<TypeId>) {
+    pub(super) fn dimensions(&self, ty: TypeId) -> (Vec<u64>, Option<TypeId>) {
         let (mut lengths, mut ty) = (Vec::new(), ty);
         loop {
             match self.types().resolved(ty) {
@@ -178,7 +194,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// An array; `element` is `None` for characters.
-    fn array(&mut self, lengths: &[u64], element: Option<TypeId>, at: At) -> Outcome {
+    pub(super) fn array(&mut self, lengths: &[u64], element: Option<TypeId>, at: At) -> Outcome {
         let (mut found, mut inner) = (Vec::new(), Some(at));
         while let Some((_, Node::Array { element, lengths })) = self.info.stripped(inner) {
             found.extend(lengths);
@@ -200,10 +216,7 @@ impl<'a> Comparison<'a> {
     }
 
     fn structure(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Outcome {
-        // Only announced in this unit: nothing to compare.
-        let Some(size) = found.size else { return Ok(()) };
         let types = self.types();
-        let name = types.c_name(ty);
         let data = DataType::new(&self.plan.specification().types, ty);
         let data = data.map_err(|error| error.to_string())?;
         let wanted: Vec<(String, usize, Part)> = match types.kind(ty) {
@@ -233,6 +246,20 @@ impl<'a> Comparison<'a> {
                 members.map(part).collect()
             }
         };
+        self.members(&types.c_name(ty), wanted, data.size(), found, at)
+    }
+
+    /// Members by name, place and type, and the size of the whole.
+    pub(super) fn members(
+        &mut self,
+        name: &str,
+        wanted: Vec<(String, usize, Part)>,
+        whole: usize,
+        found: &Composite,
+        at: Option<At>,
+    ) -> Outcome {
+        // Only announced in this unit: nothing to compare.
+        let Some(size) = found.size else { return Ok(()) };
         let names = |names: Vec<&str>| names.join(", ");
         let (ours, theirs) = (
             names(wanted.iter().map(|part| part.0.as_str()).collect()),
@@ -249,8 +276,8 @@ impl<'a> Comparison<'a> {
                 return Err(format!("`{name}.{member}`: offset {offset} is wanted, not {found}"));
             }
         }
-        if size != data.size() as u64 {
-            return Err(format!("`{name}`: size {} is wanted, not {size}", data.size()));
+        if size != whole as u64 {
+            return Err(format!("`{name}`: size {whole} is wanted, not {size}"));
         }
         Ok(())
     }
@@ -259,8 +286,12 @@ impl<'a> Comparison<'a> {
         match part {
             Part::Any => Ok(()),
             Part::Datum(ty) => self.memory(ty, found.ty),
-            Part::Word | Part::Flag => {
-                let size = if matches!(part, Part::Word) { 4 } else { 1 };
+            Part::Word | Part::Flag | Part::Size => {
+                let size = match part {
+                    Part::Word => 4,
+                    Part::Size => 8,
+                    _ => 1,
+                };
                 match self.info.stripped(found.ty) {
                     Some((_, Node::Base { size: has, .. })) if has == size => Ok(()),
                     _ => {
@@ -282,7 +313,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// `struct U { D _d; union { members } _u; }`.
-    fn union(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Outcome {
+    pub(super) fn union(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Outcome {
         let Some(size) = found.size else { return Ok(()) };
         let Kind::Union { discriminant, members, .. } = self.types().kind(ty) else {
             return self.differ(ty, at);
@@ -364,7 +395,7 @@ impl<'a> Comparison<'a> {
 }
 
 /// A member of a struct that C makes of an IDL type.
-enum Part {
+pub(super) enum Part {
     /// A datum of this type.
     Datum(TypeId),
     /// A pointer to such data.
@@ -373,6 +404,8 @@ enum Part {
     Elements(TypeId, u64),
     /// `uint32_t`.
     Word,
+    /// `size_t`.
+    Size,
     /// `bool`.
     Flag,
     /// Whatever it is.

@@ -23,7 +23,15 @@ pub(super) struct At {
 /// What was looked for and is there.
 pub(super) struct Found<'n> {
     pub(super) functions: HashMap<&'n str, Function>,
-    pub(super) typedefs: HashMap<&'n str, At>,
+    pub(super) types: HashMap<&'n str, At>,
+}
+
+/// What to look for.
+pub(super) struct Wanted<'n> {
+    /// Functions, by their symbol in the library.
+    pub(super) functions: Vec<&'n str>,
+    /// Types: typedefs, or in C++ structs by their full name, without the leading `::`.
+    pub(super) types: Vec<&'n str>,
 }
 
 /// Debug information, opened.
@@ -51,12 +59,12 @@ impl<'a> DebugInfo<'a> {
         Ok((!units.is_empty()).then_some(Self { dwarf, units }))
     }
 
-    /// The functions of these names that the library defines, and the typedefs of those names.
-    pub(super) fn find<'n>(&self, functions: &[&'n str], typedefs: &[&'n str]) -> Found<'n> {
-        let mut found = Found { functions: HashMap::new(), typedefs: HashMap::new() };
+    /// The functions that the library defines, and the types.
+    pub(super) fn find<'n>(&self, wanted: &Wanted<'n>) -> Found<'n> {
+        let mut found = Found { functions: HashMap::new(), types: HashMap::new() };
         for unit in 0..self.units.len() {
             // A unit that cannot be read tells nothing; others may.
-            if let Err(why) = self.find_in(unit, functions, typedefs, &mut found) {
+            if let Err(why) = self.find_in(unit, wanted, &mut found) {
                 tracing::debug!("debug information, unit {unit}: {why}");
             }
         }
@@ -66,28 +74,59 @@ impl<'a> DebugInfo<'a> {
     fn find_in<'n>(
         &self,
         unit: usize,
-        functions: &[&'n str],
-        typedefs: &[&'n str],
+        wanted: &Wanted<'n>,
         found: &mut Found<'n>,
     ) -> gimli::Result<()> {
         let mut tree = self.units[unit].entries_tree(None)?;
-        let mut children = tree.root()?.children();
+        self.find_below(unit, tree.root()?, "", wanted, found)
+    }
+
+    /// Looks among what is in a unit, a namespace or a struct called `scope`.
+    fn find_below<'n>(
+        &self,
+        unit: usize,
+        node: EntriesTreeNode<'_, '_, Reader<'a>>,
+        scope: &str,
+        wanted: &Wanted<'n>,
+        found: &mut Found<'n>,
+    ) -> gimli::Result<()> {
+        let mut children = node.children();
         while let Some(child) = children.next()? {
             let entry = child.entry();
-            let wanted = match entry.tag() {
-                gimli::DW_TAG_typedef => typedefs,
-                gimli::DW_TAG_subprogram if is_defined(entry) => functions,
-                _ => continue,
-            };
-            let name = self.name(unit, entry);
-            let Some(&name) = wanted.iter().find(|wanted| **wanted == name) else { continue };
-            if is(entry, gimli::DW_TAG_typedef) {
-                found.typedefs.insert(name, At { unit, offset: entry.offset() });
-            } else {
-                found.functions.insert(name, self.function(unit, child)?);
+            let offset = entry.offset();
+            match entry.tag() {
+                gimli::DW_TAG_subprogram if scope.is_empty() && is_defined(entry) => {
+                    let name = self.symbol(unit, entry);
+                    if let Some(name) = wanted.functions.iter().find(|wanted| **wanted == name) {
+                        found.functions.insert(name, self.function(unit, child)?);
+                    }
+                }
+                gimli::DW_TAG_typedef | gimli::DW_TAG_structure_type | gimli::DW_TAG_namespace => {
+                    let space = if scope.is_empty() { "" } else { "::" };
+                    let name = format!("{scope}{space}{}", self.name(unit, entry));
+                    let is_type = !is(entry, gimli::DW_TAG_namespace)
+                        && entry.attr_value(gimli::DW_AT_declaration).is_none();
+                    let right = wanted.types.iter().find(|wanted| **wanted == name);
+                    if let Some(right) = right.filter(|_| is_type) {
+                        found.types.insert(right, At { unit, offset });
+                    }
+                    let way = format!("{name}::");
+                    if wanted.types.iter().any(|wanted| wanted.starts_with(&way)) {
+                        self.find_below(unit, child, &name, wanted, found)?;
+                    }
+                }
+                _ => {}
             }
         }
         Ok(())
+    }
+
+    /// The symbol of a function: its own name in C, a mangled one in C++.
+    fn symbol(&self, unit: usize, entry: &Entry<'a>) -> String {
+        match entry.attr_value(gimli::DW_AT_linkage_name) {
+            Some(name) => self.text(unit, name),
+            None => self.name(unit, entry),
+        }
     }
 
     /// Result and parameters of a function, or of the type of one.
@@ -129,9 +168,10 @@ impl<'a> DebugInfo<'a> {
                     _ => gimli::DwAte(0),
                 },
             },
-            gimli::DW_TAG_pointer_type
-            | gimli::DW_TAG_reference_type
-            | gimli::DW_TAG_rvalue_reference_type => Node::Pointer(inner),
+            gimli::DW_TAG_pointer_type => Node::Pointer(inner),
+            gimli::DW_TAG_reference_type | gimli::DW_TAG_rvalue_reference_type => {
+                Node::Reference(inner)
+            }
             gimli::DW_TAG_const_type => Node::Qualified("const", inner),
             gimli::DW_TAG_volatile_type => Node::Qualified("volatile", inner),
             gimli::DW_TAG_restrict_type => Node::Qualified("restrict", inner),
@@ -166,26 +206,39 @@ impl<'a> DebugInfo<'a> {
         name: String,
         size: Option<u64>,
     ) -> gimli::Result<Composite> {
-        let mut members = Vec::new();
+        let mut found = Composite { name, size, ..Composite::default() };
         let mut children = node.children();
         while let Some(child) = children.next()? {
             let entry = child.entry();
+            if is(entry, gimli::DW_TAG_template_type_parameter) && found.element.is_none() {
+                found.element = self.ty(unit, entry);
+            }
+            if is(entry, gimli::DW_TAG_subprogram)
+                && entry.attr_value(gimli::DW_AT_virtuality).is_some()
+            {
+                let name = self.name(unit, entry);
+                found.methods.push((name, self.function(unit, child)?));
+                continue;
+            }
             // Static data members of classes are external, and no part of the layout.
             let own = is(entry, gimli::DW_TAG_member)
                 && entry.attr_value(gimli::DW_AT_external).is_none();
             if own || is(entry, gimli::DW_TAG_inheritance) {
                 let offset = number(entry, gimli::DW_AT_data_member_location).unwrap_or(0);
                 let (name, ty) = (self.name(unit, entry), self.ty(unit, entry));
-                members.push(Member { name, offset, ty });
+                found.members.push(Member { name, offset, ty });
             }
         }
-        Ok(Composite { name, size, members })
+        Ok(found)
     }
 
     fn name(&self, unit: usize, entry: &Entry<'a>) -> String {
-        let name = entry.attr_value(gimli::DW_AT_name);
-        let name = name.and_then(|name| self.dwarf.attr_string(&self.units[unit], name).ok());
-        name.map_or(String::new(), |name| name.to_string_lossy().into_owned())
+        entry.attr_value(gimli::DW_AT_name).map_or(String::new(), |name| self.text(unit, name))
+    }
+
+    fn text(&self, unit: usize, text: AttributeValue<Reader<'a>>) -> String {
+        let text = self.dwarf.attr_string(&self.units[unit], text).ok();
+        text.map_or(String::new(), |text| text.to_string_lossy().into_owned())
     }
 
     /// The type that an entry refers to; `None` is `void`, or in a file elsewhere.
@@ -219,7 +272,7 @@ impl<'a> DebugInfo<'a> {
     pub(super) fn declaration(&self, name: &str, function: &Function) -> String {
         let parameters = function.parameters.iter().map(|(name, ty)| {
             let ty = self.spell(*ty);
-            let space = if ty.ends_with('*') { "" } else { " " };
+            let space = if ty.ends_with(['*', '&']) { "" } else { " " };
             format!("{ty}{space}{name}")
         });
         let parameters: Vec<_> = parameters.collect();
@@ -257,10 +310,11 @@ impl<'a> DebugInfo<'a> {
                 Some(Node::Pointer(_)) => format!("{} {word}", self.spell_to(inner, depth - 1)),
                 _ => format!("{word} {}", self.spell_to(inner, depth - 1)),
             },
-            Node::Pointer(inner) => {
+            Node::Pointer(inner) | Node::Reference(inner) => {
+                let sign = if matches!(self.node(at), Node::Pointer(_)) { '*' } else { '&' };
                 let inner = self.spell_to(inner, depth - 1);
                 let space = if inner.ends_with('*') { "" } else { " " };
-                format!("{inner}{space}*")
+                format!("{inner}{space}{sign}")
             }
             Node::Struct(composite) => tagged("struct", &composite.name),
             Node::Union(composite) => tagged("union", &composite.name),
@@ -282,12 +336,10 @@ fn tagged(keyword: &str, name: &str) -> String {
     if name.is_empty() { format!("{keyword} {{...}}") } else { format!("{keyword} {name}") }
 }
 
-/// Whether an entry of a function is that of its C definition.
+/// Whether an entry of a function is that of its definition.
 fn is_defined(entry: &Entry<'_>) -> bool {
     entry.attr_value(gimli::DW_AT_declaration).is_none()
         && entry.attr_value(gimli::DW_AT_external).is_some()
-        // A C++ function with a mangled name is another one.
-        && entry.attr_value(gimli::DW_AT_linkage_name).is_none()
 }
 
 fn is(entry: &Entry<'_>, tag: DwTag) -> bool {

@@ -16,8 +16,10 @@ pub(super) enum Node {
         /// Integer, float, boolean...
         encoding: DwAte,
     },
-    /// A pointer or reference.
+    /// A pointer.
     Pointer(Option<At>),
+    /// A reference of C++.
+    Reference(Option<At>),
     /// `const`, `volatile`, `restrict`, `_Atomic`.
     Qualified(&'static str, Option<At>),
     /// A typedef.
@@ -47,14 +49,18 @@ pub(super) enum Node {
 }
 
 /// A struct, class or union.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Composite {
     /// Its tag, empty when it has none.
     pub(super) name: String,
     /// Bytes; `None` when it is only announced.
     pub(super) size: Option<u64>,
-    /// Data members in order.
+    /// Data members in order, bases included.
     pub(super) members: Vec<Member>,
+    /// Virtual functions in order of declaration.
+    pub(super) methods: Vec<(String, Function)>,
+    /// First type among the template's arguments.
+    pub(super) element: Option<At>,
 }
 
 /// A data member.

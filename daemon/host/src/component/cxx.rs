@@ -1,0 +1,247 @@
+//! The memory of codels in C++ (genom3.md 6): objects beside the records that requests come and
+//! go in. One of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::cell::{Cell, OnceCell};
+
+use genom_description::model::{Component as Model, Dialect, Direction, Port, Service};
+use genom_types::{CompiledPath, DataType, PathStep, Record};
+
+use super::error::LoadError;
+use super::types::{Checker, ServiceTypes, steps};
+use crate::cxx::{CxxPath, CxxType, Object, copy, to_cxx};
+
+/// Types of a component in C++; `None` where one is wrong, which is noted.
+pub(super) struct CxxTypes {
+    pub(super) ids: Option<CxxType>,
+    pub(super) services: Vec<Option<CxxService>>,
+    pub(super) ports: Vec<Option<CxxType>>,
+}
+
+/// Objects of a service and what is copied between them, the request and the IDS.
+#[derive(Debug)]
+pub(super) struct CxxService {
+    pub(super) input: CxxType,
+    pub(super) output: CxxType,
+    pub(super) local: CxxType,
+    /// As in [`ServiceTypes`].
+    pub(super) inout: Vec<Transfer>,
+    pub(super) store: Vec<Transfer>,
+    pub(super) store_validated: Vec<Transfer>,
+    pub(super) fetch: Vec<Transfer>,
+}
+
+/// A value to copy.
+#[derive(Debug)]
+pub(super) struct Transfer {
+    from: From,
+    to: CxxPath,
+}
+
+#[derive(Debug)]
+enum From {
+    /// The request's inputs.
+    Request(CompiledPath),
+    Object(CxxPath),
+}
+
+impl CxxTypes {
+    /// The types of `model`, whose records are laid out already.
+    pub(super) fn new(
+        checker: &mut Checker<'_>,
+        model: &Model,
+        ids: Option<&DataType>,
+        services: &[Option<ServiceTypes>],
+        ports: &[Option<DataType>],
+    ) -> Self {
+        for remote in &model.remotes {
+            checker.errors.push(LoadError::Type {
+                what: format!("remote `{}`", remote.name),
+                place: (checker.locate)(remote.span),
+                why: "remotes are not callable from lang \"c++\" codels yet: put the codel that \
+                      calls it in a lang \"c\" component"
+                    .to_owned(),
+            });
+        }
+        let ids = ids.and_then(|ids| in_cxx(checker, ids, "the ids", model.span));
+        let of = |(service, types): (&Service, &Option<ServiceTypes>)| {
+            CxxService::new(checker, service, types.as_ref()?, ids.as_ref(), model.dialect)
+        };
+        let services = model.services.iter().zip(services).map(of).collect();
+        let port = |(port, ty): (&Port, &Option<DataType>)| {
+            in_cxx(checker, ty.as_ref()?, &format!("port `{}`", port.name), port.span)
+        };
+        let ports = model.ports.iter().zip(ports).map(port).collect();
+        Self { ids, services, ports }
+    }
+}
+
+/// The type in C++; notes why there is none.
+fn in_cxx(
+    checker: &mut Checker<'_>,
+    c: &DataType,
+    what: &str,
+    span: genom_description::model::Span,
+) -> Option<CxxType> {
+    match CxxType::new(c) {
+        Ok(ty) => Some(ty),
+        Err(why) => {
+            let place = (checker.locate)(span);
+            checker.errors.push(LoadError::Type { what: what.to_owned(), place, why });
+            None
+        }
+    }
+}
+
+impl CxxService {
+    fn new(
+        checker: &mut Checker<'_>,
+        service: &Service,
+        types: &ServiceTypes,
+        ids: Option<&CxxType>,
+        dialect: Dialect,
+    ) -> Option<Self> {
+        let what = |part| format!("{part} of service `{}`", service.name);
+        let input = in_cxx(checker, &types.input, &what("inputs"), service.span);
+        let output = in_cxx(checker, &types.output, &what("outputs"), service.span);
+        let local = in_cxx(checker, &types.local, &what("local variables"), service.span);
+        let mut new = Self {
+            input: input?,
+            output: output?,
+            local: local?,
+            inout: Vec::new(),
+            store: Vec::new(),
+            store_validated: Vec::new(),
+            fetch: Vec::new(),
+        };
+        let (mut inputs, mut outputs) = (0.., 0..);
+        for parameter in &service.parameters {
+            let from = (parameter.direction != Direction::Out).then(|| inputs.next()).flatten();
+            let to = (parameter.direction != Direction::In).then(|| outputs.next()).flatten();
+            let place = parameter.target.as_ref().map(|target| steps(&target.path));
+            if let Err(why) = new.add(types, (from, to), place.as_deref(), ids, dialect) {
+                let place = (checker.locate)(parameter.span);
+                let what = format!("parameter `{}` of `{}`", parameter.name, service.name);
+                checker.errors.push(LoadError::Type { what, place, why });
+            }
+        }
+        Some(new)
+    }
+
+    /// The copies of a parameter, as [`ServiceTypes`] has them for records.
+    fn add(
+        &mut self,
+        types: &ServiceTypes,
+        (from, to): (Option<usize>, Option<usize>),
+        place: Option<&[PathStep]>,
+        ids: Option<&CxxType>,
+        dialect: Dialect,
+    ) -> Result<(), String> {
+        let request = |rank| {
+            let path = CompiledPath::new(&types.input, &[PathStep::Member(rank)]);
+            path.map(From::Request).map_err(|why| why.to_string())
+        };
+        let output = |this: &Self, rank| CxxPath::new(&this.output, &[PathStep::Member(rank)]);
+        if let (Some(from), Some(to)) = (from, to) {
+            let to = output(self, to)?;
+            self.inout.push(Transfer { from: request(from)?, to });
+        }
+        let (Some(place), Some(ids)) = (place, ids) else { return Ok(()) };
+        let place = CxxPath::new(ids, place)?;
+        match (from, to) {
+            (Some(_), Some(rank)) if dialect != Dialect::Current => {
+                let from = From::Object(output(self, rank)?);
+                self.store_validated.push(Transfer { from, to: place.clone() });
+            }
+            (Some(rank), _) => {
+                self.store.push(Transfer { from: request(rank)?, to: place.clone() });
+            }
+            (None, _) => {}
+        }
+        if let Some(rank) = to {
+            let to = output(self, rank)?;
+            self.fetch.push(Transfer { from: From::Object(place), to });
+        }
+        Ok(())
+    }
+}
+
+/// The objects of one run of a service.
+pub(super) struct Objects {
+    pub(super) input: Object,
+    pub(super) output: Object,
+    pub(super) local: Object,
+    /// The outputs as they were asked for since codels ran last.
+    shown: OnceCell<Record>,
+    /// Memory for that.
+    spare: Cell<Option<Record>>,
+}
+
+impl Objects {
+    /// Empty ones.
+    pub(super) fn new(types: &CxxService) -> Self {
+        Self {
+            input: Object::new(&types.input),
+            output: Object::new(&types.output),
+            local: Object::new(&types.local),
+            shown: OnceCell::new(),
+            spare: Cell::new(Some(Record::new(types.output.c()))),
+        }
+    }
+
+    /// Begins a run with these inputs.
+    pub(super) fn begin(&mut self, types: &CxxService, request: &Record) {
+        self.changed();
+        self.output.clear();
+        self.local.clear();
+        self.input.set(request);
+        self.transfer(&types.inout, request, self.output.at(), self.output.at());
+    }
+
+    /// Codels may have changed the outputs.
+    pub(super) fn changed(&mut self) {
+        if let Some(shown) = self.shown.take() {
+            self.spare.set(Some(shown));
+        }
+    }
+
+    /// The outputs in C layout.
+    pub(super) fn shown(&self) -> &Record {
+        self.shown.get_or_init(|| {
+            let spare = self.spare.take();
+            let mut shown = spare.unwrap_or_else(|| Record::new(self.output.ty().c()));
+            self.output.get(&mut shown);
+            shown
+        })
+    }
+
+    /// Copies from the request, or from the object at `from`, to that at `to`.
+    pub(super) fn transfer(
+        &self,
+        transfers: &[Transfer],
+        request: &Record,
+        from: *mut u8,
+        to: *mut u8,
+    ) {
+        for transfer in transfers {
+            // SAFETY: the roots hold values of the ways' root types; the runtime excludes every
+            // codel that may change them meanwhile (genom3.md 4.5). Source and target are
+            // different memory: the request, the outputs and the IDS.
+            let done = unsafe {
+                match (&transfer.from, transfer.to.locate(to)) {
+                    (From::Request(path), Some(to)) => {
+                        let from = path.locate(request.as_ptr().cast_mut());
+                        from.map(|from| to_cxx(transfer.to.target(), from, to))
+                    }
+                    (From::Object(path), Some(to)) => {
+                        path.locate(from).map(|from| copy(transfer.to.target(), from, to))
+                    }
+                    (_, None) => None,
+                }
+            };
+            if done.is_none() {
+                tracing::error!("an attribute's element of a sequence in the ids is missing");
+            }
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! What differs from C in codels of C++ (genom3.md 6): objects of the standard library, references,
+//! ports with virtual functions.
+
+use genom_description::model::{Port, PortDirection};
+use genom_description::tools;
+use genom_types::{DataType, Kind, TypeId};
+
+use super::compare::{Comparison, Outcome, Part};
+use super::info::At;
+use super::node::{Composite, Node};
+use crate::cxx::CxxType;
+
+impl Comparison<'_> {
+    /// A type as C++ writes it.
+    pub(super) fn in_cxx(&self, ty: TypeId) -> String {
+        tools::declaration(self.types(), ty, "").trim_end().to_owned()
+    }
+
+    /// A datum that is no scalar, at a place that was not compared yet.
+    pub(super) fn object(&mut self, ty: TypeId, place: At, node: Node, at: Option<At>) -> Outcome {
+        let types = self.types();
+        match (types.kind(ty), node) {
+            (Kind::Native { .. }, Node::Pointer(_)) => Ok(()),
+            (Kind::Array { .. } | Kind::String { bound: Some(_) }, Node::Array { .. }) => {
+                let (lengths, element) = self.dimensions(ty);
+                self.array(&lengths, element, place)
+            }
+            (Kind::Union { .. }, Node::Struct(found)) => self.union(ty, &found, at),
+            (Kind::String { bound: None }, Node::Struct(found)) => {
+                self.template(ty, &found, "basic_string<char", at)
+            }
+            (Kind::Sequence { element, bound: None }, Node::Struct(found)) => {
+                self.template(ty, &found, "vector<", at)?;
+                // A vector of bits is one of a kind: its name says all.
+                if types.resolved(*element) == &Kind::Boolean || found.element.is_none() {
+                    return Ok(());
+                }
+                let inside = self.memory(*element, found.element);
+                inside.map_err(|why| format!("`{}`: its element: {why}", self.in_cxx(ty)))
+            }
+            (
+                Kind::Sequence { .. }
+                | Kind::Optional { .. }
+                | Kind::Struct { .. }
+                | Kind::Exception { .. },
+                Node::Struct(found),
+            ) => self.aggregate(ty, &found, at),
+            _ => self.differ(ty, at),
+        }
+    }
+
+    fn layout_in_cxx(&self, ty: TypeId) -> Result<CxxType, String> {
+        let data = DataType::new(&self.plan.specification().types, ty);
+        CxxType::new(&data.map_err(|error| error.to_string())?)
+    }
+
+    /// A class of the standard library, known by its name and size.
+    fn template(&self, ty: TypeId, found: &Composite, name: &str, at: Option<At>) -> Outcome {
+        if !found.name.starts_with(name) {
+            return self.differ(ty, at);
+        }
+        let wanted = self.layout_in_cxx(ty)?.size() as u64;
+        match found.size {
+            Some(size) if size != wanted => Err(format!(
+                "`{}` has {wanted} bytes in this host's C++ library and {size} in that of the \
+                 codels: compile them with libstdc++ and its usual options",
+                self.in_cxx(ty)
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn aggregate(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Outcome {
+        let types = self.types();
+        let layout = self.layout_in_cxx(ty)?;
+        let wanted: Vec<(String, usize, Part)> = match types.kind(ty) {
+            Kind::Sequence { element, bound } => {
+                let elements = Part::Elements(*element, bound.unwrap_or_default().into());
+                vec![("e".to_owned(), 0, elements), ("n".to_owned(), layout.offset(1), Part::Size)]
+            }
+            Kind::Optional { element } => {
+                let value = ("_value".to_owned(), layout.offset(0), Part::Datum(*element));
+                vec![("_present".to_owned(), 0, Part::Flag), value]
+            }
+            _ => {
+                let members = types.members(ty).iter().enumerate();
+                let part = |(rank, member): (usize, &genom_types::Member)| {
+                    (member.name.clone(), layout.offset(rank), Part::Datum(member.ty))
+                };
+                members.map(part).collect()
+            }
+        };
+        self.members(&self.in_cxx(ty), wanted, layout.size(), found, at)
+    }
+
+    /// An abstract struct with these virtual functions, in this order.
+    pub(super) fn abstract_port(&mut self, port: &Port, at: Option<At>) -> Outcome {
+        let wanted: &[&str] = match (port.direction, port.multiple) {
+            (PortDirection::In, _) => &["data", "read"],
+            (PortDirection::Out, false) => &["data", "write"],
+            (PortDirection::Out, true) => &["data", "write", "open", "close"],
+        };
+        let target = self.pointer(at)?;
+        let Some((_, node)) = self.info.stripped(target) else { return Ok(()) };
+        let Node::Struct(found) = node else {
+            return Err(format!("a port is wanted, not `{}`", self.info.spell(at)));
+        };
+        if found.size.is_none() {
+            return Ok(());
+        }
+        let names: Vec<&str> = found.methods.iter().map(|(name, _)| name.as_str()).collect();
+        if names != wanted {
+            let (wanted, found) = (wanted.join(", "), names.join(", "));
+            return Err(format!("a port with {wanted} is wanted, not one with {found}"));
+        }
+        let Some((_, data)) = found.methods.first() else { return Ok(()) };
+        // `this`, and the element's name.
+        let arguments = if port.multiple { 2 } else { 1 };
+        if data.parameters.len() != arguments {
+            let kind = if port.multiple { "multiple" } else { "simple" };
+            let id = if port.multiple { "the name of an element" } else { "nothing" };
+            return Err(format!("the port is {kind}: its methods take {id}"));
+        }
+        let datum = self.pointer(data.result).and_then(|target| self.memory(port.ty, target));
+        datum.map_err(|why| format!("its data: {why}"))
+    }
+}

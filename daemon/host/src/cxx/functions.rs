@@ -1,0 +1,40 @@
+//! Finds the C++ function that is a codel, among those of its name.
+
+use genom_description::model::{Codel, Component};
+use genom_types::TypeTable;
+
+use super::{shim, spelling};
+use crate::library::Library;
+
+/// What a library has for a codel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Function {
+    /// The function, by its symbol.
+    Found(String),
+    /// Functions of that name with other parameters, demangled.
+    Others(Vec<String>),
+    /// None of that name.
+    Missing,
+}
+
+/// Looks for the codel among the C++ functions that the library exports.
+///
+/// Mangled names are compared by what they mean: spelling them anew, with the substitutions of
+/// the C++ ABI, would only tell that a symbol is missing, and not what is there instead.
+pub(crate) fn find(
+    library: &Library,
+    component: &Component,
+    types: &TypeTable,
+    codel: &Codel,
+) -> Function {
+    let wanted = spelling::codel(component, types, codel);
+    let mut others = Vec::new();
+    for symbol in library.mangled(&codel.name) {
+        let Some(text) = shim::demangled(&symbol) else { continue };
+        if spelling::compact(&text) == wanted {
+            return Function::Found(symbol);
+        }
+        others.push(text);
+    }
+    if others.is_empty() { Function::Missing } else { Function::Others(others) }
+}

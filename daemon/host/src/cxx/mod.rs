@@ -1,0 +1,21 @@
+//! Components with `lang "c++"` (genom3.md 6): names, types, ports and exceptions of C++ without
+//! any generated code.
+//!
+//! C++ objects are the codels' memory; records in C layout, which everything else of the host
+//! works on, are filled from them and fill them where requests and ports begin and end.
+
+mod exceptions;
+mod functions;
+mod layout;
+mod object;
+mod path;
+mod ports;
+mod shim;
+mod spelling;
+
+pub(crate) use exceptions::{Catcher, Exceptions};
+pub(crate) use functions::{Function, find};
+pub(crate) use layout::CxxType;
+pub(crate) use object::{Object, copy, to_cxx};
+pub(crate) use path::CxxPath;
+pub(crate) use ports::{Action, CxxPort, Handle};

@@ -1,0 +1,126 @@
+//! Ways to data inside C++ values. One of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use genom_types::PathStep;
+
+use super::layout::{CxxType, Shape};
+use super::object::{Vector, bounded_length};
+
+/// The way from a root type to a datum, in C++: as `CompiledPath` is in C.
+#[derive(Clone, Debug)]
+pub(crate) struct CxxPath {
+    target: CxxType,
+    hops: Vec<Hop>,
+    /// Bytes after the last hop.
+    offset: usize,
+}
+
+/// Passing through a sequence.
+#[derive(Clone, Copy, Debug)]
+struct Hop {
+    /// Bytes to the sequence from where the hop before ended.
+    offset: usize,
+    index: usize,
+    /// Bytes of an element.
+    size: usize,
+    /// Of a bounded sequence: where its length is, and the bound.
+    bounded: Option<(usize, usize)>,
+}
+
+impl CxxPath {
+    /// Resolves a way that was found right in C.
+    ///
+    /// # Errors
+    /// Why there is no such place, in a sentence.
+    pub(crate) fn new(root: &CxxType, steps: &[PathStep]) -> Result<Self, String> {
+        let mut path = Self { target: root.clone(), hops: Vec::new(), offset: 0 };
+        steps.iter().try_for_each(|step| path.step(*step))?;
+        Ok(path)
+    }
+
+    fn step(&mut self, step: PathStep) -> Result<(), String> {
+        while let Shape::Optional { element, at, .. } = self.target.node().shape {
+            self.offset += at;
+            self.target = self.target.at(element);
+        }
+        let here = self.target.clone();
+        let (element, bounded) = match (&here.node().shape, step) {
+            (Shape::Struct { parts }, PathStep::Member(rank)) => {
+                let part = parts.get(rank).ok_or("there is no such member")?;
+                self.offset += part.at;
+                self.target = here.at(part.node);
+                return Ok(());
+            }
+            (Shape::Array { element, .. }, PathStep::Index(index)) => {
+                self.target = here.at(*element);
+                self.offset += index as usize * self.target.size();
+                return Ok(());
+            }
+            (Shape::Plain, _) => {
+                // As in C, and so is all inside.
+                let inside = genom_types::CompiledPath::new(here.c(), &[step]);
+                let inside = inside.map_err(|why| why.to_string())?;
+                self.offset += inside.constant_offset().ok_or("a sequence is no plain type")?;
+                self.target = CxxType::new(inside.target())?;
+                return Ok(());
+            }
+            (Shape::Vector { element }, PathStep::Index(_)) => (*element, None),
+            (Shape::Bounded { element, bound, length_at }, PathStep::Index(_)) => {
+                (*element, Some((*length_at, *bound)))
+            }
+            (Shape::Flags, PathStep::Index(_)) => {
+                return Err("an element of std::vector<bool> has no address: make it a \
+                            sequence<octet>"
+                    .to_owned());
+            }
+            _ => return Err(format!("{} has no such part", here.c().name())),
+        };
+        let PathStep::Index(index) = step else { return Ok(()) };
+        self.target = here.at(element);
+        self.hops.push(Hop {
+            offset: std::mem::take(&mut self.offset),
+            index: index as usize,
+            size: self.target.size(),
+            bounded,
+        });
+        Ok(())
+    }
+
+    /// The type of the datum it leads to.
+    pub(crate) fn target(&self) -> &CxxType {
+        &self.target
+    }
+
+    /// Where the datum lies from the root, when no sequence is on the way.
+    pub(crate) fn constant_offset(&self) -> Option<usize> {
+        self.hops.is_empty().then_some(self.offset)
+    }
+
+    /// Address of the datum; `None` when a sequence on the way is too short.
+    ///
+    /// # Safety
+    /// `root` holds a value of the root type that nobody changes meanwhile.
+    pub(crate) unsafe fn locate(&self, root: *mut u8) -> Option<*mut u8> {
+        let mut at = root;
+        for hop in &self.hops {
+            // SAFETY: offsets come from the layouts, so a sequence lies there; elements below
+            // its length are values.
+            unsafe {
+                at = at.add(hop.offset);
+                let (first, length) = match hop.bounded {
+                    Some((length_at, bound)) => (at, bounded_length(at, length_at, bound)),
+                    None => {
+                        let vector = at.cast::<Vector>().read();
+                        (vector.begin, vector.length(hop.size))
+                    }
+                };
+                if hop.index >= length {
+                    return None;
+                }
+                at = first.add(hop.index * hop.size);
+            }
+        }
+        // SAFETY: as above.
+        Some(unsafe { at.add(self.offset) })
+    }
+}

@@ -1,0 +1,110 @@
+//! Ports as C++ codels see them: objects with virtual functions, which throw (genom3.md 6). One of
+//! the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::ffi::{CStr, c_char, c_int, c_void};
+use std::sync::Arc;
+
+use super::exceptions::Exceptions;
+use super::shim::{self, Methods, Raise};
+
+/// What a port does, whatever the language: `Err` names an exception, with its detail in C.
+pub(crate) trait CxxPort: Send + Sync {
+    /// Address of the datum.
+    fn data(&self, id: Option<&[u8]>) -> Result<usize, (&'static str, Vec<u8>)>;
+    /// Reads, writes, opens or closes.
+    fn act(&self, action: Action, id: Option<&[u8]>) -> Result<(), (&'static str, Vec<u8>)>;
+}
+
+/// What a method does, by the numbers of the shim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Action {
+    Read,
+    Write,
+    Open,
+    Close,
+}
+
+/// The object that codels get a reference to.
+pub(crate) struct Handle {
+    /// Made by the shim; needs no destruction.
+    object: Box<[usize; 3]>,
+    _bound: Box<Bound>,
+}
+
+/// What its methods work on.
+struct Bound {
+    port: Box<dyn CxxPort>,
+    exceptions: Arc<Exceptions>,
+}
+
+static METHODS: Methods = Methods { data, act };
+
+impl Handle {
+    /// The object for a port.
+    pub(crate) fn new(
+        port: Box<dyn CxxPort>,
+        (out, multiple): (bool, bool),
+        exceptions: &Arc<Exceptions>,
+    ) -> Self {
+        let bound = Box::new(Bound { port, exceptions: Arc::clone(exceptions) });
+        let mut object = Box::new([0; 3]);
+        // SAFETY: three words, as the shim wants; it keeps the address of the box's contents.
+        unsafe {
+            shim::genom_host_port_make(
+                object.as_mut_ptr(),
+                out.into(),
+                multiple.into(),
+                &raw const METHODS,
+                (&raw const *bound).cast(),
+            );
+        }
+        Self { object, _bound: bound }
+    }
+
+    /// Its address.
+    pub(crate) fn address(&self) -> *const c_void {
+        self.object.as_ptr().cast()
+    }
+}
+
+/// The id of a multiple port's element.
+///
+/// # Safety
+/// `id` is NULL or a C string.
+unsafe fn name<'a>(id: *const c_char) -> Option<&'a [u8]> {
+    // SAFETY: the caller's promise.
+    (!id.is_null()).then(|| unsafe { CStr::from_ptr(id) }.to_bytes())
+}
+
+unsafe extern "C" fn data(
+    bound: *const c_void,
+    id: *const c_char,
+    failed: *mut *const Raise,
+) -> *const c_void {
+    // SAFETY: the shim passes what the handle was made with, which lives as long as the handle.
+    let (bound, id) = unsafe { (&*bound.cast::<Bound>(), name(id)) };
+    match bound.port.data(id) {
+        Ok(at) => at as *const c_void,
+        Err((exception, detail)) => {
+            // SAFETY: the shim gives a place for it.
+            unsafe { failed.write(bound.exceptions.raise(exception, &detail)) };
+            std::ptr::null()
+        }
+    }
+}
+
+unsafe extern "C" fn act(bound: *const c_void, action: c_int, id: *const c_char) -> *const Raise {
+    // SAFETY: as above.
+    let (bound, id) = unsafe { (&*bound.cast::<Bound>(), name(id)) };
+    let action = match action {
+        0 => Action::Read,
+        1 => Action::Write,
+        2 => Action::Open,
+        _ => Action::Close,
+    };
+    match bound.port.act(action, id) {
+        Ok(()) => std::ptr::null(),
+        Err((exception, detail)) => bound.exceptions.raise(exception, &detail),
+    }
+}

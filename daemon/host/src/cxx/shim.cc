@@ -1,0 +1,227 @@
+// C++ objects for a host that knows their types at run time only: std::string, storage of
+// std::vector, handles of ports with a vtable, exceptions. The layouts that Rust code relies on
+// are asserted here, for the C++ library that this host and the codels share.
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <cxxabi.h>
+#include <new>
+#include <string>
+#include <type_traits>
+#include <typeinfo>
+#include <vector>
+
+#include "genom3/c++/exception.h"
+#include "genom3/c++/idloptional.h"
+#include "genom3/c++/idlsequence.h"
+
+static_assert(sizeof(void *) == 8, "the types' sizes are those of 64-bit machines");
+static_assert(sizeof(std::vector<double>) == 3 * sizeof(void *), "begin, end, end of storage");
+static_assert(sizeof(std::vector<std::string>) == 3 * sizeof(void *), "for any element");
+static_assert(alignof(std::vector<double>) == alignof(void *), "");
+static_assert(alignof(std::string) == 8 && alignof(std::vector<bool>) == 8, "");
+
+typedef genom::bounded_sequence<double, 4> four;
+typedef genom::bounded_sequence<char, 3> three;
+static_assert(std::is_standard_layout<four>::value && std::is_aggregate<four>::value, "");
+static_assert(offsetof(four, e) == 0 && offsetof(four, n) == 32 && sizeof(four) == 40, "");
+static_assert(offsetof(three, n) == 8 && sizeof(three) == 16, "");
+static_assert(sizeof(four::size_type) == 8, "");
+typedef genom::optional<double> maybe;
+static_assert(std::is_standard_layout<maybe>::value && std::is_aggregate<maybe>::value, "");
+static_assert(offsetof(maybe, _present) == 0 && offsetof(maybe, _value) == 8, "");
+enum plain_enum { A = 0, genom_max_plain_enum = 0xffffffff };
+static_assert(sizeof(plain_enum) == 4, "enums are 32 bits wide");
+// A vtable pointer, then the detail.
+static_assert(sizeof(genom::exception) == 8 && std::is_polymorphic<genom::exception>::value, "");
+static_assert(sizeof(genom::unkex) == 8 + 128 && sizeof(genom::syserr) == 16, "");
+
+// Whether std::vector keeps begin, end and end of storage in this order: no member tells.
+template <typename T> static bool keeps(const T &value)
+{
+  std::vector<T> v;
+  void *words[3];
+  static_assert(sizeof(words) == sizeof(v), "");
+  std::memcpy(words, &v, sizeof(words));
+  if (words[0] || words[1] || words[2]) return false;
+  v.reserve(5);
+  v.push_back(value);
+  v.push_back(value);
+  std::memcpy(words, &v, sizeof(words));
+  return words[0] == &v[0] && words[1] == &v[0] + 2 && words[2] == &v[0] + v.capacity();
+}
+
+extern "C" int genom_host_cxx_layout_holds() noexcept
+{
+  return keeps<std::int8_t>(1) && keeps<double>(1) && keeps<std::string>("x") &&
+         keeps<std::vector<double>>({1});
+}
+
+extern "C" std::size_t genom_host_string_size() noexcept { return sizeof(std::string); }
+extern "C" std::size_t genom_host_flags_size() noexcept { return sizeof(std::vector<bool>); }
+
+extern "C" void genom_host_string_make(void *at) noexcept { new (at) std::string; }
+
+extern "C" void genom_host_string_drop(void *at) noexcept
+{
+  static_cast<std::string *>(at)->~basic_string();
+}
+
+extern "C" void genom_host_string_set(void *at, const char *text, std::size_t length) noexcept
+{
+  static_cast<std::string *>(at)->assign(text, length);
+}
+
+extern "C" const char *genom_host_string_get(const void *at, std::size_t *length) noexcept
+{
+  const std::string &text = *static_cast<const std::string *>(at);
+  *length = text.size();
+  return text.data();
+}
+
+// std::vector<bool> packs bits: read and written here only.
+typedef std::vector<bool> flags;
+
+extern "C" void genom_host_flags_make(void *at) noexcept { new (at) flags; }
+extern "C" void genom_host_flags_drop(void *at) noexcept { static_cast<flags *>(at)->~flags(); }
+
+extern "C" void genom_host_flags_set(void *at, const std::uint8_t *from, std::size_t n) noexcept
+{
+  flags &to = *static_cast<flags *>(at);
+  to.resize(n);
+  for (std::size_t i = 0; i < n; i++) to[i] = from[i] != 0;
+}
+
+extern "C" std::size_t genom_host_flags_length(const void *at) noexcept
+{
+  return static_cast<const flags *>(at)->size();
+}
+
+extern "C" void genom_host_flags_get(const void *at, std::uint8_t *to) noexcept
+{
+  const flags &from = *static_cast<const flags *>(at);
+  for (std::size_t i = 0; i < from.size(); i++) to[i] = from[i];
+}
+
+// What std::allocator does.
+extern "C" void *genom_host_storage(std::size_t bytes) noexcept { return ::operator new(bytes); }
+extern "C" void genom_host_storage_free(void *at) noexcept { ::operator delete(at); }
+
+// The demangled name, for free(); null when it is none.
+extern "C" char *genom_host_demangle(const char *name) noexcept
+{
+  int status = 0;
+  return abi::__cxa_demangle(name, nullptr, nullptr, &status);
+}
+
+// An exception for a codel: made of a vtable in the host's memory and the bytes of a detail.
+struct raise {
+  const void *vtable;
+  const std::type_info *type;
+  const void *detail;
+  std::size_t size;
+};
+
+static void throw_it(const raise *what)
+{
+  if (!what) return;
+  char *object = static_cast<char *>(abi::__cxa_allocate_exception(8 + what->size));
+  std::memcpy(object, &what->vtable, 8);
+  if (what->size) std::memcpy(object + 8, what->detail, what->size);
+  abi::__cxa_throw(object, const_cast<std::type_info *>(what->type), nullptr);
+}
+
+// what() of such an exception: its vtable has the name behind this function.
+extern "C" const char *genom_host_raised_what(const void *self) noexcept
+{
+  const char *const *const *object = static_cast<const char *const *const *>(self);
+  return (*object)[1];
+}
+
+// The type of exceptions that the codels have no type for.
+extern "C" const void *genom_host_exception_type() noexcept { return &typeid(genom::exception); }
+
+// Ports, as genom3.md 6 declares them, for data of any type: a reference is an address.
+struct methods {
+  const void *(*data)(void *port, const char *id, const raise **failed);
+  const raise *(*act)(void *port, int action, const char *id);
+};
+
+enum { READ = 0, WRITE = 1, OPEN = 2, CLOSE = 3 };
+
+struct handle {
+  const methods *m;
+  void *port;
+
+  const void *data(const char *id) const
+  {
+    const raise *failed = nullptr;
+    const void *at = m->data(port, id, &failed);
+    throw_it(failed);
+    return at;
+  }
+  void act(int action, const char *id) const { throw_it(m->act(port, action, id)); }
+};
+
+struct in_port {
+  virtual const void *data() const { return h.data(nullptr); }
+  virtual void read() { h.act(READ, nullptr); }
+  handle h;
+  explicit in_port(handle h): h(h) {}
+};
+
+struct out_port {
+  virtual const void *data() const { return h.data(nullptr); }
+  virtual void write() { h.act(WRITE, nullptr); }
+  handle h;
+  explicit out_port(handle h): h(h) {}
+};
+
+struct multiple_in_port {
+  virtual const void *data(const char *id) const { return h.data(id); }
+  virtual void read(const char *id) { h.act(READ, id); }
+  handle h;
+  explicit multiple_in_port(handle h): h(h) {}
+};
+
+struct multiple_out_port {
+  virtual const void *data(const char *id) const { return h.data(id); }
+  virtual void write(const char *id) { h.act(WRITE, id); }
+  virtual void open(const char *id) { h.act(OPEN, id); }
+  virtual void close(const char *id) { h.act(CLOSE, id); }
+  handle h;
+  explicit multiple_out_port(handle h): h(h) {}
+};
+
+static_assert(sizeof(in_port) == 24 && sizeof(multiple_out_port) == 24, "three words");
+
+// Makes a handle in three words at `at`: it needs no destruction.
+extern "C" void genom_host_port_make(
+  void *at, int out, int multiple, const methods *m, void *port) noexcept
+{
+  const handle h = {m, port};
+  if (multiple) {
+    if (out)
+      new (at) multiple_out_port(h);
+    else
+      new (at) multiple_in_port(h);
+  } else {
+    if (out)
+      new (at) out_port(h);
+    else
+      new (at) in_port(h);
+  }
+}
+
+// A remote's function is made by libffi, which calls this: exceptions pass through it.
+struct remote {
+  const raise *(*call)(const void *data, void *const *arguments);
+  const void *data;
+};
+
+extern "C" void genom_host_remote_enter(void *, void *, void **arguments, const remote *bound)
+{
+  throw_it(bound->call(bound->data, arguments));
+}
