@@ -77,6 +77,7 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
     inputs.extend(recipe.descriptions.iter().cloned());
     inputs.extend(files(&include.join("genom"), &["h"])?);
     inputs.extend(files(&include.join("genom3/c"), &["h"])?);
+    inputs.extend(files(&include.join("genom3/c++"), &["h"])?);
     let made_of = fingerprint(&commands, &inputs)?;
     let record = library.with_extension("so.made-of");
     if library.exists() && std::fs::read_to_string(&record).is_ok_and(|old| old == made_of) {

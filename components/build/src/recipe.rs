@@ -7,7 +7,7 @@ use crate::BuildError;
 /// What the codels of a component are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Language {
-    /// C, or C++ with C linkage, by the extension of each source.
+    /// C or C++, by the extension of each source.
     C,
     /// Rust: a package of the workspace of the component's name.
     Rust,
@@ -61,6 +61,7 @@ pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
         Recipe::new("demo-2010", "demo", demo.join("papers/2010"))?,
         Recipe::new("demo-2011", "demo", demo.join("papers/2011"))?,
         Recipe { language: Language::Rust, ..Recipe::new("demo-rs", "demo-rs", demo)? },
+        Recipe::new("demo-cpp", "demo-cpp", components.join("demo-cpp"))?,
     ];
     for directory in folders(&components.join("faults"))? {
         let name = directory.file_name().unwrap_or_default().to_string_lossy().into_owned();
