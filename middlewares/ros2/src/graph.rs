@@ -6,10 +6,10 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use genom_middleware::{Address, Endpoint, EndpointKind, OpenError};
+use genom_rosidl::TypeName;
 use rustdds::GUID;
 
 use crate::info::{self, End, Ends, Gid, Node, Nodes};
-use crate::names::TypeName;
 use crate::process::Process;
 
 /// News of an end that is just being closed elsewhere may be under way for so long.

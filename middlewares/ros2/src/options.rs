@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr};
 
-use crate::names::TypeName;
+use genom_rosidl::TypeName;
 
 /// Greatest domain whose ports fit (RTPS 9.6.1.1).
 const LAST_DOMAIN: u16 = 232;

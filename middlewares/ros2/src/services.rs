@@ -7,6 +7,7 @@ use genom_middleware::describe::types_of_service;
 use genom_middleware::{
     Address, Client, EndpointKind, OpenError, Served, ServiceHandler, ServiceKind, ServiceType,
 };
+use genom_rosidl::TypeName;
 use rustdds::{GUID, RTPSEntity, Timestamp};
 
 use crate::backend::Core;
@@ -14,7 +15,7 @@ use crate::channel::{ClientEnd, Maker, Names, ServerEnd};
 use crate::client::{ActionEnd, Feedback, Ros2Client, Runs, Way};
 use crate::goals::{ActionServer, Ends, Ros2Action};
 use crate::graph::{Claim, Service, Wanted};
-use crate::names::{self, TypeName};
+use crate::names;
 use crate::parameters::Parameters;
 use crate::post::Post;
 use crate::server::{Ros2Served, Server, lock};

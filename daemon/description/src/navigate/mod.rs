@@ -17,8 +17,10 @@ pub use symbol::{Symbol, SymbolKind};
 
 use std::path::{Path, PathBuf};
 
+use genom_types::ScopedName;
+
 use self::extent::Extents;
-use self::symbol::Table;
+use self::symbol::{Space, Table};
 use self::walk::Walker;
 use crate::model::Span;
 use crate::read::{Analysis, Options, parse_files};
@@ -73,6 +75,19 @@ impl Navigator {
             .take(8)
             .copied()
             .find(|(span, _)| span.end >= offset)
+    }
+
+    /// Where something is declared: a type, or a member of one, by its full name.
+    #[must_use]
+    pub fn declared(&self, name: &ScopedName, member: Option<&str>) -> Option<Span> {
+        let mut at = 0;
+        for segment in name.segments() {
+            at = self.table.local(at, Space::Scope, segment)?;
+        }
+        if let Some(member) = member {
+            at = self.table.local(at, Space::Member, member)?;
+        }
+        self.table.get(at).map(|symbol| symbol.span)
     }
 
     /// Where what stands at a byte is declared, or the file that is included there.

@@ -35,6 +35,7 @@ mod outcome;
 mod ports;
 mod publish;
 mod reference;
+mod ros2_package;
 mod start;
 mod stats;
 mod step;
@@ -90,6 +91,7 @@ pub(crate) enum Verb {
     Header(header::Args),
     Graph(graph::Args),
     Digest(digest::Args),
+    Ros2Package(ros2_package::Args),
     Lsp(lsp::Args),
     Completion(completion::Args),
     Man(man::Args),
@@ -137,6 +139,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Header(args) => header::run(&args, session),
         Verb::Graph(args) => graph::run(&args, session),
         Verb::Digest(args) => digest::run(&args, session),
+        Verb::Ros2Package(args) => ros2_package::run(&args, session),
         Verb::Lsp(args) => lsp::run(&args),
         Verb::Completion(args) => completion::run(&args, session),
         Verb::Man(args) => man::run(&args, session),

@@ -1,0 +1,254 @@
+//! RIHS01: the hash by which ROS 2 knows that two types are the same (REP-2016).
+//!
+//! It is the SHA-256 of a JSON text that has names and members of a type and of all types in it.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use sha2::{Digest, Sha256};
+
+use crate::interface::{Base, Field, Interface, Message, Service, Shape};
+use crate::names::TypeName;
+
+/// A type inside another one is not known.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0} has to be known for the hash of a type that contains it")]
+pub struct HashError(pub TypeName);
+
+/// The hash of an interface, `RIHS01_` and 64 digits. `find` knows the messages inside.
+///
+/// # Errors
+/// `find` does not know one.
+pub fn hash(
+    interface: &Interface,
+    find: &dyn Fn(&TypeName) -> Option<Message>,
+) -> Result<String, HashError> {
+    let mut all = BTreeMap::new();
+    let whole = whole(interface, &mut all);
+    let mut todo: Vec<Message> = all.values().cloned().chain([whole.clone()]).collect();
+    while let Some(message) = todo.pop() {
+        for field in &message.fields {
+            let Base::Message(name) = &field.base else { continue };
+            if all.contains_key(name) {
+                continue;
+            }
+            let found = find(name).or_else(|| implied(name));
+            let inner = found.ok_or_else(|| HashError(name.clone()))?;
+            all.insert(name.clone(), inner.clone());
+            todo.push(inner);
+        }
+    }
+    let mut text = String::from("{\"type_description\": ");
+    describe(&whole, &mut text);
+    text.push_str(", \"referenced_type_descriptions\": [");
+    // In the order of their names as text.
+    let mut others: Vec<&Message> = all.values().collect();
+    others.sort_by_key(|message| message.name.to_string());
+    for (rank, message) in others.into_iter().enumerate() {
+        text.push_str(if rank > 0 { ", " } else { "" });
+        describe(message, &mut text);
+    }
+    text.push_str("]}");
+    let mut out = String::from("RIHS01_");
+    for byte in Sha256::digest(text.as_bytes()) {
+        _ = write!(out, "{byte:02x}");
+    }
+    Ok(out)
+}
+
+/// The interface as one message; `all` gets the messages that it is made of.
+fn whole(interface: &Interface, all: &mut BTreeMap<TypeName, Message>) -> Message {
+    match interface {
+        Interface::Message(message) => message.clone(),
+        Interface::Service(service) => service_message(service, all),
+        Interface::Action(action) => {
+            let name = &action.name;
+            let id = || one("goal_id", TypeName::new("unique_identifier_msgs", "msg", "UUID"));
+            let stamp = one("stamp", TypeName::new("builtin_interfaces", "msg", "Time"));
+            let part = |suffix: &str, fields| Message { fields, ..Message::new(name.part(suffix)) };
+            let send = Service {
+                name: name.part("_SendGoal"),
+                request: part("_SendGoal_Request", vec![id(), one("goal", name.part("_Goal"))]),
+                response: part(
+                    "_SendGoal_Response",
+                    vec![Field::one("accepted", Base::Bool), stamp],
+                ),
+            };
+            let get = Service {
+                name: name.part("_GetResult"),
+                request: part("_GetResult_Request", vec![id()]),
+                response: part(
+                    "_GetResult_Response",
+                    vec![Field::one("status", Base::Int8), one("result", name.part("_Result"))],
+                ),
+            };
+            let feedback = one("feedback", name.part("_Feedback"));
+            let feedback = part("_FeedbackMessage", vec![id(), feedback]);
+            for message in [&action.goal, &action.result, &action.feedback, &feedback] {
+                all.insert(message.name.clone(), message.clone());
+            }
+            for service in [&send, &get] {
+                let message = service_message(service, all);
+                all.insert(message.name.clone(), message);
+            }
+            let fields = [
+                ("goal", "_Goal"),
+                ("result", "_Result"),
+                ("feedback", "_Feedback"),
+                ("send_goal_service", "_SendGoal"),
+                ("get_result_service", "_GetResult"),
+                ("feedback_message", "_FeedbackMessage"),
+            ];
+            let fields = fields.map(|(field, suffix)| one(field, name.part(suffix)));
+            Message { fields: fields.into(), ..Message::new(name.clone()) }
+        }
+    }
+}
+
+fn one(name: &str, ty: TypeName) -> Field {
+    Field::one(name, Base::Message(ty))
+}
+
+fn service_message(service: &Service, all: &mut BTreeMap<TypeName, Message>) -> Message {
+    let event = service.name.part("_Event");
+    let at_most_one = |name: &str, ty: &TypeName| Field {
+        shape: Shape::Sequence(Some(1)),
+        ..one(name, ty.clone())
+    };
+    let info = TypeName::new("service_msgs", "msg", "ServiceEventInfo");
+    let fields = vec![
+        one("info", info),
+        at_most_one("request", &service.request.name),
+        at_most_one("response", &service.response.name),
+    ];
+    let event = Message { fields, ..Message::new(event) };
+    for message in [&service.request, &service.response, &event] {
+        all.insert(message.name.clone(), message.clone());
+    }
+    let fields = vec![
+        one("request_message", service.request.name.clone()),
+        one("response_message", service.response.name.clone()),
+        one("event_message", event.name),
+    ];
+    Message { fields, ..Message::new(service.name.clone()) }
+}
+
+/// What every service and action has in it.
+fn implied(name: &TypeName) -> Option<Message> {
+    crate::standard::message(name)
+}
+
+fn describe(message: &Message, out: &mut String) {
+    _ = write!(out, "{{\"type_name\": \"{}\", \"fields\": [", message.name);
+    // ROS has no empty messages.
+    let filler = [Field::one("structure_needs_at_least_one_member", Base::UInt8)];
+    let fields = if message.fields.is_empty() { &filler[..] } else { &message.fields };
+    for (rank, field) in fields.iter().enumerate() {
+        let (id, capacity, string_capacity, nested) = numbers(field);
+        _ = write!(
+            out,
+            "{}{{\"name\": \"{}\", \"type\": {{\"type_id\": {id}, \"capacity\": {capacity}, \
+             \"string_capacity\": {string_capacity}, \"nested_type_name\": \"{nested}\"}}}}",
+            if rank > 0 { ", " } else { "" },
+            field.name,
+        );
+    }
+    out.push_str("]}");
+}
+
+/// `type_description_interfaces/msg/FieldType`: id, capacity, capacity of strings, name.
+fn numbers(field: &Field) -> (u32, u32, u32, String) {
+    let (id, string, nested) = match &field.base {
+        Base::Message(name) => (1, 0, name.to_string()),
+        Base::Int8 => (2, 0, String::new()),
+        Base::UInt8 => (3, 0, String::new()),
+        Base::Int16 => (4, 0, String::new()),
+        Base::UInt16 => (5, 0, String::new()),
+        Base::Int32 => (6, 0, String::new()),
+        Base::UInt32 => (7, 0, String::new()),
+        Base::Int64 => (8, 0, String::new()),
+        Base::UInt64 => (9, 0, String::new()),
+        Base::Float32 => (10, 0, String::new()),
+        Base::Float64 => (11, 0, String::new()),
+        Base::Bool => (15, 0, String::new()),
+        Base::Byte => (16, 0, String::new()),
+        Base::String(None) => (17, 0, String::new()),
+        Base::WString(None) => (18, 0, String::new()),
+        Base::String(Some(most)) => (21, *most, String::new()),
+        Base::WString(Some(most)) => (22, *most, String::new()),
+    };
+    let (more, capacity) = match field.shape {
+        Shape::One => (0, 0),
+        Shape::Array(count) => (48, count),
+        Shape::Sequence(Some(most)) => (96, most),
+        Shape::Sequence(None) => (144, 0),
+    };
+    (id + more, capacity, string, nested)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{parse, standard};
+
+    /// As the packages of ROS 2 Jazzy tell them (`share/PACKAGE/FOLDER/NAME.json`).
+    const PUBLISHED: &[(&str, &str)] = &[
+        (
+            "std_srvs/srv/Empty",
+            "RIHS01_5888399dedec5ccc85ea6451949fd2c9f97bfdf963f9a588821639fcd31b5d19",
+        ),
+        (
+            "std_srvs/srv/SetBool",
+            "RIHS01_abe9e4bb6b41b40e6789712c00ec8871923e089af3f667a79992a428cff2da0a",
+        ),
+        (
+            "std_srvs/srv/Trigger",
+            "RIHS01_eeff2cd6fa5ad9d27cdf4dec64818317839b62f212a91e6b5304b634b2062c5f",
+        ),
+        (
+            "test_msgs/action/Fibonacci",
+            "RIHS01_be9273e3557225044b4a040811112491f7079326e3a573f83258b0b4c30bd069",
+        ),
+        (
+            "action_msgs/srv/CancelGoal",
+            "RIHS01_573d8b0a534451d7bc2ac8c5ffde8ac14b8593b7001175d0cd6516dcbeb8689a",
+        ),
+        (
+            "geometry_msgs/msg/Pose",
+            "RIHS01_d501954e9476cea2996984e812054b68026ae0bfae789d9a10b23daf35cc90fa",
+        ),
+        (
+            "geometry_msgs/msg/TwistWithCovarianceStamped",
+            "RIHS01_77b67434531e6529b7a0091357b186b6ebdb17fd9ffd3e0c7ce9d3fb11a44563",
+        ),
+        (
+            "std_msgs/msg/Header",
+            "RIHS01_f49fb3ae2cf070f793645ff749683ac6b06203e41c891e17701b1cb597ce6a01",
+        ),
+        (
+            "std_msgs/msg/Empty",
+            "RIHS01_20b625256f32d5dbc0d04fee44f43c41e51c70d3502f84b4a08e7a9c26a96312",
+        ),
+        (
+            "std_msgs/msg/Byte",
+            "RIHS01_41e1a3345f73fe93ede006da826a6ee274af23dd4653976ff249b0f44e3e798f",
+        ),
+    ];
+
+    #[test]
+    fn hashes_are_those_that_ros_publishes() {
+        for (name, published) in PUBLISHED {
+            let interface = &standard::all()[&TypeName::parse(name).unwrap()];
+            let hash = hash(interface, &standard::message).unwrap();
+            assert_eq!(hash, *published, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_type_whose_members_are_not_known_has_no_hash() {
+        let name = TypeName::new("demo", "msg", "A");
+        let interface = parse(&name, "B b\n").unwrap();
+        let error = hash(&interface, &|_| None).unwrap_err();
+        assert_eq!(error, HashError(TypeName::new("demo", "msg", "B")));
+    }
+}

@@ -1,0 +1,237 @@
+//! What types are called in ROS 2, and how DDS spells that.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use genom_types::{Kind, ScopedName, TypeId, TypeTable};
+
+/// Package of types that belong to no component: anonymous ones.
+const ANONYMOUS: &str = "genom_types";
+
+/// A ROS type such as `demo/msg/State`.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TypeName {
+    /// Its package.
+    pub package: String,
+    /// `msg`, `srv` or `action`.
+    pub folder: String,
+    /// Its own name.
+    pub name: String,
+}
+
+impl fmt::Display for TypeName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}/{}/{}", self.package, self.folder, self.name)
+    }
+}
+
+impl TypeName {
+    /// A name from its parts.
+    #[must_use]
+    pub fn new(package: &str, folder: &str, name: &str) -> Self {
+        Self { package: package.to_owned(), folder: folder.to_owned(), name: name.to_owned() }
+    }
+
+    /// Reads `geometry_msgs/msg/Pose`.
+    #[must_use]
+    pub fn parse(text: &str) -> Option<Self> {
+        let mut parts = text.split('/');
+        let (package, folder, name) = (parts.next()?, parts.next()?, parts.next()?);
+        let legal = |part: &str| {
+            part.starts_with(|c: char| c.is_ascii_alphabetic())
+                && part.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        };
+        let known = ["msg", "srv", "action"].contains(&folder);
+        (parts.next().is_none() && known && legal(package) && legal(name))
+            .then(|| Self::new(package, folder, name))
+    }
+
+    /// How DDS spells it: `demo::msg::dds_::State_`, with a suffix for the parts of services.
+    #[must_use]
+    pub fn to_dds(&self, suffix: &str) -> String {
+        format!("{}::{}::dds_::{}{suffix}_", self.package, self.folder, self.name)
+    }
+
+    /// The ROS spelling of a DDS name, as it is when it is none of ROS.
+    #[must_use]
+    pub fn from_dds(name: &str) -> String {
+        let parts = name.strip_suffix('_').and_then(|name| name.split_once("::dds_::"));
+        match parts {
+            Some((scope, name)) => format!("{}/{name}", scope.replace("::", "/")),
+            None => name.to_owned(),
+        }
+    }
+
+    /// A part of this service or action: `_Request`, `_SendGoal`.
+    #[must_use]
+    pub fn part(&self, suffix: &str) -> Self {
+        Self { name: format!("{}{suffix}", self.name), ..self.clone() }
+    }
+}
+
+/// The message that a port of this type carries.
+#[must_use]
+pub fn message(table: &TypeTable, id: TypeId) -> TypeName {
+    let standard = match table.resolved(id) {
+        Kind::Boolean => "Bool",
+        Kind::Char => "Int8",
+        Kind::Octet => "UInt8",
+        Kind::Short => "Int16",
+        Kind::UnsignedShort => "UInt16",
+        Kind::Long => "Int32",
+        Kind::UnsignedLong => "UInt32",
+        Kind::LongLong => "Int64",
+        Kind::UnsignedLongLong => "UInt64",
+        Kind::Float => "Float32",
+        Kind::Double => "Float64",
+        Kind::String { .. } => "String",
+        // A struct is its own message, under whatever typedef.
+        Kind::Struct { name, .. } | Kind::Union { name, .. } | Kind::Exception { name, .. } => {
+            return scoped(name, "msg");
+        }
+        _ => "",
+    };
+    if !standard.is_empty() {
+        return TypeName::new("std_msgs", "msg", standard);
+    }
+    match table.kind(id).name() {
+        Some(name) => scoped(name, "msg"),
+        None => TypeName::new(ANONYMOUS, "msg", &camel([table.c_name(id).as_str()])),
+    }
+}
+
+/// What a type goes under, by the full name of it or of what it is a typedef of.
+#[must_use]
+pub fn masqueraded<'m, T>(
+    table: &TypeTable,
+    mut ty: TypeId,
+    masquerades: &'m BTreeMap<String, T>,
+) -> Option<&'m T> {
+    for _ in 0..=table.len() {
+        let kind = table.kind(ty);
+        let found = kind.name().and_then(|name| masquerades.get(&name.to_string()));
+        match (found, kind) {
+            (None, Kind::Typedef { target, .. }) => ty = *target,
+            (found, _) => return found,
+        }
+    }
+    None
+}
+
+/// Package and name of a scoped name: `::or_pose::track::state` is `or_pose/msg/TrackState`.
+fn scoped(name: &ScopedName, folder: &str) -> TypeName {
+    match name.segments() {
+        [] => TypeName::new(ANONYMOUS, folder, "Unnamed"),
+        [alone] => TypeName::new(ANONYMOUS, folder, &camel([alone.as_str()])),
+        [first, rest @ ..] => {
+            TypeName::new(&package(first), folder, &camel(rest.iter().map(String::as_str)))
+        }
+    }
+}
+
+/// The full name of the service whose input struct this is, `::component::service`: the struct is
+/// `::component::service::input`.
+#[must_use]
+pub fn service_of(table: &TypeTable, input: TypeId) -> Option<ScopedName> {
+    match table.resolved(input) {
+        Kind::Struct { name, .. } => match name.segments() {
+            [service @ .., last] if last == "input" && service.len() > 1 => {
+                Some(ScopedName::new(service))
+            }
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// The type of a service with that input struct; `folder` is `srv` or `action`. `name` is what it
+/// is called where the struct does not say.
+#[must_use]
+pub fn service(table: &TypeTable, input: TypeId, name: &str, folder: &str) -> TypeName {
+    if let Some(service) = service_of(table, input) {
+        return scoped(&service, folder);
+    }
+    match table.resolved(input).name().and_then(|name| name.segments().first()) {
+        Some(component) => TypeName::new(&package(component), folder, &camel([name])),
+        None => TypeName::new(ANONYMOUS, folder, &camel([name])),
+    }
+}
+
+/// A legal package name: small letters, digits, single underscores.
+pub(crate) fn package(scope: &str) -> String {
+    let legal = scope.starts_with(|c: char| c.is_ascii_lowercase())
+        && scope.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
+        && !scope.ends_with('_')
+        && !scope.contains("__");
+    if legal { scope.to_owned() } else { format!("genom_{}", snake(scope)) }
+}
+
+/// Small letters, digits and single underscores: `maxSpeed` is `max_speed`.
+pub(crate) fn snake(name: &str) -> String {
+    let mut out = String::new();
+    let mut before = '_';
+    for c in name.chars() {
+        let begins = c.is_ascii_uppercase() && !before.is_ascii_uppercase();
+        if (begins || c == '_') && !out.is_empty() && !out.ends_with('_') {
+            out.push('_');
+        }
+        if c != '_' {
+            out.push(c.to_ascii_lowercase());
+        }
+        before = c;
+    }
+    out.truncate(out.trim_end_matches('_').len());
+    out
+}
+
+/// `[track, arm_state]` is `TrackArmState`.
+pub(crate) fn camel<'a>(segments: impl IntoIterator<Item = &'a str>) -> String {
+    let mut out = String::new();
+    for word in segments.into_iter().flat_map(|s| s.split(|c: char| !c.is_ascii_alphanumeric())) {
+        let mut letters = word.chars();
+        out.extend(letters.next().map(|first| first.to_ascii_uppercase()));
+        out.push_str(letters.as_str());
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packages_are_legal() {
+        for (scope, name) in [
+            ("demo", "demo"),
+            ("or_pose_estimator", "or_pose_estimator"),
+            ("Demo", "genom_demo"),
+            ("_x", "genom_x"),
+            ("a__B_", "genom_a_b"),
+        ] {
+            assert_eq!(package(scope), name);
+        }
+    }
+
+    #[test]
+    fn types_are_named_after_their_scope_or_as_the_standard_messages() {
+        let mut table = TypeTable::default();
+        let state = ScopedName::new(["or_pose", "track", "arm_state"]);
+        let cases = [
+            (Kind::Struct { name: state, members: vec![] }, "or_pose/msg/TrackArmState"),
+            (Kind::Double, "std_msgs/msg/Float64"),
+            (Kind::String { bound: Some(8) }, "std_msgs/msg/String"),
+        ];
+        for (kind, ros) in cases {
+            let id = table.add(kind);
+            let name = message(&table, id);
+            assert_eq!(TypeName::from_dds(&name.to_dds("")), ros);
+            assert_eq!(TypeName::parse(ros), Some(name));
+        }
+        let double = table.add(Kind::Double);
+        let row = table.add(Kind::Sequence { element: double, bound: Some(3) });
+        let name = ScopedName::new(["demo", "row"]);
+        let named = table.add(Kind::Typedef { name, target: row });
+        assert_eq!(message(&table, row).to_dds(""), "genom_types::msg::dds_::Sequence3Double_");
+        assert_eq!(message(&table, named).to_dds(""), "demo::msg::dds_::Row_");
+    }
+}
