@@ -18,6 +18,7 @@ pub mod json;
 pub mod kind;
 mod layout;
 mod memory;
+pub mod message;
 mod names;
 mod path;
 mod record;

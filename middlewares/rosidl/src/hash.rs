@@ -9,6 +9,7 @@ use sha2::{Digest, Sha256};
 
 use crate::interface::{Base, Field, Interface, Message, Service, Shape};
 use crate::names::TypeName;
+use crate::structure::Find;
 
 /// A type inside another one is not known.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -19,10 +20,7 @@ pub struct HashError(pub TypeName);
 ///
 /// # Errors
 /// `find` does not know one.
-pub fn hash(
-    interface: &Interface,
-    find: &dyn Fn(&TypeName) -> Option<Message>,
-) -> Result<String, HashError> {
+pub fn hash(interface: &Interface, find: Find<'_>) -> Result<String, HashError> {
     let mut all = BTreeMap::new();
     let whole = whole(interface, &mut all);
     let mut todo: Vec<Message> = all.values().cloned().chain([whole.clone()]).collect();
@@ -228,6 +226,14 @@ mod tests {
         (
             "std_msgs/msg/Empty",
             "RIHS01_20b625256f32d5dbc0d04fee44f43c41e51c70d3502f84b4a08e7a9c26a96312",
+        ),
+        (
+            "service_msgs/msg/ServiceEventInfo",
+            "RIHS01_41bcbbe07a75c9b52bc96bfd5c24d7f0fc0a08c0cb7921b3373c5732345a6f45",
+        ),
+        (
+            "std_msgs/msg/Char",
+            "RIHS01_3ad2d04dd29ba19d04b16659afa3ccaedd691914b02a64e82e252f2fa6a586a9",
         ),
         (
             "std_msgs/msg/Byte",

@@ -31,4 +31,4 @@ pub use masquerade::{Failure, Manner, MasqueradeError, Ours};
 pub use names::{TypeName, masqueraded, message, service, service_of};
 pub use package::{PackageError, Packages};
 pub use parse::{ParseError, parse};
-pub use structure::{Difference, compare};
+pub use structure::{Difference, Find, compare};

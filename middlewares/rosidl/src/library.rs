@@ -20,7 +20,7 @@ pub enum LibraryError {
     )]
     Unknown {
         /// The type.
-        name: TypeName,
+        name: Box<TypeName>,
         /// What was looked for.
         file: String,
         /// Where.
@@ -40,7 +40,7 @@ pub enum LibraryError {
         /// The file.
         path: PathBuf,
         /// What is wrong.
-        error: ParseError,
+        error: Box<ParseError>,
     },
 }
 
@@ -85,11 +85,12 @@ impl Library {
             let folders: Vec<_> = self.folders.iter().map(|f| f.display().to_string()).collect();
             let folders =
                 if folders.is_empty() { "any folder given".to_owned() } else { folders.join(", ") };
-            return Err(LibraryError::Unknown { name: name.clone(), file, folders });
+            return Err(LibraryError::Unknown { name: Box::new(name.clone()), file, folders });
         };
         let text = std::fs::read_to_string(&path)
             .map_err(|error| LibraryError::File { path: path.clone(), why: error.to_string() })?;
-        let interface = parse(name, &text).map_err(|error| LibraryError::Text { path, error })?;
+        let interface = parse(name, &text)
+            .map_err(|error| LibraryError::Text { path, error: Box::new(error) })?;
         read.insert(name.clone(), interface.clone());
         Ok(interface)
     }

@@ -175,7 +175,7 @@ impl<'a> Mapper<'a> {
             self.made.insert(name.clone(), (ty, interface));
             return Ok(());
         };
-        Err(MapError { place: at.clone(), problem })
+        Err(MapError { place: at.clone(), problem: Box::new(problem) })
     }
 
     /// Has the message of a type made, unless it was.
@@ -187,14 +187,14 @@ impl<'a> Mapper<'a> {
             return match other {
                 Some(other) if *other != ty && !self.table.equal(*other, ty) => {
                     let other = self.table.spelling(*other);
-                    let problem = Problem::TypeClash(name.clone(), other);
+                    let problem = Box::new(Problem::TypeClash(name.clone(), other));
                     Err(MapError { place: at, problem })
                 }
                 _ => Ok(()),
             };
         }
         if self.open.contains(&ty) {
-            return Err(MapError { place: at, problem: Problem::Recursive });
+            return Err(MapError { place: at, problem: Box::new(Problem::Recursive) });
         }
         let message = self.fields(name, ty).map_err(|mut error| {
             if error.place == Place::Nameless {
@@ -241,7 +241,7 @@ impl<'a> Mapper<'a> {
 
     fn field(&mut self, draft: &mut Draft, idl: &str, ty: TypeId) -> Result<(), MapError> {
         let place = draft.at(idl);
-        let wrong = |problem| MapError { place: place.clone(), problem };
+        let wrong = |problem| MapError { place: place.clone(), problem: Box::new(problem) };
         let name = legal_member(idl).ok_or_else(|| wrong(Problem::Member(idl.to_owned())))?;
         if let Some(other) = draft.names.insert(name.clone(), idl.to_owned()) {
             return Err(wrong(Problem::MemberClash(name, other)));
@@ -260,7 +260,7 @@ impl<'a> Mapper<'a> {
         ty: TypeId,
         place: &Place,
     ) -> Result<(Base, Shape), MapError> {
-        let wrong = |problem| Err(MapError { place: place.clone(), problem });
+        let wrong = |problem| Err(MapError { place: place.clone(), problem: Box::new(problem) });
         if let Some(foreign) = self.foreign(ty) {
             return Ok((Base::Message(foreign), Shape::One));
         }

@@ -11,6 +11,9 @@ use crate::names::TypeName;
 /// Deepest nesting that is followed.
 const DEEPEST: usize = 64;
 
+/// Knows messages by name.
+pub type Find<'a> = &'a dyn Fn(&TypeName) -> Option<Message>;
+
 /// Two structures that differ, or cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{ours} and {theirs} differ {place}\n{shown}")]
@@ -54,8 +57,8 @@ impl Eq for Leaf {}
 /// They differ, or a message inside is not known.
 pub fn compare(
     name: &str,
-    ours: (&Message, &dyn Fn(&TypeName) -> Option<Message>),
-    theirs: (&Message, &dyn Fn(&TypeName) -> Option<Message>),
+    ours: (&Message, Find<'_>),
+    theirs: (&Message, Find<'_>),
 ) -> Result<(), Box<Difference>> {
     let differ = |place: String| {
         let mut shown = format!("{name} is\n");
@@ -85,7 +88,7 @@ pub fn compare(
 
 fn flatten(
     message: &Message,
-    find: &dyn Fn(&TypeName) -> Option<Message>,
+    find: Find<'_>,
     path: &str,
     depth: usize,
     out: &mut Vec<Leaf>,
@@ -124,12 +127,7 @@ fn plain(base: &Base) -> Base {
     }
 }
 
-fn show(
-    message: &Message,
-    find: &dyn Fn(&TypeName) -> Option<Message>,
-    depth: usize,
-    out: &mut String,
-) {
+fn show(message: &Message, find: Find<'_>, depth: usize, out: &mut String) {
     if message.fields.is_empty() {
         _ = writeln!(out, "{:1$}nothing", "", 2 * depth);
     }

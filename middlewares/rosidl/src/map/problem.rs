@@ -35,7 +35,7 @@ pub struct MapError {
     /// What it is about.
     pub place: Place,
     /// What is wrong with it.
-    pub problem: Problem,
+    pub problem: Box<Problem>,
 }
 
 /// What is wrong.
