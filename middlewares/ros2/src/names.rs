@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use genom_middleware::Address;
-use genom_rosidl::TypeName;
+pub(crate) use genom_rosidl::TypeName;
 use genom_types::DataType;
 
 /// The message a port of this type carries.
