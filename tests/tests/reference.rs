@@ -11,11 +11,18 @@ use std::process::Command;
 use genom_tests::{Running, program, repository};
 
 /// Verbs that no transcript can show, with the tests that do.
-const ELSEWHERE: &[(&str, &str, &str)] = &[(
-    "lsp",
-    "daemon/genomctl/tests/lsp/main.rs",
-    "mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected",
-)];
+const ELSEWHERE: &[(&str, &str, &str)] = &[
+    (
+        "lsp",
+        "daemon/genomctl/tests/lsp/main.rs",
+        "mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected",
+    ),
+    (
+        "ros2-package",
+        "daemon/genomctl/tests/ros2_package/main.rs",
+        "packages_are_written_for_colcon",
+    ),
+];
 
 /// Transcripts by the test that plays them: `"look": what_runs_is_listed,`.
 fn played() -> Vec<(String, String)> {
