@@ -232,3 +232,83 @@ fn a_port_of_another_direction_and_an_exception_of_another_shape_are_told() {
           library: ::demo::OUT_OF_RANGE"#]],
     );
 }
+
+/// What `check` says of the demo in C, built with these options, against a description that
+/// differs in one type.
+fn checked(options: &[&str]) -> genom_host::contract::Report {
+    let scratch = Scratch::new();
+    let path = in_c(&scratch, options);
+    let text = altered("demo_reset(inout current)", "demo_reset(inout velocity)");
+    check(&Library::open(&path).expect("a library"), &plan(&text).0, &|_| String::new())
+}
+
+#[test]
+fn compressed_debug_information_is_read() {
+    for options in [["-gdwarf-5", "-gz=zlib"], ["-gdwarf-4", "-gz=zlib"]] {
+        let report = checked(&options);
+        assert_eq!((report.checked, report.codels), (Checked::DebugInformation, 8), "{options:?}");
+        assert_eq!((report.differences.len(), report.unchecked), (1, None), "{options:?}");
+    }
+}
+
+#[test]
+fn debug_information_that_lies_elsewhere_is_no_check_and_says_so() {
+    let unchecked = |report: genom_host::contract::Report| {
+        assert_eq!((report.checked, report.codels), (Checked::Unchecked, 0));
+        report.unchecked.unwrap_or_default()
+    };
+    let split = "types are in .dwo files, which do not go with the library (build it without \
+                 -gsplit-dwarf)";
+    assert_eq!(unchecked(checked(&["-gdwarf-5", "-gsplit-dwarf"])), split);
+    assert_eq!(unchecked(checked(&["-gdwarf-4", "-gsplit-dwarf"])), split);
+    let none = "the library tells no types (build it with -g)";
+    assert_eq!(unchecked(checked(&["-g0"])), none);
+}
+
+#[test]
+fn codels_compiled_without_debug_information_are_named() {
+    let scratch = Scratch::new();
+    let c = |name: &str| {
+        format!(
+            "#include <genom3/c/exception.h>\n\
+             genom_event {name}(double x, const genom_context self) {{ return genom_ok; }}"
+        )
+    };
+    let bare = scratch.cc("bare.o", &c("b_run"), &["-c", "-fPIC", "-g0"]);
+    let bare = bare.to_str().unwrap();
+    let path = scratch.cc("demo.so", &c("a_run"), &["-shared", "-fPIC", bare]);
+    let text = "component demo { task t; function a(in double x) { codel a_run(in x); }; \
+                function b(in double x) { codel b_run(in x); }; };";
+    let report = check(&Library::open(&path).unwrap(), &plan(text).0, &|_| String::new());
+    assert_eq!((report.checked, report.codels), (Checked::DebugInformation, 1));
+    let why = "codels `b_run`: the library tells no types of them (build all of it with -g)";
+    assert_eq!(report.unchecked.as_deref(), Some(why));
+}
+
+#[test]
+fn a_codel_of_c_linkage_in_cpp_is_compared_as_one_of_c() {
+    let scratch = Scratch::new();
+    let source = "#include <string>
+        #include <genom3/c/exception.h>
+        struct demo_s { int32_t a; char *b; };
+        extern \"C\" genom_event f_run(const demo_s *x, double *y, const genom_context) {
+          *y = std::string(x->b).size() + x->a;
+          return genom_ok;
+        }";
+    let path = scratch.cxx("demo.so", source, &["-shared", "-fPIC"]);
+    let text = |member: &str| {
+        format!(
+            "component demo {{\n struct s {{ long a; {member} b; }};\n task t;\n \
+             function f(in s x, out double y) {{\n  codel f_run(in x, out y);\n }};\n}};"
+        )
+    };
+    disagree(path.clone(), &text("string"), &expect!["loads"]);
+    disagree(
+        path,
+        &text("long"),
+        &expect![[r#"
+        demo.so: codel `f_run` (demo.gen:5): argument 1 `x`: `demo_s.b`: `int32_t` is wanted, not `char *`
+          .gen:    genom_event f_run(const demo_s *x, double *y, const genom_context self)
+          library: genom_event f_run(const struct demo_s *x, double *y, const genom_context )"#]],
+    );
+}

@@ -49,6 +49,15 @@ pub enum LoadError {
         /// Its `lang`.
         lang: String,
     },
+    /// The codels' C++ library is not that of the host.
+    #[error(
+        "component `{component}` is linked with libc++, this daemon with libstdc++: texts and \
+         sequences would not fit (leave -stdlib=libc++ away, or give the codels the C interface)"
+    )]
+    OtherLibrary {
+        /// Name of the component.
+        component: String,
+    },
     /// A type has no place in memory.
     #[error("{what} ({place}): {why}")]
     Type {

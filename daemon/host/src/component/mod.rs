@@ -21,7 +21,7 @@ use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
 use serde_json::Value;
 
 use crate::context::Contexts;
-use crate::contract::{self, Checked};
+use crate::contract;
 use crate::cxx::{CxxType, Exceptions, Object};
 use crate::detail::{Details, MWERR, SYSERR, UNKEX};
 use crate::events::Events;
@@ -154,11 +154,9 @@ impl Component {
 /// What the library and the description see differently.
 fn differences(library: &Library, plan: &Plan, locate: &dyn Fn(Span) -> String) -> Vec<LoadError> {
     let report = contract::check(library, plan, locate);
-    if report.checked == Checked::Unchecked {
-        tracing::info!(
-            "{}: unchecked: the library tells no types to compare with the .gen (build it with -g)",
-            library.path().display()
-        );
+    if let Some(why) = &report.unchecked {
+        let path = library.path().display();
+        tracing::info!("{path}: unchecked: {why}: nothing to compare with the .gen");
     }
     report.differences.into_iter().map(LoadError::Contract).collect()
 }
@@ -195,6 +193,9 @@ impl Parts {
         let port =
             |port: &Port| checker.lay_out(port.ty, &format!("port `{}`", port.name), port.span);
         let ports: Vec<_> = model.ports.iter().map(port).collect();
+        if model.lang == "c++" && library.needs("libc++.so") {
+            checker.errors.push(LoadError::OtherLibrary { component: model.name.clone() });
+        }
         let cxx = (model.lang == "c++")
             .then(|| CxxTypes::new(checker, model, ids.as_ref(), &services, &ports));
         let (ids_ref, cxx_ref) = (ids.as_ref(), cxx.as_ref());

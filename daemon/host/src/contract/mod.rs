@@ -52,6 +52,8 @@ pub struct Report {
     pub codels: usize,
     /// What differs.
     pub differences: Vec<Difference>,
+    /// Why nothing was compared, or which codels were not and why.
+    pub unchecked: Option<String>,
 }
 
 /// Compares every codel and type that the library tells about with the plan's component.
@@ -62,17 +64,27 @@ pub fn check(library: &Library, plan: &Plan, locate: &dyn Fn(Span) -> String) ->
     match table::read(library) {
         Ok(Some(table)) => {
             let (codels, differences) = descriptors::compare(&table, plan, locate);
-            Report { checked: Checked::Descriptors, codels, differences }
+            Report { checked: Checked::Descriptors, codels, differences, unchecked: None }
         }
         Ok(None) => match dwarf::compare(library, plan, locate) {
-            Some((codels, differences)) => {
-                Report { checked: Checked::DebugInformation, codels, differences }
+            Ok(dwarf::Compared { codels, differences, unchecked }) => {
+                Report { checked: Checked::DebugInformation, codels, differences, unchecked }
             }
-            None => Report { checked: Checked::Unchecked, codels: 0, differences: Vec::new() },
+            Err(why) => Report {
+                checked: Checked::Unchecked,
+                codels: 0,
+                differences: Vec::new(),
+                unchecked: Some(why),
+            },
         },
         Err(error) => {
             let difference = unreadable(library.path(), &error, locate(plan.component().span));
-            Report { checked: Checked::Descriptors, codels: 0, differences: vec![difference] }
+            Report {
+                checked: Checked::Descriptors,
+                codels: 0,
+                differences: vec![difference],
+                unchecked: None,
+            }
         }
     }
 }

@@ -116,11 +116,22 @@ fn extent(bytes: &[u8]) -> object::Result<u64> {
     Ok(ends.max().unwrap_or(0))
 }
 
+/// Whether the file needs a library whose name begins so.
+pub(super) fn needs(bytes: &[u8], name: &str) -> bool {
+    let needed = dynamic(bytes, &[elf::DT_NEEDED]).unwrap_or_default();
+    needed.iter().any(|library| library.starts_with(name.as_bytes()))
+}
+
 /// `DT_RUNPATH` and `DT_RPATH`.
 fn run_paths(bytes: &[u8]) -> object::Result<Vec<&[u8]>> {
+    dynamic(bytes, &[elf::DT_RUNPATH, elf::DT_RPATH])
+}
+
+/// The texts that the dynamic table has for one of these tags.
+fn dynamic<'a>(bytes: &'a [u8], tags: &[elf::DynamicTag]) -> object::Result<Vec<&'a [u8]>> {
     let file = ElfFile::<Header>::parse(bytes)?;
     let table = file.elf_section_table().dynamic_table(file.endian(), bytes)?;
-    let entries = table.iter().filter(|d| d.tag == elf::DT_RUNPATH || d.tag == elf::DT_RPATH);
+    let entries = table.iter().filter(|entry| tags.contains(&entry.tag));
     entries.map(|entry| table.string(entry)).collect()
 }
 

@@ -149,6 +149,11 @@ impl Library {
         }
     }
 
+    /// Whether it is linked with a library whose name begins so.
+    pub(crate) fn needs(&self, name: &str) -> bool {
+        elf::needs(&self.bytes, name)
+    }
+
     /// Symbols of the C++ functions of that name that it exports without C linkage.
     pub(crate) fn mangled(&self, function: &str) -> Vec<String> {
         elf::mangled(&self.bytes, function)

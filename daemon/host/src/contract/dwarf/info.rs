@@ -6,9 +6,9 @@ use gimli::{
     AttributeValue, DebuggingInformationEntry, DwTag, Dwarf, EndianSlice, EntriesTreeNode,
     RunTimeEndian, Unit, UnitOffset,
 };
-use object::{Object, ObjectSection};
 
 use super::node::{Composite, Function, Member, Node};
+use super::sections::Sections;
 
 type Reader<'a> = EndianSlice<'a, RunTimeEndian>;
 type Entry<'a> = DebuggingInformationEntry<Reader<'a>>;
@@ -41,14 +41,14 @@ pub(super) struct DebugInfo<'a> {
 }
 
 impl<'a> DebugInfo<'a> {
-    /// Opens the debug information in the ELF file `bytes`; `None` when it has none.
-    pub(super) fn new(bytes: &'a [u8]) -> gimli::Result<Option<Self>> {
-        let Ok(file) = object::File::parse(bytes) else { return Ok(None) };
-        let endian =
-            if file.is_little_endian() { RunTimeEndian::Little } else { RunTimeEndian::Big };
+    /// Opens the debug information in `sections`.
+    pub(super) fn new(sections: &'a Sections<'_>) -> gimli::Result<Self> {
+        let endian = match sections.little_endian {
+            true => RunTimeEndian::Little,
+            false => RunTimeEndian::Big,
+        };
         let section = |id: gimli::SectionId| -> gimli::Result<Reader<'a>> {
-            let data = file.section_by_name(id.name()).and_then(|section| section.data().ok());
-            Ok(EndianSlice::new(data.unwrap_or_default(), endian))
+            Ok(EndianSlice::new(sections.get(id.name()), endian))
         };
         let dwarf = Dwarf::load(section)?;
         let mut headers = dwarf.units();
@@ -56,7 +56,20 @@ impl<'a> DebugInfo<'a> {
         while let Some(header) = headers.next()? {
             units.push(dwarf.unit(header)?);
         }
-        Ok((!units.is_empty()).then_some(Self { dwarf, units }))
+        Ok(Self { dwarf, units })
+    }
+
+    /// Whether a unit keeps its types in a file of its own (`-gsplit-dwarf`).
+    pub(super) fn is_split(&self) -> bool {
+        let mut roots = self.units.iter().filter_map(|unit| {
+            let mut entries = unit.entries();
+            entries.next_dfs().ok()?.map(|root| {
+                [gimli::DW_AT_dwo_name, gimli::DW_AT_GNU_dwo_name]
+                    .iter()
+                    .any(|name| root.attr_value(*name).is_some())
+            })
+        });
+        roots.any(|split| split)
     }
 
     /// The functions that the library defines, and the types.

@@ -4,8 +4,9 @@ mod classes;
 mod compare;
 mod info;
 mod node;
+mod sections;
 
-use genom_description::model::{Codel, Span};
+use genom_description::model::{Codel, Component, Owner, Span};
 use genom_description::tools;
 use genom_runtime::plan::Plan;
 use genom_types::TypeId;
@@ -15,22 +16,31 @@ use crate::cxx::{self, Function};
 use crate::library::Library;
 use compare::Comparison;
 use info::{DebugInfo, Wanted};
+use sections::Sections;
 
-/// Compares every codel that the debug information tells about; tells how many, and what differs.
-/// `None` without readable debug information.
+/// What the debug information tells of a component.
+pub(super) struct Compared {
+    /// Codels that it tells about.
+    pub(super) codels: usize,
+    /// What differs.
+    pub(super) differences: Vec<Difference>,
+    /// Why it does not tell about the others.
+    pub(super) unchecked: Option<String>,
+}
+
+/// Compares every codel that the debug information tells about.
+///
+/// # Errors
+/// Why it tells about none, in a sentence that says what to do.
 pub(super) fn compare(
     library: &Library,
     plan: &Plan,
     locate: &dyn Fn(Span) -> String,
-) -> Option<(usize, Vec<Difference>)> {
+) -> Result<Compared, String> {
     let model = plan.component();
-    let info = match DebugInfo::new(library.bytes()) {
-        Ok(info) => info?,
-        Err(why) => {
-            tracing::warn!("{}: debug information: {why}", library.path().display());
-            return None;
-        }
-    };
+    let sections = Sections::new(library.bytes())?;
+    let info = DebugInfo::new(&sections)
+        .map_err(|why| format!("its debug information cannot be read: {why}"))?;
     let types = &plan.specification().types;
     // `struct comp_X_detail` of genom3.md 5.4.
     let throws = model.throws.iter().filter(|id| !types.members(**id).is_empty());
@@ -54,9 +64,14 @@ pub(super) fn compare(
         types: throws.iter().map(|(_, detail)| detail.as_str()).collect(),
     });
     let mut comparison = Comparison::new(&info, plan);
-    let (mut compared, mut differences) = (0, Vec::new());
+    let (mut compared, mut untold, mut differences) = (0, Vec::new(), Vec::new());
     for (codel, symbol) in model.codels.iter().zip(&symbols) {
-        let Some(function) = found.functions.get(symbol.as_str()) else { continue };
+        let Some(function) = found.functions.get(symbol.as_str()) else {
+            if !is_standard(model, codel) {
+                untold.push(format!("`{}`", codel.name));
+            }
+            continue;
+        };
         compared += 1;
         if let Err(why) = comparison.codel(codel, function) {
             differences.push(Difference {
@@ -86,5 +101,24 @@ pub(super) fn compare(
             });
         }
     }
-    (compared > 0).then_some((compared, differences))
+    let why = match info.is_split() {
+        true => {
+            "types are in .dwo files, which do not go with the library (build it without \
+             -gsplit-dwarf)"
+        }
+        false => "the library tells no types of them (build all of it with -g)",
+    };
+    if compared == 0 {
+        return Err(why.to_owned());
+    }
+    let unchecked = (!untold.is_empty()).then(|| format!("codels {}: {why}", untold.join(", ")));
+    Ok(Compared { codels: compared, differences, unchecked })
+}
+
+/// Whether the runtime supplies the codel.
+fn is_standard(model: &Component, codel: &Codel) -> bool {
+    match codel.owner {
+        Owner::Service(rank) => model.services.get(rank).is_none_or(|service| service.standard),
+        Owner::Task(_) => false,
+    }
 }

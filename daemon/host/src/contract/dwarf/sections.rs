@@ -1,0 +1,91 @@
+//! The debug sections of a library, decompressed where they need be, or why there are none.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::io::Read;
+
+use flate2::read::ZlibDecoder;
+use gimli::SectionId;
+use object::{CompressionFormat, Object, ObjectSection};
+
+/// Sections larger than this are not read: a damaged header may announce anything.
+const LARGEST: u64 = 1 << 30;
+
+/// Contents of the debug sections, by name.
+pub(super) struct Sections<'a> {
+    pub(super) little_endian: bool,
+    contents: HashMap<&'static str, Cow<'a, [u8]>>,
+}
+
+impl<'a> Sections<'a> {
+    /// Reads the sections of the ELF file `bytes`.
+    ///
+    /// # Errors
+    /// Why there is nothing to read, in a sentence that says what to do.
+    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, String> {
+        let nothing = "the library tells no types (build it with -g)";
+        let Ok(file) = object::File::parse(bytes) else { return Err(nothing.to_owned()) };
+        let all = [
+            SectionId::DebugAbbrev,
+            SectionId::DebugAddr,
+            SectionId::DebugInfo,
+            SectionId::DebugLine,
+            SectionId::DebugLineStr,
+            SectionId::DebugLoc,
+            SectionId::DebugLocLists,
+            SectionId::DebugRanges,
+            SectionId::DebugRngLists,
+            SectionId::DebugStr,
+            SectionId::DebugStrOffsets,
+            SectionId::DebugTypes,
+        ];
+        let mut contents = HashMap::new();
+        for id in all {
+            if let Some(section) = file.section_by_name(id.name()) {
+                contents.insert(id.name(), plain(&section, id.name())?);
+            }
+        }
+        if !contents.contains_key(SectionId::DebugInfo.name()) {
+            return Err(match file.gnu_debuglink() {
+                Ok(Some((name, _))) => format!(
+                    "its debug information is in another file, {} (load the library that was not \
+                     stripped)",
+                    String::from_utf8_lossy(name)
+                ),
+                _ => nothing.to_owned(),
+            });
+        }
+        Ok(Self { little_endian: file.is_little_endian(), contents })
+    }
+
+    /// The contents of a section; empty when the library has none.
+    pub(super) fn get(&self, name: &str) -> &[u8] {
+        self.contents.get(name).map(AsRef::as_ref).unwrap_or_default()
+    }
+}
+
+/// The contents of a section, whether it is compressed or not.
+fn plain<'a>(section: &impl ObjectSection<'a>, name: &str) -> Result<Cow<'a, [u8]>, String> {
+    let damaged = |why: String| format!("its section {name} is damaged: {why}");
+    let data = section.compressed_data().map_err(|why| damaged(why.to_string()))?;
+    if data.uncompressed_size > LARGEST {
+        return Err(damaged(format!("it says it has {} bytes", data.uncompressed_size)));
+    }
+    match data.format {
+        CompressionFormat::None => Ok(Cow::Borrowed(data.data)),
+        CompressionFormat::Zlib => {
+            let mut whole = Vec::new();
+            // One byte more than announced would be one too many.
+            let mut decoder = ZlibDecoder::new(data.data).take(data.uncompressed_size + 1);
+            decoder.read_to_end(&mut whole).map_err(|why| damaged(why.to_string()))?;
+            if whole.len() as u64 != data.uncompressed_size {
+                return Err(damaged("it is shorter or longer than it says".to_owned()));
+            }
+            Ok(Cow::Owned(whole))
+        }
+        _ => Err(format!(
+            "its section {name} is compressed in a way this daemon does not read (compress with \
+             -gz=zlib, or not at all)"
+        )),
+    }
+}
