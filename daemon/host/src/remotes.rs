@@ -9,6 +9,7 @@ use genom_description::model::{Direction, Remote, Span};
 use genom_runtime::body::RemoteCall;
 use genom_types::{DataType, Record, TypeId, foreign};
 
+use crate::cxx::{CxxType, Exceptions, Raise, to_c, to_cxx};
 use crate::detail::{Detail, Details, UNKEX};
 use crate::ffi::{Arguments, Class, NativeFunction};
 use crate::shared::Shared;
@@ -36,12 +37,51 @@ struct Parameter {
 struct Member {
     ty: DataType,
     offset: usize,
+    /// What codels in C++ pass.
+    cxx: Option<CxxType>,
+}
+
+impl Member {
+    /// Takes the value of an argument into a record.
+    ///
+    /// # Safety
+    /// `from` holds a value of the type in the codels' language, `to` one in C.
+    unsafe fn take(&self, from: *const u8, to: *mut u8) {
+        // SAFETY: the caller's promise.
+        unsafe {
+            match &self.cxx {
+                Some(ty) => to_c(ty, from, to),
+                None => foreign::copy_value(&self.ty, from, to),
+            }
+        }
+    }
+
+    /// Gives a record's value to an argument, of which nothing is released when it is `fresh`.
+    ///
+    /// # Safety
+    /// As for `take`, the other way round; a fresh one in C is memory for the type.
+    unsafe fn give(&self, from: *const u8, to: *mut u8, fresh: bool) {
+        // SAFETY: the caller's promise; in C++ what a reference leads to is always a value.
+        unsafe {
+            match &self.cxx {
+                Some(ty) => to_cxx(ty, from, to),
+                None => {
+                    if fresh {
+                        to.write_bytes(0, self.ty.size());
+                        foreign::init_value(&self.ty, to);
+                    }
+                    foreign::copy_value(&self.ty, from, to);
+                }
+            }
+        }
+    }
 }
 
 impl Signature {
     /// Lays the parameters out with `lay_out`, which notes why it cannot.
     pub(crate) fn new(
         remote: &Remote,
+        in_cxx: bool,
         mut lay_out: impl FnMut(TypeId, &str, Span) -> Option<DataType>,
     ) -> Option<Self> {
         let input =
@@ -50,7 +90,10 @@ impl Signature {
             lay_out(remote.output, &format!("outputs of remote `{}`", remote.name), remote.span);
         let (input, output) = (input?, output?);
         let member = |record: &DataType, rank: &mut usize| {
-            let found = Member { ty: record.member(*rank)?, offset: record.member_offset(*rank)? };
+            let (ty, offset) = (record.member(*rank)?, record.member_offset(*rank)?);
+            // What has no C++ type is told with the other types.
+            let cxx = if in_cxx { Some(CxxType::new(&ty).ok()?) } else { None };
+            let found = Member { ty, offset, cxx };
             *rank += 1;
             Some(found)
         };
@@ -67,7 +110,10 @@ impl Signature {
             parameters.push(Parameter {
                 name: parameter.name.clone(),
                 direction: parameter.direction,
-                class: Class::of(kind, parameter.direction),
+                class: match in_cxx {
+                    true => Class::of_cxx(kind, parameter.direction),
+                    false => Class::of(kind, parameter.direction),
+                },
                 input: into,
                 output: out,
             });
@@ -79,9 +125,11 @@ impl Signature {
 /// The remotes of one component.
 pub(crate) struct Remotes(Vec<Handle>);
 
-/// `struct comp_r` of genom3.md 5.8, and what its function works on.
+/// `comp_r` of genom3.md 5.8 or 6, and what its function works on.
 struct Handle {
-    table: Box<[usize; 1]>,
+    /// In C the function. In C++ the object, which is the address of the vtable's functions, then
+    /// the vtable: offset to top, type, function.
+    table: Box<[usize; 4]>,
     state: Arc<State>,
     _function: NativeFunction,
 }
@@ -91,6 +139,8 @@ struct State {
     signature: Signature,
     shared: Arc<Shared>,
     details: Arc<Details>,
+    /// For codels in C++.
+    exceptions: Option<Arc<Exceptions>>,
     /// Codels of several tasks may call at once; they take turns.
     link: Mutex<Link>,
 }
@@ -109,10 +159,11 @@ impl Remotes {
         signatures: Vec<Signature>,
         shared: &Arc<Shared>,
         details: &Arc<Details>,
+        exceptions: Option<&Arc<Exceptions>>,
     ) -> Option<Self> {
         let handle = |signature: Signature| {
-            let classes = signature.parameters.iter().map(|parameter| parameter.class);
-            let classes: Vec<Class> = classes.chain([Class::Address]).collect();
+            let classes: Vec<Class> =
+                signature.parameters.iter().map(|parameter| parameter.class).collect();
             let link = Link {
                 call: None,
                 input: Record::new(&signature.input),
@@ -123,10 +174,28 @@ impl Remotes {
                 signature,
                 shared: Arc::clone(shared),
                 details: Arc::clone(details),
+                exceptions: exceptions.map(Arc::clone),
                 link: Mutex::new(link),
             });
-            let function = NativeFunction::new(&classes, call, Arc::clone(&state))?;
-            Some(Handle { table: Box::new([function.address()]), state, _function: function })
+            let data = Arc::clone(&state);
+            let (mut table, function) = match exceptions {
+                // genom_context self
+                None => {
+                    let classes = [&classes[..], &[Class::Address]].concat();
+                    let function = NativeFunction::new(&classes, call, data)?;
+                    (Box::new([function.address(), 0, 0, 0]), function)
+                }
+                // this
+                Some(_) => {
+                    let classes = [&[Class::Address], &classes[..]].concat();
+                    let function = NativeFunction::throwing(&classes, call_in_cxx, data)?;
+                    (Box::new([0, 0, Exceptions::base_type(), function.address()]), function)
+                }
+            };
+            if exceptions.is_some() {
+                table[0] = (&raw const table[3]) as usize;
+            }
+            Some(Handle { table, state, _function: function })
         };
         signatures.into_iter().map(handle).collect::<Option<_>>().map(Self)
     }
@@ -159,13 +228,26 @@ fn call(state: &Arc<State>, arguments: Arguments<'_>) -> *const c_void {
     event.cast()
 }
 
+/// The function behind every remote of a component in C++.
+fn call_in_cxx(state: &Arc<State>, arguments: Arguments<'_>) -> *const Raise {
+    let mut link = state.link.lock().unwrap_or_else(PoisonError::into_inner);
+    let (Err((name, detail)), Some(exceptions)) =
+        (state.call(&mut link, arguments), &state.exceptions)
+    else {
+        return std::ptr::null();
+    };
+    exceptions.raise(&name, detail.unwrap_or(Detail::Bytes(Vec::new())))
+}
+
 /// An exception for the calling codel.
 type Thrown = (String, Option<Detail>);
 
 impl State {
     /// Sends the arguments, waits, and fills the arguments the service makes.
     fn call(&self, link: &mut Link, arguments: Arguments<'_>) -> Result<(), Thrown> {
-        let parameters = || self.signature.parameters.iter().enumerate();
+        // In C++ the object comes first.
+        let first = usize::from(self.exceptions.is_some());
+        let parameters = || (first..).zip(&self.signature.parameters);
         for (rank, parameter) in parameters() {
             if parameter.class == Class::Address && arguments.pointer(rank).is_null() {
                 let (argument, remote) = (&parameter.name, &self.signature.name);
@@ -176,12 +258,12 @@ impl State {
             return Err(("::genom::no_such_service".to_owned(), None));
         };
         for (rank, parameter) in parameters() {
-            let Some(Member { ty, offset }) = &parameter.input else { continue };
+            let Some(member) = &parameter.input else { continue };
             // SAFETY: the argument has the class of its type, so that it is, or leads to, a value
             // of it; the member of the record is another place of that type.
             unsafe {
                 let from = parameter.place(arguments, rank);
-                foreign::copy_value(ty, from, link.input.as_mut_ptr().add(*offset));
+                member.take(from, link.input.as_mut_ptr().add(member.offset));
             }
         }
         link.output.clear();
@@ -196,16 +278,13 @@ impl State {
             }
         })?;
         for (rank, parameter) in parameters() {
-            let Some(Member { ty, offset }) = &parameter.output else { continue };
+            let Some(member) = &parameter.output else { continue };
             let to = arguments.pointer(rank);
             // SAFETY: as above. What `out` leads to need not be a value yet, so nothing of it is
             // released; `inout` was one.
             unsafe {
-                if parameter.direction == Direction::Out {
-                    to.write_bytes(0, ty.size());
-                    foreign::init_value(ty, to);
-                }
-                foreign::copy_value(ty, link.output.as_ptr().add(*offset), to);
+                let from = link.output.as_ptr().add(member.offset);
+                member.give(from, to, parameter.direction == Direction::Out);
             }
         }
         Ok(())

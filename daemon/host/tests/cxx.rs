@@ -636,7 +636,10 @@ fn types_that_differ_are_refused_by_the_debug_information_of_cxx() {
           library: { double limit; string what; struct vector<int, std::allocator<int> > tried; }"#]]
     .assert_eq(&told);
     let told = differs("port in sample input", "port out sample input");
-    assert!(told.contains("a port with data, write is wanted, not one with data, read"), "{told}");
+    assert!(
+        told.contains("an object with data, write is wanted, not one with data, read"),
+        "{told}"
+    );
     let told = differs("port multiple in sample ins", "port in sample ins");
     assert!(told.contains("the port is simple: its methods take nothing"), "{told}");
 }

@@ -55,13 +55,12 @@ impl CxxTypes {
         ports: &[Option<DataType>],
     ) -> Self {
         for remote in &model.remotes {
-            checker.errors.push(LoadError::Type {
-                what: format!("remote `{}`", remote.name),
-                place: (checker.locate)(remote.span),
-                why: "remotes are not callable from lang \"c++\" codels yet: put the codel that \
-                      calls it in a lang \"c\" component"
-                    .to_owned(),
-            });
+            for record in [remote.input, remote.output] {
+                let what = format!("remote `{}`", remote.name);
+                if let Some(record) = checker.lay_out(record, &what, remote.span) {
+                    in_cxx(checker, &record, &what, remote.span);
+                }
+            }
         }
         let ids = ids.and_then(|ids| in_cxx(checker, ids, "the ids", model.span));
         let of = |(service, types): (&Service, &Option<ServiceTypes>)| {

@@ -217,7 +217,10 @@ impl Parts {
             details.add(event.name.clone(), ty);
         }
         let signature = |remote| {
-            crate::remotes::Signature::new(remote, |ty, what, span| checker.lay_out(ty, what, span))
+            let in_cxx = model.lang == "c++";
+            crate::remotes::Signature::new(remote, in_cxx, |ty, what, span| {
+                checker.lay_out(ty, what, span)
+            })
         };
         let remotes = model.remotes.iter().map(signature).collect();
         let mut table = TypeTable::default();
@@ -279,7 +282,10 @@ impl Parts {
                 }
             }),
             ports: Ports::new(&model.ports, &types, ports_in_cxx.as_ref(), &shared)?,
-            remotes: Remotes::new(signatures, &shared, &details)?,
+            remotes: {
+                let exceptions = cxx.as_ref().map(|cxx| &cxx.exceptions);
+                Remotes::new(signatures, &shared, &details, exceptions)?
+            },
             codels: self.codels,
             services: self.services.into_iter().collect::<Option<_>>()?,
             owned: Owned {

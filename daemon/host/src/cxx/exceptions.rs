@@ -13,7 +13,7 @@ use super::layout::CxxType;
 use super::object;
 use super::shim::{self, Raise};
 use super::spelling::type_info;
-use crate::detail::{Details, SYSERR, UNKEX};
+use crate::detail::{Detail, Details, SYSERR, UNKEX};
 use crate::library::Library;
 
 /// Where `detail` lies in an exception: behind the vtable pointer.
@@ -33,10 +33,11 @@ struct Known {
 
 /// What exceptions that the host makes are made of.
 struct Made {
-    /// Offset to top, type, `what()`, and the name, which that function gives.
-    vtable: Box<[usize; 4]>,
+    /// Offset to top, type, `what()`, and what the shim finds behind: the name, the function that
+    /// drops the detail, its type.
+    vtable: Box<[usize; 6]>,
     _name: CString,
-    detail: Option<CxxType>,
+    detail: Option<Box<CxxType>>,
 }
 
 impl Exceptions {
@@ -66,44 +67,79 @@ impl Exceptions {
         // What `catch` compares with: the codels' own type where they have one.
         let ty = library.symbol(&format!("_ZTI{}", type_info(name)));
         let ty = ty.unwrap_or_else(shim::exception_type);
-        let vtable = Box::new([0, ty, shim::what_function(), text.as_ptr() as usize]);
+        let made = detail.clone().map(Box::new);
+        let detail_type = made.as_deref().map_or(0, |ty| std::ptr::from_ref(ty) as usize);
+        let (what, drop) = (shim::what_function(), destroy as *const () as usize);
+        let vtable = Box::new([0, ty, what, text.as_ptr() as usize, drop, detail_type]);
         let known = Known { name: name.to_owned(), detail: detail.clone() };
         self.by_type.insert(type_info(name), known);
-        self.by_name.insert(name.to_owned(), Made { vtable, _name: text, detail });
+        self.by_name.insert(name.to_owned(), Made { vtable, _name: text, detail: made });
+    }
+
+    /// A type for the vtables that the host makes: `typeid` of such an object is the base's.
+    pub(crate) fn base_type() -> usize {
+        shim::exception_type()
     }
 
     /// The exception for the shim to throw. It is read at once: the next one on this thread takes
     /// its place.
-    pub(super) fn raise(&self, name: &str, detail: &[u8]) -> *const Raise {
+    pub(crate) fn raise(&self, name: &str, detail: Detail) -> *const Raise {
         thread_local! {
-            static LAST: RefCell<(Raise, Vec<u64>)> = const {
-                RefCell::new((Raise { vtable: 0, ty: 0, detail: std::ptr::null(), size: 0 }, vec![]))
-            };
+            static LAST: RefCell<Option<(Raise, Kept)>> = const { RefCell::new(None) };
         }
         let Some(made) = self.by_name.get(name).or_else(|| self.by_name.get("::genom::fatal"))
         else {
             return std::ptr::null();
         };
-        // Larger than any detail without pointers, which are the only ones the host makes.
-        let plain = made.detail.as_ref().is_none_or(|detail| detail.is_plain());
-        let detail = if plain { detail } else { &[] };
-        LAST.with_borrow_mut(|(raise, words)| {
-            words.clear();
-            words.resize(detail.len().div_ceil(8), 0);
-            for (word, bytes) in words.iter_mut().zip(detail.chunks(8)) {
-                let mut whole = [0; 8];
-                whole[..bytes.len()].copy_from_slice(bytes);
-                *word = u64::from_ne_bytes(whole);
+        let mut raise = Raise {
+            vtable: (&raw const made.vtable[2]) as usize,
+            ty: made.vtable[1],
+            detail: std::ptr::null(),
+            size: made.detail.as_ref().map_or(0, |detail| detail.size()),
+            construct: None,
+        };
+        let kept = match detail {
+            Detail::Record(record) if made.detail.is_some() => {
+                raise.construct = Some(construct);
+                Kept::Record(Box::new(record))
             }
-            *raise = Raise {
-                vtable: (&raw const made.vtable[2]) as usize,
-                ty: made.vtable[1],
-                detail: words.as_ptr().cast(),
-                size: detail.len(),
+            Detail::Bytes(bytes) if made.detail.as_ref().is_none_or(|ty| ty.is_plain()) => {
+                raise.size = bytes.len();
+                Kept::Bytes(bytes)
+            }
+            _ => {
+                raise.size = 0;
+                Kept::Bytes(Vec::new())
+            }
+        };
+        LAST.with_borrow_mut(|last| {
+            let (raise, kept) = last.insert((raise, kept));
+            raise.detail = match kept {
+                Kept::Record(record) => (&raw const **record).cast(),
+                Kept::Bytes(bytes) => bytes.as_ptr(),
             };
             std::ptr::from_ref(raise)
         })
     }
+}
+
+/// What the detail of an exception is made of.
+enum Kept {
+    Record(Box<Record>),
+    Bytes(Vec<u8>),
+}
+
+/// Makes a detail where the shim wants it.
+unsafe extern "C" fn construct(from: *const Record, ty: *const CxxType, to: *mut u8) {
+    // SAFETY: the record of this exception, whose type has that of the vtable for C++; the shim
+    // allocated its size.
+    unsafe { object::construct(&*ty, (*from).as_ptr(), to) }
+}
+
+/// Drops a detail that [`construct`] made.
+unsafe extern "C" fn destroy(ty: *const CxxType, at: *mut u8) {
+    // SAFETY: the shim passes what the vtable says and a detail that nobody uses any more.
+    unsafe { object::destroy(&*ty, at) }
 }
 
 /// Told of exceptions that escape codels; the guard knows its first field.

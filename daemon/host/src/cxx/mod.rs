@@ -16,6 +16,7 @@ mod spelling;
 pub(crate) use exceptions::{Catcher, Exceptions};
 pub(crate) use functions::{Function, find};
 pub(crate) use layout::CxxType;
-pub(crate) use object::{Object, copy, to_cxx};
+pub(crate) use object::{Object, copy, to_c, to_cxx};
 pub(crate) use path::CxxPath;
 pub(crate) use ports::{Action, CxxPort, Handle};
+pub(crate) use shim::Raise;

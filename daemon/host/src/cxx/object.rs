@@ -117,6 +117,28 @@ pub(crate) unsafe fn copy(ty: &CxxType, from: *const u8, to: *mut u8) {
     unsafe { assign(&ty.graph, ty.node, from, to, 0) }
 }
 
+/// Makes an empty C++ value of the memory at `to`, then that of the C value at `from`.
+///
+/// # Safety
+/// `to` is memory for the type, and `from` holds a value of it.
+pub(super) unsafe fn construct(ty: &CxxType, from: *const u8, to: *mut u8) {
+    // SAFETY: the caller's promise.
+    unsafe {
+        to.write_bytes(0, ty.size());
+        make(&ty.graph, ty.node, to);
+        to_cxx(ty, from, to);
+    }
+}
+
+/// Destroys the C++ value at `at`.
+///
+/// # Safety
+/// `at` holds a value of the type, which is not used any more.
+pub(super) unsafe fn destroy(ty: &CxxType, at: *mut u8) {
+    // SAFETY: the caller's promise.
+    unsafe { drop_inside(&ty.graph, ty.node, at) }
+}
+
 /// `std::vector<T>`: the shim checks that it is kept so.
 #[repr(C)]
 #[derive(Clone, Copy)]

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::exceptions::Exceptions;
 use super::shim::{self, Methods, Raise};
+use crate::detail::Detail;
 
 /// What a port does, whatever the language: `Err` names an exception, with its detail in C.
 pub(crate) trait CxxPort: Send + Sync {
@@ -88,7 +89,7 @@ unsafe extern "C" fn data(
         Ok(at) => at as *const c_void,
         Err((exception, detail)) => {
             // SAFETY: the shim gives a place for it.
-            unsafe { failed.write(bound.exceptions.raise(exception, &detail)) };
+            unsafe { failed.write(bound.exceptions.raise(exception, Detail::Bytes(detail))) };
             std::ptr::null()
         }
     }
@@ -105,6 +106,6 @@ unsafe extern "C" fn act(bound: *const c_void, action: c_int, id: *const c_char)
     };
     match bound.port.act(action, id) {
         Ok(()) => std::ptr::null(),
-        Err((exception, detail)) => bound.exceptions.raise(exception, &detail),
+        Err((exception, detail)) => bound.exceptions.raise(exception, Detail::Bytes(detail)),
     }
 }

@@ -116,28 +116,46 @@ extern "C" char *genom_host_demangle(const char *name) noexcept
   return abi::__cxa_demangle(name, nullptr, nullptr, &status);
 }
 
-// An exception for a codel: made of a vtable in the host's memory and the bytes of a detail.
+// An exception for a codel: made of a vtable in the host's memory, and a detail: its bytes, or
+// with `construct` what that makes of it.
 struct raise {
-  const void *vtable;
+  const void *const *vtable;
   const std::type_info *type;
   const void *detail;
   std::size_t size;
+  void (*construct)(const void *detail, const void *type, void *to);
 };
+
+// The vtable of such an exception: what(), its name, and for a detail that owns something how
+// to drop it and its type.
+enum { WHAT = 0, NAME = 1, DROP = 2, TYPE = 3 };
+
+static void drop_it(void *object)
+{
+  const void *const *vtable = *static_cast<const void *const *const *>(object);
+  typedef void (*drop)(const void *type, void *at);
+  reinterpret_cast<drop>(const_cast<void *>(vtable[DROP]))(
+    vtable[TYPE], static_cast<char *>(object) + 8);
+}
 
 static void throw_it(const raise *what)
 {
   if (!what) return;
   char *object = static_cast<char *>(abi::__cxa_allocate_exception(8 + what->size));
   std::memcpy(object, &what->vtable, 8);
-  if (what->size) std::memcpy(object + 8, what->detail, what->size);
-  abi::__cxa_throw(object, const_cast<std::type_info *>(what->type), nullptr);
+  if (what->construct)
+    what->construct(what->detail, what->vtable[TYPE], object + 8);
+  else if (what->size)
+    std::memcpy(object + 8, what->detail, what->size);
+  abi::__cxa_throw(object, const_cast<std::type_info *>(what->type),
+                   what->construct ? drop_it : nullptr);
 }
 
 // what() of such an exception: its vtable has the name behind this function.
 extern "C" const char *genom_host_raised_what(const void *self) noexcept
 {
   const char *const *const *object = static_cast<const char *const *const *>(self);
-  return (*object)[1];
+  return (*object)[NAME];
 }
 
 // The type of exceptions that the codels have no type for.

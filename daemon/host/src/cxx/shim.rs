@@ -4,6 +4,10 @@
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::sync::OnceLock;
 
+use genom_types::Record;
+
+use super::layout::CxxType;
+
 unsafe extern "C" {
     fn genom_host_cxx_layout_holds() -> c_int;
     fn genom_host_string_size() -> usize;
@@ -35,11 +39,13 @@ unsafe extern "C" {
 /// An exception for the shim to throw (`struct raise`).
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Raise {
+pub(crate) struct Raise {
     pub(super) vtable: usize,
     pub(super) ty: usize,
     pub(super) detail: *const u8,
     pub(super) size: usize,
+    /// Makes the detail in its place, of `detail` and the vtable's type.
+    pub(super) construct: Option<unsafe extern "C" fn(*const Record, *const CxxType, *mut u8)>,
 }
 
 /// What the methods of a port do (`struct methods`).

@@ -10,9 +10,13 @@ use libffi::low;
 use libffi::middle::Cif;
 
 use super::{Class, Interface};
+use crate::cxx::Raise;
 
 /// What a native function does: it gets its data and its arguments, and returns a pointer.
 pub(crate) type Callback<T> = fn(&T, Arguments<'_>) -> *const c_void;
+
+/// As [`Callback`], but what it returns is an exception that the function throws; null is none.
+pub(crate) type Throwing<T> = fn(&T, Arguments<'_>) -> *const Raise;
 
 /// A C function that calls `callback` with `data`.
 pub(crate) struct NativeFunction {
@@ -63,6 +67,35 @@ impl NativeFunction {
         Some(Self { _cif: cif, _data: bound, closure, code: code.as_ptr() as usize })
     }
 
+    /// Makes a function of C++ that may throw; its arguments begin with the object.
+    pub(crate) fn throwing<T: Send + Sync + 'static>(
+        arguments: &[Class],
+        callback: Throwing<T>,
+        data: T,
+    ) -> Option<Self> {
+        let cif = Box::new(Interface::new(arguments)?.into_cif());
+        let thrower = Box::new(Thrower { callback, data });
+        let entry = Entry { call: throwing::<T>, data: (&raw const *thrower).cast() };
+        let bound = Box::new((entry, thrower));
+        let (closure, code) = low::try_closure_alloc()?;
+        // SAFETY: as in `new`; the shim reads the entry, which the box begins with.
+        let made = unsafe {
+            low::prep_closure(
+                closure,
+                cif.as_raw_ptr(),
+                genom_host_remote_enter,
+                &raw const bound.0,
+                code,
+            )
+        };
+        if made.is_err() {
+            // SAFETY: allocated above, never called.
+            unsafe { low::closure_free(closure) };
+            return None;
+        }
+        Some(Self { _cif: cif, _data: bound, closure, code: code.as_ptr() as usize })
+    }
+
     /// Its address, to call from C.
     pub(crate) fn address(&self) -> usize {
         self.code
@@ -90,6 +123,47 @@ unsafe extern "C" fn enter<T>(
         tracing::error!("a method of a port or remote panicked");
         std::ptr::null()
     });
+}
+
+/// What the shim gets (`struct remote`): it calls, and throws what comes back.
+#[repr(C)]
+struct Entry {
+    call: unsafe extern "C" fn(*const c_void, *const *const c_void) -> *const Raise,
+    data: *const c_void,
+}
+
+// SAFETY: `data` leads to a thrower, which is `Send` and `Sync` as its data is.
+unsafe impl Send for Entry {}
+// SAFETY: as above.
+unsafe impl Sync for Entry {}
+
+/// What libffi's closure leads to through the shim.
+struct Thrower<T> {
+    callback: Throwing<T>,
+    data: T,
+}
+
+unsafe extern "C" {
+    fn genom_host_remote_enter(
+        cif: &low::ffi_cif,
+        result: &mut c_void,
+        arguments: *const *const c_void,
+        bound: &Entry,
+    );
+}
+
+unsafe extern "C" fn throwing<T>(
+    thrower: *const c_void,
+    arguments: *const *const c_void,
+) -> *const Raise {
+    // SAFETY: the shim passes what the entry says, which lives as long as the function.
+    let thrower = unsafe { &*thrower.cast::<Thrower<T>>() };
+    let arguments = Arguments { at: arguments, _call: PhantomData };
+    let run = || (thrower.callback)(&thrower.data, arguments);
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).unwrap_or_else(|_| {
+        tracing::error!("a method of a remote panicked");
+        std::ptr::null()
+    })
 }
 
 /// The arguments of one call from C.

@@ -1,7 +1,7 @@
 //! What differs from C in codels of C++ (genom3.md 6): objects of the standard library, references,
 //! ports with virtual functions.
 
-use genom_description::model::{Port, PortDirection};
+use genom_description::model::{Parameter, Port, PortDirection};
 use genom_description::tools;
 use genom_types::{DataType, Kind, TypeId};
 
@@ -100,19 +100,7 @@ impl Comparison<'_> {
             (PortDirection::Out, false) => &["data", "write"],
             (PortDirection::Out, true) => &["data", "write", "open", "close"],
         };
-        let target = self.pointer(at)?;
-        let Some((_, node)) = self.info.stripped(target) else { return Ok(()) };
-        let Node::Struct(found) = node else {
-            return Err(format!("a port is wanted, not `{}`", self.info.spell(at)));
-        };
-        if found.size.is_none() {
-            return Ok(());
-        }
-        let names: Vec<&str> = found.methods.iter().map(|(name, _)| name.as_str()).collect();
-        if names != wanted {
-            let (wanted, found) = (wanted.join(", "), names.join(", "));
-            return Err(format!("a port with {wanted} is wanted, not one with {found}"));
-        }
+        let Some(found) = self.abstract_struct(at, wanted)? else { return Ok(()) };
         let Some((_, data)) = found.methods.first() else { return Ok(()) };
         // `this`, and the element's name.
         let arguments = if port.multiple { 2 } else { 1 };
@@ -123,5 +111,44 @@ impl Comparison<'_> {
         }
         let datum = self.pointer(data.result).and_then(|target| self.memory(port.ty, target));
         datum.map_err(|why| format!("its data: {why}"))
+    }
+
+    /// An abstract struct with `call`.
+    pub(super) fn abstract_remote(&mut self, parameters: &[Parameter], at: Option<At>) -> Outcome {
+        let Some(found) = self.abstract_struct(at, &["call"])? else { return Ok(()) };
+        let Some((_, call)) = found.methods.first() else { return Ok(()) };
+        // `this` comes first.
+        let arguments = call.parameters.get(1..).unwrap_or_default();
+        let (wanted, found) = (parameters.len(), arguments.len());
+        if wanted != found {
+            return Err(format!("its call takes {wanted} arguments, not {found}"));
+        }
+        for (parameter, (_, at)) in parameters.iter().zip(arguments) {
+            self.passed(parameter.ty, parameter.direction, *at)
+                .map_err(|why| format!("argument `{}` of its call: {why}", parameter.name))?;
+        }
+        Ok(())
+    }
+
+    /// A struct with these virtual functions, in this order; `None` when only its name is told.
+    fn abstract_struct(
+        &self,
+        at: Option<At>,
+        wanted: &[&str],
+    ) -> Result<Option<Composite>, String> {
+        let target = self.pointer(at)?;
+        let Some((_, node)) = self.info.stripped(target) else { return Ok(None) };
+        let Node::Struct(found) = node else {
+            return Err(format!("an object is wanted, not `{}`", self.info.spell(at)));
+        };
+        if found.size.is_none() {
+            return Ok(None);
+        }
+        let names: Vec<&str> = found.methods.iter().map(|(name, _)| name.as_str()).collect();
+        if names != wanted {
+            let (wanted, found) = (wanted.join(", "), names.join(", "));
+            return Err(format!("an object with {wanted} is wanted, not one with {found}"));
+        }
+        Ok(Some(found))
     }
 }

@@ -71,14 +71,17 @@ impl<'a> Comparison<'a> {
             }
             Source::Remote(rank) => {
                 let remote = model.remotes.get(rank).ok_or("there is no such remote")?;
-                self.remote(&remote.parameters, at)
+                match self.cxx {
+                    true => self.abstract_remote(&remote.parameters, at),
+                    false => self.remote(&remote.parameters, at),
+                }
             }
             _ => self.passed(parameter.ty, parameter.direction, at),
         }
     }
 
     /// A datum as an argument (genom3.md 5.5).
-    fn passed(&mut self, ty: TypeId, direction: Direction, at: Option<At>) -> Outcome {
+    pub(super) fn passed(&mut self, ty: TypeId, direction: Direction, at: Option<At>) -> Outcome {
         let kind = self.types().resolved(ty);
         let class = match self.cxx {
             true => Class::of_cxx(kind, direction),
