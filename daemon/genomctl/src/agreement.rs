@@ -9,7 +9,8 @@ use genom_description::{Options, read};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
-use crate::table::table;
+use crate::table::Table;
+use crate::terminal::Terminal;
 
 /// One row of a manifest, and what we say.
 struct Case {
@@ -86,7 +87,8 @@ impl Agreement {
             })
             .collect();
         let (agree, intended) = (self.count(Case::agrees), self.count(Case::intended));
-        let table = table(&["FILE", "EXPECTED", "LINE", "OURS", "LINE", ""], &rows);
+        let header = vec!["FILE", "EXPECTED", "LINE", "OURS", "LINE", ""];
+        let table = Table { header, rows }.text(Terminal::default());
         format!("{table}{agree} of {} agree; {intended} intended differences\n", self.0.len())
     }
 

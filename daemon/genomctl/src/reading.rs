@@ -1,6 +1,6 @@
 //! Reading descriptions for the verbs that need no daemon: options, warnings, refusal.
 
-use std::io::{self, IsTerminal as _, Write as _};
+use std::io::{self, Write as _};
 use std::path::PathBuf;
 
 use genom_description::diagnostic::Severity;
@@ -8,6 +8,7 @@ use genom_description::diagnostic::render::human;
 use genom_description::{Analysis, Options, preprocess, read};
 
 use crate::failure::Failure;
+use crate::terminal::coloured_errors;
 
 /// How to read descriptions.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -49,7 +50,7 @@ impl Reading {
     /// Reads a specification that something is made of: tells its warnings, refuses its errors.
     pub(crate) fn read_sound(&self, files: &[PathBuf]) -> Result<Analysis, Failure> {
         let analysis = self.read(files)?;
-        let told = human(&analysis.diagnostics, &analysis.sources, io::stderr().is_terminal());
+        let told = human(&analysis.diagnostics, &analysis.sources, coloured_errors());
         io::stderr().lock().write_all(told.as_bytes())?;
         if analysis.has_errors() {
             let (errors, warnings) = counts(&analysis);

@@ -4,11 +4,13 @@ use std::io::{self, Write as _};
 
 use hyper::Method;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::args::Connection;
 use crate::client::Client;
 use crate::failure::Failure;
+use crate::table::Table;
+use crate::terminal::Terminal;
 
 /// One run of `genomctl`.
 #[derive(Debug)]
@@ -17,12 +19,14 @@ pub(crate) struct Session {
     pub(crate) client: Client,
     /// `--json`: replies as the daemon sent them.
     pub(crate) json: bool,
+    /// Where text goes.
+    pub(crate) terminal: Terminal,
 }
 
 impl Session {
     /// A session with the daemon named on the command line; nothing is sent yet.
     pub(crate) fn new(connection: Connection, json: bool) -> Self {
-        Self { client: Client::new(connection), json }
+        Self { client: Client::new(connection), json, terminal: Terminal::of_output() }
     }
 
     /// `GET path`.
@@ -55,6 +59,31 @@ impl Session {
             return self.print(&format!("{reply}\n"));
         }
         self.print(&render(&self.read(reply)?))
+    }
+
+    /// Prints a reply as a table that fits the terminal, or as it is with `--json`.
+    pub(crate) fn show_table<R: DeserializeOwned>(
+        &self,
+        reply: Value,
+        table: impl FnOnce(&R) -> Table,
+    ) -> Result<(), Failure> {
+        self.show(reply, |reply| table(reply).text(self.terminal))
+    }
+
+    /// Prints a text that no daemon sent; with `--json` as the one member of an object.
+    pub(crate) fn print_text(&self, name: &str, text: &str) -> Result<(), Failure> {
+        if self.json {
+            return self.print(&format!("{}\n", json!({ name: text })));
+        }
+        self.print(text)
+    }
+
+    /// Says something to whoever sits there; not data.
+    pub(crate) fn tell(&self, text: &str) -> Result<(), Failure> {
+        if !self.json {
+            io::stderr().lock().write_all(format!("\r{text}\n").as_bytes())?;
+        }
+        Ok(())
     }
 
     /// The reply as the type a verb expects.

@@ -1,27 +1,90 @@
-//! Plain tables: columns as wide as their content, two blanks between them.
+//! Tables: columns as wide as their content, two blanks between them; cut to fit a terminal.
 
-/// Lays out rows under a header; no header line when there is no row.
-pub(crate) fn table(header: &[&str], rows: &[Vec<String>]) -> String {
-    if rows.is_empty() {
-        return String::new();
+use crate::terminal::{Terminal, Tone};
+
+/// Rows under a header.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Table {
+    /// One word a column.
+    pub(crate) header: Vec<&'static str>,
+    pub(crate) rows: Vec<Vec<String>>,
+}
+
+/// Columns are not made narrower than this.
+const NARROW: usize = 6;
+const BETWEEN: usize = 2;
+
+impl Table {
+    /// As text; no header line when there is no row. Without a terminal, nothing is cut.
+    pub(crate) fn text(&self, terminal: Terminal) -> String {
+        if self.rows.is_empty() {
+            return String::new();
+        }
+        let widths = self.widths(terminal.width);
+        let head = self.header.iter().map(|&cell| cell.to_owned()).collect::<Vec<_>>();
+        let mut out = String::new();
+        for (rank, row) in std::iter::once(&head).chain(&self.rows).enumerate() {
+            let mut line = String::new();
+            for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
+                let cut = cut(cell, *width);
+                let blanks = width.saturating_sub(cut.chars().count()) + BETWEEN;
+                let tone = Tone::of(cell).filter(|_| terminal.colour && self.tells(column));
+                match tone {
+                    _ if rank == 0 && terminal.colour => {
+                        line.push_str(&format!("\x1b[1m{cut}\x1b[0m"));
+                    }
+                    Some(tone) => line.push_str(&tone.paint(&cut)),
+                    None => line.push_str(&cut),
+                }
+                line.push_str(&" ".repeat(blanks));
+            }
+            out.push_str(line.trim_end());
+            out.push('\n');
+        }
+        out
     }
-    let mut widths: Vec<usize> = header.iter().map(|cell| cell.chars().count()).collect();
-    for row in rows {
-        for (width, cell) in widths.iter_mut().zip(row) {
-            *width = (*width).max(cell.chars().count());
+
+    /// Whether a column says how things are: names are never coloured by chance.
+    fn tells(&self, column: usize) -> bool {
+        self.header.get(column).is_some_and(|name| ["STATE", "STATUS"].contains(name))
+    }
+
+    fn widths(&self, most: Option<usize>) -> Vec<usize> {
+        let mut widths: Vec<usize> = self.header.iter().map(|cell| cell.chars().count()).collect();
+        for row in &self.rows {
+            for (width, cell) in widths.iter_mut().zip(row) {
+                *width = (*width).max(cell.chars().count());
+            }
+        }
+        let Some(most) = most else { return widths };
+        // The widest gives first, until the line fits or all are narrow.
+        loop {
+            let line = widths.iter().sum::<usize>() + BETWEEN * (widths.len().saturating_sub(1));
+            let Some(over) = line.checked_sub(most).filter(|over| *over > 0) else { return widths };
+            let mut sorted = widths.clone();
+            sorted.sort_unstable();
+            let next = sorted.iter().rev().find(|width| **width < sorted[sorted.len() - 1]);
+            let widest = sorted[sorted.len() - 1];
+            let Some(column) = widths.iter().rposition(|width| *width == widest) else {
+                return widths;
+            };
+            if widest <= NARROW {
+                return widths;
+            }
+            let floor = next.copied().unwrap_or(0).max(NARROW).min(widest - 1);
+            widths[column] = widest.saturating_sub(over).max(floor);
         }
     }
-    let mut out = String::new();
-    let head = header.iter().map(|&cell| cell.to_owned()).collect::<Vec<_>>();
-    for row in std::iter::once(&head).chain(rows) {
-        let mut line = String::new();
-        for (cell, width) in row.iter().zip(&widths) {
-            line.push_str(&format!("{cell:<width$}  "));
-        }
-        out.push_str(line.trim_end());
-        out.push('\n');
+}
+
+/// The text, its end replaced by a sign when it is too long.
+fn cut(text: &str, width: usize) -> String {
+    if text.chars().count() <= width {
+        return text.to_owned();
     }
-    out
+    let mut cut: String = text.chars().take(width.saturating_sub(1)).collect();
+    cut.push('~');
+    cut
 }
 
 #[cfg(test)]
@@ -29,14 +92,47 @@ mod tests {
     use super::*;
     use expect_test::expect;
 
+    fn table() -> Table {
+        let row = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
+        Table {
+            header: vec!["NAME", "STATE", "LIBRARY"],
+            rows: vec![
+                row(["demo", "running", "/a/long/way/to/the/library/of/demo.so"]),
+                row(["running", "failed", "x.so"]),
+            ],
+        }
+    }
+
     #[test]
     fn columns_line_up() {
-        let rows = [vec!["demo".into(), "shm".into()], vec!["x".into(), "local".into()]];
-        expect![[r#"
-            NAME  BACKEND
-            demo  shm
-            x     local
-        "#]]
-        .assert_eq(&table(&["NAME", "BACKEND"], &rows));
+        expect![[r"
+            NAME     STATE    LIBRARY
+            demo     running  /a/long/way/to/the/library/of/demo.so
+            running  failed   x.so
+        "]]
+        .assert_eq(&table().text(Terminal::default()));
+    }
+
+    #[test]
+    fn a_table_fits_the_terminal_and_the_widest_column_gives() {
+        for width in [20, 24, 30, 40, 56, 80] {
+            let text = table().text(Terminal { width: Some(width), colour: false });
+            for line in text.lines() {
+                assert!(line.chars().count() <= width.max(22), "{width}: {line}");
+            }
+        }
+        expect![[r"
+            NAME     STATE    LIBRARY
+            demo     running  /a/long/way~
+            running  failed   x.so
+        "]]
+        .assert_eq(&table().text(Terminal { width: Some(30), colour: false }));
+    }
+
+    #[test]
+    fn only_what_tells_how_things_are_is_coloured() {
+        let text = table().text(Terminal { width: None, colour: true });
+        assert!(text.contains("\x1b[32mrunning\x1b[0m  /a"), "{text:?}");
+        assert!(text.contains("\nrunning  \x1b[31mfailed\x1b[0m"), "{text:?}");
     }
 }

@@ -7,7 +7,7 @@ use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
-use crate::table::table;
+use crate::table::Table;
 
 /// List the activities of a component, running and lately ended.
 #[derive(Debug, clap::Args)]
@@ -35,10 +35,10 @@ struct Activity {
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let reply = session.get(&url(["components", &args.component, "activities"])).await?;
-    session.show(reply, render)
+    session.show_table(reply, render)
 }
 
-fn render(reply: &Reply) -> String {
+fn render(reply: &Reply) -> Table {
     let rows: Vec<_> = reply
         .activities
         .iter()
@@ -51,5 +51,5 @@ fn render(reply: &Reply) -> String {
             ]
         })
         .collect();
-    table(&["ACTIVITY", "SERVICE", "STATUS", "STATE"], &rows)
+    Table { header: vec!["ACTIVITY", "SERVICE", "STATUS", "STATE"], rows }
 }

@@ -4,7 +4,8 @@ use serde::Deserialize;
 
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::table::table;
+use crate::table::Table;
+use crate::terminal::Terminal;
 
 /// List the middlewares that the daemon knows, what they can do and what is visible on them.
 #[derive(Debug, clap::Args)]
@@ -49,10 +50,10 @@ struct Endpoint {
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let path = if args.visible { "/middlewares?visible=true" } else { "/middlewares" };
     let reply = session.get(path).await?;
-    session.show(reply, render)
+    session.show(reply, |reply| render(reply, session.terminal))
 }
 
-fn render(reply: &Reply) -> String {
+fn render(reply: &Reply, terminal: Terminal) -> String {
     let rows: Vec<_> = reply
         .middlewares
         .iter()
@@ -65,7 +66,8 @@ fn render(reply: &Reply) -> String {
             ]
         })
         .collect();
-    let mut out = table(&["BACKEND", "VERSION", "CAPABILITIES"], &rows);
+    let header = vec!["BACKEND", "VERSION", "CAPABILITIES"];
+    let mut out = Table { header, rows }.text(terminal);
     for middleware in &reply.middlewares {
         for endpoint in &middleware.endpoints {
             let Endpoint { kind, address, ty } = endpoint;

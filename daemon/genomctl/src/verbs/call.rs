@@ -3,6 +3,7 @@
 use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
+use crate::prompt;
 use crate::session::Session;
 use crate::verbs::{outcome, start};
 use clap_complete::engine::ArgValueCompleter;
@@ -18,13 +19,14 @@ pub(crate) struct Args {
     /// The service.
     #[arg(add = ArgValueCompleter::from(Names::Services))]
     service: String,
-    /// Inputs: '{"velocity": 0.5}' or velocity=0.5; what is missing takes its default.
+    /// Inputs: '{"velocity": 0.5}' or velocity=0.5; what is missing takes its default. On a terminal
+    /// they are asked for when none are given; '{}' takes all defaults.
     #[arg(add = ArgValueCompleter::from(Names::Inputs))]
     inputs: Vec<String>,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let inputs = crate::inputs::parse(&args.inputs)?;
+    let inputs = prompt::inputs(session, &args.component, &args.service, &args.inputs).await?;
     let path = url(["components", &args.component, "services", &args.service]);
     let reply = session.post(&path, &inputs).await?;
     let so_far: outcome::Outcome = session.read(reply.clone())?;

@@ -1,6 +1,6 @@
 //! `genomctl check`: reads descriptions and says all there is to say. No daemon.
 
-use std::io::{self, IsTerminal as _, Write as _};
+use std::io::{self, Write as _};
 use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,6 +12,7 @@ use crate::agreement::Agreement;
 use crate::failure::Failure;
 use crate::reading::{Reading, counts};
 use crate::session::Session;
+use crate::terminal::coloured_errors;
 
 /// Check descriptions: mistakes and surprises, drawn in the text.
 #[derive(Debug, clap::Args)]
@@ -66,7 +67,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
             String::new()
         }
         Format::Short => short(said, sources),
-        Format::Human => human(said, sources, io::stderr().is_terminal()),
+        Format::Human => human(said, sources, coloured_errors()),
     };
     io::stderr().lock().write_all(text.as_bytes())?;
     let refused = errors + if args.deny_warnings { warnings } else { 0 };

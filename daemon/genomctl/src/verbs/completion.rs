@@ -28,5 +28,5 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         .completer(&args.shell.to_string())
         .ok_or_else(|| io::Error::other(format!("nothing completes for {}", args.shell)))?;
     shell.write_registration(VARIABLE, "genomctl", "genomctl", "genomctl", &mut text)?;
-    session.print(&String::from_utf8_lossy(&text))
+    session.print_text("script", &String::from_utf8_lossy(&text))
 }

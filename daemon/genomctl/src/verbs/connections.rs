@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::table::table;
+use crate::table::Table;
 
 /// List what the daemon's in ports and remotes are connected to.
 #[derive(Debug, clap::Args)]
@@ -28,10 +28,10 @@ struct Connection {
 
 pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
     let reply = session.get("/connections").await?;
-    session.show(reply, render)
+    session.show_table(reply, render)
 }
 
-fn render(reply: &Reply) -> String {
+fn render(reply: &Reply) -> Table {
     let rows: Vec<_> = reply
         .connections
         .iter()
@@ -44,5 +44,5 @@ fn render(reply: &Reply) -> String {
             ]
         })
         .collect();
-    table(&["IN", "OUT", "BACKEND", "POLICY"], &rows)
+    Table { header: vec!["IN", "OUT", "BACKEND", "POLICY"], rows }
 }

@@ -7,6 +7,7 @@ use serde_json::json;
 use crate::doctor::{Finding, Level, Machine, live};
 use crate::failure::Failure;
 use crate::session::Session;
+use crate::terminal::{Terminal, Tone};
 
 /// Examine this machine and the daemon: each finding with its fix.
 ///
@@ -32,7 +33,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let text = if session.json {
         format!("{}\n", json!({ "findings": findings }))
     } else {
-        findings.iter().map(render).collect()
+        findings.iter().map(|finding| render(finding, session.terminal)).collect()
     };
     session.print(&text)?;
     match findings.iter().filter(|finding| finding.level == Level::Problem).count() {
@@ -42,13 +43,16 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
 }
 
-fn render(finding: &Finding) -> String {
+fn render(finding: &Finding, terminal: Terminal) -> String {
     let level = match finding.level {
         Level::Ok => "ok",
         Level::Note => "note",
         Level::Problem => "problem",
     };
-    let mut text = format!("{level:<8} {}: {}\n", finding.about, finding.what);
+    let padded = format!("{level:<8}");
+    let tone = Tone::of(level).filter(|_| terminal.colour);
+    let level = tone.map_or(padded.clone(), |tone| tone.paint(&padded));
+    let mut text = format!("{level} {}: {}\n", finding.about, finding.what);
     if let Some(fix) = &finding.fix {
         text.push_str(&format!("         fix: {fix}\n"));
     }

@@ -14,17 +14,31 @@ pub(crate) struct Args {
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let Some(code) = &args.code else {
-        let all: String =
-            explanations().map(|one| format!("{}  {}\n", one.code, one.title)).collect();
+        let line = |one: &Explanation| {
+            if session.json {
+                format!("{}\n", data(one))
+            } else {
+                format!("{}  {}\n", one.code, one.title)
+            }
+        };
+        let all: String = explanations().map(line).collect();
         return session.print(&all);
     };
     match explain(code) {
+        Some(explanation) if session.json => session.print(&format!("{}\n", data(explanation))),
         Some(explanation) => session.print(&render(explanation)),
         None => Err(Failure::usage(
             format!("there is no code `{code}`"),
             "`genomctl explain` lists them",
         )),
     }
+}
+
+fn data(explanation: &Explanation) -> serde_json::Value {
+    let Explanation { code, title, rule, text, example } = explanation;
+    serde_json::json!({
+        "code": code, "title": title, "rule": rule, "text": text.trim(), "example": example,
+    })
 }
 
 fn render(explanation: &Explanation) -> String {

@@ -39,17 +39,30 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         match format_bytes(&before) {
             Err(error) => {
                 refused += 1;
+                if session.json {
+                    session.print(&told(&name, "refused", Some(&error.to_string())))?;
+                    continue;
+                }
                 io::stderr().lock().write_all(refusal(&name, &error).as_bytes())?;
             }
             Ok(after) if args.check => {
                 if let Some(hint) = hint(&name, &before, &after) {
                     unformatted += 1;
-                    session.print(&hint)?;
+                    let json = session.json.then(|| told(&name, "to format", None));
+                    session.print(json.as_ref().unwrap_or(&hint))?;
                 }
             }
+            Ok(after) if (piped || args.stdout) && session.json => {
+                session.print_text("text", &String::from_utf8_lossy(&after))?;
+            }
             Ok(after) if piped || args.stdout => io::stdout().lock().write_all(&after)?,
-            Ok(after) if after != before => fs::write(path, after)
-                .map_err(|error| io::Error::new(error.kind(), format!("{name}: {error}")))?,
+            Ok(after) if after != before => {
+                fs::write(path, after)
+                    .map_err(|error| io::Error::new(error.kind(), format!("{name}: {error}")))?;
+                if session.json {
+                    session.print(&told(&name, "formatted", None))?;
+                }
+            }
             Ok(_) => {}
         }
     }
@@ -57,6 +70,11 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         (0, 0) => Ok(()),
         (unformatted, refused) => Err(Failure::Format { unformatted, refused }),
     }
+}
+
+/// What was done to a file, for `--json`.
+fn told(file: &str, what: &str, why: Option<&str>) -> String {
+    format!("{}\n", serde_json::json!({ "file": file, "outcome": what, "why": why }))
 }
 
 fn refusal(name: &str, error: &FormatError) -> String {

@@ -51,5 +51,5 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         );
         return Err(Failure::refused("graph", message));
     }
-    session.print(&drawn.concat())
+    session.print_text("graph", &drawn.concat())
 }

@@ -41,5 +41,5 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     };
     let header = tools::header(&analysis.specification, args.component.as_deref(), language)
         .map_err(|error| Failure::refused("header", error.to_string()))?;
-    session.print(&header)
+    session.print_text("header", &header)
 }

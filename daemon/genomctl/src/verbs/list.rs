@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::table::table;
+use crate::table::Table;
 
 /// List the components that run.
 #[derive(Debug, clap::Args)]
@@ -27,10 +27,10 @@ struct Component {
 
 pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
     let reply = session.get("/components").await?;
-    session.show(reply, render)
+    session.show_table(reply, render)
 }
 
-fn render(reply: &Reply) -> String {
+fn render(reply: &Reply) -> Table {
     let rows: Vec<_> = reply
         .components
         .iter()
@@ -45,5 +45,5 @@ fn render(reply: &Reply) -> String {
             ]
         })
         .collect();
-    table(&["NAME", "COMPONENT", "STATE", "BACKEND", "ACTIVITIES", "LIBRARY"], &rows)
+    Table { header: vec!["NAME", "COMPONENT", "STATE", "BACKEND", "ACTIVITIES", "LIBRARY"], rows }
 }

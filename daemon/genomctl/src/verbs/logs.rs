@@ -7,6 +7,7 @@ use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::encode;
 use crate::session::Session;
+use crate::terminal::{Terminal, Tone};
 
 /// Print what the daemon logged lately, of all components or of one.
 ///
@@ -72,7 +73,9 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
     if !args.follow {
         let reply = session.get(&format!("/logs{query}")).await?;
-        return session.show(reply, |reply: &Reply| reply.logs.iter().map(render).collect());
+        return session.show(reply, |reply: &Reply| {
+            reply.logs.iter().map(|entry| render(entry, session.terminal)).collect()
+        });
     }
     if args.last.is_none() {
         // All that is kept, then what comes.
@@ -89,20 +92,22 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
             session.print(&format!("{}\n", event.data))?;
         } else {
             let data = serde_json::from_str(&event.data).unwrap_or_default();
-            session.print(&render(&session.read(data)?))?;
+            session.print(&render(&session.read(data)?, session.terminal))?;
         }
     }
 }
 
 /// `12:34:56.789 WARN  demo: message`, in UTC as the daemon's own log.
-fn render(entry: &Entry) -> String {
+fn render(entry: &Entry, terminal: Terminal) -> String {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a date")]
     let milliseconds = (entry.time * 1e3) as u64;
     let (seconds, rest) = (milliseconds / 1000, milliseconds % 1000);
     let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
     let component = entry.component.as_ref().map_or_else(String::new, |name| format!("{name}: "));
-    let level = entry.level.to_uppercase();
-    format!("{hour:02}:{minute:02}:{second:02}.{rest:03} {level:<5} {component}{}\n", entry.message)
+    let level = format!("{:<5}", entry.level.to_uppercase());
+    let tone = Tone::of(&entry.level).filter(|_| terminal.colour);
+    let level = tone.map_or(level.clone(), |tone| tone.paint(&level));
+    format!("{hour:02}:{minute:02}:{second:02}.{rest:03} {level} {component}{}\n", entry.message)
 }
 
 #[cfg(test)]
@@ -117,6 +122,6 @@ mod tests {
             component: Some("demo".into()),
             message: "odd".into(),
         };
-        assert_eq!(render(&entry), "23:59:59.250 WARN  demo: odd\n");
+        assert_eq!(render(&entry, Terminal::default()), "23:59:59.250 WARN  demo: odd\n");
     }
 }

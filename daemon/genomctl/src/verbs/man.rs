@@ -29,5 +29,8 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         .filter(|name| name.starts_with("genomctl") && name.ends_with(".1"))
         .collect();
     pages.sort();
+    if session.json {
+        return session.print(&format!("{}\n", serde_json::json!({ "pages": pages })));
+    }
     session.print(&pages.iter().map(|page| format!("{page}\n")).collect::<String>())
 }

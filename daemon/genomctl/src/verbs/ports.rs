@@ -8,7 +8,7 @@ use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
-use crate::table::table;
+use crate::table::Table;
 
 /// List ports, what they are connected to and their last values.
 #[derive(Debug, clap::Args)]
@@ -41,10 +41,10 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         None => "/ports".to_owned(),
     };
     let reply = session.get(&path).await?;
-    session.show(reply, render)
+    session.show_table(reply, render)
 }
 
-fn render(reply: &Reply) -> String {
+fn render(reply: &Reply) -> Table {
     let rows: Vec<_> = reply
         .ports
         .iter()
@@ -58,7 +58,7 @@ fn render(reply: &Reply) -> String {
             ]
         })
         .collect();
-    table(&["PORT", "DIRECTION", "TYPE", "CONNECTED", "VALUE"], &rows)
+    Table { header: vec!["PORT", "DIRECTION", "TYPE", "CONNECTED", "VALUE"], rows }
 }
 
 /// A value cut to what fits a line; `genomctl echo` shows the whole.

@@ -3,9 +3,11 @@
 use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
+use crate::prompt;
 use crate::session::Session;
 use crate::verbs::outcome::{self, Outcome};
 use clap_complete::engine::ArgValueCompleter;
+use tokio::signal::unix::{SignalKind, signal};
 
 /// Start an activity; its number is printed at once.
 #[derive(Debug, clap::Args)]
@@ -16,7 +18,8 @@ pub(crate) struct Args {
     /// The activity.
     #[arg(add = ArgValueCompleter::from(Names::Startable))]
     service: String,
-    /// Inputs: '{"goal": 1.0}' or goal=1.0; what is missing takes its default.
+    /// Inputs: '{"goal": 1.0}' or goal=1.0; what is missing takes its default. On a terminal they
+    /// are asked for when none are given; '{}' takes all defaults.
     #[arg(add = ArgValueCompleter::from(Names::Inputs))]
     inputs: Vec<String>,
     /// Wait for its end; Ctrl-C aborts it, a second Ctrl-C leaves it alone.
@@ -25,7 +28,7 @@ pub(crate) struct Args {
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let inputs = crate::inputs::parse(&args.inputs)?;
+    let inputs = prompt::inputs(session, &args.component, &args.service, &args.inputs).await?;
     let path = url(["components", &args.component, "services", &args.service]);
     let reply = session.post(&path, &inputs).await?;
     let so_far: Outcome = session.read(reply.clone())?;
@@ -37,7 +40,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
 }
 
-/// Waits for the end of an activity that this command started.
+/// Waits for the end of an activity that this command started. Ctrl-C aborts it; a second one
+/// leaves it alone.
 pub(super) async fn wait_for(
     session: &Session,
     component: &str,
@@ -45,20 +49,28 @@ pub(super) async fn wait_for(
     activity: u64,
 ) -> Result<(), Failure> {
     let what = format!("{component}/{service} (activity {activity})");
-    let end = super::wait::until_ended(session, component, activity);
+    // Before anything is said: who reads that it runs may interrupt at once.
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    let end = super::wait::until_ended(session, component, activity, &what);
     tokio::pin!(end);
     tokio::select! {
         reply = &mut end => return outcome::show(session, &what, reply?),
-        _ = tokio::signal::ctrl_c() => {}
+        _ = interrupt.recv() => {}
     }
+    session.tell(&format!("{what} is told to stop; Ctrl-C again leaves it alone"))?;
     let number = activity.to_string();
-    session.delete(&url(["components", component, "activities", &number])).await?;
+    match session.delete(&url(["components", component, "activities", &number])).await {
+        // It ended by itself in between.
+        Ok(_) | Err(Failure::Refused(_)) => {}
+        Err(failure) => return Err(failure),
+    }
     tokio::select! {
         reply = end => outcome::show(session, &what, reply?),
-        _ = tokio::signal::ctrl_c() => Err(Failure::Exception {
-            what,
-            exception: "nothing yet: abort was asked, not waited for".to_owned(),
-            detail: serde_json::Value::Null,
-        }),
+        _ = interrupt.recv() => Err(Failure::Refused(crate::failure::Refusal {
+            code: "left".to_owned(),
+            message: format!("{what} was told to stop, and still runs"),
+            place: None,
+            help: Some(format!("`genomctl wait {component} {activity}` tells how it ends")),
+        })),
     }
 }

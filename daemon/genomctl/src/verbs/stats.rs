@@ -7,7 +7,7 @@ use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
 use crate::session::Session;
-use crate::table::table;
+use crate::table::Table;
 use crate::units::duration;
 
 /// Show the statistics of the tasks of a component.
@@ -43,10 +43,10 @@ struct Durations {
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let reply = session.get(&url(["components", &args.component, "tasks"])).await?;
-    session.show(reply, render)
+    session.show_table(reply, render)
 }
 
-fn render(reply: &Reply) -> String {
+fn render(reply: &Reply) -> Table {
     let rows: Vec<_> = reply
         .tasks
         .iter()
@@ -63,9 +63,17 @@ fn render(reply: &Reply) -> String {
             ]
         })
         .collect();
-    let header =
-        ["TASK", "PERIOD", "REAL-TIME", "CYCLES", "OVERRUNS", "WORK", "LONGEST", "LATENESS P99"];
-    table(&header, &rows)
+    let header = vec![
+        "TASK",
+        "PERIOD",
+        "REAL-TIME",
+        "CYCLES",
+        "OVERRUNS",
+        "WORK",
+        "LONGEST",
+        "LATENESS P99",
+    ];
+    Table { header, rows }
 }
 
 #[cfg(test)]
@@ -85,6 +93,6 @@ mod tests {
             TASK  PERIOD    REAL-TIME  CYCLES  OVERRUNS  WORK    LONGEST  LATENESS P99
             main  5.000 ms  no         7       0         900 ns  900 ns   85.000 us
         "#]]
-        .assert_eq(&render(&reply.unwrap()));
+        .assert_eq(&render(&reply.unwrap()).text(crate::terminal::Terminal::default()));
     }
 }

@@ -1,12 +1,15 @@
 //! `genomctl wait`: until an activity has ended.
 
 use clap_complete::engine::ArgValueCompleter;
+use std::time::Instant;
+
 use serde_json::Value;
 
 use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::{activity_number, url};
 use crate::session::Session;
+use crate::terminal::Progress;
 use crate::verbs::outcome::{self, Outcome};
 
 /// Wait until an activity has ended, and tell how.
@@ -27,7 +30,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let activity = activity_number(&args.activity)?;
     let what = format!("{} activity {activity}", args.component);
     let Some(seconds) = args.timeout else {
-        let reply = until_ended(session, &args.component, activity).await?;
+        let reply = until_ended(session, &args.component, activity, &what).await?;
         return outcome::show(session, &what, reply);
     };
     let reply = session.get(&path(&args.component, activity, seconds)).await?;
@@ -43,17 +46,29 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }))
 }
 
-/// Asks again and again, each time for as long as the daemon holds a request.
+/// Asks again and again, each time for as long as the daemon holds a request; on a terminal, `what`
+/// is shown with its state and the time that passes.
 pub(super) async fn until_ended(
     session: &Session,
     component: &str,
     activity: u64,
+    what: &str,
 ) -> Result<Value, Failure> {
+    let mut progress = Progress::default();
+    let hold = if session.json || !progress.seen() { 60.0 } else { 0.5 };
+    let begin = Instant::now();
+    if hold < 1.0 {
+        progress.show(what);
+    }
     loop {
-        let reply = session.get(&path(component, activity, 60.0)).await?;
+        let reply = session.get(&path(component, activity, hold)).await?;
         let outcome: Outcome = session.read(reply.clone())?;
         if outcome.ended() {
             return Ok(reply);
+        }
+        if hold < 1.0 {
+            let state = reply["state"].as_str().unwrap_or("waiting");
+            progress.show(&format!("{what}: {state}, {} s", begin.elapsed().as_secs()));
         }
     }
 }

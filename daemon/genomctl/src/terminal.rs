@@ -1,0 +1,103 @@
+//! What is known of the terminal: whether there is one, its width, whether to colour.
+
+use std::io::{self, IsTerminal as _, Write as _};
+
+/// Standard output, as far as laying out text is concerned.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Terminal {
+    /// Columns, when it is a terminal.
+    pub(crate) width: Option<usize>,
+    /// Whether colours are welcome.
+    pub(crate) colour: bool,
+}
+
+impl Terminal {
+    /// That of standard output.
+    pub(crate) fn of_output() -> Self {
+        let is_terminal = io::stdout().is_terminal();
+        let size = is_terminal.then(crossterm::terminal::size);
+        let width = size.and_then(Result::ok).map(|(width, _)| usize::from(width));
+        Self { width, colour: is_terminal && colours_welcome() }
+    }
+}
+
+/// NO_COLOR (no-color.org) and terminals that cannot.
+fn colours_welcome() -> bool {
+    std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
+        && std::env::var_os("TERM").is_some_and(|term| term != "dumb")
+}
+
+/// Whether somebody sits there who can be asked.
+pub(crate) fn somebody_there() -> bool {
+    io::stdin().is_terminal() && io::stderr().is_terminal()
+}
+
+/// Whether standard error may carry colours.
+pub(crate) fn coloured_errors() -> bool {
+    io::stderr().is_terminal() && colours_welcome()
+}
+
+/// What a word says of how things are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Tone {
+    Good,
+    Careful,
+    Bad,
+}
+
+impl Tone {
+    /// The tone of a state, a status or a level.
+    pub(crate) fn of(word: &str) -> Option<Self> {
+        Some(match word {
+            "running" | "done" | "ok" => Tone::Good,
+            "waiting" | "note" | "warn" | "WARN" | "stop" => Tone::Careful,
+            "exception" | "failed" | "problem" | "error" | "ERROR" => Tone::Bad,
+            _ => return None,
+        })
+    }
+
+    fn code(self) -> &'static str {
+        match self {
+            Tone::Good => "\x1b[32m",
+            Tone::Careful => "\x1b[33m",
+            Tone::Bad => "\x1b[31m",
+        }
+    }
+
+    /// The text in this tone's colour.
+    pub(crate) fn paint(self, text: &str) -> String {
+        format!("{}{text}\x1b[0m", self.code())
+    }
+}
+
+/// One line on standard error that is written over, while something takes long.
+#[derive(Debug, Default)]
+pub(crate) struct Progress {
+    shown: bool,
+}
+
+impl Progress {
+    /// Whether somebody looks.
+    pub(crate) fn seen(&self) -> bool {
+        io::stderr().is_terminal()
+    }
+
+    /// Writes the line over; nothing when nobody looks.
+    pub(crate) fn show(&mut self, text: &str) {
+        if self.seen() {
+            let width = crossterm::terminal::size().map_or(80, |(width, _)| usize::from(width));
+            let text: String = text.chars().take(width.saturating_sub(1)).collect();
+            let _ = write!(io::stderr().lock(), "\r\x1b[2K{text}");
+            let _ = io::stderr().lock().flush();
+            self.shown = true;
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if self.shown {
+            let _ = write!(io::stderr().lock(), "\r\x1b[2K");
+        }
+    }
+}
