@@ -60,8 +60,10 @@ fn inputs_are_asked_for_when_none_were_given() {
 #[test]
 fn ctrl_c_aborts_what_was_started_and_a_second_one_leaves_it() {
     let daemon = stepped();
+    // It runs once time has gone on; what only waits to run would end at once.
+    let step = json!([program("genomctl"), "step", "100ms"]);
     let steps = json!([
-        {"wait": "demo/goto (activity 2)"}, {"type": "\u{3}"},
+        {"wait": "demo/goto (activity 2)"}, {"run": step}, {"type": "\u{3}"},
         {"wait": "Ctrl-C again leaves it alone"}, {"type": "\u{3}"},
         {"wait": "was told to stop, and still runs"}, {"wait": "genomctl wait demo 2"},
     ]);
@@ -149,4 +151,18 @@ fn events_are_told_as_they_happen() {
         };
         finished.expect_code(0).expect_out("event_fired component=demo name=emergency\n");
     });
+}
+
+#[test]
+fn a_long_wait_is_seen_on_a_terminal_and_leaves_no_trace_elsewhere() {
+    let daemon = stepped();
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+    // Held by the daemon until the clock is stepped: after it was seen.
+    let step = json!([program("genomctl"), "step", "10s"]);
+    let steps = json!([{"wait": "waiting for genomd, "}, {"run": step}, {"wait": "done"}]);
+    let arguments = ["wait", "demo", "2", "--timeout", "50"];
+    on_terminal(&daemon, 80, &[], steps, &arguments).expect_code(0);
+    let finished = daemon.ctl(&["wait", "demo", "2", "--timeout", "50"]);
+    finished.expect_code(0).expect_out("done\n");
+    assert_eq!(finished.err, "");
 }

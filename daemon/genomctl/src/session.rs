@@ -1,6 +1,7 @@
 //! What every verb works with: the daemon, and where the answer goes.
 
 use std::io::{self, Write as _};
+use std::time::Duration;
 
 use hyper::Method;
 use serde::de::DeserializeOwned;
@@ -10,7 +11,10 @@ use crate::args::Connection;
 use crate::client::Client;
 use crate::failure::Failure;
 use crate::table::Table;
-use crate::terminal::Terminal;
+use crate::terminal::{Progress, Terminal};
+
+/// From then on, a wait is shown.
+const LONG: Duration = Duration::from_secs(1);
 
 /// One run of `genomctl`.
 #[derive(Debug)]
@@ -31,22 +35,47 @@ impl Session {
 
     /// `GET path`.
     pub(crate) async fn get(&self, path: &str) -> Result<Value, Failure> {
-        self.client.request(Method::GET, path, None).await
+        self.ask(Method::GET, path, None).await
     }
 
     /// `POST path` with a JSON body.
     pub(crate) async fn post(&self, path: &str, body: &Value) -> Result<Value, Failure> {
-        self.client.request(Method::POST, path, Some(body)).await
+        self.ask(Method::POST, path, Some(body)).await
     }
 
     /// `PUT path` with a JSON body.
     pub(crate) async fn put(&self, path: &str, body: &Value) -> Result<Value, Failure> {
-        self.client.request(Method::PUT, path, Some(body)).await
+        self.ask(Method::PUT, path, Some(body)).await
     }
 
     /// `DELETE path`.
     pub(crate) async fn delete(&self, path: &str) -> Result<Value, Failure> {
-        self.client.request(Method::DELETE, path, None).await
+        self.ask(Method::DELETE, path, None).await
+    }
+
+    /// Asks; what takes long is seen to take long.
+    async fn ask(
+        &self,
+        method: Method,
+        path: &str,
+        body: Option<&Value>,
+    ) -> Result<Value, Failure> {
+        let mut progress = Progress::default();
+        let asking = self.client.request(method, path, body);
+        if self.json || !progress.seen() {
+            return asking.await;
+        }
+        tokio::pin!(asking);
+        let begin = tokio::time::Instant::now();
+        let mut ticks = tokio::time::interval_at(begin + LONG, LONG);
+        loop {
+            tokio::select! {
+                reply = &mut asking => return reply,
+                _ = ticks.tick() => {
+                    progress.show(&format!("waiting for genomd, {} s", begin.elapsed().as_secs()));
+                }
+            }
+        }
     }
 
     /// Prints a reply: as it is with `--json`, else as `render` words it.
