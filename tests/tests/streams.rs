@@ -85,3 +85,26 @@ fn one_activity_too_many_is_told_so() {
     events.wait_for(|e| e["event"] == "stopping");
     let _ = daemon.stop("TERM");
 }
+
+#[test]
+fn logs_are_kept_and_followed_by_component_and_level() {
+    let daemon = Daemon::demo("local");
+    let following = daemon.spawn(&["logs", "--follow"]);
+    // What is kept comes first, then what happens.
+    following.line_where(|line| line.ends_with("INFO  demo: runs on local"));
+    following.line_where(|line| line.contains("ready on "));
+    let library = component("demo").library;
+    daemon.ctl(&["load", path(&library), "--name", "other"]).expect_code(0);
+    following.line_where(|line| line.ends_with("INFO  other: runs on local"));
+    daemon.ctl(&["unload", "other"]).expect_code(0);
+    following.line_where(|line| line.ends_with("INFO  other: unloaded"));
+    let of_other = daemon.json(&["logs", "other"]);
+    let entries = of_other["logs"].as_array().unwrap();
+    let messages: Vec<_> = entries.iter().map(|entry| entry["message"].as_str().unwrap()).collect();
+    assert_eq!(messages, ["runs on local", "unloaded"]);
+    assert_eq!(entries[0]["level"], "info");
+    assert!(entries[0]["time"].as_f64() <= entries[1]["time"].as_f64());
+    let last = daemon.json(&["logs", "-n", "1", "other"]);
+    assert_eq!(last["logs"][0]["message"], "unloaded");
+    assert_eq!(daemon.json(&["logs", "other", "--level", "warn"])["logs"], serde_json::json!([]));
+}

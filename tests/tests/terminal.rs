@@ -71,7 +71,7 @@ fn ctrl_c_aborts_what_was_started_and_a_second_one_leaves_it() {
     on_terminal(&daemon, 100, &[], steps, &arguments).expect_code(1);
     daemon.ctl(&["step", "10s"]).expect_code(0);
     // It ended, far from its goal.
-    daemon.ctl(&["wait", "demo", "2", "--timeout", "0"]);
+    daemon.ctl(&["wait", "demo", "2", "--timeout", "0"]).expect_code(0);
     assert!(daemon.port("demo", "position")["value"]["position"].as_f64().unwrap() < 0.5);
 
     // With time that goes on by itself, one is enough: the axis brakes and the command ends.

@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::terminal::{Tone, coloured_errors};
+
 /// Why a verb failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -157,6 +159,10 @@ impl Failure {
         }
         use io::Write as _;
         let text = if json { format!("{}\n", self.data()) } else { self.text() };
+        let text = match text.strip_prefix("error:") {
+            Some(rest) if coloured_errors() => format!("{}{rest}", Tone::Bad.paint("error:")),
+            _ => text,
+        };
         let _ = io::stderr().lock().write_all(text.as_bytes());
         ExitCode::from(match self {
             Failure::Usage { .. } => 2,

@@ -110,7 +110,9 @@ impl Session {
     /// Says something to whoever sits there; not data.
     pub(crate) fn tell(&self, text: &str) -> Result<(), Failure> {
         if !self.json {
-            io::stderr().lock().write_all(format!("\r{text}\n").as_bytes())?;
+            // Over the progress that may stand there.
+            let clear = if Progress::default().seen() { "\r\x1b[2K" } else { "" };
+            io::stderr().lock().write_all(format!("{clear}{text}\n").as_bytes())?;
         }
         Ok(())
     }
