@@ -208,15 +208,15 @@ mod tests {
         expect![[r#"
             genomd on /run/genomd.sock: 1 component, 1 running
 
-            TASK                PERIOD      RT   CYCLES     OVERRUNS  WORK        LONGEST     LATE P99
-            demo/main           5.000 ms    no   900        3         900 ns      900 ns      85.000 us
+            TASK                        PERIOD      RT   CYCLES     OVERRUNS  WORK        LONGEST     LATE P99
+            demo/main                   5.000 ms    no   900        3         900 ns      900 ns      85.000 us
 
-            ACTIVITY                               NUMBER    STATUS      STATE
-            demo/goto                              2         running     main
+            ACTIVITY                   NUMBER    STATUS      STATE
+            demo/goto                  2         running     main
 
-            PORT                  DIR  BACKEND     RATE        SAMPLES    DROPPED  CONNECTED
-            demo/position         out  shm         200.0 Hz    500        0        -
-            demo/parameter        in   shm         -           -          0        joystick/gain
+            PORT                       DIR  BACKEND     RATE        SAMPLES    DROPPED  CONNECTED
+            demo/position              out  shm         200.0 Hz    500        0        -
+            demo/parameter             in   shm         -           -          0        joystick/gain
         "#]]
         .assert_eq(&text(&now, Some(&before), 100));
     }
