@@ -11,6 +11,7 @@ mod error;
 pub mod peer;
 pub mod python;
 mod recipe;
+pub mod ros2;
 
 use std::fs::File;
 use std::path::{Path, PathBuf};

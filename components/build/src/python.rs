@@ -10,16 +10,6 @@ use std::process::Command;
 
 use crate::{BuildError, Paths};
 
-/// Genuine ROS 2 Jazzy: its client library, its default middleware and some message packages.
-pub const ROS_JAZZY: [&str; 6] = [
-    "ros-jazzy-rclpy==7.1.6",
-    "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
-    "ros-jazzy-std-msgs==5.3.6",
-    "ros-jazzy-geometry-msgs==5.3.6",
-    "ros-jazzy-std-srvs==5.3.6",
-    "ros-jazzy-test-msgs==2.0.3",
-];
-
 /// The interpreter of an environment that holds these packages, given as `name==version`.
 ///
 /// The first call installs them, which needs the network; several processes may call at once.
@@ -29,28 +19,36 @@ pub const ROS_JAZZY: [&str; 6] = [
 /// There is no Python, it has no `venv`, or a package cannot be installed.
 pub fn environment(packages: &[&str]) -> Result<PathBuf, BuildError> {
     let name: Vec<_> = packages.iter().map(|package| package.replace("==", "-")).collect();
-    let directory = Paths::of_workspace()?.target.join("python").join(name.join("+"));
+    let place = made_once(&name.join("+"), |place| {
+        let variable = std::env::var_os("PYTHON");
+        let base = variable.unwrap_or_else(|| OsString::from("python3"));
+        run(Command::new(base).args(["-m", "venv", "--clear"]).arg(place))?;
+        let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+        run(Command::new(place.join("bin/python")).args(pip).args(packages))
+    })?;
+    Ok(place.join("bin/python"))
+}
+
+/// A directory of this name, made by the first who asks. What was interrupted is begun anew.
+pub(crate) fn made_once(
+    name: &str,
+    make: impl FnOnce(&Path) -> Result<(), BuildError>,
+) -> Result<PathBuf, BuildError> {
+    let directory = Paths::of_workspace()?.target.join("python").join(name);
     std::fs::create_dir_all(&directory).map_err(BuildError::file(&directory))?;
     let path = directory.join(".lock");
     let lock = File::create(&path).map_err(BuildError::file(&path))?;
     lock.lock().map_err(BuildError::file(&path))?;
     let place = directory.join("env");
-    let python = place.join("bin/python");
     let complete = directory.join("complete");
-    if complete.exists() {
-        return Ok(python);
+    if !complete.exists() {
+        make(&place)?;
+        std::fs::write(&complete, name).map_err(BuildError::file(&complete))?;
     }
-    // What was interrupted is begun anew.
-    let variable = std::env::var_os("PYTHON");
-    let base = variable.unwrap_or_else(|| OsString::from("python3"));
-    run(Command::new(base).args(["-m", "venv", "--clear"]).arg(&place))?;
-    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-    run(Command::new(&python).args(pip).args(packages))?;
-    std::fs::write(&complete, packages.join("\n")).map_err(BuildError::file(&complete))?;
-    Ok(python)
+    Ok(place)
 }
 
-fn run(command: &mut Command) -> Result<(), BuildError> {
+pub(crate) fn run(command: &mut Command) -> Result<(), BuildError> {
     let program = Path::new(command.get_program()).display().to_string();
     let output = command.output().map_err(|source| BuildError::Program {
         program,

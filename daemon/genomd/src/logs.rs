@@ -22,9 +22,9 @@ pub(crate) fn past() -> &'static Numbers {
     &PAST
 }
 
-/// The DDS library tells of each packet it cannot send yet: nobody else wants to know.
-/// A filter that names it says otherwise.
-const QUIET: &str = "rustdds=error";
+/// The DDS library tells of each packet it cannot send yet, also as errors: what fails is told
+/// by those who use it. A filter that names it says otherwise.
+const QUIET: &str = "rustdds=off";
 
 /// Starts logging; the filter was wrong when this gives an error.
 pub(crate) fn start(filter: &str) -> Result<(), String> {

@@ -17,6 +17,7 @@ use rustdds::{
     EndpointDescription, QosPolicies, RTPSEntity, TopicKind,
 };
 
+use crate::farewell::Farewell;
 use crate::feed::{Feed, FeedHandle, FeedSink, Feeds, Inbox};
 use crate::graph::{Found, Graph, Wanted};
 use crate::info::{self, Ends};
@@ -72,6 +73,7 @@ pub(crate) struct Core {
     pub(crate) services: Services,
     pub(crate) graph: Arc<Graph>,
     pub(crate) dds: Dds,
+    _farewell: Farewell,
     pub(crate) options: Options,
 }
 
@@ -193,6 +195,7 @@ impl Core {
     /// The address with the namespace in front.
     pub(crate) fn full(&self, at: &Address) -> String {
         match self.options.namespace.trim_matches('/') {
+            _ if at.instance.is_empty() => at.name.clone(),
             "" => at.to_string(),
             namespace => format!("{namespace}/{at}"),
         }
@@ -206,7 +209,11 @@ impl Core {
             digest: ty.digest().to_owned(),
             topic: format!("rt/{}", self.path(at)),
             dds_type: names::message(ty, &self.options.masquerade).to_dds(""),
-            node: names::token(&at.instance),
+            node: match kind {
+                // The address is that of the writer; who reads is not known here.
+                EndpointKind::Subscription => format!("genomd_{}", std::process::id()),
+                _ => names::token(&at.instance),
+            },
         }
     }
 
@@ -310,6 +317,11 @@ impl Ros2 {
             services: Services::default(),
             graph,
             dds,
+            _farewell: Farewell {
+                participant: ourselves,
+                domain: options.domain,
+                addresses: options.addresses(),
+            },
             options: options.clone(),
         };
         core.announcer()();

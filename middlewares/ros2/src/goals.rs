@@ -26,6 +26,7 @@ pub(crate) type GoalId = [u8; 16];
 
 /// `action_msgs/msg/GoalStatus`.
 const ACCEPTED: u8 = 1;
+const EXECUTING: u8 = 2;
 const CANCELING: u8 = 3;
 const SUCCEEDED: u8 = 4;
 const CANCELED: u8 = 5;
@@ -78,6 +79,8 @@ fn now() -> (i32, u32) {
 
 fn put_info(out: &mut Vec<u8>, id: &GoalId, stamp: (i32, u32)) {
     out.extend_from_slice(id);
+    // Bytes go anywhere, numbers do not.
+    out.resize(out.len().next_multiple_of(4), 0);
     out.extend_from_slice(&stamp.0.to_le_bytes());
     out.extend_from_slice(&stamp.1.to_le_bytes());
 }
@@ -199,7 +202,6 @@ impl ActionServer {
         let goals = lock(&self.goals);
         let mut message = u32::try_from(goals.by_id.len()).unwrap_or(0).to_le_bytes().to_vec();
         for (id, goal) in &goals.by_id {
-            message.resize(message.len().next_multiple_of(4), 0);
             put_info(&mut message, id, goal.stamp);
             message.push(goal.status);
         }
@@ -229,8 +231,17 @@ impl ActionServer {
     }
 
     fn feedback(&self, id: &GoalId, state: &str) {
-        let asker = lock(&self.goals).by_id.get(id).map(|goal| goal.asker);
-        let (Some(asker), Some(ends)) = (asker, self.ends.get()) else { return };
+        let mut goals = lock(&self.goals);
+        let Some(goal) = goals.by_id.get_mut(id) else { return };
+        let (asker, begins) = (goal.asker, goal.status == ACCEPTED);
+        if begins {
+            goal.status = EXECUTING;
+        }
+        drop(goals);
+        if begins {
+            self.tell_status();
+        }
+        let Some(ends) = self.ends.get() else { return };
         let mut message = id.to_vec();
         body::put_string(&mut message, state);
         let post = Arc::clone(&ends.feedback);
@@ -247,17 +258,22 @@ impl ActionServer {
     fn finish(&self, id: &GoalId, outcome: &Outcome) {
         // Also what failed before it was accepted is a goal that ran, to ROS.
         self.accepted(id, None);
-        let status = match outcome {
-            Outcome::Success(_) => SUCCEEDED,
-            Outcome::Exception { name, .. } if name == INTERRUPTED => CANCELED,
-            _ => ABORTED,
-        };
-        let mut result = vec![status];
+        let mut result = vec![0];
         body::put_outcome(&mut result, &self.ty.output, outcome);
         let mut goals = lock(&self.goals);
         let Some(goal) = goals.by_id.get_mut(id).filter(|goal| goal.result.is_none()) else {
             return;
         };
+        let status = match outcome {
+            // Given up, it came to its end in an orderly way (genom3.md 7.6).
+            Outcome::Success(_) if goal.status == CANCELING => CANCELED,
+            Outcome::Success(_) => SUCCEEDED,
+            Outcome::Exception { name, .. } if name == INTERRUPTED => CANCELED,
+            _ => ABORTED,
+        };
+        if let Some(first) = result.first_mut() {
+            *first = status;
+        }
         goal.status = status;
         goal.result = Some(result.clone());
         let waiting = std::mem::take(&mut goal.waiting);

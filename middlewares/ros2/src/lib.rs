@@ -16,13 +16,16 @@
 //! `string genom_exception` (empty if none), `string genom_detail` (JSON) and the output's members.
 //! Activities are actions, `<component>/action/<Activity>`: the goal is the input, the result is
 //! like a response, feedback is `string genom_state`; an interrupted activity ends CANCELED, one
-//! with another exception ABORTED. Callers that cancel a goal interrupt the activity.
+//! with another exception ABORTED. Callers that cancel a goal interrupt the activity; it ends
+//! CANCELED also when it stops in an orderly way.
 //!
 //! **Parameters.** Attributes of one plain value are parameters of the node, too.
 //!
 //! **Who is there.** DDS's discovery names topics and types; daemons tell each other besides, on
 //! the topic `genom_discovery_info`, the full types and digests of their ends: types of one name
 //! that differ are refused. Of ROS nodes only the name of the type is known.
+//! ROS nodes see at once that a node is gone; topics and services that are closed they show until
+//! the daemon ends (`farewell` says why).
 
 #![forbid(unsafe_code)]
 
@@ -30,6 +33,7 @@ mod backend;
 mod body;
 mod channel;
 mod client;
+mod farewell;
 mod feed;
 mod goals;
 mod graph;

@@ -19,11 +19,15 @@ pub(crate) fn service(input: &DataType, at: &Address, folder: &str) -> TypeName 
     genom_rosidl::service(input.table(), input.id(), &at.name, folder)
 }
 
-/// The ROS name of an address, without the first slash: `arm/demo/position`.
+/// The ROS name of an address, without the first slash: `arm/demo/position`. One without an
+/// instance is absolute: `/scan` is `scan` in any namespace.
 pub(crate) fn path(namespace: &str, at: &Address) -> String {
-    let parts = namespace.split('/').filter(|part| !part.is_empty());
-    let mut out: Vec<String> = parts.map(str::to_owned).collect();
-    out.push(token(&at.instance));
+    let mut out = Vec::new();
+    if !at.instance.is_empty() {
+        let parts = namespace.split('/').filter(|part| !part.is_empty());
+        out.extend(parts.map(str::to_owned));
+        out.push(token(&at.instance));
+    }
     out.extend(at.name.split('/').map(token));
     out.join("/")
 }
@@ -69,5 +73,6 @@ mod tests {
             assert_eq!(path("", &at), name);
         }
         assert_eq!(path("/lab/arm", &Address::new("demo", "p")), "lab/arm/demo/p");
+        assert_eq!(path("/lab/arm", &Address::new("", "scan/left")), "scan/left");
     }
 }

@@ -7,11 +7,9 @@
 
 mod world;
 
-use std::process::Command;
 use std::sync::{Arc, Mutex};
 
 use genom_components::peer::Peer;
-use genom_components::python::{ROS_JAZZY, environment};
 use genom_middleware::conformance::eventually;
 use genom_middleware::{
     ActivityId, Address, EndpointKind, Middleware, Outcome, Policy, Reading, Replies, Served,
@@ -24,19 +22,8 @@ use world::Domain;
 
 /// A node named `peer`.
 fn peer(domain: &Domain) -> Peer {
-    let python = environment(&ROS_JAZZY)
-        .unwrap_or_else(|error| panic!("the ROS 2 peer cannot be had: {error}"));
-    Peer::start(
-        Command::new(python)
-            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rclpy_peer.py"))
-            .env("ROS_DOMAIN_ID", domain.options().domain.to_string())
-            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-            .env("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
-            .env("ROS_LOG_DIR", std::env::temp_dir())
-            // Its shared memory would outlive a peer that is killed.
-            .env("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
-            .env_remove("ROS_LOCALHOST_ONLY"),
-    )
+    let node = genom_components::ros2::node(domain.options().domain.into(), None);
+    Peer::start(&mut node.unwrap_or_else(|error| panic!("there is no ROS 2: {error}")))
 }
 
 /// `::demo::pose`, of the structure of `geometry_msgs/msg/Pose`.
@@ -94,6 +81,9 @@ fn a_ros_node_reads_a_port_as_a_message_of_its_own() {
     assert_eq!(topics["/demo/pose"], json!(["geometry_msgs/msg/Pose"]));
     drop(writer);
     peer.ask(&json!(["no node", "demo", "/"]));
+    // And when all is closed, of nothing else either.
+    drop(ros2);
+    peer.ask(&json!(["no writer", "/demo/pose"]));
 }
 
 #[test]

@@ -12,7 +12,7 @@ use genom_middleware::{Address, Subscription};
 use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
 use genom_runtime::{
-    ActivityPhase, Instance, Options, Outcome, Progress, Statistics, input_record,
+    ActivityPhase, Instance, Options, Outcome, Progress, Statistics, Watcher, input_record,
 };
 use genom_types::{DataType, JsonError, Record};
 use serde_json::{Value, json};
@@ -22,7 +22,7 @@ use super::activities::{Activity, ActivityLog, Ending};
 use super::built;
 use super::done::Done;
 use super::load::LoadError;
-use super::watch::BusWatcher;
+use super::watch::{BusWatcher, Follower};
 use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
 use crate::flag::Flag;
@@ -62,6 +62,7 @@ pub(crate) struct Hosted {
     pub(crate) killed: Flag,
     plan: Arc<Plan>,
     instance: Instance,
+    watcher: Arc<BusWatcher>,
     /// Its services on the middleware; withdrawn first.
     served: Mutex<ServedOn>,
 }
@@ -86,7 +87,7 @@ impl Hosted {
         let watcher = Arc::new(BusWatcher::new(&daemon.bus, &name, &plan));
         let body: Arc<dyn Body> = Arc::new(component);
         let mut options = Options::new(name.as_str(), supervisor);
-        options.watcher = Some(watcher);
+        options.watcher = Some(Arc::clone(&watcher) as Arc<dyn Watcher>);
         options.clock = daemon.clock.clone();
         options.date = built::date(&library);
         options.start_timeout = Some(daemon.settings.start_timeout);
@@ -106,6 +107,7 @@ impl Hosted {
             killed,
             plan,
             instance,
+            watcher,
             served: Mutex::default(),
             name,
         });
@@ -199,6 +201,13 @@ impl Hosted {
                 }
             }),
         );
+    }
+
+    /// Tells somebody the states of an activity, who was just told that it was accepted.
+    pub(crate) fn follow(&self, activity: &Activity, follower: Follower) {
+        if let Ok(number) = u32::try_from(activity.number) {
+            self.watcher.follow(number, follower);
+        }
     }
 
     /// Whether the inputs of a service are to be remembered.

@@ -1,12 +1,15 @@
-//! Tells on the daemon's bus what happens inside a component.
+//! Tells what happens inside a component: on the daemon's bus, and to callers of its activities.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use genom_runtime::plan::Plan;
 use genom_runtime::{Change as Inner, Watcher};
 
 use crate::bus::{Bus, Change};
+
+/// Hears the states an activity enters.
+pub(crate) type Follower = Box<dyn FnMut(&str) + Send>;
 
 /// Watches one instance.
 pub(crate) struct BusWatcher {
@@ -15,6 +18,13 @@ pub(crate) struct BusWatcher {
     plan: Arc<Plan>,
     /// What was told of the activities that run.
     known: Mutex<HashMap<u32, Known>>,
+    /// Who follows which activity, and the state it was told last.
+    followers: Mutex<HashMap<u32, Arc<Mutex<Following>>>>,
+}
+
+struct Following {
+    last: Option<usize>,
+    follower: Follower,
 }
 
 #[derive(Default)]
@@ -32,6 +42,29 @@ impl BusWatcher {
             component: component.to_owned(),
             plan: Arc::clone(plan),
             known: Mutex::default(),
+            followers: Mutex::default(),
+        }
+    }
+
+    /// Tells somebody the states of an activity from now on. It moves only after all who asked
+    /// for it know that it was accepted: asked for until then, no state is missed.
+    pub(crate) fn follow(&self, activity: u32, follower: Follower) {
+        let following = Arc::new(Mutex::new(Following { last: None, follower }));
+        self.followers().insert(activity, following);
+    }
+
+    fn followers(&self) -> MutexGuard<'_, HashMap<u32, Arc<Mutex<Following>>>> {
+        self.followers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Who follows may call back: the map is not locked meanwhile.
+    fn entered(&self, activity: u32, state: usize) {
+        let Some(following) = self.followers().get(&activity).map(Arc::clone) else { return };
+        let mut following = following.lock().unwrap_or_else(PoisonError::into_inner);
+        if following.last.replace(state) != Some(state)
+            && let Some(name) = self.plan.component().states.get(state)
+        {
+            (following.follower)(name);
         }
     }
 
@@ -65,6 +98,7 @@ impl Watcher for BusWatcher {
                 Change::ActivityStarted { component, service, activity }
             }
             Inner::Moved { activity, state, paused } => {
+                self.entered(*activity, *state);
                 let Some(service) = self.moved(*activity, (*state, *paused)) else { return };
                 let service = service.map_or_else(String::new, |index| self.service(index));
                 let state = self.plan.component().states.get(*state).cloned().unwrap_or_default();
@@ -73,6 +107,7 @@ impl Watcher for BusWatcher {
             }
             Inner::Ended { activity, service, exception } => {
                 self.with_known(|known| known.remove(activity));
+                self.followers().remove(activity);
                 let (service, activity) = (self.service(*service), u64::from(*activity));
                 let exception = exception.clone();
                 Change::ActivityEnded { component, service, activity, exception }

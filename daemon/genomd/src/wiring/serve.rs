@@ -1,6 +1,6 @@
 //! Services of a component on its middleware, for callers outside the control plane.
 
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use genom_description::model::ServiceKind as ModelKind;
 use genom_middleware::{
@@ -67,19 +67,40 @@ struct Handler {
     service: usize,
 }
 
+/// Who gets the answer, until it has it.
+type Caller = Option<Box<dyn Replies>>;
+
+fn lock(caller: &Mutex<Caller>) -> MutexGuard<'_, Caller> {
+    caller.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl ServiceHandler for Handler {
     fn request(&self, input: Record, replies: Box<dyn Replies>) {
         // Dropping the replies tells the caller that the service is gone.
         let Some(hosted) = self.hosted.upgrade() else { return };
-        let mut replies = Some(replies);
+        let replies = Arc::new(Mutex::new(Some(replies)));
+        let weak = Weak::clone(&self.hosted);
         hosted.submit(self.service, input, move |heard| match heard {
             Heard::Accepted(activity) => {
-                if let Some(replies) = &mut replies {
+                if let Some(replies) = lock(&replies).as_mut() {
                     replies.accepted(ActivityId(activity.number));
+                }
+                // Weak: dropped replies tell that the service is gone.
+                let replies = Arc::downgrade(&replies);
+                let follower = move |state: &str| {
+                    if let Some(replies) = replies.upgrade()
+                        && let Some(replies) = lock(&replies).as_mut()
+                    {
+                        replies.feedback(state);
+                    }
+                };
+                if let Some(hosted) = weak.upgrade() {
+                    hosted.follow(&activity, Box::new(follower));
                 }
             }
             Heard::Ended(outcome) => {
-                if let Some(replies) = replies.take() {
+                let replies = lock(&replies).take();
+                if let Some(replies) = replies {
                     replies.finish(match outcome {
                         Outcome::Success(record) => Reply::Success(record),
                         Outcome::Exception(exception) => {

@@ -13,6 +13,8 @@ from importlib import import_module
 
 import numpy
 import rclpy
+from action_msgs.msg import GoalStatus
+from rclpy.action import ActionClient
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import NodeNameNonExistentError
@@ -78,7 +80,7 @@ class Matched:
         self.count = status.current_count
 
 
-readers, writers, clients = {}, {}, {}
+readers, writers, clients, actions, goals = {}, {}, {}, {}, {}
 
 
 def read(topic, kind):
@@ -130,6 +132,11 @@ def no_service(service, name, namespace):
     return "gone"
 
 
+def no_writer(topic):
+    until(f"the end of the publishers of {topic}", lambda: not node.count_publishers(topic))
+    return "gone"
+
+
 def topics():
     return dict(node.get_topic_names_and_types())
 
@@ -164,7 +171,68 @@ def names(of, prefixes=None, depth=None):
     return plain(done(clients[of].list_parameters(prefixes, depth)).result)
 
 
+def client(service, kind):
+    clients[service] = node.create_client(type_of(kind), service)
+    until(f"the service {service}", clients[service].service_is_ready)
+    return "ready"
+
+
+def call(service, values):
+    made = clients[service]
+    return plain(done(made.call_async(fill(made.srv_type.Request(), values))))
+
+
+def action(name, kind):
+    actions[name] = ActionClient(node, type_of(kind), name)
+    until(f"the action {name}", actions[name].server_is_ready)
+    return "ready"
+
+
+def goal(action, values):
+    """Sends a goal; whether it was accepted."""
+    fed, kind = deque(), actions[action]._action_type
+    sent = actions[action].send_goal_async(
+        fill(kind.Goal(), values), feedback_callback=lambda message: fed.append(message.feedback)
+    )
+    handle = done(sent)
+    goals[action] = handle, fed, handle.get_result_async() if handle.accepted else None
+    return handle.accepted
+
+
+def feedback(action):
+    fed = goals[action][1]
+    until(f"feedback of {action}", lambda: fed)
+    return plain(fed.popleft())
+
+
+def status(action, wanted):
+    """Waits until the goal has a status, as the topic of statuses tells."""
+    handle = goals[action][0]
+    until(f"status {wanted}", lambda: handle.status == getattr(GoalStatus, f"STATUS_{wanted}"))
+    return wanted
+
+
+def cancel(action):
+    reply = done(goals[action][0].cancel_goal_async())
+    return {"code": reply.return_code, "goals": len(reply.goals_canceling)}
+
+
+def result(action):
+    ended = done(goals[action][2])
+    names = [name for name in dir(GoalStatus) if name.startswith("STATUS_")]
+    name = next(name for name in names if getattr(GoalStatus, name) == ended.status)
+    return {"status": name.removeprefix("STATUS_"), "result": plain(ended.result)}
+
+
 VERBS = {
+    "client": client,
+    "call": call,
+    "action": action,
+    "goal": goal,
+    "feedback": feedback,
+    "status": status,
+    "cancel": cancel,
+    "result": result,
     "read": read,
     "sample": sample,
     "write": write,
@@ -172,6 +240,7 @@ VERBS = {
     "no node": no_node,
     "service": service,
     "no service": no_service,
+    "no writer": no_writer,
     "topics": topics,
     "parameters": parameters,
     "get": get,
