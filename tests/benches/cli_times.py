@@ -28,6 +28,28 @@ def run(program: str, arguments: "list[str]", environment: "dict[str, str]", nul
     return span
 
 
+def measure(daemon: "subprocess.Popen[str]", socket: str, genomctl: str, count: int) -> None:
+    """Measures and prints."""
+    assert daemon.stderr is not None
+    for line in daemon.stderr:
+        if "ready on" in line:
+            break
+    plain = {"GENOMD_SOCKET": socket}
+    shell = {**plain, "GENOMCTL_COMPLETE": "bash", "_CLAP_COMPLETE_INDEX": "3"}
+    cases = [
+        ("/bin/true", "/bin/true", [], plain),
+        ("list", genomctl, ["list"], plain),
+        ("completion", genomctl, ["--", "genomctl", "call", "demo", "set"], shell),
+        ("call", genomctl, ["call", "demo", "get_speed"], plain),
+    ]
+    null = os.open(os.devnull, os.O_WRONLY)
+    print(f"{count} runs      p50       p99   longest")
+    for name, program, arguments, environment in cases:
+        spans = sorted(run(program, arguments, environment, null) for _ in range(count))
+        chosen = (spans[count // 2], spans[count * 99 // 100], spans[-1])
+        print(f"{name:<12}" + "".join(f"{span * 1e3:7.2f} ms" for span in chosen))
+
+
 def main() -> None:
     directory, library = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
     count = int(sys.argv[3]) if len(sys.argv) > 3 else 10_000
@@ -37,26 +59,11 @@ def main() -> None:
         daemon = subprocess.Popen(
             [genomd, "--socket", socket, library], stderr=subprocess.PIPE, text=True
         )
-        assert daemon.stderr is not None
-        for line in daemon.stderr:
-            if "ready on" in line:
-                break
-        plain = {"GENOMD_SOCKET": socket}
-        shell = {**plain, "GENOMCTL_COMPLETE": "bash", "_CLAP_COMPLETE_INDEX": "3"}
-        cases = [
-            ("/bin/true", "/bin/true", [], plain),
-            ("list", genomctl, ["list"], plain),
-            ("completion", genomctl, ["--", "genomctl", "call", "demo", "set"], shell),
-            ("call", genomctl, ["call", "demo", "get_speed"], plain),
-        ]
-        null = os.open(os.devnull, os.O_WRONLY)
-        print(f"{count} runs      p50       p99   longest")
-        for name, program, arguments, environment in cases:
-            spans = sorted(run(program, arguments, environment, null) for _ in range(count))
-            chosen = (spans[count // 2], spans[count * 99 // 100], spans[-1])
-            print(f"{name:<12}" + "".join(f"{span * 1e3:7.2f} ms" for span in chosen))
-        daemon.terminate()
-        daemon.wait()
+        try:
+            measure(daemon, socket, genomctl, count)
+        finally:
+            daemon.terminate()
+            daemon.wait()
 
 
 if __name__ == "__main__":
