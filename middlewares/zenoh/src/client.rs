@@ -44,6 +44,8 @@ struct Call {
     /// Taken when the request ended.
     replies: Mutex<Option<Box<dyn Replies>>>,
     id: OnceLock<ActivityId>,
+    /// Somebody of ours served it when it was called: no answer means that they are gone.
+    served: bool,
     /// Cancelled before it was accepted.
     cancelled: AtomicBool,
 }
@@ -83,6 +85,7 @@ impl Client for ZenohClient {
             orders: self.core.orders().clone(),
             replies: Mutex::new(Some(replies)),
             id: OnceLock::new(),
+            served: self.core.graph().serves(&self.at.to_string()),
             cancelled: AtomicBool::new(false),
         });
         let listening = Listening(Arc::clone(&call));
@@ -115,8 +118,8 @@ impl Listening {
 
 impl Drop for Listening {
     fn drop(&mut self) {
-        // Somebody who accepted and never finished is gone; else nobody was there.
-        let error = if self.0.id.get().is_some() {
+        // Somebody who was there and never finished is gone; else nobody was there.
+        let error = if self.0.served || self.0.id.get().is_some() {
             CallError::Gone
         } else {
             CallError::Nobody { address: self.0.at.clone() }

@@ -104,6 +104,11 @@ impl Graph {
         services.find(|other| other.digest != digest).map(|other| other.types.clone())
     }
 
+    /// Whether somebody announces a service at an address.
+    pub(crate) fn serves(&self, at: &str) -> bool {
+        self.lock().at(at).any(|other| other.kind == EndpointKind::Service)
+    }
+
     /// Remembers a reader of ours, as long as it lives.
     pub(crate) fn add_reader(&self, at: &Address, inbox: &Arc<Inbox>) {
         let mut state = self.lock();

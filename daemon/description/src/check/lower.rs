@@ -195,13 +195,7 @@ impl Checker {
             given.as_ref().map(|(names, _)| ranks(names)).unwrap_or_default()
         };
         Service {
-            kind: match service.kind {
-                syntax::ServiceKind::Attribute => ServiceKind::Attribute,
-                syntax::ServiceKind::Activity => ServiceKind::Activity,
-                syntax::ServiceKind::Function | syntax::ServiceKind::Service => {
-                    ServiceKind::Function
-                }
-            },
+            kind: lower_kind(service.kind),
             name: service.name.to_string(),
             doc: joined(&service.docs),
             parameters: Vec::new(),
@@ -244,6 +238,7 @@ impl Checker {
             list.push(Remote {
                 name,
                 interface: interface.name.to_string(),
+                kind: lower_kind(service.kind),
                 parameters: service.parameters.iter().cloned().map(lower_parameter).collect(),
                 input: records.input,
                 output: records.output,
@@ -413,4 +408,12 @@ fn lower_port(name: &str, port: &state::Port) -> Port {
 
 fn joined(docs: &[String]) -> Option<String> {
     (!docs.is_empty()).then(|| docs.join("\n"))
+}
+
+fn lower_kind(kind: syntax::ServiceKind) -> ServiceKind {
+    match kind {
+        syntax::ServiceKind::Attribute => ServiceKind::Attribute,
+        syntax::ServiceKind::Activity => ServiceKind::Activity,
+        syntax::ServiceKind::Function | syntax::ServiceKind::Service => ServiceKind::Function,
+    }
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use genom_types::{ScopedName, TypeId};
 
-use super::{Codel, Parameter, Service, Span};
+use super::{Codel, Parameter, Service, ServiceKind, Span};
 
 /// Which generation of the language a component was written in (dialects.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,6 +157,8 @@ pub struct Remote {
     pub name: String,
     /// The interface it comes from.
     pub interface: String,
+    /// Attribute, function or activity.
+    pub kind: ServiceKind,
     /// Parameters in order.
     pub parameters: Vec<Parameter>,
     /// Struct of the `in` and `inout` parameters.

@@ -16,16 +16,18 @@ pub(crate) struct Args {
     /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT; or a remote.
     #[arg(add = ArgValueCompleter::from(Names::Inports))]
     inport: Path2,
-    /// The out port that feeds it, or the service that a remote calls.
+    /// The out port that feeds it, or the service that a remote calls; a middleware may stand
+    /// before it: shm:robot/position.
     #[arg(add = ArgValueCompleter::from(Names::Outports))]
     outport: Path2,
     /// What the reader gets of the samples it has not read: latest, queue:N or ring:N.
     #[arg(long)]
     policy: Option<String>,
-    /// Middleware to use [default: that of the out port].
+    /// Middleware to use [default: that of the out port; for a service of another daemon one of
+    /// the caller's].
     #[arg(long, add = ArgValueCompleter::from(Names::Backends))]
     backend: Option<String>,
-    /// Connect also when the out port does not exist yet: it may come later.
+    /// Connect also when the out port or service does not exist yet: it may come later.
     #[arg(long)]
     wait: bool,
 }
@@ -36,8 +38,9 @@ struct Reply {
     inport: String,
     #[serde(rename = "out")]
     outport: String,
-    /// None for a remote.
+    /// None for a remote that calls a service of the same daemon.
     backend: Option<String>,
+    /// None for a remote.
     policy: Option<String>,
 }
 
@@ -60,6 +63,7 @@ fn render(reply: &Reply) -> String {
         (Some(backend), Some(policy)) => {
             format!("{inport} reads {outport} ({backend}, {policy})\n")
         }
+        (Some(backend), None) => format!("{inport} calls {outport} ({backend})\n"),
         _ => format!("{inport} calls {outport}\n"),
     }
 }

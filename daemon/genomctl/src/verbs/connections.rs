@@ -21,8 +21,9 @@ struct Connection {
     inport: String,
     #[serde(rename = "out")]
     outport: String,
-    /// None for a remote.
+    /// None for a remote that calls a service of the same daemon.
     backend: Option<String>,
+    /// None for a remote.
     policy: Option<String>,
 }
 

@@ -311,6 +311,9 @@ impl Hosted {
     }
 
     fn release_ports(&self, body: &dyn Body) {
+        for remote in 0..self.model().remotes.len() {
+            body.bind_remote(remote, None);
+        }
         for (index, port) in self.model().ports.iter().enumerate() {
             let elements: Vec<Option<String>> = if port.multiple {
                 self.wiring.elements(index).into_iter().map(Some).collect()

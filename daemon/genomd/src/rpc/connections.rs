@@ -12,7 +12,7 @@ use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
 use crate::rpc::{components, ports};
-use crate::wiring::remote::{self, RemoteError};
+use crate::wiring::remote::{self, RemoteError, RemoteRequest};
 use crate::wiring::{self, ConnectError, ConnectRequest, Connection, RemoteConnection, policy};
 
 /// Body of `POST /connections`.
@@ -43,7 +43,7 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Value> {
 
 /// `POST /connections` with `{in, out, policy, backend, wait}`
 ///
-/// `in` is an in port, or a remote; then `out` is a service.
+/// `in` is an in port, or a remote; then `out` is a service, and there is no policy.
 pub(crate) async fn connect(
     State(daemon): State<Arc<Daemon>>,
     Body(wanted): Body<Wanted>,
@@ -82,11 +82,13 @@ async fn connect_remote(
     daemon: Arc<Daemon>,
     wanted: Wanted,
 ) -> Result<(StatusCode, Json<Value>), RpcError> {
-    if wanted.policy.is_some() || wanted.backend.is_some() || wanted.wait {
-        let message = format!("{} is a remote: it takes a service and nothing else", wanted.inport);
-        return Err(RpcError::bad_input(message));
+    let Wanted { inport: remote, outport: service, policy, backend, wait } = wanted;
+    if policy.is_some() {
+        let message = format!("{remote} is a remote: it takes a service, and no policy");
+        return Err(RpcError::bad_input(message).place("/policy"));
     }
-    let work = move || remote::connect(&daemon, &wanted.inport, &wanted.outport);
+    let request = RemoteRequest { remote, service, backend, wait };
+    let work = move || remote::connect(&daemon, &request);
     match tokio::task::spawn_blocking(work).await {
         Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(remote_json(&connection)))),
         Ok(Err(error)) => {
@@ -98,6 +100,10 @@ async fn connect_remote(
                     (StatusCode::NOT_FOUND, "no_such_service", "/out")
                 }
                 RemoteError::Differs { .. } => (StatusCode::CONFLICT, "type_mismatch", "/out"),
+                RemoteError::Backend(error) => {
+                    return Err(RpcError::bad_input(error.to_string()).place("/backend"));
+                }
+                RemoteError::Failed(_) => (StatusCode::BAD_GATEWAY, "middleware_failed", "/out"),
             };
             Err(RpcError::new(status, code, error.to_string()).place(place))
         }
@@ -162,6 +168,7 @@ fn remote_json(connection: &RemoteConnection) -> Value {
         "kind": "service",
         "in": connection.remote.to_string(),
         "out": connection.service.to_string(),
+        "backend": connection.backend,
     })
 }
 

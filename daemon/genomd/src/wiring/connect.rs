@@ -17,10 +17,10 @@ use crate::wiring::place::{Place, PlaceError};
 use crate::wiring::tap::Tap;
 
 /// On a network others become visible a while after they, or we, came up.
-const NETWORK: Duration = Duration::from_secs(2);
-const ZERO: Duration = Duration::ZERO;
+pub(super) const NETWORK: Duration = Duration::from_secs(2);
+pub(super) const ZERO: Duration = Duration::ZERO;
 /// Between two looks at a network.
-const LOOK_AGAIN: Duration = Duration::from_millis(20);
+pub(super) const LOOK_AGAIN: Duration = Duration::from_millis(20);
 
 /// A connection to make.
 #[derive(Clone, Debug)]

@@ -1,6 +1,7 @@
 //! What ports and services are tied to: bindings to middlewares, connections between ports.
 
 pub(crate) mod bindings;
+mod calls;
 pub(crate) mod connect;
 mod fan;
 pub(crate) mod feed;
@@ -41,6 +42,8 @@ pub(crate) struct Connection {
 pub(crate) struct RemoteConnection {
     pub(crate) remote: Address,
     pub(crate) service: Address,
+    /// The middleware it is called through; none within the daemon.
+    pub(crate) backend: Option<String>,
 }
 
 /// A port by its index, or an element of a multiple one.

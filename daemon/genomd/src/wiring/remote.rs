@@ -1,19 +1,37 @@
-//! Remotes: services of other components of this daemon, called by codels.
+//! Connecting remotes to services: of this daemon directly, of others through a middleware.
 
-use std::sync::mpsc::channel;
-use std::sync::{Arc, Weak};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::time::Instant;
 
-use genom_middleware::Address;
-use genom_runtime::Outcome;
+use genom_middleware::describe::types_of_service;
+use genom_middleware::{Address, EndpointKind, Middleware, OpenError, ServiceType};
 use genom_runtime::body::RemoteCall;
-use genom_types::Record;
-use serde_json::{Value, json};
+use genom_types::DataType;
 
+use super::calls::{DirectCall, FarCall};
+use super::connect::{LOOK_AGAIN, NETWORK, ZERO};
+use super::place::{Place, PlaceError};
+use super::serve::kind_of;
 use crate::bus::Change;
 use crate::daemon::Daemon;
-use crate::hosting::{Heard, Hosted};
+use crate::hosting::Hosted;
 use crate::nearest::suggest;
+use crate::registry::BackendError;
 use crate::wiring::RemoteConnection;
+
+/// A remote to connect.
+#[derive(Clone, Debug)]
+pub(crate) struct RemoteRequest {
+    /// `component/remote`, of this daemon.
+    pub(crate) remote: String,
+    /// `component/service`, of this daemon or of another one; a middleware may stand before it.
+    pub(crate) service: String,
+    /// Through this middleware, also within the daemon.
+    pub(crate) backend: Option<String>,
+    /// Connect to a service that is not there yet.
+    pub(crate) wait: bool,
+}
 
 /// A remote could not be connected; what was there before still is.
 #[derive(Debug, thiserror::Error)]
@@ -22,46 +40,208 @@ pub(crate) enum RemoteError {
     #[error("no_such_remote: there is no remote `{typed}`; {help}")]
     NoSuchRemote { typed: String, help: String },
     /// No such service.
-    #[error("no_such_service: there is no service `{typed}` in this daemon; {help}")]
-    NoSuchService { typed: String, help: String },
+    #[error("no_such_service: there is no service `{typed}`{place}; {help}")]
+    NoSuchService { typed: String, place: String, help: String },
     /// The service takes or gives something else.
     #[error("{remote} calls {ours}, {service} is {theirs}: make the two .gen interfaces equal")]
     Differs { remote: String, ours: String, service: String, theirs: String },
+    /// No such middleware.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// The middleware refused.
+    #[error(transparent)]
+    Failed(Box<OpenError>),
 }
 
-/// Connects remote `local` (`component/remote`) to service `service` (`component/service`).
+/// Connects a remote, in place of the service it had.
 pub(crate) fn connect(
     daemon: &Arc<Daemon>,
-    local: &str,
-    service: &str,
+    request: &RemoteRequest,
 ) -> Result<RemoteConnection, RemoteError> {
-    let (caller, remote) = find_remote(daemon, local)?;
-    let (provider, index) = find_service(daemon, service)?;
-    let (ours, theirs) = (&caller.model().remotes[remote], &provider.model().services[index]);
-    if ours.digest != theirs.digest {
-        return Err(RemoteError::Differs {
-            remote: local.to_owned(),
-            ours: format!("{} of interface {} ({})", ours.name, ours.interface, ours.digest),
-            service: service.to_owned(),
-            theirs: format!("{} ({})", theirs.name, theirs.digest),
-        });
-    }
-    let call = DirectCall {
-        daemon: Arc::downgrade(daemon),
-        provider: provider.name.clone(),
-        service: theirs.name.clone(),
+    let (caller, remote) = find_remote(daemon, &request.remote)?;
+    let refuse = |help: &str| RemoteError::NoSuchService {
+        typed: request.service.clone(),
+        place: String::new(),
+        help: help.to_owned(),
     };
-    caller.bind_remote(remote, Some(Box::new(call)));
-    let connection = RemoteConnection {
-        remote: caller.address(&ours.name, None),
-        service: provider.address(&theirs.name, None),
+    let place = Place::parse(&request.service).map_err(|error| match error {
+        PlaceError::Backend(error) => RemoteError::Backend(error),
+        PlaceError::Form(_) => refuse("write COMPONENT/SERVICE, or BACKEND:COMPONENT/SERVICE"),
+    })?;
+    let asked = match (&place.backend, &request.backend) {
+        (Some(one), Some(other)) if one != other => {
+            return Err(refuse(&format!("it is on {one}, and {other} is asked for: name one")));
+        }
+        (one, other) => one.clone().or(other.clone()),
     };
+    let own = daemon.components.get(&place.address.instance);
+    let (call, backend): (Box<dyn RemoteCall>, _) = match (asked, own) {
+        (None, Some(provider)) => {
+            (Box::new(near(daemon, &caller, remote, &provider, request, &place.address)?), None)
+        }
+        (asked, _) => {
+            let far = far(daemon, &caller, remote, asked, request, &place.address)?;
+            let backend = far.backend().to_owned();
+            (Box::new(far), Some(backend))
+        }
+    };
+    caller.bind_remote(remote, Some(call));
+    let name = &caller.model().remotes[remote].name;
+    let connection =
+        RemoteConnection { remote: caller.address(name, None), service: place.address, backend };
     caller.wiring.remote_connected(remote, connection.clone());
     daemon.bus.tell(&Change::RemoteConnected {
         remote: connection.remote.to_string(),
         service: connection.service.to_string(),
     });
     Ok(connection)
+}
+
+/// A call of a component of this daemon: everything about it is known.
+fn near(
+    daemon: &Arc<Daemon>,
+    caller: &Hosted,
+    remote: usize,
+    provider: &Hosted,
+    request: &RemoteRequest,
+    at: &Address,
+) -> Result<DirectCall, RemoteError> {
+    let services = &provider.model().services;
+    let Some(theirs) = services.iter().find(|service| service.name == at.name) else {
+        return Err(RemoteError::NoSuchService {
+            typed: request.service.clone(),
+            place: " in this daemon".to_owned(),
+            help: suggest(&at.name, services.iter().map(|one| one.name.as_str())),
+        });
+    };
+    let ours = &caller.model().remotes[remote];
+    // genom3.md 4.9: digests of the two are compared when they are connected.
+    if ours.digest != theirs.digest {
+        return Err(RemoteError::Differs {
+            remote: request.remote.clone(),
+            ours: format!("{} of interface {} ({})", ours.name, ours.interface, ours.digest),
+            service: request.service.clone(),
+            theirs: format!("{} ({})", theirs.name, theirs.digest),
+        });
+    }
+    Ok(DirectCall::new(daemon, &provider.name, &theirs.name))
+}
+
+/// A call through a middleware: the one asked for, else one the caller is on, the first where
+/// the service shows.
+fn far(
+    daemon: &Daemon,
+    caller: &Hosted,
+    remote: usize,
+    asked: Option<String>,
+    request: &RemoteRequest,
+    at: &Address,
+) -> Result<FarCall, RemoteError> {
+    let middlewares = reaching(daemon, caller, asked.as_deref(), request, at)?;
+    let middleware = choose(&middlewares, request, at)?;
+    let (model, types) = (&caller.model().remotes[remote], &caller.specification().types);
+    let lay_out = |ty| {
+        DataType::new(types, ty).map_err(|error| {
+            let (backend, why) = (middleware.name().to_owned(), error.to_string());
+            RemoteError::Failed(Box::new(OpenError::Failed { backend, address: at.clone(), why }))
+        })
+    };
+    let ty = ServiceType {
+        kind: kind_of(model.kind),
+        input: lay_out(model.input)?,
+        output: lay_out(model.output)?,
+    };
+    let ours = types_of_service(&ty);
+    FarCall::open(&middleware, at, ty, &caller.model().version).map_err(|error| match error {
+        OpenError::TypeMismatch { theirs, .. } => RemoteError::Differs {
+            remote: request.remote.clone(),
+            ours: format!("{} of interface {}: {ours}", model.name, model.interface),
+            service: request.service.clone(),
+            theirs,
+        },
+        error => RemoteError::Failed(Box::new(error)),
+    })
+}
+
+/// The middlewares through which the service may be found.
+fn reaching(
+    daemon: &Daemon,
+    caller: &Hosted,
+    asked: Option<&str>,
+    request: &RemoteRequest,
+    at: &Address,
+) -> Result<Vec<Arc<dyn Middleware>>, RemoteError> {
+    if let Some(asked) = asked {
+        return Ok(vec![daemon.backends.get(asked)?]);
+    }
+    let bindings = caller.wiring.bindings.component();
+    let mut all = Vec::new();
+    for name in bindings.names() {
+        let middleware = daemon.backends.get(name)?;
+        let can = middleware.capabilities();
+        if can.services && can.cross_process {
+            all.push(middleware);
+        }
+    }
+    if all.is_empty() {
+        let components = daemon.components.all();
+        let names = components.iter().map(|hosted| hosted.name.as_str());
+        return Err(RemoteError::NoSuchService {
+            typed: request.service.clone(),
+            place: format!(": no such component in this daemon, and {bindings} calls no other"),
+            help: suggest(&at.instance, names),
+        });
+    }
+    Ok(all)
+}
+
+/// The first that shows the service; on a network it is looked for as long as that may take.
+fn choose(
+    all: &[Arc<dyn Middleware>],
+    request: &RemoteRequest,
+    at: &Address,
+) -> Result<Arc<dyn Middleware>, RemoteError> {
+    let wanted = at.to_string();
+    let network = all.iter().any(|middleware| middleware.capabilities().cross_host);
+    let end = Instant::now() + if network && !request.wait { NETWORK } else { ZERO };
+    loop {
+        let mut visible = BTreeSet::new();
+        for middleware in all {
+            let services = services(middleware.as_ref(), at)?;
+            if services.contains(&wanted) {
+                return Ok(Arc::clone(middleware));
+            }
+            visible.extend(services);
+        }
+        if Instant::now() < end {
+            std::thread::park_timeout(LOOK_AGAIN);
+            continue;
+        }
+        return match all.first() {
+            Some(first) if request.wait => Ok(Arc::clone(first)),
+            _ => {
+                let names: Vec<_> = all.iter().map(|middleware| middleware.name()).collect();
+                Err(RemoteError::NoSuchService {
+                    typed: request.service.clone(),
+                    place: format!(" on {}", names.join(", ")),
+                    help: format!(
+                        "{}; one that comes later is waited for with --wait",
+                        suggest(&wanted, visible.iter().map(String::as_str))
+                    ),
+                })
+            }
+        };
+    }
+}
+
+/// Addresses of the services visible now.
+fn services(middleware: &dyn Middleware, at: &Address) -> Result<BTreeSet<String>, RemoteError> {
+    let endpoints = middleware.discover().map_err(|error| {
+        let (backend, address, why) = (error.backend, at.clone(), error.why);
+        RemoteError::Failed(Box::new(OpenError::Failed { backend, address, why }))
+    })?;
+    let services = endpoints.into_iter().filter(|found| found.kind == EndpointKind::Service);
+    Ok(services.map(|found| found.address).collect())
 }
 
 /// Takes the service behind a remote away; whether there was one.
@@ -93,59 +273,6 @@ fn find_remote(daemon: &Daemon, typed: &str) -> Result<(Arc<Hosted>, usize), Rem
         Some(index) => Ok((caller, index)),
         None => {
             Err(refuse(suggest(&address.name, remotes.iter().map(|remote| remote.name.as_str()))))
-        }
-    }
-}
-
-fn find_service(daemon: &Daemon, typed: &str) -> Result<(Arc<Hosted>, usize), RemoteError> {
-    let refuse = |help| RemoteError::NoSuchService { typed: typed.to_owned(), help };
-    let write = || refuse("write COMPONENT/SERVICE".to_owned());
-    let address = Address::parse(typed).ok_or_else(write)?;
-    let provider = daemon.components.get(&address.instance).ok_or_else(|| {
-        let all = daemon.components.all();
-        refuse(suggest(&address.instance, all.iter().map(|hosted| hosted.name.as_str())))
-    })?;
-    let services = &provider.model().services;
-    match services.iter().position(|service| service.name == address.name) {
-        Some(index) => Ok((provider, index)),
-        None => Err(refuse(suggest(&address.name, services.iter().map(|one| one.name.as_str())))),
-    }
-}
-
-/// A call within the daemon. The provider may go and come back: it is found at each call.
-struct DirectCall {
-    daemon: Weak<Daemon>,
-    provider: String,
-    service: String,
-}
-
-impl DirectCall {
-    fn provider(&self) -> Option<(Arc<Hosted>, usize)> {
-        let hosted = self.daemon.upgrade()?.components.get(&self.provider)?;
-        let index = hosted.plan().service(&self.service)?;
-        Some((hosted, index))
-    }
-}
-
-impl RemoteCall for DirectCall {
-    fn call(&mut self, input: &Record, output: &mut Record) -> Result<(), (String, Value)> {
-        let absent = || ("::genom::no_such_service".to_owned(), Value::Null);
-        let broken = |why: String| ("::genom::remote_io".to_owned(), json!({ "what": why }));
-        let (hosted, index) = self.provider().ok_or_else(absent)?;
-        let mut request = Record::new(&hosted.plan().services()[index].input);
-        request.copy_from(input).map_err(|error| broken(error.to_string()))?;
-        let (sender, ended) = channel();
-        hosted.submit(index, request, move |heard| {
-            if let Heard::Ended(outcome) = heard {
-                let _ = sender.send(outcome);
-            }
-        });
-        // Dropped without an answer: the provider stopped.
-        match ended.recv().map_err(|_| absent())? {
-            Outcome::Success(record) => {
-                output.copy_from(&record).map_err(|error| broken(error.to_string()))
-            }
-            Outcome::Exception(exception) => Err((exception.name, exception.detail)),
         }
     }
 }

@@ -6,7 +6,7 @@ use genom_middleware::Policy;
 use genom_runtime::{Wiring, WiringError};
 
 use super::connect::{ConnectError, ConnectRequest, connect};
-use super::remote::{self, RemoteError};
+use super::remote::{self, RemoteError, RemoteRequest};
 use crate::daemon::Daemon;
 use crate::flag::Flag;
 use crate::hosting::UnloadError;
@@ -67,11 +67,16 @@ impl Wiring for SupervisorWiring {
         let Some(daemon) = self.daemon.upgrade() else {
             return Err(WiringError::RemoteIo("the daemon stops".to_owned()));
         };
-        let connected = remote::connect(&daemon, &format!("{}/{local}", self.instance), remote);
-        connected.map(drop).map_err(|error| match error {
+        let request = RemoteRequest {
+            remote: format!("{}/{local}", self.instance),
+            service: remote.to_owned(),
+            backend: None,
+            wait: false,
+        };
+        remote::connect(&daemon, &request).map(drop).map_err(|error| match error {
             RemoteError::NoSuchRemote { .. } => WiringError::NoSuchRemote(local.to_owned()),
             RemoteError::NoSuchService { .. } => WiringError::NoSuchService(remote.to_owned()),
-            error @ RemoteError::Differs { .. } => WiringError::RemoteIo(error.to_string()),
+            error => WiringError::RemoteIo(error.to_string()),
         })
     }
 

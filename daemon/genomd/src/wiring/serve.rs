@@ -39,11 +39,7 @@ fn serve(
     for (index, service) in hosted.model().services.iter().enumerate() {
         let compiled = &hosted.plan().services()[index];
         let ty = ServiceType {
-            kind: match service.kind {
-                ModelKind::Attribute => ServiceKind::Attribute,
-                ModelKind::Function => ServiceKind::Function,
-                ModelKind::Activity => ServiceKind::Activity,
-            },
+            kind: kind_of(service.kind),
             input: compiled.input.clone(),
             output: compiled.output.clone(),
         };
@@ -58,6 +54,15 @@ fn serve(
         }
     }
     Ok(served)
+}
+
+/// The kind of a service, as middlewares call it.
+pub(super) fn kind_of(kind: ModelKind) -> ServiceKind {
+    match kind {
+        ModelKind::Attribute => ServiceKind::Attribute,
+        ModelKind::Function => ServiceKind::Function,
+        ModelKind::Activity => ServiceKind::Activity,
+    }
 }
 
 /// One service for one component.

@@ -194,6 +194,7 @@ impl Gen {
         self.component.remotes.push(Remote {
             name: name.into(),
             interface: "other".into(),
+            kind: ServiceKind::Function,
             parameters: Self::parameters(parameters),
             input,
             output,

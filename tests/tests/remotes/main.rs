@@ -3,6 +3,8 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
+mod far;
+
 use std::fs;
 use std::path::Path;
 use std::process::Command;
@@ -65,7 +67,7 @@ fn a_remote_is_connected_to_its_like_only() {
     let refused = daemon.ctl(&["connect", "caller/add", "provider/kill"]);
     refused.expect_code(1).expect_err("make the two .gen interfaces equal");
     let refused = daemon.ctl(&["connect", "caller/add", "provider/add", "--policy", "latest"]);
-    refused.expect_code(1).expect_err("it takes a service and nothing else");
+    refused.expect_code(1).expect_err("it takes a service, and no policy");
     // GenoM's own service does the same (genom3.md 4.8).
     let connect = |remote: &str| {
         let inputs = format!(r#"{{"local":"add","remote":"{remote}"}}"#);
