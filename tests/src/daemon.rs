@@ -265,6 +265,12 @@ impl Daemon {
         crate::Events::open(&self.home.socket())
     }
 
+    /// Waits for its end, which something else brings about.
+    #[must_use]
+    pub fn finish(self) -> (Finished, Home) {
+        (self.running.finish(), self.home)
+    }
+
     /// Sends a signal and waits for the end.
     #[must_use]
     pub fn stop(self, signal: &str) -> (Finished, Home) {

@@ -357,23 +357,18 @@ fn a_start_codel_that_hangs_is_named_by_the_start() {
     let wiring = Arc::new(Deaf);
     let mut options = genom_runtime::Options::new("test", wiring);
     options.start_timeout = Some(Duration::from_millis(20));
-    // The undoing waits for the codel as well, so it is let go meanwhile.
     let plan = Arc::clone(&body.plan);
-    let starting = std::thread::spawn(move || genom_runtime::Instance::start(plan, body, options));
+    let (sender, started) = channel();
+    std::thread::spawn(move || sender.send(genom_runtime::Instance::start(plan, body, options)));
     keeper.wait();
-    while !starting.is_finished() {
-        let begin = std::time::Instant::now();
-        while begin.elapsed() < Duration::from_millis(60) {
-            std::thread::park_timeout(Duration::from_millis(5));
-        }
-        let _ = keeper.open.send(());
-    }
-    match starting.join().unwrap() {
+    // It hangs until the start has given up, which tries for some seconds to undo what it did.
+    match started.recv_timeout(LONG).unwrap() {
         Err(StartError::Hangs { task, codel, .. }) => {
             assert_eq!((task.as_str(), codel.as_str()), ("t", "hang"));
         }
         other => panic!("{other:?}"),
     }
+    drop(keeper);
 }
 
 struct Deaf;
