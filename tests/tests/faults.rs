@@ -232,9 +232,11 @@ fn codels_that_treat_the_process_as_their_own_do_not_end_it() {
     while number(&call("turns")["turns"]) == before {
         assert!(std::time::Instant::now() < end, "the library's thread stands still");
     }
-    for service in ["block_signals", "speak", "change_world"] {
+    for service in ["block_signals", "ignore_signals", "speak", "change_world"] {
         call(service);
     }
+    let put_back = |line: &str| line.contains("SIGTERM") && line.contains("put back");
+    assert!(daemon.process().error_line_where(put_back).is_some());
     // Numbers read as before, files are found, other components load.
     let speed = daemon.ctl(&["call", "demo", "set_speed", "velocity=0.25"]);
     speed.expect_code(0);

@@ -19,6 +19,7 @@ use std::time::Instant;
 
 use genom_local::Local;
 use genom_middleware::{Address, Middleware, Policy, Publisher, Subscription};
+use genom_runtime::Clock;
 use genom_types::{DataType, Kind, Record, TypeTable};
 
 const CALLS: u32 = 10_000;
@@ -65,7 +66,7 @@ fn main() {
     hop("64 bytes written and read, exchange alone", writer, reader);
     let local = Local::new();
     let (writer, reader) = ends(&local);
-    let fan = fan::Fan::new(vec![("local".to_owned(), writer)]);
-    let tap = tap::Tap::new(reader);
+    let fan = fan::Fan::new(vec![("local".to_owned(), writer)], &Clock::Monotonic, &ty);
+    let tap = tap::Tap::new(reader, &Clock::Monotonic, &ty);
     hop("64 bytes written and read, as components do", fan.publisher(), tap.subscription());
 }

@@ -3,7 +3,9 @@
 use std::io::Write as _;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::time::Duration;
 
+use genom_host::KeptSignals;
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::config::Settings;
@@ -83,6 +85,7 @@ async fn serve(settings: Settings) -> Result<(), Refusal> {
         .map_err(Refusal::own)?;
     keep::watch(&daemon).map_err(Refusal::own)?;
     tokio::spawn(stop_on(signals, Arc::clone(&daemon)));
+    tokio::spawn(keep_signals(KeptSignals::remember()));
 
     // Requests are served while components load: a slow start codel holds up nobody.
     let max_connections = daemon.settings.rpc.max_connections;
@@ -183,6 +186,18 @@ type Signals = (tokio::signal::unix::Signal, tokio::signal::unix::Signal);
 
 fn stop_signals() -> std::io::Result<Signals> {
     Ok((signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?))
+}
+
+/// Codels may change what the process does on signals; the daemon is stopped by them all the same.
+async fn keep_signals(kept: KeptSignals) {
+    /// Between two looks.
+    const LOOK: Duration = Duration::from_millis(100);
+    loop {
+        tokio::time::sleep(LOOK).await;
+        for signal in kept.put_back() {
+            tracing::warn!("a codel changed what genomd does on {signal}: it is put back");
+        }
+    }
 }
 
 async fn stop_on((mut interrupt, mut terminate): Signals, daemon: Arc<Daemon>) {

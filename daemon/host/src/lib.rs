@@ -17,6 +17,8 @@ pub mod library;
 mod ports;
 mod remotes;
 mod shared;
+pub mod signals;
 
 pub use component::{Component, LoadError, LoadErrors};
 pub use library::{EmbeddedDescription, Library, OpenError, embedded_description};
+pub use signals::KeptSignals;
