@@ -61,10 +61,10 @@ fn main() -> ExitCode {
     while count.load(Ordering::Relaxed) < wanted {
         let at = usize::try_from(requests).unwrap_or(0) % TASKS;
         assert_eq!(next(&request(&instance, "set")), "done");
-        // The new one interrupts the old one, which says so.
+        // The new one interrupts the old one, which ends, or never starts.
         let new = request(&instance, &format!("a{at}"));
         let old = std::mem::replace(&mut running[at], new);
-        while !next(&old).starts_with("done") {}
+        while next(&old).starts_with("accepted") {}
         requests += 2;
         if count.load(Ordering::Relaxed) * 10 / wanted > reports {
             reports += 1;
