@@ -119,8 +119,14 @@ impl Running {
 
     /// Waits for its end.
     #[must_use]
-    pub fn finish(mut self) -> Finished {
-        let status = self.wait();
+    pub fn finish(self) -> Finished {
+        self.finish_within(WATCHDOG)
+    }
+
+    /// Waits for its end; it hangs when it takes longer than this.
+    #[must_use]
+    pub fn finish_within(mut self, longest: Duration) -> Finished {
+        let status = self.wait(longest);
         let mut out = String::new();
         while let Ok(line) = self.lines.recv_timeout(WATCHDOG) {
             out.push_str(&line);
@@ -130,12 +136,12 @@ impl Running {
         Finished { code: status.code(), out, err: err.unwrap_or_default() }
     }
 
-    fn wait(&mut self) -> ExitStatus {
+    fn wait(&mut self, longest: Duration) -> ExitStatus {
         let pid = self.child.id();
         let (ended, watched) = channel::<()>();
         // The watchdog kills what hangs, so that `wait` returns; dropping `ended` calls it off.
         let watchdog = thread::spawn(move || {
-            if watched.recv_timeout(WATCHDOG) == Err(RecvTimeoutError::Timeout) {
+            if watched.recv_timeout(longest) == Err(RecvTimeoutError::Timeout) {
                 let _ = Command::new("kill").args(["-s", "KILL", &pid.to_string()]).status();
                 return true;
             }

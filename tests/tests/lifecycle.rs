@@ -147,19 +147,6 @@ fn components_are_found_on_the_component_path() {
 }
 
 #[test]
-fn the_control_plane_is_also_on_loopback_when_asked() {
-    let probe = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
-    let address = probe.local_addr().unwrap().to_string();
-    drop(probe);
-    let daemon = Home::new().start(&["--listen", &address]);
-    let mut command = std::process::Command::new(genom_tests::program("genomctl"));
-    command.args(["--host", &address, "--json", "list"]);
-    let finished = genom_tests::Running::start(&mut command).finish();
-    finished.expect_code(0).expect_out("{\"components\":[]}\n");
-    daemon.ctl(&["kill"]).expect_code(0);
-}
-
-#[test]
 fn version_tells_the_middlewares() {
     let told = Home::new().refused(&["--version"]);
     told.expect_code(0);

@@ -77,7 +77,15 @@ fn wrong_usage_has_its_own_status() {
     let home = Home::new();
     home.refused(&["--nonsense"]).expect_code(2);
     home.refused(&["--name", "x"]).expect_code(2).expect_err("--name goes with exactly one");
-    home.refused(&["--listen", "0.0.0.0:0"]).expect_code(2).expect_err("reached from outside");
+    let tokens = ["--token-file", "tokens.toml", "--listen"];
+    let refused = home.refused(&[&tokens[..], &["0.0.0.0:0"]].concat());
+    refused.expect_code(2).expect_err("can be reached from outside: it needs TLS");
+    home.refused(&["--listen", "127.0.0.1:0"]).expect_code(2).expect_err("--token-file FILE");
+    let refused = home.refused(&[&tokens[..], &["127.0.0.1:0"]].concat());
+    refused.expect_code(2).expect_err("genomctl token NAME --into");
+    std::fs::write(home.path().join("tokens.toml"), "").unwrap();
+    let refused = home.refused(&[&tokens[..], &["127.0.0.1:0"]].concat());
+    refused.expect_code(2).expect_err("others may read").expect_err("chmod 600");
     home.refused(&["--log", "=/="]).expect_code(2).expect_err("--log");
     std::fs::write(home.path().join("genomd.toml"), "backedn = \"shm\"\n").unwrap();
     let refused = home.refused(&[]);
@@ -90,7 +98,9 @@ fn wrong_inputs_are_named_and_change_nothing() {
     let daemon = Daemon::demo("local");
     let call = |inputs| daemon.ctl(&["call", "demo", "set_speed", inputs]);
     let refused = call(r#"{"velocty":1.0}"#);
-    refused.expect_code(1).expect_err("has no member `velocty`; did you mean `velocity`?");
+    refused
+        .expect_code(1)
+        .expect_err("service set_speed has no input `velocty`; did you mean `velocity`?");
     let refused = call(r#"{"velocity":"fast"}"#);
     refused.expect_code(1).expect_err("velocity: expected").expect_err("the string \"fast\"");
     let socket = daemon.home().socket();

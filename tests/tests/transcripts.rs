@@ -28,6 +28,7 @@ transcripts! {
     "deploy": a_deployment_file_is_applied_and_dumped,
     "describe": descriptions_are_checked_and_shown_without_a_daemon,
     "doctor": what_is_wrong_with_a_machine_is_told_with_its_fix,
+    "reach": daemons_are_named_and_reached_elsewhere,
     "look": what_runs_is_listed_and_described,
     "drive": services_are_called_and_activities_driven,
     "traffic": ports_are_read_measured_fed_and_wired,

@@ -1,6 +1,4 @@
-//! HTTP/1.1 with JSON bodies to the daemon, over its Unix socket or loopback TCP.
-
-use std::path::PathBuf;
+//! HTTP/1.1 with JSON bodies to the daemon, over its Unix socket or TCP.
 
 use http_body_util::{BodyExt, Full};
 use hyper::body::{Bytes, Incoming};
@@ -8,47 +6,33 @@ use hyper::client::conn::http1;
 use hyper::{Method, Request, Response, header};
 use hyper_util::rt::TokioIo;
 use serde_json::Value;
-use tokio::net::{TcpStream, UnixStream};
 
 use crate::args::Connection;
+use crate::contexts;
 use crate::failure::{Failure, Refusal};
 use crate::sse::EventStream;
+use crate::target::Target;
 
 /// A daemon to talk to. Each request is a connection of its own: queries are rare and short.
 #[derive(Debug)]
 pub(crate) struct Client {
-    target: Target,
-}
-
-#[derive(Debug)]
-enum Target {
-    Socket(PathBuf),
-    Tcp(std::net::SocketAddr),
-}
-
-impl std::fmt::Display for Target {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Target::Socket(path) => write!(f, "{}", path.display()),
-            Target::Tcp(address) => write!(f, "{address}"),
-        }
-    }
+    given: Connection,
 }
 
 impl Client {
-    /// A client of the daemon that the command line names.
-    pub(crate) fn new(connection: Connection) -> Self {
-        let target = match (connection.host, connection.socket) {
-            (Some(address), _) => Target::Tcp(address),
-            (None, Some(path)) => Target::Socket(path),
-            (None, None) => Target::Socket(default_socket()),
-        };
-        Self { target }
+    /// A client of the daemon that the command line names; nothing is read or opened yet, since
+    /// verbs that talk to no daemon work whatever contexts and tokens there are.
+    pub(crate) fn new(given: Connection) -> Self {
+        Self { given }
+    }
+
+    fn way(&self) -> Result<Target, Failure> {
+        contexts::complete(self.given.clone()).and_then(Target::new)
     }
 
     /// Who is talked to, for messages.
     pub(crate) fn target(&self) -> String {
-        self.target.to_string()
+        self.way().map_or_else(|_| "?".to_owned(), |target| target.to_string())
     }
 
     /// Asks, and waits for the whole reply.
@@ -104,52 +88,29 @@ impl Client {
         path: &str,
         body: Option<&Value>,
     ) -> Result<Response<Incoming>, Failure> {
+        let target = self.way()?;
         let bytes = body.map_or_else(Bytes::new, |body| Bytes::from(body.to_string()));
-        let request = Request::builder()
+        let mut request = Request::builder()
             .method(method)
             .uri(path)
             .header(header::HOST, "genomd")
-            .header(header::CONTENT_TYPE, "application/json")
-            .body(Full::new(bytes))
-            .map_err(|error| self.misread(error.to_string()))?;
-        let unreachable = |source| Failure::Unreachable { target: self.target.to_string(), source };
-        match &self.target {
-            Target::Socket(path) => {
-                let stream = UnixStream::connect(path).await.map_err(unreachable)?;
-                self.exchange(TokioIo::new(stream), request).await
-            }
-            Target::Tcp(address) => {
-                let stream = TcpStream::connect(address).await.map_err(unreachable)?;
-                self.exchange(TokioIo::new(stream), request).await
-            }
+            .header(header::CONTENT_TYPE, "application/json");
+        if let Some(authorization) = target.authorization() {
+            request = request.header(header::AUTHORIZATION, authorization);
         }
-    }
-
-    async fn exchange<S>(
-        &self,
-        stream: S,
-        request: Request<Full<Bytes>>,
-    ) -> Result<Response<Incoming>, Failure>
-    where
-        S: hyper::rt::Read + hyper::rt::Write + Unpin + Send + 'static,
-    {
-        let (mut sender, connection) =
-            http1::handshake(stream).await.map_err(|error| self.misread(error.to_string()))?;
+        if let Some(daemon) = &target.daemon {
+            request = request.header("genomd-daemon", daemon);
+        }
+        let request =
+            request.body(Full::new(bytes)).map_err(|error| self.misread(error.to_string()))?;
+        let stream = target.open().await?;
+        let (mut sender, connection) = http1::handshake(TokioIo::new(stream))
+            .await
+            .map_err(|error| self.misread(error.to_string()))?;
         // It ends when the reply's body has been read or dropped.
         tokio::spawn(connection);
         sender.send_request(request).await.map_err(|error| {
             if error.is_parse() { self.misread(error.to_string()) } else { self.lost() }
         })
-    }
-}
-
-/// Where a daemon of this user listens when nothing else is said; `genomd` has the same rule.
-fn default_socket() -> PathBuf {
-    match std::env::var_os("XDG_RUNTIME_DIR").filter(|dir| !dir.is_empty()) {
-        Some(dir) => PathBuf::from(dir).join("genomd.sock"),
-        None => {
-            let user = rustix::process::getuid().as_raw();
-            PathBuf::from(format!("/tmp/genomd-{user}/genomd.sock"))
-        }
     }
 }

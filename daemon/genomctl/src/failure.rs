@@ -123,6 +123,12 @@ impl Failure {
     fn help(&self) -> Option<String> {
         match self {
             Failure::Usage { help, .. } => help.clone(),
+            // What TLS dislikes comes as invalid data.
+            Failure::Unreachable { source, .. } if source.kind() == io::ErrorKind::InvalidData => {
+                Some(
+                    "--ca FILE names the root of the daemon's certificate, --cert yours".to_owned(),
+                )
+            }
             Failure::Unreachable { .. } => Some(
                 "start one with `genomd LIBRARY...`, or name its socket with --socket".to_owned(),
             ),

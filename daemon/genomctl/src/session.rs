@@ -21,6 +21,8 @@ const LONG: Duration = Duration::from_secs(1);
 pub(crate) struct Session {
     /// The daemon to ask.
     pub(crate) client: Client,
+    /// What the command line said of it.
+    pub(crate) given: Connection,
     /// `--json`: replies as the daemon sent them.
     pub(crate) json: bool,
     /// Where text goes.
@@ -29,8 +31,9 @@ pub(crate) struct Session {
 
 impl Session {
     /// A session with the daemon named on the command line; nothing is sent yet.
-    pub(crate) fn new(connection: Connection, json: bool) -> Self {
-        Self { client: Client::new(connection), json, terminal: Terminal::of_output() }
+    pub(crate) fn new(given: Connection, json: bool) -> Self {
+        let client = Client::new(given.clone());
+        Self { client, given, json, terminal: Terminal::of_output() }
     }
 
     /// `GET path`.

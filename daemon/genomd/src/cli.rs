@@ -56,9 +56,13 @@ pub(crate) struct Cli {
     /// /tmp/genomd-UID/genomd.sock].
     #[arg(long, value_name = "PATH", env = "GENOMD_SOCKET")]
     pub(crate) socket: Option<PathBuf>,
-    /// Also listen on this loopback address.
+    /// Also listen on this address, for those who have a token or a certificate. One that
+    /// others can reach needs TLS: section [rpc.tls] of the configuration.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub(crate) listen: Option<SocketAddr>,
+    /// Tokens of those who may come in there, each with its rights; see configs/default.toml.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) token_file: Option<PathBuf>,
     /// Time of the components: that of the machine, or one that `genomctl step` advances
     /// [default: monotonic].
     #[arg(long, value_name = "CLOCK")]

@@ -12,12 +12,15 @@ use crate::deploy::request;
 use crate::flag::Flag;
 use crate::hosting::{self, Components, Hosted, LoadError, UnloadError};
 use crate::registry::Backends;
+use crate::shown::Shown;
 
 /// The daemon.
 pub(crate) struct Daemon {
     pub(crate) settings: Settings,
     /// The middlewares in use.
     pub(crate) backends: Backends,
+    /// What others see of this daemon.
+    pub(crate) shown: Shown,
     /// The components that run, or are about to.
     pub(crate) components: Components,
     /// Time of all components: they live in one world.
@@ -43,6 +46,7 @@ impl Daemon {
     pub(crate) fn new(settings: Settings) -> Arc<Self> {
         Arc::new(Self {
             backends: Backends::new(settings.backends.clone()),
+            shown: Shown::default(),
             components: Components::default(),
             clock: match settings.clock {
                 ClockKind::Monotonic => Clock::Monotonic,

@@ -19,6 +19,7 @@ mod nearest;
 mod registry;
 mod rpc;
 mod run;
+mod shown;
 mod wiring;
 
 use std::io::Write as _;

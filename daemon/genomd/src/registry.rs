@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use genom_middleware::Middleware;
 use serde::Deserialize;
@@ -262,12 +262,21 @@ pub(crate) struct Backends {
     /// Their sections of the configuration, by name.
     options: BTreeMap<String, toml::Table>,
     open: Mutex<BTreeMap<&'static str, Arc<dyn Middleware>>>,
+    /// Told of each when it opens.
+    opens: OnceLock<Box<OnOpen>>,
 }
+
+type OnOpen = dyn Fn(&dyn Middleware) + Send + Sync;
 
 impl Backends {
     /// None open yet.
     pub(crate) fn new(options: BTreeMap<String, toml::Table>) -> Self {
-        Self { options, open: Mutex::default() }
+        Self { options, open: Mutex::default(), opens: OnceLock::new() }
+    }
+
+    /// Has `told` called with each middleware when it opens; once, before the first does.
+    pub(crate) fn on_open(&self, told: impl Fn(&dyn Middleware) + Send + Sync + 'static) {
+        let _ = self.opens.set(Box::new(told));
     }
 
     /// The middleware of that name, open.
@@ -280,6 +289,10 @@ impl Backends {
         let middleware = (known.open)(self.options.get(known.name).unwrap_or(&toml::Table::new()))
             .map_err(|why| BackendError::Closed { name: name.to_owned(), why })?;
         open.insert(known.name, Arc::clone(&middleware));
+        drop(open);
+        if let Some(told) = self.opens.get() {
+            told(middleware.as_ref());
+        }
         Ok(middleware)
     }
 

@@ -1,6 +1,7 @@
 //! A run of the daemon: open, load, serve, stop.
 
 use std::io::Write as _;
+use std::net::SocketAddr;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,14 +9,18 @@ use std::time::Duration;
 use genom_host::KeptSignals;
 use tokio::signal::unix::{SignalKind, signal};
 
-use crate::config::Settings;
+use crate::config::{RpcSettings, Settings};
 use crate::daemon::Daemon;
 use crate::deploy::apply::{ApplyError, apply};
 use crate::deploy::plan::plan;
 use crate::deploy::{Step, keep};
 use crate::memory;
 use crate::rpc;
+use crate::rpc::access::Door;
 use crate::rpc::listen::{self, Socket};
+use crate::rpc::serve::{Entrance, Listener, serve};
+use crate::rpc::tls;
+use crate::rpc::tokens::Tokens;
 
 /// Why the daemon did not run, with its exit status.
 #[derive(Debug)]
@@ -62,21 +67,48 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
         .enable_all()
         .build()
         .map_err(Refusal::own)?;
-    let outcome = runtime.block_on(serve(settings));
+    let outcome = runtime.block_on(live(settings));
     // A codel that hangs holds one of its threads: the process ends all the same.
     runtime.shutdown_background();
     outcome
 }
 
-async fn serve(settings: Settings) -> Result<(), Refusal> {
+async fn open_tcp(
+    rpc: &RpcSettings,
+    address: SocketAddr,
+) -> Result<(Listener, SocketAddr), Refusal> {
+    let tls = rpc.tls.as_ref().map(tls::acceptor).transpose().map_err(Refusal::usage)?;
+    let (listener, address) = listen::tcp(address).await.map_err(Refusal::own)?;
+    tracing::info!("also on http{}://{address}", if tls.is_some() { "s" } else { "" });
+    Ok((Listener::Tcp(listener, tls), address))
+}
+
+async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let signals = stop_signals().map_err(Refusal::own)?;
     let socket = Socket::open(&settings.rpc.socket).map_err(Refusal::own)?;
+    let tokens = match &settings.rpc.token_file {
+        Some(path) => Tokens::read(path).map_err(Refusal::usage)?,
+        None => Tokens::default(),
+    };
+    let tokens = Arc::new(tokens);
     let tcp = match settings.rpc.listen {
-        Some(address) => Some(listen::tcp(address).await.map_err(Refusal::own)?),
+        Some(address) => {
+            let (listener, address) = open_tcp(&settings.rpc, address).await?;
+            // As it is: the port may have been left to the system.
+            settings.rpc.listen = Some(address);
+            Some(listener)
+        }
         None => None,
     };
     let backend = settings.backend.clone();
     let daemon = Daemon::new(settings);
+    let (weak, runtime, known) =
+        (Arc::downgrade(&daemon), tokio::runtime::Handle::current(), Arc::clone(&tokens));
+    daemon.backends.on_open(move |middleware| {
+        if let Some(daemon) = weak.upgrade() {
+            rpc::relay::announce(&daemon, &known, &runtime, middleware);
+        }
+    });
     let opening = Arc::clone(&daemon);
     // It may take a while: some middlewares look for others first.
     tokio::task::spawn_blocking(move || opening.backends.get(&backend).map(drop))
@@ -89,12 +121,16 @@ async fn serve(settings: Settings) -> Result<(), Refusal> {
 
     // Requests are served while components load: a slow start codel holds up nobody.
     let max_connections = daemon.settings.rpc.max_connections;
-    let router = rpc::router(Arc::clone(&daemon));
-    let closed = daemon.closed.clone();
     let (listener, socket) = socket.split();
-    let server = tokio::spawn(async move {
-        rpc::serve::serve(&listener, tcp, router, max_connections, closed).await;
-    });
+    let router = rpc::router(Arc::clone(&daemon), Door::Own);
+    let mut entrances = vec![Entrance { listener: Listener::Unix(listener), router }];
+    if let Some(listener) = tcp {
+        let tls = daemon.settings.rpc.tls.iter().filter(|tls| tls.client_ca.is_some());
+        let certified = tls.flat_map(|tls| tls.client_rights.clone()).collect();
+        let router = rpc::router(Arc::clone(&daemon), Door::Guarded { tokens, certified });
+        entrances.push(Entrance { listener, router });
+    }
+    let server = tokio::spawn(serve(entrances, max_connections, daemon.closed.clone()));
     let outcome = tokio::select! {
         outcome = work(&daemon) => outcome,
         () = daemon.forced.raised() => Err(Refusal::component("stopped before all codels had ended")),
@@ -179,6 +215,7 @@ async fn stop(daemon: &Arc<Daemon>) {
     if let Err(error) = tokio::task::spawn_blocking(move || worker.unload_all()).await {
         tracing::error!("stopping the components ended badly: {error}");
     }
+    daemon.shown.let_go();
     daemon.backends.close();
 }
 

@@ -15,6 +15,7 @@ pub mod index_ring;
 pub mod mailbox;
 pub mod outbox;
 pub mod port;
+pub mod relay;
 pub mod reply;
 pub mod service;
 
@@ -23,6 +24,7 @@ pub use error::{CallError, DiscoverError, OpenError, PublishError, ReadError};
 pub use port::{
     Capabilities, Endpoint, EndpointKind, Middleware, Policy, Publisher, Reading, Subscription,
 };
+pub use relay::{AskError, OnRequest, Relay};
 pub use service::{
     ActivityId, Client, Outcome, Replies, Running, Served, ServiceHandler, ServiceKind, ServiceType,
 };

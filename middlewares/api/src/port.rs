@@ -5,7 +5,7 @@ use std::sync::Arc;
 use genom_types::{DataType, Record};
 
 use crate::service::{Client, Served, ServiceHandler, ServiceType};
-use crate::{Address, DiscoverError, OpenError, PublishError, ReadError};
+use crate::{Address, DiscoverError, OpenError, PublishError, ReadError, Relay};
 
 /// What a reader wants of the samples it has not read yet.
 ///
@@ -166,6 +166,11 @@ pub trait Middleware: Send + Sync {
             ty: service.input.name().to_owned(),
             why: "it has no services; bind the service to another backend".to_owned(),
         }
+    }
+
+    /// The way to other daemons on this middleware, if it has one.
+    fn relay(&self) -> Option<&dyn Relay> {
+        None
     }
 
     /// What is visible now, ours and others'.

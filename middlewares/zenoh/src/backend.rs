@@ -10,7 +10,7 @@ use genom_middleware::describe::{type_of_port, types_of_service};
 use genom_middleware::mailbox::{Full, MAX_DEPTH, Mailbox};
 use genom_middleware::{
     Address, Capabilities, Client, DiscoverError, Endpoint, EndpointKind, Middleware, OpenError,
-    Policy, Publisher, Served, ServiceHandler, ServiceKind, ServiceType, Subscription,
+    Policy, Publisher, Relay, Served, ServiceHandler, ServiceKind, ServiceType, Subscription,
 };
 use genom_types::{DataType, Record};
 use zenoh::key_expr::OwnedKeyExpr;
@@ -25,6 +25,7 @@ use crate::inbox::Inbox;
 use crate::keys::{Keys, Token};
 use crate::options::{Options, SessionError};
 use crate::ports::{ZenohPublisher, ZenohSubscription};
+use crate::relay::Daemons;
 use crate::rendezvous::Rendezvous;
 use crate::service::{Server, ZenohServed};
 use crate::wire::{self, Expected, Mark};
@@ -39,7 +40,7 @@ const UNSENT_BYTES: usize = 1 << 20;
 
 /// A session on zenoh, as middleware.
 pub struct Zenoh {
-    core: Arc<Core>,
+    pub(crate) core: Arc<Core>,
 }
 
 /// What all ends share. Closed with the last of them.
@@ -47,6 +48,7 @@ pub(crate) struct Core {
     session: Session,
     keys: Keys,
     graph: Arc<Graph>,
+    daemons: Arc<Daemons>,
     worker: Option<Worker>,
     /// Declared tokens so far.
     tokens: AtomicU64,
@@ -91,6 +93,7 @@ impl Zenoh {
         let core = Arc::new(Core {
             keys,
             graph: Arc::default(),
+            daemons: Arc::default(),
             tokens: AtomicU64::new(0),
             name: session.zid().to_string(),
             _rendezvous: rendezvous,
@@ -144,11 +147,27 @@ impl Core {
         &self.graph
     }
 
+    pub(crate) fn daemons(&self) -> &Daemons {
+        &self.daemons
+    }
+
+    pub(crate) fn keys(&self) -> &Keys {
+        &self.keys
+    }
+
+    /// This session's name.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
     /// Follows the tokens of others. Those that are there already are seen before this returns.
     fn watch(&self) -> zenoh::Result<()> {
         let (graph, keys, own) = (Arc::clone(&self.graph), self.keys.clone(), self.name.clone());
-        let orders = self.orders.clone();
+        let (orders, daemons) = (self.orders.clone(), Arc::clone(&self.daemons));
         let news = move |sample: zenoh::sample::Sample| {
+            if let Some((session, name)) = keys.daemon(sample.key_expr().as_str()) {
+                return daemons.heard(session, name, sample.kind() == SampleKind::Put);
+            }
             let token = keys.token(sample.key_expr().as_str());
             let Some(token) = token.filter(|token| token.session != own) else { return };
             if sample.kind() == SampleKind::Delete {
@@ -396,6 +415,10 @@ impl Middleware for Zenoh {
             ty: service.clone(),
             core: Arc::clone(core),
         }))
+    }
+
+    fn relay(&self) -> Option<&dyn Relay> {
+        Some(self)
     }
 
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {

@@ -48,6 +48,23 @@ impl Keys {
         format!("{}{TOKENS}/**", self.prefix)
     }
 
+    /// The key that says a daemon is there.
+    pub(crate) fn of_daemon(&self, session: &str, name: &str) -> String {
+        format!("{}{TOKENS}/daemon/{session}/{}", self.prefix, escape(name))
+    }
+
+    /// Session and name in such a key.
+    pub(crate) fn daemon(&self, key: &str) -> Option<(String, String)> {
+        let rest = key.strip_prefix(&self.prefix)?.strip_prefix(TOKENS)?;
+        let (session, name) = rest.strip_prefix("/daemon/")?.split_once('/')?;
+        Some((session.to_owned(), unescape(name)?))
+    }
+
+    /// Where requests to a daemon go.
+    pub(crate) fn to_daemon(&self, name: &str) -> String {
+        format!("{}{TOKENS}/rpc/{}", self.prefix, escape(name))
+    }
+
     pub(crate) fn of_token(&self, token: &Token) -> String {
         let kind = match token.kind {
             EndpointKind::Publisher => "pub",

@@ -19,6 +19,9 @@
 //!
 //! **Discovery.** Liveliness tokens `@genom/<pub|sub|srv>/<session>/<n>/<digest>/<types>/<address>`,
 //! `<types>` with percent escapes; the digest of a service is `<input>-<output>`.
+//!
+//! **Daemons.** Liveliness tokens `@genom/daemon/<session>/<name>`; a `get` of
+//! `@genom/rpc/<name>` carries a request to the control plane of that daemon, and its reply.
 
 #![forbid(unsafe_code)]
 
@@ -29,6 +32,7 @@ mod inbox;
 mod keys;
 mod options;
 mod ports;
+mod relay;
 mod rendezvous;
 mod service;
 mod wire;

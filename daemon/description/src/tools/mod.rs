@@ -4,8 +4,10 @@ mod describe;
 mod fmt;
 mod graph;
 mod header;
+mod schema;
 
 pub use describe::{describe, describe_text};
 pub use fmt::{FormatError, format_bytes, format_text};
 pub use graph::{Graph, graph};
 pub use header::{HeaderError, Language, declaration, header, prototype};
+pub use schema::{schema, service_schemas};

@@ -11,6 +11,8 @@ mod check;
 mod completion;
 mod connect;
 mod connections;
+mod context;
+mod daemons;
 mod describe;
 mod digest;
 mod disconnect;
@@ -39,6 +41,7 @@ mod ros2_package;
 mod start;
 mod stats;
 mod step;
+mod token;
 mod top;
 mod unload;
 mod wait;
@@ -84,6 +87,9 @@ pub(crate) enum Verb {
     Why(why::Args),
     Doctor(doctor::Args),
     Kill(kill::Args),
+    Daemons(daemons::Args),
+    Context(context::Args),
+    Token(token::Args),
     Check(check::Args),
     Explain(explain::Args),
     Fmt(fmt::Args),
@@ -132,6 +138,9 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Why(args) => why::run(args, session).await,
         Verb::Doctor(args) => doctor::run(args, session).await,
         Verb::Kill(args) => kill::run(args, session).await,
+        Verb::Daemons(args) => daemons::run(args, session).await,
+        Verb::Context(args) => context::run(&args, session),
+        Verb::Token(args) => token::run(&args, session),
         Verb::Check(args) => check::run(&args, session),
         Verb::Explain(args) => explain::run(&args, session),
         Verb::Fmt(args) => fmt::run(&args, session),

@@ -3,13 +3,15 @@
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 /// The middlewares a port or a component is on: `"shm"`, `"shm+zenoh"` or `["shm", "zenoh"]`.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
 #[serde(from = "OneOrMore", into = "String")]
+#[schema(value_type = OneOrMore)]
 pub(crate) struct BackendNames(Vec<String>);
 
-#[derive(Deserialize)]
+#[derive(Deserialize, ToSchema)]
 #[serde(untagged, expecting = "expected the name of a backend, or a list of names")]
 enum OneOrMore {
     One(String),

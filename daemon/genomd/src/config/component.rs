@@ -7,17 +7,20 @@ use std::time::Duration;
 use genom_runtime::TaskOptions;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use utoipa::ToSchema;
 
 use super::BackendNames;
 
 /// A component to load.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LoadRequest {
     /// Library (`.so`), description (`.gen`), or a name on the component path.
+    #[schema(value_type = String)]
     pub(crate) library: PathBuf,
     /// Description, when it is neither in the library nor beside it.
     #[serde(default, rename = "gen", skip_serializing_if = "Option::is_none")]
+    #[schema(value_type = Option<String>)]
     pub(crate) gen_file: Option<PathBuf>,
     /// Instance name; by default the component's name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -53,14 +56,16 @@ impl LoadRequest {
 }
 
 /// What may be changed of a task.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct TaskEntry {
     /// Another period, in milliseconds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(exclusive_minimum = 0, maximum = 1e9)]
     pub(crate) period_ms: Option<f64>,
     /// 0, the highest, to 255.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schema(maximum = 255)]
     pub(crate) priority: Option<u8>,
     /// Whether to ask for real-time scheduling.
     #[serde(default, skip_serializing_if = "Option::is_none")]

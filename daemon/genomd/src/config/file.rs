@@ -1,11 +1,11 @@
 //! The configuration file.
 
 use std::collections::BTreeMap;
-use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::rpc::Rpc;
 use super::{BackendNames, CallEntry, ClockKind, ConnectionEntry, LoadRequest, overrides};
 use crate::cli::Cli;
 use crate::nearest::nearest;
@@ -45,24 +45,6 @@ pub(crate) struct Config {
     pub(crate) activity: Vec<CallEntry>,
 }
 
-/// Section `[rpc]`.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub(crate) struct Rpc {
-    /// Unix socket.
-    pub(crate) socket: Option<PathBuf>,
-    /// Loopback TCP address.
-    pub(crate) listen: Option<SocketAddr>,
-    /// Greatest size of a request's body, in bytes.
-    pub(crate) max_body: usize,
-    /// Connections served at a time.
-    pub(crate) max_connections: usize,
-    /// Open streams at a time.
-    pub(crate) max_streams: usize,
-    /// Seconds the result of an ended activity stays readable.
-    pub(crate) keep_results: u64,
-}
-
 impl Default for Config {
     fn default() -> Self {
         Self {
@@ -80,19 +62,6 @@ impl Default for Config {
             connection: Vec::new(),
             call: Vec::new(),
             activity: Vec::new(),
-        }
-    }
-}
-
-impl Default for Rpc {
-    fn default() -> Self {
-        Self {
-            socket: None,
-            listen: None,
-            max_body: 1 << 20,
-            max_connections: 256,
-            max_streams: 64,
-            keep_results: 300,
         }
     }
 }
@@ -139,6 +108,11 @@ impl Config {
     pub(crate) fn anchor(&mut self, path: &Path) {
         let base = path.parent().unwrap_or(Path::new(""));
         self.path.iter_mut().chain(&mut self.include).for_each(|dir| anchor(base, dir));
+        self.rpc.token_file.iter_mut().for_each(|file| anchor(base, file));
+        if let Some(tls) = &mut self.rpc.tls {
+            let files = [&mut tls.cert, &mut tls.key].into_iter().chain(&mut tls.client_ca);
+            files.for_each(|file| anchor(base, file));
+        }
         for component in &mut self.component {
             // A bare name is looked for on the component path, not beside the configuration.
             if component.library.components().count() > 1 || component.library.extension().is_some()
@@ -157,6 +131,7 @@ impl Config {
         self.include = [cli.include.clone(), self.include].concat();
         self.rpc.socket = cli.socket.clone().or(self.rpc.socket);
         self.rpc.listen = cli.listen.or(self.rpc.listen);
+        self.rpc.token_file = cli.token_file.clone().or(self.rpc.token_file);
         self
     }
 

@@ -5,6 +5,7 @@ mod component;
 mod deployment;
 mod file;
 mod overrides;
+mod rpc;
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -15,6 +16,7 @@ pub(crate) use backends::BackendNames;
 pub(crate) use component::LoadRequest;
 pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
 pub(crate) use file::{Config, ConfigError};
+pub(crate) use rpc::{RpcSettings, Tls};
 
 use crate::cli::Cli;
 
@@ -68,40 +70,30 @@ pub(crate) struct Settings {
     pub(crate) rpc: RpcSettings,
 }
 
-/// Where the control plane listens, and its limits.
-#[derive(Clone, Debug)]
-pub(crate) struct RpcSettings {
-    /// Unix socket.
-    pub(crate) socket: PathBuf,
-    /// Loopback TCP address, if asked for.
-    pub(crate) listen: Option<SocketAddr>,
-    /// Greatest size of a request's body, in bytes.
-    pub(crate) max_body: usize,
-    /// Connections served at a time; more wait.
-    pub(crate) max_connections: usize,
-    /// Open streams at a time; more are refused.
-    pub(crate) max_streams: usize,
-    /// How long the result of an ended activity stays readable.
-    pub(crate) keep_results: Duration,
-}
-
 /// The command line contradicts itself or the configuration.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum UsageError {
     /// `--name` or `--gen` with none or several components.
     #[error("{option} goes with exactly one component, {found} are given")]
     OneComponent { option: &'static str, found: usize },
-    /// `--listen` on an address that others can reach.
+    /// `--listen` on an address that others can reach, in the clear.
     #[error(
-        "{0} can be reached from outside, and requests are not authenticated: \
-         listen on 127.0.0.1 or [::1]"
+        "{0} can be reached from outside: it needs TLS, `cert` and `key` in section [rpc.tls] of \
+         the configuration, and tokens or client certificates; or listen on 127.0.0.1 or [::1]"
     )]
-    NotLoopback(SocketAddr),
+    NoTls(SocketAddr),
+    /// `--listen`, and nothing says who may come in.
+    #[error(
+        "whoever reaches {0} could command this daemon: say with --token-file FILE who may \
+         (`genomctl token NAME --into FILE` begins one), or with rpc.tls.client_ca"
+    )]
+    Anybody(SocketAddr),
 }
 
 impl Settings {
     /// The command line over the configuration.
     pub(crate) fn new(cli: Cli, config: Config) -> Result<Self, UsageError> {
+        let rpc = RpcSettings::new(&cli, config.rpc.clone())?;
         let mut components: Vec<_> = cli
             .components
             .into_iter()
@@ -117,20 +109,8 @@ impl Settings {
             only.name = cli.name;
             only.gen_file = cli.gen_file;
         }
-        let listen = cli.listen.or(config.rpc.listen);
-        if let Some(address) = listen.filter(|address| !address.ip().is_loopback()) {
-            return Err(UsageError::NotLoopback(address));
-        }
         let mut deployment = Deployment::of(&config, cli.daemon.as_deref());
         deployment.component.extend(components);
-        let rpc = RpcSettings {
-            socket: cli.socket.or(config.rpc.socket).unwrap_or_else(default_socket),
-            listen,
-            max_body: config.rpc.max_body,
-            max_connections: config.rpc.max_connections,
-            max_streams: config.rpc.max_streams,
-            keep_results: Duration::from_secs(config.rpc.keep_results),
-        };
         Ok(Self {
             backend: cli.backend.unwrap_or(config.backend),
             deployment,
@@ -145,17 +125,6 @@ impl Settings {
             stop_timeout: Duration::from_secs(config.stop_timeout),
             rpc,
         })
-    }
-}
-
-/// Where a daemon of this user listens when nothing else is said; `genomctl` has the same rule.
-fn default_socket() -> PathBuf {
-    match std::env::var_os("XDG_RUNTIME_DIR").filter(|dir| !dir.is_empty()) {
-        Some(dir) => PathBuf::from(dir).join("genomd.sock"),
-        None => {
-            let user = rustix::process::getuid().as_raw();
-            PathBuf::from(format!("/tmp/genomd-{user}/genomd.sock"))
-        }
     }
 }
 
@@ -175,13 +144,5 @@ mod tests {
         assert_eq!(one.deployment.component[0].name.as_deref(), Some("arm"));
         let two = settings(&["--name", "arm", "a.so", "b.so"]).unwrap_err();
         assert_eq!(two, "--name goes with exactly one component, 2 are given");
-    }
-
-    #[test]
-    fn only_loopback_is_listened_on() {
-        assert!(settings(&["--listen", "127.0.0.1:0"]).is_ok());
-        assert!(settings(&["--listen", "[::1]:0"]).is_ok());
-        let refused = settings(&["--listen", "0.0.0.0:7000"]).unwrap_err();
-        assert!(refused.contains("0.0.0.0:7000 can be reached from outside"), "{refused}");
     }
 }

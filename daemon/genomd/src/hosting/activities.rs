@@ -4,8 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use serde_json::{Map, Value};
+use serde::Serialize;
+use serde_json::Value;
 use tokio::sync::watch;
+use utoipa::ToSchema;
 
 /// How a service ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,19 +19,14 @@ pub(crate) enum Ending {
 }
 
 impl Ending {
-    /// `{"result": ...}` or `{"exception": ..., "detail": ...}`.
-    pub(crate) fn to_json(&self) -> Map<String, Value> {
-        let mut reply = Map::new();
-        match self {
-            Ending::Done(outputs) => {
-                reply.insert("result".into(), outputs.clone());
-            }
+    /// As a reply.
+    pub(crate) fn told(&self) -> Told {
+        match self.clone() {
+            Ending::Done(outputs) => Told { result: Some(outputs), ..Told::default() },
             Ending::Exception { name, detail } => {
-                reply.insert("exception".into(), name.as_str().into());
-                reply.insert("detail".into(), detail.clone());
+                Told { exception: Some(name), detail: Some(detail), ..Told::default() }
             }
         }
-        reply
     }
 
     /// Name of the exception, if it ended with one.
@@ -39,6 +36,47 @@ impl Ending {
             Ending::Exception { name, .. } => Some(name),
         }
     }
+}
+
+/// How a service ended, as a reply: `result`, or `exception` and `detail`.
+#[derive(Clone, Debug, Default, Serialize, ToSchema)]
+#[schema(as = Ending)]
+pub(crate) struct Told {
+    /// Outputs of the service.
+    #[schema(value_type = Option<Object>)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) result: Option<Value>,
+    /// Full name of the exception it ended with.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) exception: Option<String>,
+    /// Members of the exception.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) detail: Option<Value>,
+}
+
+/// An activity as a reply.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+#[schema(as = Activity)]
+pub(crate) struct Look {
+    /// Its number, unique in the component's life.
+    activity: u64,
+    /// The service it runs.
+    service: String,
+    status: Status,
+    /// State it is in, or `waiting` before it starts; of one that runs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    state: Option<String>,
+    #[serde(flatten)]
+    ending: Told,
+}
+
+/// Whether an activity runs, and how it ended.
+#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+enum Status {
+    Running,
+    Done,
+    Exception,
 }
 
 /// One activity; shared by all who wait for it.
@@ -76,22 +114,20 @@ impl Activity {
     }
 
     /// As a reply; `state` of an activity that runs.
-    pub(crate) fn to_json(&self, state: Option<&str>) -> Value {
-        let mut reply = Map::new();
-        reply.insert("activity".into(), self.number.into());
-        reply.insert("service".into(), self.service.as_str().into());
+    pub(crate) fn look(&self, state: Option<String>) -> Look {
         let ending = self.ending();
         let status = match &ending {
-            None => "running",
-            Some(Ending::Done(_)) => "done",
-            Some(Ending::Exception { .. }) => "exception",
+            None => Status::Running,
+            Some(Ending::Done(_)) => Status::Done,
+            Some(Ending::Exception { .. }) => Status::Exception,
         };
-        reply.insert("status".into(), status.into());
-        match ending {
-            Some(ending) => reply.extend(ending.to_json()),
-            None => reply.extend(state.map(|state| ("state".to_owned(), Value::from(state)))),
+        Look {
+            activity: self.number,
+            service: self.service.clone(),
+            status,
+            state: state.filter(|_| ending.is_none()),
+            ending: ending.map(|ending| ending.told()).unwrap_or_default(),
         }
-        Value::Object(reply)
     }
 }
 
@@ -184,7 +220,7 @@ mod tests {
         });
         assert_eq!((one, two), (Some(ending.clone()), Some(ending)));
         assert_eq!(
-            activity.to_json(None).to_string(),
+            serde_json::to_string(&activity.look(None)).unwrap(),
             r#"{"activity":7,"service":"goto","status":"exception","exception":"::x::E","detail":{"a":1}}"#
         );
     }

@@ -14,13 +14,14 @@ use genom_runtime::plan::Plan;
 use genom_runtime::{
     ActivityPhase, Instance, Options, Outcome, Progress, Statistics, Watcher, input_record,
 };
-use genom_types::{DataType, JsonError, Record};
+use genom_types::{DataType, Record};
 use serde_json::{Value, json};
 use tokio::sync::mpsc;
 
 use super::activities::{Activity, ActivityLog, Ending};
 use super::built;
 use super::done::Done;
+use super::input::InputError;
 use super::load::LoadError;
 use super::watch::{BusWatcher, Follower};
 use crate::config::{BackendNames, LoadRequest};
@@ -167,10 +168,12 @@ impl Hosted {
     }
 
     /// The inputs of a service: the defaults of the description, then what was given.
-    pub(crate) fn input(&self, service: usize, given: &Value) -> Result<Record, JsonError> {
+    pub(crate) fn input(&self, service: usize, given: &Value) -> Result<Record, InputError> {
+        let name = self.model().services[service].name.as_str();
+        let refused = |error| InputError::new(name, error);
         let empty = || Record::new(&self.plan.services()[service].input);
-        let mut record = input_record(&self.plan, service)?.unwrap_or_else(empty);
-        record.merge_json(given)?;
+        let mut record = input_record(&self.plan, service).map_err(refused)?.unwrap_or_else(empty);
+        record.merge_json(given).map_err(refused)?;
         Ok(record)
     }
 

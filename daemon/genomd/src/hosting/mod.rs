@@ -4,6 +4,7 @@ mod activities;
 mod built;
 mod done;
 mod hosted;
+mod input;
 pub(crate) mod layout;
 pub(crate) mod load;
 mod watch;
@@ -13,7 +14,7 @@ use std::time::Duration;
 
 use indexmap::IndexMap;
 
-pub(crate) use activities::{Activity, Ending};
+pub(crate) use activities::{Activity, Ending, Look, Told};
 pub(crate) use hosted::{Answer, Heard, Hosted};
 pub(crate) use load::LoadError;
 

@@ -6,11 +6,11 @@ use std::time::Duration;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use serde::Deserialize;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
 
 use crate::daemon::Daemon;
-use crate::hosting::{Activity, Hosted};
+use crate::hosting::{Activity, Hosted, Look};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Parameters;
@@ -19,34 +19,62 @@ use crate::rpc::input::Parameters;
 const LONGEST_WAIT: f64 = 3600.0;
 
 /// `?wait=SECONDS`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
 pub(crate) struct LookParameters {
     /// Answer when the activity has ended, or after so many seconds.
+    #[param(minimum = 0)]
     wait: Option<f64>,
 }
 
-/// `GET /components/{component}/activities`
+/// Activities, by number.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Activities {
+    activities: Vec<Look>,
+}
+
+/// Activities that were asked to stop.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Aborted {
+    /// Their numbers.
+    aborted: Vec<u64>,
+}
+
+/// List the activities of a component, running and lately ended.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/activities",
+    tag = "activities",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Activities), (status = 404))
+)]
 pub(crate) async fn list(
     State(daemon): State<Arc<Daemon>>,
     Path(component): Path<String>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Activities>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    let activities: Vec<_> = hosted
-        .activities
-        .all()
-        .iter()
-        .map(|activity| activity.to_json(hosted.state(activity.number).as_deref()))
-        .collect();
-    Ok(Json(json!({ "activities": activities })))
+    let all = hosted.activities.all();
+    let activities = all.iter().map(|one| one.look(hosted.state(one.number))).collect();
+    Ok(Json(Activities { activities }))
 }
 
-/// `GET /components/{component}/activities/{number}?wait=SECONDS`
+/// Look at an activity, or wait for its end.
+///
+/// What has ended stays readable for `rpc.keep_results` seconds of the daemon's configuration.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/activities/{activity}",
+    tag = "activities",
+    security(("token" = ["read"])),
+    params(LookParameters),
+    responses((status = 200, body = Look), (status = 404), (status = 422))
+)]
 pub(crate) async fn look(
     State(daemon): State<Arc<Daemon>>,
     Path((component, activity)): Path<(String, String)>,
     Parameters(parameters): Parameters<LookParameters>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Look>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let activity = find(&hosted, &activity)?;
     if let Some(seconds) = parameters.wait {
@@ -56,32 +84,39 @@ pub(crate) async fn look(
         // Not ended in time: the reply says that it runs.
         let _ = tokio::time::timeout(wait, activity.ended()).await;
     }
-    Ok(Json(activity.to_json(hosted.state(activity.number).as_deref())))
+    Ok(Json(activity.look(hosted.state(activity.number))))
 }
 
-/// `DELETE /components/{component}/activities/{number or service}`
+/// Ask an activity to stop, by its number; or all of a service, by its name.
+#[utoipa::path(
+    delete,
+    path = "/components/{component}/activities/{activity}",
+    tag = "activities",
+    security(("token" = ["call"])),
+    responses((status = 200, body = Aborted), (status = 404), (status = 409))
+)]
 pub(crate) async fn abort(
     State(daemon): State<Arc<Daemon>>,
-    Path((component, which)): Path<(String, String)>,
-) -> Result<Json<Value>, RpcError> {
+    Path((component, activity)): Path<(String, String)>,
+) -> Result<Json<Aborted>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    let chosen = match which.parse::<u64>() {
-        Ok(_) => {
-            let activity = find(&hosted, &which)?;
-            if activity.ending().is_some() {
-                let message = format!("activity {which} of {component} has already ended");
+    let chosen = match activity.parse::<u64>() {
+        Ok(number) => {
+            let found = find(&hosted, &activity)?;
+            if found.ending().is_some() {
+                let message = format!("activity {number} of {component} has already ended");
                 return Err(RpcError::conflict("ended", message));
             }
-            vec![activity]
+            vec![found]
         }
-        Err(_) => of_service(&hosted, &which)?,
+        Err(_) => of_service(&hosted, &activity)?,
     };
-    let aborted: Vec<u64> = chosen
+    let aborted = chosen
         .iter()
         .filter(|activity| activity.ending().is_none() && hosted.abort(activity.number))
         .map(|activity| activity.number)
         .collect();
-    Ok(Json(json!({ "aborted": aborted })))
+    Ok(Json(Aborted { aborted }))
 }
 
 fn find(hosted: &Hosted, number: &str) -> Result<Arc<Activity>, RpcError> {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use serde::Deserialize;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use crate::config::BackendNames;
 use crate::daemon::Daemon;
@@ -16,8 +16,8 @@ use crate::rpc::{components, ports};
 use crate::wiring::publish::BindError;
 use crate::wiring::switch::switch;
 
-/// Body of `PUT /components/{component}/backend`.
-#[derive(Debug, Deserialize)]
+/// Where a component, or one of its ports, is to move.
+#[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Move {
     /// Where to.
@@ -27,12 +27,28 @@ pub(crate) struct Move {
     port: Option<String>,
 }
 
-/// `PUT /components/{component}/backend` with `{backend, port}`
+/// Where it is now.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Moved {
+    component: String,
+    port: Option<String>,
+    backend: BackendNames,
+}
+
+/// Move a running component, or one of its ports, to other middlewares.
+#[utoipa::path(
+    put,
+    path = "/components/{component}/backend",
+    tag = "wiring",
+    security(("token" = ["wire"])),
+    request_body = Move,
+    responses((status = 200, body = Moved), (status = 404), (status = 422), (status = 502))
+)]
 pub(crate) async fn change(
     State(daemon): State<Arc<Daemon>>,
     Path(component): Path<String>,
     Body(wanted): Body<Move>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Moved>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let port = wanted.port.as_deref().map(|port| ports::find(&hosted, port)).transpose()?;
     if wanted.backend.names().is_empty() {
@@ -41,7 +57,7 @@ pub(crate) async fn change(
     let to = wanted.backend.clone();
     let work = move || switch(&daemon, &hosted, port, &wanted.backend);
     match tokio::task::spawn_blocking(work).await {
-        Ok(Ok(())) => Ok(Json(json!({"component": component, "port": wanted.port, "backend": to}))),
+        Ok(Ok(())) => Ok(Json(Moved { component, port: wanted.port, backend: to })),
         Ok(Err(error @ BindError::Backend(_))) => {
             Err(RpcError::bad_input(error.to_string()).place("/backend"))
         }

@@ -1,14 +1,18 @@
 //! Components: list, load, describe, unload.
 
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_description::tools;
-use serde_json::{Value, json};
+use serde::Serialize;
+use serde_json::Value;
+use utoipa::ToSchema;
 
-use crate::config::LoadRequest;
+use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
 use crate::hosting::{Hosted, LoadError, UnloadError};
 use crate::registry::BackendError;
@@ -29,13 +33,63 @@ pub(super) fn find(daemon: &Daemon, name: &str) -> Result<Arc<Hosted>, RpcError>
     }
 }
 
-/// `GET /components`
-pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Value> {
-    let components: Vec<_> = daemon.components.all().iter().map(|hosted| summary(hosted)).collect();
-    Json(json!({ "components": components }))
+/// Components, in the order they were loaded.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Components {
+    components: Vec<Summary>,
 }
 
-/// `GET /components/{component}`
+/// A component that runs.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Component)]
+pub(crate) struct Summary {
+    /// Instance name.
+    name: String,
+    /// Name in the description.
+    component: String,
+    /// `running`.
+    state: &'static str,
+    /// Middlewares of its services, and of ports that have no others.
+    backend: BackendNames,
+    /// Middlewares of ports that have others.
+    port_backends: BTreeMap<String, BackendNames>,
+    /// File of the library.
+    #[schema(value_type = String)]
+    library: PathBuf,
+    /// Activities that run.
+    activities: usize,
+}
+
+/// A component is gone.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Unloaded {
+    unloaded: bool,
+}
+
+/// List the components that run.
+#[utoipa::path(
+    get,
+    path = "/components",
+    tag = "components",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Components))
+)]
+pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Components> {
+    let components = daemon.components.all().iter().map(|hosted| summary(hosted)).collect();
+    Json(Components { components })
+}
+
+/// Describe a component: what it is, and all its description says.
+///
+/// Beside the members below: `tasks`, `ports`, `services`, `remotes`, `events`, `throws`, `doc`
+/// and more, as `genomctl describe` prints them.
+#[utoipa::path(
+    get,
+    path = "/components/{component}",
+    tag = "components",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Summary), (status = 404))
+)]
 pub(crate) async fn describe(
     State(daemon): State<Arc<Daemon>>,
     Path(component): Path<String>,
@@ -43,17 +97,44 @@ pub(crate) async fn describe(
     let hosted = find(&daemon, &component)?;
     // The description as every tool shows it, and over it what is this instance's own.
     let mut reply = tools::describe(hosted.specification(), hosted.model());
-    if let (Value::Object(reply), Value::Object(own)) = (&mut reply, summary(&hosted)) {
+    let own = serde_json::to_value(summary(&hosted));
+    if let (Value::Object(reply), Ok(Value::Object(own))) = (&mut reply, own) {
         reply.extend(own);
     }
     Ok(Json(reply))
 }
 
-/// `POST /components` with `{library, gen, name, backend}`
+/// Tell the types of a component as JSON Schemas: inputs and outputs of services, ports.
+///
+/// Docs and defaults are those of the description. `$defs` holds the types that are named.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/schema",
+    tag = "components",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Object), (status = 404))
+)]
+pub(crate) async fn schema(
+    State(daemon): State<Arc<Daemon>>,
+    Path(component): Path<String>,
+) -> Result<Json<Value>, RpcError> {
+    let hosted = find(&daemon, &component)?;
+    Ok(Json(tools::schema(hosted.specification(), hosted.model())))
+}
+
+/// Load a component and start its tasks.
+#[utoipa::path(
+    post,
+    path = "/components",
+    tag = "components",
+    security(("token" = ["admin"])),
+    request_body = LoadRequest,
+    responses((status = 201, body = Summary), (status = 404), (status = 409), (status = 422))
+)]
 pub(crate) async fn load(
     State(daemon): State<Arc<Daemon>>,
     Body(request): Body<LoadRequest>,
-) -> Result<(StatusCode, Json<Value>), RpcError> {
+) -> Result<(StatusCode, Json<Summary>), RpcError> {
     let worker = Arc::clone(&daemon);
     let loaded = tokio::task::spawn_blocking(move || worker.load(&request)).await;
     match loaded {
@@ -63,15 +144,22 @@ pub(crate) async fn load(
     }
 }
 
-/// `DELETE /components/{component}`
+/// Stop a component's activities and tasks, and close its library.
+#[utoipa::path(
+    delete,
+    path = "/components/{component}",
+    tag = "components",
+    security(("token" = ["admin"])),
+    responses((status = 200, body = Unloaded), (status = 404), (status = 409), (status = 500))
+)]
 pub(crate) async fn unload(
     State(daemon): State<Arc<Daemon>>,
     Path(component): Path<String>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Unloaded>, RpcError> {
     find(&daemon, &component)?;
     let worker = Arc::clone(&daemon);
     match tokio::task::spawn_blocking(move || worker.unload(&component)).await {
-        Ok(Ok(())) => Ok(Json(json!({"unloaded": true}))),
+        Ok(Ok(())) => Ok(Json(Unloaded { unloaded: true })),
         Ok(Err(error @ UnloadError::NotThere(_))) => {
             Err(RpcError::conflict("unloading", error.to_string()))
         }
@@ -80,17 +168,17 @@ pub(crate) async fn unload(
     }
 }
 
-fn summary(hosted: &Hosted) -> Value {
+fn summary(hosted: &Hosted) -> Summary {
     let bindings = &hosted.wiring.bindings;
-    json!({
-        "name": hosted.name,
-        "component": hosted.model().name,
-        "state": "running",
-        "backend": bindings.component(),
-        "port_backends": bindings.ports(),
-        "library": hosted.library,
-        "activities": hosted.activities.running(),
-    })
+    Summary {
+        name: hosted.name.clone(),
+        component: hosted.model().name.clone(),
+        state: "running",
+        backend: bindings.component(),
+        port_backends: bindings.ports(),
+        library: hosted.library.clone(),
+        activities: hosted.activities.running(),
+    }
 }
 
 fn refused(error: &LoadError) -> RpcError {

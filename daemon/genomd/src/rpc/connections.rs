@@ -5,8 +5,8 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use serde::Deserialize;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
@@ -15,39 +15,97 @@ use crate::rpc::{components, ports};
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
 use crate::wiring::{self, ConnectError, ConnectRequest, Connection, RemoteConnection, policy};
 
-/// Body of `POST /connections`.
-#[derive(Debug, Deserialize)]
+/// A connection to make.
+#[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(as = ConnectionWanted)]
 pub(crate) struct Wanted {
+    /// The in port, `COMPONENT/PORT` or `COMPONENT/PORT/ELEMENT`; or a remote.
     #[serde(rename = "in")]
     inport: String,
+    /// The out port that feeds it; or the service that a remote calls.
     #[serde(rename = "out")]
     outport: String,
+    /// What the reader gets of the samples it has not read: `latest`, `queue:N` or `ring:N`.
     #[serde(default)]
+    #[schema(
+        pattern = "^(latest|(queue|ring):([1-9][0-9]{0,3}|[1-5][0-9]{4}|6[0-4][0-9]{3}|65[0-4][0-9]{2}|655[0-2][0-9]|6553[0-6]))$"
+    )]
     policy: Option<String>,
+    /// Middleware to use; by default that of the out port.
     #[serde(default)]
     backend: Option<String>,
+    /// Connect also when the out port does not exist yet.
     #[serde(default)]
     wait: bool,
 }
 
-/// `GET /connections`
-pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Value> {
-    let mut connections = Vec::new();
-    for hosted in daemon.components.all() {
-        connections.extend(hosted.wiring.connections().iter().map(to_json));
-        connections.extend(hosted.wiring.remotes().iter().map(remote_json));
-    }
-    Json(json!({ "connections": connections }))
+/// Connections of all components.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Connections {
+    connections: Vec<Made>,
 }
 
-/// `POST /connections` with `{in, out, policy, backend, wait}`
+/// A connection.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Connection)]
+pub(crate) struct Made {
+    /// `port`, or `service` for a remote.
+    kind: &'static str,
+    /// The in port, or the remote.
+    #[serde(rename = "in")]
+    inport: String,
+    /// The out port, or the service.
+    #[serde(rename = "out")]
+    outport: String,
+    /// Its middleware; none for a remote within the daemon.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    backend: Option<String>,
+    /// Its policy; none for a remote.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    policy: Option<String>,
+}
+
+/// An in port or a remote is connected no more.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Disconnected {
+    disconnected: String,
+}
+
+/// List the connections.
+#[utoipa::path(
+    get,
+    path = "/connections",
+    tag = "wiring",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Connections))
+)]
+pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Connections> {
+    let mut connections = Vec::new();
+    for hosted in daemon.components.all() {
+        connections.extend(hosted.wiring.connections().iter().map(made));
+        connections.extend(hosted.wiring.remotes().iter().map(remote_made));
+    }
+    Json(Connections { connections })
+}
+
+/// Connect an in port to an out port, or a remote to a service.
 ///
-/// `in` is an in port, or a remote; then `out` is a service, and there is no policy.
+/// A remote takes no policy. The other side may belong to another daemon.
+#[utoipa::path(
+    post,
+    path = "/connections",
+    tag = "wiring",
+    security(("token" = ["wire"])),
+    request_body = Wanted,
+    responses(
+        (status = 201, body = Made), (status = 404), (status = 409), (status = 422), (status = 502)
+    )
+)]
 pub(crate) async fn connect(
     State(daemon): State<Arc<Daemon>>,
     Body(wanted): Body<Wanted>,
-) -> Result<(StatusCode, Json<Value>), RpcError> {
+) -> Result<(StatusCode, Json<Made>), RpcError> {
     if remote::named(&daemon, &wanted.inport).is_some() {
         return connect_remote(daemon, wanted).await;
     }
@@ -66,13 +124,12 @@ pub(crate) async fn connect(
         patient: true,
     };
     let work = move || {
-        let made = wiring::connect::connect(&daemon, &request)?;
+        let connection = wiring::connect::connect(&daemon, &request)?;
         daemon.declared.forget(&request.inport);
-        Ok(made)
+        Ok(connection)
     };
-    let made = tokio::task::spawn_blocking(work).await;
-    match made {
-        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(to_json(&connection)))),
+    match tokio::task::spawn_blocking(work).await {
+        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(made(&connection)))),
         Ok(Err(error)) => Err(refused(&error)),
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
@@ -81,7 +138,7 @@ pub(crate) async fn connect(
 async fn connect_remote(
     daemon: Arc<Daemon>,
     wanted: Wanted,
-) -> Result<(StatusCode, Json<Value>), RpcError> {
+) -> Result<(StatusCode, Json<Made>), RpcError> {
     let Wanted { inport: remote, outport: service, policy, backend, wait } = wanted;
     if policy.is_some() {
         let message = format!("{remote} is a remote: it takes a service, and no policy");
@@ -90,7 +147,7 @@ async fn connect_remote(
     let request = RemoteRequest { remote, service, backend, wait };
     let work = move || remote::connect(&daemon, &request);
     match tokio::task::spawn_blocking(work).await {
-        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(remote_json(&connection)))),
+        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(remote_made(&connection)))),
         Ok(Err(error)) => {
             let (status, code, place) = match &error {
                 RemoteError::NoSuchRemote { .. } => {
@@ -111,19 +168,33 @@ async fn connect_remote(
     }
 }
 
-/// `DELETE /connections/{component}/{port}`
+/// Disconnect an in port or a remote.
+#[utoipa::path(
+    delete,
+    path = "/connections/{component}/{port}",
+    tag = "wiring",
+    security(("token" = ["wire"])),
+    responses((status = 200, body = Disconnected), (status = 404), (status = 409))
+)]
 pub(crate) async fn disconnect(
     State(daemon): State<Arc<Daemon>>,
     Path((component, port)): Path<(String, String)>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Disconnected>, RpcError> {
     take_away(daemon, component, port, None).await
 }
 
-/// `DELETE /connections/{component}/{port}/{element}`
+/// Disconnect an element of a multiple in port.
+#[utoipa::path(
+    delete,
+    path = "/connections/{component}/{port}/{element}",
+    tag = "wiring",
+    security(("token" = ["wire"])),
+    responses((status = 200, body = Disconnected), (status = 404), (status = 409))
+)]
 pub(crate) async fn disconnect_element(
     State(daemon): State<Arc<Daemon>>,
     Path((component, port, element)): Path<(String, String, String)>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Disconnected>, RpcError> {
     take_away(daemon, component, port, Some(element)).await
 }
 
@@ -132,7 +203,7 @@ async fn take_away(
     component: String,
     port: String,
     element: Option<String>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Disconnected>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let address = hosted.address(&port, element.as_deref());
     let work = if let Some((caller, index)) = remote::named(&daemon, &address.to_string()) {
@@ -145,7 +216,7 @@ async fn take_away(
         })
     };
     match work.await {
-        Ok(true) => Ok(Json(json!({"disconnected": address.to_string()}))),
+        Ok(true) => Ok(Json(Disconnected { disconnected: address.to_string() })),
         Ok(false) => {
             Err(RpcError::conflict("not_connected", format!("{address} is not connected")))
         }
@@ -153,23 +224,24 @@ async fn take_away(
     }
 }
 
-fn to_json(connection: &Connection) -> Value {
-    json!({
-        "kind": "port",
-        "in": connection.inport.to_string(),
-        "out": connection.outport.to_string(),
-        "backend": connection.backend,
-        "policy": policy::text(connection.policy),
-    })
+fn made(connection: &Connection) -> Made {
+    Made {
+        kind: "port",
+        inport: connection.inport.to_string(),
+        outport: connection.outport.to_string(),
+        backend: Some(connection.backend.to_string()),
+        policy: Some(policy::text(connection.policy)),
+    }
 }
 
-fn remote_json(connection: &RemoteConnection) -> Value {
-    json!({
-        "kind": "service",
-        "in": connection.remote.to_string(),
-        "out": connection.service.to_string(),
-        "backend": connection.backend,
-    })
+fn remote_made(connection: &RemoteConnection) -> Made {
+    Made {
+        kind: "service",
+        inport: connection.remote.to_string(),
+        outport: connection.service.to_string(),
+        backend: connection.backend.clone(),
+        policy: None,
+    }
 }
 
 fn refused(error: &ConnectError) -> RpcError {

@@ -7,8 +7,8 @@ use std::time::Duration;
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use serde::Deserialize;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
 
 use crate::config::{Config, ConfigError, Deployment};
 use crate::daemon::Daemon;
@@ -21,13 +21,18 @@ use crate::rpc::input::Body;
 /// Seconds a connection waits for its other side when nothing is said.
 const PATIENCE: f64 = 10.0;
 
-/// Body of `POST /deployment`.
-#[derive(Debug, Deserialize)]
+/// The longest it may be told to wait.
+const LONGEST: Duration = Duration::from_secs(86_400);
+
+/// A deployment to apply.
+#[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
+#[schema(as = DeploymentWanted)]
 pub(crate) struct Wanted {
     /// The file's text.
     text: String,
     /// The file's name, for messages and for relative paths in it.
+    #[schema(value_type = String)]
     file: PathBuf,
     /// Which daemon of the file this is; by default the name the daemon was started with.
     #[serde(default)]
@@ -37,25 +42,62 @@ pub(crate) struct Wanted {
     dry_run: bool,
     /// Seconds each connection may wait for its other side.
     #[serde(default)]
+    #[schema(minimum = 0, maximum = 86400)]
     timeout: Option<f64>,
 }
 
-/// `GET /deployment`: what runs, as a file.
-pub(crate) async fn dump(State(daemon): State<Arc<Daemon>>) -> Result<Json<Value>, RpcError> {
+/// What runs, as a deployment.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Dumped {
+    /// The deployment.
+    #[schema(value_type = Object)]
+    deployment: Deployment,
+    /// The same as the text of a file.
+    text: String,
+}
+
+/// What was done, or would be.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Applied {
+    /// The steps, in order.
+    steps: Vec<String>,
+    /// Whether they were taken.
+    applied: bool,
+}
+
+/// Tell what runs, as a deployment file.
+#[utoipa::path(
+    get,
+    path = "/deployment",
+    tag = "deployment",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Dumped), (status = 500))
+)]
+pub(crate) async fn dump(State(daemon): State<Arc<Daemon>>) -> Result<Json<Dumped>, RpcError> {
     let deployment = deploy::dump::dump(&daemon);
     let text =
         toml::to_string(&deployment).map_err(|error| RpcError::internal(error.to_string()))?;
-    Ok(Json(json!({"deployment": deployment, "text": text})))
+    Ok(Json(Dumped { deployment, text }))
 }
 
-/// `POST /deployment`: plans, and unless `dry_run` applies.
+/// Bring the daemon to what a deployment file says, or tell how.
+#[utoipa::path(
+    post,
+    path = "/deployment",
+    tag = "deployment",
+    security(("token" = ["admin"])),
+    request_body = Wanted,
+    responses((status = 200, body = Applied), (status = 409), (status = 422))
+)]
 pub(crate) async fn apply(
     State(daemon): State<Arc<Daemon>>,
     Body(wanted): Body<Wanted>,
-) -> Result<(StatusCode, Json<Value>), RpcError> {
+) -> Result<(StatusCode, Json<Applied>), RpcError> {
     let seconds = wanted.timeout.unwrap_or(PATIENCE);
-    let patience = Duration::try_from_secs_f64(seconds).map_err(|_| {
-        RpcError::bad_input(format!("timeout: {seconds} is no time")).place("/timeout")
+    let patience = Duration::try_from_secs_f64(seconds).ok().filter(|time| *time <= LONGEST);
+    let patience = patience.ok_or_else(|| {
+        let message = format!("timeout: {seconds} is not between 0 and {} s", LONGEST.as_secs());
+        RpcError::bad_input(message).place("/timeout")
     })?;
     let deployment = read(&daemon, &wanted)?;
     let work = move || {
@@ -66,8 +108,8 @@ pub(crate) async fn apply(
                 .map_err(|error| failed(&error))?;
             daemon.declared.keep(&deployment.connection);
         }
-        let told: Vec<String> = steps.iter().map(Step::to_string).collect();
-        Ok((StatusCode::OK, Json(json!({"steps": told, "applied": !wanted.dry_run}))))
+        let steps = steps.iter().map(Step::to_string).collect();
+        Ok((StatusCode::OK, Json(Applied { steps, applied: !wanted.dry_run })))
     };
     match tokio::task::spawn_blocking(work).await {
         Ok(outcome) => outcome,

@@ -3,7 +3,8 @@
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use serde_json::{Map, Value, json};
+use serde::Serialize;
+use utoipa::ToSchema;
 
 use crate::nearest::suggest;
 
@@ -11,16 +12,34 @@ use crate::nearest::suggest;
 #[derive(Clone, Debug)]
 pub(crate) struct RpcError {
     status: StatusCode,
+    reason: Reason,
+}
+
+/// The body of every refusal.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Refusal {
+    error: Reason,
+}
+
+/// Why a request was refused.
+#[derive(Clone, Debug, Serialize, ToSchema)]
+pub(crate) struct Reason {
+    /// Stable name of the reason.
     code: &'static str,
+    /// One sentence.
     message: String,
     /// Place in the request: a JSON pointer into the body, or a parameter.
+    #[serde(rename = "where", skip_serializing_if = "Option::is_none")]
     place: Option<String>,
+    /// The way out.
+    #[serde(skip_serializing_if = "Option::is_none")]
     help: Option<String>,
 }
 
 impl RpcError {
     pub(crate) fn new(status: StatusCode, code: &'static str, message: impl Into<String>) -> Self {
-        Self { status, code, message: message.into(), place: None, help: None }
+        let reason = Reason { code, message: message.into(), place: None, help: None };
+        Self { status, reason }
     }
 
     /// 404 for a name among others; suggests the nearest.
@@ -56,24 +75,24 @@ impl RpcError {
         Self::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", message)
     }
 
+    /// The HTTP status.
+    pub(crate) fn status(&self) -> StatusCode {
+        self.status
+    }
+
     pub(crate) fn place(mut self, place: impl Into<String>) -> Self {
-        self.place = Some(place.into());
+        self.reason.place = Some(place.into());
         self
     }
 
     pub(crate) fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+        self.reason.help = Some(help.into());
         self
     }
 }
 
 impl IntoResponse for RpcError {
     fn into_response(self) -> Response {
-        let mut error = Map::new();
-        error.insert("code".into(), self.code.into());
-        error.insert("message".into(), self.message.into());
-        error.extend(self.place.map(|place| ("where".to_owned(), Value::from(place))));
-        error.extend(self.help.map(|help| ("help".to_owned(), Value::from(help))));
-        (self.status, Json(json!({ "error": error }))).into_response()
+        (self.status, Json(Refusal { error: self.reason })).into_response()
     }
 }

@@ -7,9 +7,10 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
-use serde_json::{Value, json};
+use serde::Serialize;
 use tokio::sync::broadcast::error::RecvError;
 use tokio_stream::Stream;
+use utoipa::ToSchema;
 
 use crate::bus::{Change, Numbered};
 use crate::daemon::Daemon;
@@ -17,11 +18,24 @@ use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::stream;
 
-/// `POST /components/{component}/events/{event}`
+/// An event was fired.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Fired {
+    fired: bool,
+}
+
+/// Fire an external event of a component.
+#[utoipa::path(
+    post,
+    path = "/components/{component}/events/{event}",
+    tag = "events",
+    security(("token" = ["call"])),
+    responses((status = 200, body = Fired), (status = 404))
+)]
 pub(crate) async fn fire(
     State(daemon): State<Arc<Daemon>>,
     Path((component, event)): Path<(String, String)>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Fired>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let sinks = &hosted.model().sinks;
     let Some(index) = sinks.iter().position(|sink| sink.name == event) else {
@@ -31,10 +45,20 @@ pub(crate) async fn fire(
     };
     hosted.fire(index);
     daemon.bus.tell(&Change::EventFired { component, name: event });
-    Ok(Json(json!({"fired": true})))
+    Ok(Json(Fired { fired: true }))
 }
 
-/// `GET /events`: what changes from now on, or since `Last-Event-ID`.
+/// Follow what changes, from now on or since `Last-Event-ID`.
+///
+/// Server-sent events `change`; data is a JSON object whose `event` says what changed.
+#[utoipa::path(
+    get,
+    path = "/events",
+    tag = "events",
+    security(("token" = ["read"])),
+    params(("Last-Event-ID" = Option<u64>, Header, description = "Number of the last event heard")),
+    responses((status = 200, content_type = "text/event-stream", body = String), (status = 503))
+)]
 pub(crate) async fn stream(
     State(daemon): State<Arc<Daemon>>,
     headers: HeaderMap,

@@ -1,14 +1,22 @@
 //! What comes with a request: a JSON body, query parameters.
 
-use axum::body::Bytes;
+use std::time::Duration;
+
+use axum::body::{self, Bytes};
 use axum::extract::rejection::{BytesRejection, QueryRejection};
 use axum::extract::{FromRequest, FromRequestParts, Query, Request};
 use axum::http::StatusCode;
 use axum::http::request::Parts;
+use axum::middleware::Next;
+use axum::response::{IntoResponse as _, Response};
 use serde::de::DeserializeOwned;
+use tokio::time::timeout;
 
 use crate::nearest::nearest;
 use crate::rpc::error::RpcError;
+
+/// A peer that has not sent its body by then is given up.
+const SLOWEST_WRITER: Duration = Duration::from_secs(10);
 
 /// A JSON body; an empty one is `{}`.
 #[derive(Debug)]
@@ -38,6 +46,24 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Parameters<T> 
             },
         )
     }
+}
+
+/// Reads the whole body before anything is done, also where none is needed: a connection that
+/// is closed on bytes nobody read may take the answer with it.
+pub(super) async fn read_whole(request: Request, next: Next) -> Response {
+    let (parts, content) = request.into_parts();
+    let reading = Bytes::from_request(Request::from_parts(parts.clone(), content), &());
+    let bytes = match timeout(SLOWEST_WRITER, reading).await {
+        Err(_) => return too_slow().into_response(),
+        Ok(Err(rejection)) => return unreadable(rejection).into_response(),
+        Ok(Ok(bytes)) => bytes,
+    };
+    next.run(Request::from_parts(parts, body::Body::from(bytes))).await
+}
+
+fn too_slow() -> RpcError {
+    let message = format!("the request's body did not come within {SLOWEST_WRITER:?}");
+    RpcError::new(StatusCode::REQUEST_TIMEOUT, "too_slow", message)
 }
 
 fn unreadable(rejection: BytesRejection) -> RpcError {

@@ -89,9 +89,12 @@ impl Drop for SocketFile {
     }
 }
 
-/// Opens a loopback TCP listener.
-pub(crate) async fn tcp(address: SocketAddr) -> Result<TcpListener, ListenError> {
-    TcpListener::bind(address).await.map_err(|source| ListenError::Tcp { address, source })
+/// Opens a TCP listener; the address as it is, for a port that was left to the system.
+pub(crate) async fn tcp(address: SocketAddr) -> Result<(TcpListener, SocketAddr), ListenError> {
+    let failed = |source| ListenError::Tcp { address, source };
+    let listener = TcpListener::bind(address).await.map_err(failed)?;
+    let address = listener.local_addr().map_err(failed)?;
+    Ok((listener, address))
 }
 
 /// Makes the socket's directory, for this user alone.

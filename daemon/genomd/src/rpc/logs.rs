@@ -7,10 +7,11 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
-use serde::Deserialize;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
 use tokio::sync::broadcast::error::RecvError;
 use tokio_stream::Stream;
+use utoipa::{IntoParams, ToSchema};
 
 use crate::bus::Numbered;
 use crate::daemon::Daemon;
@@ -24,10 +25,12 @@ use crate::rpc::stream;
 const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
 
 /// `?level=LEVEL&component=NAME&last=COUNT`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
 pub(crate) struct LogParameters {
     /// This level and graver ones.
+    #[param(pattern = "^(error|warn|info|debug|trace)$")]
     level: Option<String>,
     /// What is about this component.
     component: Option<String>,
@@ -66,19 +69,49 @@ fn latest(all: Vec<Numbered>, wanted: &Wanted, last: Option<usize>) -> Vec<Numbe
     found
 }
 
-/// `GET /logs`
+/// What was logged.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Logs {
+    /// Entries, oldest first: `level`, `component`, `message` and more.
+    #[schema(value_type = Vec<Object>)]
+    logs: Vec<Value>,
+}
+
+/// Tell what the daemon logged lately.
+#[utoipa::path(
+    get,
+    path = "/logs",
+    tag = "logs",
+    security(("token" = ["read"])),
+    params(LogParameters),
+    responses((status = 200, body = Logs), (status = 422))
+)]
 pub(crate) async fn list(
     Parameters(parameters): Parameters<LogParameters>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Logs>, RpcError> {
     let LogParameters { level, component, last } = parameters;
     let wanted = Wanted::new(level.as_deref(), component)?;
     let (all, _) = logs::past().listen(Some(0));
-    let entries: Vec<Value> =
-        latest(all, &wanted, last).iter().map(|entry| Value::clone(&entry.data)).collect();
-    Ok(Json(json!({ "logs": entries })))
+    let entries = latest(all, &wanted, last);
+    let logs = entries.iter().map(|entry| Value::clone(&entry.data)).collect();
+    Ok(Json(Logs { logs }))
 }
 
-/// `GET /logs/stream`: from the last `last` entries on, or since `Last-Event-ID`.
+/// Follow what the daemon logs, from the last `last` entries on, or since `Last-Event-ID`.
+#[utoipa::path(
+    get,
+    path = "/logs/stream",
+    tag = "logs",
+    security(("token" = ["read"])),
+    params(
+        LogParameters,
+        ("Last-Event-ID" = Option<u64>, Header, description = "Number of the last entry heard")
+    ),
+    responses(
+        (status = 200, content_type = "text/event-stream", body = String), (status = 422),
+        (status = 503)
+    )
+)]
 pub(crate) async fn stream(
     State(daemon): State<Arc<Daemon>>,
     headers: HeaderMap,

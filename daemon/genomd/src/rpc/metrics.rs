@@ -12,7 +12,14 @@ use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::rpc::ports;
 
-/// `GET /metrics`
+/// Figures for Prometheus, in its text format.
+#[utoipa::path(
+    get,
+    path = "/metrics",
+    tag = "statistics",
+    security(("token" = ["read"])),
+    responses((status = 200, content_type = "text/plain", body = String))
+)]
 pub(crate) async fn text(State(daemon): State<Arc<Daemon>>) -> impl IntoResponse {
     let mut page = Page::default();
     for hosted in daemon.components.all() {

@@ -1,31 +1,74 @@
 //! Middlewares: what they can do, and what is visible on them.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::State;
-use serde::Deserialize;
-use serde_json::{Map, Value, json};
+use genom_middleware::{Capabilities, Endpoint};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
 
 use crate::daemon::Daemon;
-use crate::registry;
+use crate::registry::{self, Known};
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Parameters;
 
 /// `?visible=true`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
 pub(crate) struct ListParameters {
     /// Also list what is visible on the open ones.
     #[serde(default)]
     visible: bool,
 }
 
-/// `GET /middlewares`
+/// The middlewares of the daemon.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Middlewares {
+    /// The one of components that name none.
+    default: String,
+    middlewares: Vec<Described>,
+}
+
+/// A middleware.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = Middleware)]
+pub(crate) struct Described {
+    /// What `--backend` calls it.
+    name: &'static str,
+    /// Version of the library behind it.
+    version: &'static str,
+    /// What it can do; of an open one.
+    #[schema(value_type = Option<Object>)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    capabilities: Option<Capabilities>,
+    /// Where others meet it.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    meet: BTreeMap<&'static str, String>,
+    /// What is visible on it.
+    #[schema(value_type = Option<Vec<Object>>)]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    endpoints: Option<Vec<Endpoint>>,
+    /// Why nothing is visible.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    problem: Option<String>,
+}
+
+/// List the middlewares, what they can do and what is visible on them.
+#[utoipa::path(
+    get,
+    path = "/middlewares",
+    tag = "middlewares",
+    security(("token" = ["read"])),
+    params(ListParameters),
+    responses((status = 200, body = Middlewares))
+)]
 pub(crate) async fn list(
     State(daemon): State<Arc<Daemon>>,
     Parameters(parameters): Parameters<ListParameters>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Middlewares>, RpcError> {
     let visible = parameters.visible;
     // Discovery may have to ask other processes.
     tokio::task::spawn_blocking(move || Json(described(&daemon, visible)))
@@ -33,30 +76,26 @@ pub(crate) async fn list(
         .map_err(|error| RpcError::internal(error.to_string()))
 }
 
-fn described(daemon: &Daemon, visible: bool) -> Value {
-    let mut middlewares = Vec::new();
-    for known in registry::known() {
-        let mut out = Map::new();
-        out.insert("name".into(), known.name.into());
-        out.insert("version".into(), known.version.into());
-        if let Some(open) = daemon.backends.opened(known.name) {
-            out.insert("capabilities".into(), json!(open.capabilities()));
-            let meet: Map<_, _> = open
-                .meeting_point()
-                .into_iter()
-                .map(|(key, value)| (key.to_owned(), value.into()))
-                .collect();
-            if !meet.is_empty() {
-                out.insert("meet".into(), meet.into());
-            }
-            if visible {
-                match open.discover() {
-                    Ok(endpoints) => out.insert("endpoints".into(), json!(endpoints)),
-                    Err(error) => out.insert("problem".into(), error.to_string().into()),
-                };
-            }
+fn described(daemon: &Daemon, visible: bool) -> Middlewares {
+    let described = |known: &Known| {
+        let open = daemon.backends.opened(known.name);
+        let seen = open.as_ref().filter(|_| visible).map(|open| open.discover());
+        let (endpoints, problem) = match seen {
+            None => (None, None),
+            Some(Ok(endpoints)) => (Some(endpoints), None),
+            Some(Err(error)) => (None, Some(error.to_string())),
+        };
+        Described {
+            name: known.name,
+            version: known.version,
+            capabilities: open.as_ref().map(|open| open.capabilities()),
+            meet: open.iter().flat_map(|open| open.meeting_point()).collect(),
+            endpoints,
+            problem,
         }
-        middlewares.push(Value::Object(out));
+    };
+    Middlewares {
+        default: daemon.settings.backend.clone(),
+        middlewares: registry::known().iter().map(described).collect(),
     }
-    json!({ "default": daemon.settings.backend, "middlewares": middlewares })
 }

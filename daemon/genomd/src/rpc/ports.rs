@@ -9,11 +9,13 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use axum::response::sse::{Event, Sse};
 use genom_middleware::OpenError;
-use serde::Deserialize;
-use serde_json::{Map, Value, json};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 use tokio_stream::Stream;
+use utoipa::{IntoParams, ToSchema};
 
+use crate::config::BackendNames;
 use crate::daemon::Daemon;
 use crate::hosting::{self, Hosted};
 use crate::rpc::components;
@@ -22,6 +24,7 @@ use crate::rpc::input::{Body, Parameters};
 use crate::rpc::stream::{self, Writer};
 use crate::wiring::connect::direction;
 use crate::wiring::feed::{self, FeedError};
+use crate::wiring::gauge::{Counts, Traffic};
 
 /// Values a second that a stream looks for when it is not told.
 const USUAL_RATE: f64 = 50.0;
@@ -29,70 +32,158 @@ const USUAL_RATE: f64 = 50.0;
 const GREATEST_RATE: f64 = 1000.0;
 
 /// `?element=ID`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
 pub(crate) struct ValueParameters {
     /// Element of a multiple port.
     element: Option<String>,
 }
 
 /// `?rate=HERTZ&element=ID`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
 pub(crate) struct StreamParameters {
     /// Element of a multiple port.
     element: Option<String>,
     /// Values a second, at most.
+    #[param(exclusive_minimum = 0, maximum = 1000)]
     rate: Option<f64>,
 }
 
-/// `GET /ports`
-pub(crate) async fn all(State(daemon): State<Arc<Daemon>>) -> Json<Value> {
-    let components = daemon.components.all();
-    let ports: Vec<_> = components.iter().flat_map(|hosted| described(hosted)).collect();
-    Json(json!({ "ports": ports }))
+/// Ports, and elements of multiple ones.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Ports {
+    ports: Vec<Port>,
 }
 
-/// `GET /components/{component}/ports`
+/// A port, or an element of a multiple one.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Port {
+    /// `COMPONENT/PORT` or `COMPONENT/PORT/ELEMENT`.
+    address: String,
+    /// Its name in the description.
+    name: String,
+    /// `in` or `out`.
+    direction: &'static str,
+    multiple: bool,
+    /// Name of its type.
+    #[serde(rename = "type")]
+    ty: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    doc: Option<String>,
+    /// The out port that feeds it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    connected: Option<String>,
+    /// Its middlewares.
+    backend: BackendNames,
+    /// What passed through it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    traffic: Option<Counts>,
+    /// Its last value, if it ever had one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    value: Option<Value>,
+}
+
+/// Counts of a port.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct PortTraffic {
+    #[serde(flatten)]
+    traffic: Traffic,
+    /// The port.
+    address: String,
+}
+
+/// A value was published.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Published {
+    /// The in port.
+    address: String,
+    /// The whole value.
+    value: Value,
+}
+
+/// List the ports of all components.
+#[utoipa::path(
+    get,
+    path = "/ports",
+    tag = "ports",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Ports))
+)]
+pub(crate) async fn all(State(daemon): State<Arc<Daemon>>) -> Json<Ports> {
+    let components = daemon.components.all();
+    Json(Ports { ports: components.iter().flat_map(|hosted| described(hosted)).collect() })
+}
+
+/// List the ports of a component.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/ports",
+    tag = "ports",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Ports), (status = 404))
+)]
 pub(crate) async fn of_component(
     State(daemon): State<Arc<Daemon>>,
     Path(component): Path<String>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Ports>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    Ok(Json(json!({ "ports": described(&hosted) })))
+    Ok(Json(Ports { ports: described(&hosted) }))
 }
 
-/// `GET /components/{component}/ports/{port}`
+/// Tell a port and its last value.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/ports/{port}",
+    tag = "ports",
+    security(("token" = ["read"])),
+    params(ValueParameters),
+    responses((status = 200, body = Port), (status = 404), (status = 422))
+)]
 pub(crate) async fn value(
     State(daemon): State<Arc<Daemon>>,
     Path((component, port)): Path<(String, String)>,
     Parameters(parameters): Parameters<ValueParameters>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Port>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &port)?;
     let element = element(&hosted, index, parameters.element)?;
-    Ok(Json(port_json(&hosted, index, element.as_deref())))
+    Ok(Json(one(&hosted, index, element.as_deref())))
 }
 
-/// `POST /components/{component}/ports/{port}` with a value
+/// Publish a value to an in port.
 ///
-/// Publishes it to an in port, and connects the port to what is published here the first time.
-/// Members that are left out keep the value they had.
+/// The first time, the port is connected to what is published here. Members that are left out
+/// keep the value they had. The value's schema is that of the port.
+#[utoipa::path(
+    post,
+    path = "/components/{component}/ports/{port}",
+    tag = "ports",
+    security(("token" = ["call"])),
+    params(ValueParameters),
+    request_body = Value,
+    responses(
+        (status = 200, body = Published), (status = 404), (status = 409), (status = 422),
+        (status = 502)
+    )
+)]
 pub(crate) async fn publish(
     State(daemon): State<Arc<Daemon>>,
     Path((component, port)): Path<(String, String)>,
     Parameters(parameters): Parameters<ValueParameters>,
     Body(value): Body<Value>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Published>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &port)?;
     let element = element(&hosted, index, parameters.element)?;
-    let address = hosted.address(&port, element.as_deref());
+    let address = hosted.address(&port, element.as_deref()).to_string();
     let work = tokio::task::spawn_blocking(move || {
         feed::publish(&daemon, &hosted, index, element.as_deref(), &value)
     });
     match work.await {
-        Ok(Ok(value)) => Ok(Json(json!({"address": address.to_string(), "value": value}))),
+        Ok(Ok(value)) => Ok(Json(Published { address, value })),
         Ok(Err(error)) => Err(not_published(&error)),
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
@@ -113,9 +204,16 @@ fn not_published(error: &FeedError) -> RpcError {
     }
 }
 
-/// `GET /components/{component}/ports/{port}/type`
+/// Tell the type of a port as it lies in memory.
 ///
 /// What a program needs that reads or writes the port on its middleware itself.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/ports/{port}/type",
+    tag = "ports",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Object), (status = 404))
+)]
 pub(crate) async fn layout(
     State(daemon): State<Arc<Daemon>>,
     Path((component, port)): Path<(String, String)>,
@@ -128,14 +226,20 @@ pub(crate) async fn layout(
     }
 }
 
-/// `GET /components/{component}/ports/{port}/traffic`
-///
-/// Counts whose differences give rates: `genomctl hz` and `genomctl bw`.
+/// Tell counts of a port whose differences give rates, as `genomctl hz` and `genomctl bw` do.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/ports/{port}/traffic",
+    tag = "ports",
+    security(("token" = ["read"])),
+    params(ValueParameters),
+    responses((status = 200, body = PortTraffic), (status = 404), (status = 409), (status = 422))
+)]
 pub(crate) async fn traffic(
     State(daemon): State<Arc<Daemon>>,
     Path((component, port)): Path<(String, String)>,
     Parameters(parameters): Parameters<ValueParameters>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<PortTraffic>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &port)?;
     let element = element(&hosted, index, parameters.element)?;
@@ -145,15 +249,26 @@ pub(crate) async fn traffic(
         return Err(RpcError::conflict("not_connected", message)
             .help(format!("`genomctl connect {address} COMPONENT/PORT`")));
     };
-    let mut reply = json!(gauge.traffic());
-    reply["address"] = address.to_string().into();
-    Ok(Json(reply))
+    Ok(Json(PortTraffic { traffic: gauge.traffic(), address: address.to_string() }))
 }
 
 /// `GET /components/{component}/ports/{port}/stream`
+/// Follow the values of a port.
 ///
-/// Events `value` when the value is another than the last one sent, the first at once if there
-/// is one; event `end` when the component is unloaded.
+/// Server-sent events `value` when the value is another than the last one sent, the first at
+/// once if there is one; event `end` when the component is unloaded. A reader that does not keep
+/// up misses values, and one that reads nothing for 10 s is dropped.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/ports/{port}/stream",
+    tag = "ports",
+    security(("token" = ["read"])),
+    params(StreamParameters),
+    responses(
+        (status = 200, content_type = "text/event-stream", body = String), (status = 404),
+        (status = 422), (status = 503)
+    )
+)]
 pub(crate) async fn stream(
     State(daemon): State<Arc<Daemon>>,
     Path((component, port)): Path<(String, String)>,
@@ -239,37 +354,31 @@ pub(super) fn elements(hosted: &Hosted, port: usize) -> Vec<Option<String>> {
     }
 }
 
-fn described(hosted: &Hosted) -> Vec<Value> {
+fn described(hosted: &Hosted) -> Vec<Port> {
     let mut out = Vec::new();
     for index in 0..hosted.model().ports.len() {
         let elements = elements(hosted, index);
         if elements.is_empty() {
-            out.push(port_json(hosted, index, None));
+            out.push(one(hosted, index, None));
         }
-        out.extend(elements.iter().map(|id| port_json(hosted, index, id.as_deref())));
+        out.extend(elements.iter().map(|id| one(hosted, index, id.as_deref())));
     }
     out
 }
 
-fn port_json(hosted: &Hosted, index: usize, element: Option<&str>) -> Value {
+fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
     let port = &hosted.model().ports[index];
-    let mut out = Map::new();
-    out.insert("address".into(), hosted.address(&port.name, element).to_string().into());
-    out.insert("name".into(), port.name.as_str().into());
-    out.insert("direction".into(), direction(port.direction).into());
-    out.insert("multiple".into(), port.multiple.into());
-    out.insert("type".into(), hosted.specification().types.spelling(port.ty).into());
-    out.extend(port.doc.clone().map(|doc| ("doc".to_owned(), Value::from(doc))));
-    let connected = hosted.wiring.connection(index, element);
-    if let Some(connection) = connected {
-        out.insert("connected".into(), connection.outport.to_string().into());
+    let connection = hosted.wiring.connection(index, element);
+    Port {
+        address: hosted.address(&port.name, element).to_string(),
+        name: port.name.clone(),
+        direction: direction(port.direction),
+        multiple: port.multiple,
+        ty: hosted.specification().types.spelling(port.ty),
+        doc: port.doc.clone(),
+        connected: connection.map(|connection| connection.outport.to_string()),
+        backend: hosted.wiring.bindings.port(&port.name),
+        traffic: hosted.wiring.gauge(index, element).map(|gauge| gauge.counts()),
+        value: hosted.port_value(index, element),
     }
-    out.insert("backend".into(), hosted.wiring.bindings.port(&port.name).to_string().into());
-    if let Some(gauge) = hosted.wiring.gauge(index, element) {
-        out.insert("traffic".into(), json!(gauge.counts()));
-    }
-    if let Some(value) = hosted.port_value(index, element) {
-        out.insert("value".into(), value);
-    }
-    Value::Object(out)
 }

@@ -1,5 +1,6 @@
 //! Serves connections of the listeners: limits, time-outs, and an orderly end.
 
+use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -8,26 +9,53 @@ use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
-use tokio::net::{TcpListener, UnixListener};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::net::{TcpListener, TcpStream, UnixListener, UnixStream};
+use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
+use tokio::time::timeout;
+use tokio_rustls::TlsAcceptor;
 
 use crate::flag::Flag;
+use crate::rpc::stall::Unstalled;
 
-/// A peer that sends half a request head is given up after this.
+/// A peer that sends half a request head, or half a handshake, is given up after this.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// How long replies under way may take once the daemon has stopped.
 const LAST_REPLIES: Duration = Duration::from_secs(2);
 
+/// Where peers come from.
+pub(crate) enum Listener {
+    Unix(UnixListener),
+    Tcp(TcpListener, Option<TlsAcceptor>),
+}
+
+/// A peer that was let in.
+enum Peer {
+    Unix(UnixStream),
+    Tcp(TcpStream, Option<TlsAcceptor>),
+}
+
+/// A listener, and what it serves.
+pub(crate) struct Entrance {
+    pub(crate) listener: Listener,
+    pub(crate) router: Router,
+}
+
 /// Serves until `closed` is raised, then lets the replies under way finish.
-pub(crate) async fn serve(
-    unix: &UnixListener,
-    tcp: Option<TcpListener>,
-    router: Router,
-    max_connections: usize,
-    closed: Flag,
-) {
+pub(crate) async fn serve(entrances: Vec<Entrance>, max_connections: usize, closed: Flag) {
+    let serving = entrances
+        .into_iter()
+        .map(|entrance| tokio::spawn(serve_one(entrance, max_connections, closed.clone())));
+    for one in serving.collect::<Vec<_>>() {
+        if let Err(error) = one.await {
+            tracing::error!("a listener ended badly: {error}");
+        }
+    }
+}
+
+async fn serve_one(entrance: Entrance, max_connections: usize, closed: Flag) {
+    // Each listener has its own: who fills one does not lock out the other.
     let slots = Arc::new(Semaphore::new(max_connections));
     let mut connections = JoinSet::new();
     loop {
@@ -38,15 +66,13 @@ pub(crate) async fn serve(
         };
         let Ok(slot) = slot else { break };
         tokio::select! {
-            accepted = unix.accept() => match accepted {
-                Ok((stream, _)) => {
-                    connections.spawn(serve_one(stream, router.clone(), slot, closed.clone()));
-                }
-                Err(error) => pause_after(&error).await,
-            },
-            accepted = accept(tcp.as_ref()) => match accepted {
-                Ok(stream) => {
-                    connections.spawn(serve_one(stream, router.clone(), slot, closed.clone()));
+            accepted = accept(&entrance.listener) => match accepted {
+                Ok(peer) => {
+                    let (router, closed) = (entrance.router.clone(), closed.clone());
+                    connections.spawn(async move {
+                        receive(peer, router, closed).await;
+                        drop(slot);
+                    });
                 }
                 Err(error) => pause_after(&error).await,
             },
@@ -56,30 +82,42 @@ pub(crate) async fn serve(
     }
     let all = async { while connections.join_next().await.is_some() {} };
     // A peer that does not read its reply must not keep the daemon alive.
-    let _ = tokio::time::timeout(LAST_REPLIES, all).await;
+    let _ = timeout(LAST_REPLIES, all).await;
 }
 
-async fn accept(tcp: Option<&TcpListener>) -> std::io::Result<tokio::net::TcpStream> {
-    match tcp {
-        Some(listener) => listener.accept().await.map(|(stream, _)| stream),
-        None => std::future::pending().await,
+async fn accept(listener: &Listener) -> io::Result<Peer> {
+    match listener {
+        Listener::Unix(listener) => Ok(Peer::Unix(listener.accept().await?.0)),
+        Listener::Tcp(listener, tls) => Ok(Peer::Tcp(listener.accept().await?.0, tls.clone())),
     }
 }
 
 /// Out of descriptors, most likely: accepting at once again would only burn a core.
-async fn pause_after(error: &std::io::Error) {
+async fn pause_after(error: &io::Error) {
     tracing::warn!("a connection could not be accepted: {error}");
     tokio::time::sleep(Duration::from_millis(100)).await;
 }
 
-async fn serve_one<S>(stream: S, router: Router, _slot: OwnedSemaphorePermit, closed: Flag)
+async fn receive(peer: Peer, router: Router, closed: Flag) {
+    match peer {
+        Peer::Unix(stream) => talk(stream, router, closed).await,
+        Peer::Tcp(stream, None) => talk(stream, router, closed).await,
+        Peer::Tcp(stream, Some(tls)) => match timeout(HEAD_TIMEOUT, tls.accept(stream)).await {
+            Ok(Ok(stream)) => talk(stream, router, closed).await,
+            Ok(Err(error)) => tracing::debug!("a TLS handshake failed: {error}"),
+            Err(_) => tracing::debug!("a TLS handshake took too long"),
+        },
+    }
+}
+
+async fn talk<S>(stream: S, router: Router, closed: Flag)
 where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIMEOUT)
-        .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router));
+        .serve_connection(TokioIo::new(Unstalled::new(stream)), TowerToHyperService::new(router));
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,

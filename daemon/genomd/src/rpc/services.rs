@@ -2,22 +2,25 @@
 
 use std::sync::Arc;
 
-use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use axum::{Extension, Json};
 use genom_description::tools;
-use serde::Deserialize;
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use utoipa::{IntoParams, ToSchema};
 
 use crate::daemon::Daemon;
-use crate::hosting::{Answer, Ending, Hosted};
+use crate::hosting::{Answer, Ending, Hosted, Look, Told};
+use crate::rpc::access::{Holder, Right};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{Body, Parameters};
 
 /// `?wait=true`
-#[derive(Debug, Default, Deserialize)]
+#[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
 pub(crate) struct CallParameters {
     /// Answer only when the activity has ended.
     #[serde(default)]
@@ -33,7 +36,41 @@ fn find(hosted: &Hosted, service: &str) -> Result<usize, RpcError> {
     })
 }
 
-/// `GET /components/{component}/services/{service}`
+/// Answer to a call.
+#[derive(Debug, Serialize, ToSchema)]
+#[serde(untagged)]
+pub(crate) enum Reply {
+    /// An attribute or a function ended.
+    Ended(Told),
+    /// An activity ended, which was waited for.
+    Look(Look),
+    /// An activity runs.
+    Started(Started),
+}
+
+/// Inputs of a service by name; none at all is as good as `{}`.
+#[derive(ToSchema)]
+#[schema(value_type = Object)]
+#[allow(dead_code, reason = "only its shape is told")]
+pub(crate) struct Inputs(Value);
+
+/// An activity was accepted.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Started {
+    /// Its number.
+    activity: u64,
+}
+
+/// Describe a service: parameters, docs, defaults, codels, exceptions.
+///
+/// `input_schema` and `output_schema` are JSON Schemas of its inputs and outputs.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/services/{service}",
+    tag = "services",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Object), (status = 404))
+)]
 pub(crate) async fn describe(
     State(daemon): State<Arc<Daemon>>,
     Path((component, service)): Path<(String, String)>,
@@ -41,21 +78,48 @@ pub(crate) async fn describe(
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &service)?;
     let mut component = tools::describe(hosted.specification(), hosted.model());
-    Ok(Json(component["services"][index].take()))
+    let mut described = component["services"][index].take();
+    let [input, output] = tools::service_schemas(hosted.specification(), hosted.model(), index);
+    described["input_schema"] = input;
+    described["output_schema"] = output;
+    Ok(Json(described))
 }
 
-/// `POST /components/{component}/services/{service}` with the inputs
+/// Call a service, or start an activity.
 ///
-/// An attribute or function answers 200 with its end. An activity answers 202 with its number
+/// The body holds the inputs; what is left out takes its default. An attribute or function
+/// answers 200 with its end, `result` or `exception`. An activity answers 202 with its number
 /// once it is accepted, or with `?wait=true` 200 with its end.
+#[utoipa::path(
+    post,
+    path = "/components/{component}/services/{service}",
+    tag = "services",
+    security(("token" = ["call"])),
+    params(CallParameters),
+    request_body = Option<Inputs>,
+    responses(
+        (status = 200, body = Told), (status = 202, body = Started), (status = 404),
+        (status = 409), (status = 422), (status = 429)
+    )
+)]
 pub(crate) async fn call(
     State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
     Path((component, service)): Path<(String, String)>,
     Parameters(parameters): Parameters<CallParameters>,
     Body(inputs): Body<Value>,
-) -> Result<(StatusCode, Json<Value>), RpcError> {
+) -> Result<(StatusCode, Json<Reply>), RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &service)?;
+    // Some services that every component has do what other resources ask more for.
+    if hosted.model().services[index].standard {
+        let right = match service.as_str() {
+            "connect_port" | "connect_service" | "connect_remote" => Right::Wire,
+            "kill" => Right::Admin,
+            _ => Right::Call,
+        };
+        holder.may(right, format_args!("service {service}"))?;
+    }
     let input = hosted.input(index, &inputs).map_err(|error| {
         RpcError::bad_input(error.to_string())
             .place(error.path.clone())
@@ -64,13 +128,13 @@ pub(crate) async fn call(
     let answer = hosted.request(index, input).await;
     match answer {
         Answer::Ended(ending) => refusal(&hosted, &service, &ending)
-            .map_or_else(|| Ok((StatusCode::OK, Json(ending.to_json().into()))), Err),
+            .map_or_else(|| Ok((StatusCode::OK, Json(Reply::Ended(ending.told())))), Err),
         Answer::Accepted(activity) if parameters.wait => {
             activity.ended().await;
-            Ok((StatusCode::OK, Json(activity.to_json(None))))
+            Ok((StatusCode::OK, Json(Reply::Look(activity.look(None)))))
         }
         Answer::Accepted(activity) => {
-            Ok((StatusCode::ACCEPTED, Json(json!({"activity": activity.number}))))
+            Ok((StatusCode::ACCEPTED, Json(Reply::Started(Started { activity: activity.number }))))
         }
         Answer::Gone => {
             Err(RpcError::conflict("stopping", format!("{component} stops: nothing was started")))

@@ -7,7 +7,8 @@ use axum::extract::{Path, State};
 use genom_description::model::{
     CodelParameter, Direction, PortDirection, Service, ServiceKind, Source,
 };
-use serde_json::{Value, json};
+use serde::Serialize;
+use utoipa::ToSchema;
 
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
@@ -15,23 +16,44 @@ use crate::rpc::error::RpcError;
 use crate::rpc::{components, ports};
 use crate::wiring::connect;
 
-/// `GET /components/{component}/ports/{port}/why`
+/// What keeps data from flowing.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Findings {
+    /// None: data flows.
+    findings: Vec<Finding>,
+}
+
+/// One reason, and what to do.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Finding {
+    what: String,
+    fix: String,
+}
+
+/// Tell why no data flows through a port.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/ports/{port}/why",
+    tag = "ports",
+    security(("token" = ["read"])),
+    responses((status = 200, body = Findings), (status = 404))
+)]
 pub(crate) async fn explain(
     State(daemon): State<Arc<Daemon>>,
     Path((component, port)): Path<(String, String)>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Findings>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let index = ports::find(&hosted, &port)?;
     // Discovery may have to ask other processes.
-    let work = move || Json(json!({ "findings": findings(&daemon, &hosted, index) }));
+    let work = move || Json(Findings { findings: findings(&daemon, &hosted, index) });
     tokio::task::spawn_blocking(work).await.map_err(|error| RpcError::internal(error.to_string()))
 }
 
-fn finding(what: impl Into<String>, fix: impl Into<String>) -> Value {
-    json!({"what": what.into(), "fix": fix.into()})
+fn finding(what: impl Into<String>, fix: impl Into<String>) -> Finding {
+    Finding { what: what.into(), fix: fix.into() }
 }
 
-fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Value> {
+fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
     let mut out = Vec::new();
     let elements = ports::elements(hosted, port);
     let model = &hosted.model().ports[port];
@@ -126,7 +148,7 @@ fn writes_port(parameter: &CodelParameter, port: usize) -> bool {
 }
 
 /// Ticks that were missed.
-fn stopped_tasks(hosted: &Hosted, out: &mut Vec<Value>) {
+fn stopped_tasks(hosted: &Hosted, out: &mut Vec<Finding>) {
     let name = &hosted.name;
     for task in hosted.figures().tasks.iter().filter(|task| task.overruns > 0) {
         let what = format!("task {} of {name} missed {} ticks", task.name, task.overruns);

@@ -41,7 +41,7 @@ pub(crate) struct Gauge {
 }
 
 /// A gauge as read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, utoipa::ToSchema)]
 pub(crate) struct Counts {
     /// Samples published, or new ones read.
     pub(crate) samples: u64,
@@ -54,7 +54,7 @@ pub(crate) struct Counts {
 }
 
 /// Counts from which rates are made, as differences between two readings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, utoipa::ToSchema)]
 pub(crate) struct Traffic {
     #[serde(flatten)]
     counts: Counts,

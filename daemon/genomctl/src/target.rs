@@ -1,0 +1,318 @@
+//! Which daemon to talk to, from the command line and contexts, and the way to it.
+
+use std::io;
+use std::os::unix::fs::MetadataExt as _;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::sync::Arc;
+
+use serde::Deserialize;
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::{TcpStream, UnixStream};
+use tokio_rustls::TlsConnector;
+use tokio_rustls::rustls::crypto::ring;
+use tokio_rustls::rustls::pki_types::pem::PemObject as _;
+use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
+use tokio_rustls::rustls::{ClientConfig, RootCertStore};
+
+use crate::args::Connection;
+use crate::failure::Failure;
+
+/// A daemon and the way to it.
+#[derive(Debug)]
+pub(crate) struct Target {
+    way: Way,
+    /// Sent along, never shown.
+    token: Option<Secret>,
+    /// Another daemon, which this one passes requests on to.
+    pub(crate) daemon: Option<String>,
+}
+
+#[derive(Debug)]
+enum Way {
+    Socket(PathBuf),
+    Tcp(Tcp),
+    Tls { host: Tcp, ca: PathBuf, cert: Option<PathBuf> },
+}
+
+/// A text that debug output does not show.
+struct Secret(String);
+
+impl std::fmt::Debug for Secret {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("...")
+    }
+}
+
+/// Where a daemon is, as typed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Host {
+    /// At an address.
+    Tcp(Tcp),
+    /// Behind the daemon at the socket, which knows it by this name.
+    Zenoh(String),
+}
+
+impl FromStr for Host {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.strip_prefix("zenoh:") {
+            Some("") => Err("expected zenoh:NAME; `genomctl daemons` lists names".to_owned()),
+            Some(name) => Ok(Self::Zenoh(name.to_owned())),
+            None => text.parse().map(Self::Tcp),
+        }
+    }
+}
+
+impl std::fmt::Display for Host {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Tcp(tcp) => tcp.fmt(f),
+            Self::Zenoh(name) => write!(f, "zenoh:{name}"),
+        }
+    }
+}
+
+/// A name or an address, and a port.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Tcp {
+    /// `https://`, `http://` or nothing was said.
+    tls: Option<bool>,
+    name: String,
+    port: u16,
+}
+
+impl FromStr for Tcp {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (tls, rest) = match text.split_once("://") {
+            Some(("https", rest)) => (Some(true), rest),
+            Some(("http", rest)) => (Some(false), rest),
+            Some((scheme, _)) => return Err(format!("`{scheme}://` is neither http nor https")),
+            None => (None, text),
+        };
+        let parts = rest.trim_end_matches('/').rsplit_once(':');
+        let parsed = parts.and_then(|(name, port)| Some((name, port.parse().ok()?)));
+        match parsed {
+            Some((name, port)) if !name.is_empty() => {
+                let name = name.trim_start_matches('[').trim_end_matches(']').to_owned();
+                Ok(Self { tls, name, port })
+            }
+            _ => Err("expected ADDRESS:PORT, https://NAME:PORT or zenoh:NAME".to_owned()),
+        }
+    }
+}
+
+impl std::fmt::Display for Tcp {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.tls {
+            Some(true) => f.write_str("https://")?,
+            Some(false) => f.write_str("http://")?,
+            None => {}
+        }
+        if self.name.contains(':') {
+            write!(f, "[{}]:{}", self.name, self.port)
+        } else {
+            write!(f, "{}:{}", self.name, self.port)
+        }
+    }
+}
+
+impl Tcp {
+    /// Whether what is sent there stays on this machine.
+    fn is_here(&self) -> bool {
+        let address: Option<std::net::IpAddr> = self.name.parse().ok();
+        self.name == "localhost" || address.is_some_and(|address| address.is_loopback())
+    }
+}
+
+impl std::fmt::Display for Target {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match &self.way {
+            Way::Socket(path) => write!(f, "{}", path.display())?,
+            Way::Tcp(host) => write!(f, "{host}")?,
+            Way::Tls { host, .. } => write!(f, "{host}")?,
+        }
+        match &self.daemon {
+            Some(daemon) => write!(f, " for zenoh:{daemon}"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Target {
+    /// What the options come to; files of certificates and tokens are read when they are needed.
+    pub(crate) fn new(connection: Connection) -> Result<Self, Failure> {
+        let Connection { socket, host, ca, cert, token_file, .. } = connection;
+        let token = token_file.map(|path| read_token(&path)).transpose()?;
+        let mut daemon = None;
+        let way = match host {
+            None => Way::Socket(socket.unwrap_or_else(default_socket)),
+            Some(Host::Zenoh(name)) => {
+                daemon = Some(name);
+                Way::Socket(socket.unwrap_or_else(default_socket))
+            }
+            Some(Host::Tcp(host)) => {
+                if host.tls.unwrap_or(ca.is_some() || !host.is_here()) {
+                    let Some(ca) = ca else {
+                        return Err(Failure::usage(
+                            format!("{host}: nothing says whose certificate to trust"),
+                            "--ca FILE names the root of the daemon's certificate",
+                        ));
+                    };
+                    Way::Tls { host, ca, cert }
+                } else if host.is_here() {
+                    Way::Tcp(host)
+                } else {
+                    return Err(Failure::usage(
+                        format!("{host} is another machine: the token would go in the clear"),
+                        "use https:// and --ca FILE",
+                    ));
+                }
+            }
+        };
+        Ok(Self { way, token, daemon })
+    }
+
+    /// Value of the header that says who asks.
+    pub(crate) fn authorization(&self) -> Option<String> {
+        self.token.as_ref().map(|Secret(token)| format!("Bearer {token}"))
+    }
+
+    /// Opens the way.
+    pub(crate) async fn open(&self) -> Result<Box<dyn Stream>, Failure> {
+        let unreachable = |source| Failure::Unreachable { target: self.to_string(), source };
+        match &self.way {
+            // Blocking: a daemon with many peers at its door is waited for, not given up.
+            Way::Socket(path) => {
+                let stream = std::os::unix::net::UnixStream::connect(path).map_err(unreachable)?;
+                stream.set_nonblocking(true).map_err(unreachable)?;
+                Ok(Box::new(UnixStream::from_std(stream).map_err(unreachable)?))
+            }
+            Way::Tcp(host) => Ok(Box::new(tcp(host).await.map_err(unreachable)?)),
+            Way::Tls { host, ca, cert } => {
+                let connector = connector(ca, cert.as_deref())?;
+                let name = ServerName::try_from(host.name.clone()).map_err(|_| {
+                    Failure::usage(format!("{host}: no name for a certificate"), "check its name")
+                })?;
+                let stream = tcp(host).await.map_err(unreachable)?;
+                Ok(Box::new(connector.connect(name, stream).await.map_err(unreachable)?))
+            }
+        }
+    }
+}
+
+/// A connection, whatever is below it.
+pub(crate) trait Stream: AsyncRead + AsyncWrite + Unpin + Send {}
+
+impl<S: AsyncRead + AsyncWrite + Unpin + Send> Stream for S {}
+
+async fn tcp(host: &Tcp) -> io::Result<TcpStream> {
+    TcpStream::connect((host.name.as_str(), host.port)).await
+}
+
+fn connector(ca: &Path, cert: Option<&Path>) -> Result<TlsConnector, Failure> {
+    let unusable = |path: &Path, what: &str, why: &dyn std::fmt::Display| {
+        let message = format!("{}: no usable {what}: {why}", path.display());
+        Failure::usage(message, "files of certificates and keys are in PEM")
+    };
+    let certificates = |path: &Path| -> Result<Vec<CertificateDer<'static>>, Failure> {
+        CertificateDer::pem_file_iter(path)
+            .and_then(Iterator::collect)
+            .map_err(|error| unusable(path, "certificate", &error))
+    };
+    let mut roots = RootCertStore::empty();
+    for root in certificates(ca)? {
+        roots.add(root).map_err(|error| unusable(ca, "root certificate", &error))?;
+    }
+    let builder = ClientConfig::builder_with_provider(Arc::new(ring::default_provider()))
+        .with_safe_default_protocol_versions()
+        .map_err(|error| unusable(ca, "root certificate", &error))?
+        .with_root_certificates(roots);
+    let config = match cert {
+        None => builder.with_no_client_auth(),
+        Some(path) => {
+            let key = PrivateKeyDer::from_pem_file(path)
+                .map_err(|error| unusable(path, "private key", &error))?;
+            builder
+                .with_client_auth_cert(certificates(path)?, key)
+                .map_err(|error| unusable(path, "client certificate", &error))?
+        }
+    };
+    Ok(Arc::new(config).into())
+}
+
+/// A token alone, or the first of a daemon's token file.
+fn read_token(path: &Path) -> Result<Secret, Failure> {
+    #[derive(Deserialize)]
+    struct Tokens {
+        token: Vec<One>,
+    }
+    #[derive(Deserialize)]
+    struct One {
+        token: String,
+    }
+    let refuse = |why: String, help: &str| {
+        Failure::usage(format!("the token file {}: {why}", path.display()), help)
+    };
+    let unreadable =
+        |error: io::Error| refuse(error.to_string(), "ask whoever runs the daemon for a token");
+    let mode = std::fs::metadata(path).map_err(unreadable)?.mode();
+    if mode & 0o077 != 0 {
+        return Err(refuse("others may read it".to_owned(), "`chmod 600` it"));
+    }
+    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let of_file = toml::from_str::<Tokens>(&text).ok().and_then(|all| all.token.into_iter().next());
+    let token = of_file.map_or_else(|| text.trim().to_owned(), |one| one.token);
+    let plain = token.bytes().all(|byte| byte.is_ascii_graphic());
+    if token.is_empty() || !plain {
+        return Err(refuse("it holds no token".to_owned(), "one line, the token alone"));
+    }
+    Ok(Secret(token))
+}
+
+/// Where a daemon of this user listens when nothing else is said; `genomd` has the same rule.
+fn default_socket() -> PathBuf {
+    match std::env::var_os("XDG_RUNTIME_DIR").filter(|dir| !dir.is_empty()) {
+        Some(dir) => PathBuf::from(dir).join("genomd.sock"),
+        None => {
+            let user = rustix::process::getuid().as_raw();
+            PathBuf::from(format!("/tmp/genomd-{user}/genomd.sock"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn target(host: &str, ca: Option<&str>) -> Result<Target, Failure> {
+        let host = Some(host.parse().unwrap());
+        Target::new(Connection { host, ca: ca.map(PathBuf::from), ..Connection::default() })
+    }
+
+    #[test]
+    fn hosts_are_read_as_they_are_written() {
+        for text in ["127.0.0.1:7300", "https://robot.local:7300", "http://[::1]:1", "zenoh:arm"] {
+            assert_eq!(text.parse::<Host>().unwrap().to_string(), text);
+        }
+        for wrong in ["robot", "ftp://robot:1", "https://:1", "robot:port", "robot:70000", "zenoh:"]
+        {
+            assert!(wrong.parse::<Host>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_token_goes_over_the_network_by_tls_only() {
+        assert!(matches!(target("127.0.0.1:1", None).unwrap().way, Way::Tcp(_)));
+        assert!(matches!(target("robot:1", Some("ca")).unwrap().way, Way::Tls { .. }));
+        assert!(matches!(target("https://[::1]:1", Some("ca")).unwrap().way, Way::Tls { .. }));
+        let refused = target("robot:1", None).unwrap_err().to_string();
+        assert!(refused.contains("whose certificate to trust"), "{refused}");
+        assert_eq!(target("zenoh:arm", None).unwrap().daemon.as_deref(), Some("arm"));
+        let refused = target("http://robot:1", None).unwrap_err().to_string();
+        assert!(refused.contains("in the clear"), "{refused}");
+    }
+}

@@ -1,0 +1,84 @@
+//! `genomctl context`: names for daemons.
+
+use clap::Subcommand;
+use serde_json::json;
+
+use crate::contexts::{Context, Contexts};
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::table::Table;
+
+/// Keep names for daemons: how to reach each, with which token.
+///
+/// They are in ~/.config/genomd/contexts.toml; `genomctl --context NAME VERB` uses one once.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    #[command(subcommand)]
+    what: What,
+}
+
+#[derive(Debug, Subcommand)]
+enum What {
+    /// Keep what --socket, --host, --ca, --cert and --token-file say under a name.
+    Add {
+        /// Its name.
+        name: String,
+    },
+    /// Talk to this daemon from now on, unless the command line says otherwise.
+    Use {
+        /// Its name; without one, to the usual socket again.
+        name: Option<String>,
+    },
+    /// List them; the one in use has a star.
+    List,
+    /// Forget one.
+    Remove {
+        /// Its name.
+        name: String,
+    },
+}
+
+pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    let mut contexts = Contexts::read()?;
+    match &args.what {
+        What::Add { name } => {
+            let context = Context::of(&session.given);
+            if context == Context::default() {
+                return Err(Failure::usage(
+                    "nothing says which daemon this is",
+                    format!("genomctl context add {name} --host https://robot:7300 --ca ca.pem"),
+                ));
+            }
+            contexts.context.insert(name.clone(), context);
+            // The first one is there to be used.
+            contexts.current.get_or_insert_with(|| name.clone());
+        }
+        What::Use { name } => {
+            if let Some(name) = name {
+                contexts.named(name)?;
+            }
+            contexts.current = name.clone();
+        }
+        What::List if session.json => {
+            return session.print(&format!("{}\n", json!(contexts)));
+        }
+        What::List => {
+            let rows: Vec<_> = contexts
+                .context
+                .iter()
+                .map(|(name, context)| {
+                    let star = if contexts.current.as_ref() == Some(name) { "*" } else { "" };
+                    vec![format!("{name}{star}"), context.target()]
+                })
+                .collect();
+            let table = Table { header: vec!["CONTEXT", "DAEMON"], rows };
+            return session.print(&table.text(session.terminal));
+        }
+        What::Remove { name } => {
+            contexts.named(name)?;
+            contexts.context.remove(name);
+            contexts.current = contexts.current.filter(|current| current != name);
+        }
+    }
+    contexts.write()
+}

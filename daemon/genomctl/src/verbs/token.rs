@@ -1,0 +1,68 @@
+//! `genomctl token`: makes tokens for daemons that listen beyond their Unix socket.
+
+use std::fs::{File, OpenOptions};
+use std::io::{Read as _, Write as _};
+use std::os::unix::fs::OpenOptionsExt as _;
+use std::path::PathBuf;
+
+use clap::ValueEnum;
+
+use crate::failure::Failure;
+use crate::session::Session;
+
+/// Make a token, as an entry of a daemon's token file (`genomd --token-file`).
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// Whose it is: messages and logs tell this name.
+    name: String,
+    /// What it is good for.
+    #[arg(long, value_delimiter = ',', default_value = "read")]
+    rights: Vec<Right>,
+    /// Add it to this file, which is made for you alone if it is not there [default: print it].
+    #[arg(long, value_name = "FILE")]
+    into: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Right {
+    /// Look.
+    Read,
+    /// Services, activities, events, values of in ports.
+    Call,
+    /// Connect, move between middlewares.
+    Wire,
+    /// Load, unload, deploy, stop; and all the others.
+    Admin,
+}
+
+pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "-_.@".contains(c);
+    if args.name.is_empty() || !args.name.chars().all(plain) {
+        return Err(Failure::usage(
+            format!("`{}` is no name for a token", args.name),
+            "letters, digits, `-`, `_`, `.` and `@`",
+        ));
+    }
+    let mut random = [0; 32];
+    File::open("/dev/urandom")?.read_exact(&mut random)?;
+    let token: String = random.iter().map(|byte| format!("{byte:02x}")).collect();
+    let rights: Vec<_> = args
+        .rights
+        .iter()
+        .filter_map(|right| right.to_possible_value())
+        .map(|value| format!("{:?}", value.get_name()))
+        .collect();
+    let entry = format!(
+        "[[token]]\nname = \"{}\"\ntoken = \"{token}\"\nrights = [{}]\n",
+        args.name,
+        rights.join(", ")
+    );
+    match &args.into {
+        None => session.print_text("token", &entry),
+        Some(path) => {
+            let mut file = OpenOptions::new().create(true).append(true).mode(0o600).open(path)?;
+            file.write_all(entry.as_bytes())?;
+            Ok(())
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! The control plane: where it listens, who may come in, its limits.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::UsageError;
+use crate::cli::Cli;
+use crate::rpc::access::Right;
+
+/// Section `[rpc]`.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Rpc {
+    /// Unix socket.
+    pub(crate) socket: Option<PathBuf>,
+    /// TCP address.
+    pub(crate) listen: Option<SocketAddr>,
+    /// Tokens of those who come by TCP or through a middleware.
+    pub(crate) token_file: Option<PathBuf>,
+    /// TLS of the TCP address.
+    pub(crate) tls: Option<Tls>,
+    /// Greatest size of a request's body, in bytes.
+    pub(crate) max_body: usize,
+    /// Connections served at a time, at each address.
+    pub(crate) max_connections: usize,
+    /// Open streams at a time.
+    pub(crate) max_streams: usize,
+    /// Seconds the result of an ended activity stays readable.
+    pub(crate) keep_results: u64,
+}
+
+/// Section `[rpc.tls]`; files in PEM.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Tls {
+    /// The daemon's certificate, and those between it and its root.
+    pub(crate) cert: PathBuf,
+    /// Its key.
+    pub(crate) key: PathBuf,
+    /// Roots of clients' certificates: nobody comes in without one.
+    #[serde(default)]
+    pub(crate) client_ca: Option<PathBuf>,
+    /// What a client's certificate is good for.
+    #[serde(default = "read_only")]
+    pub(crate) client_rights: Vec<Right>,
+}
+
+fn read_only() -> Vec<Right> {
+    vec![Right::Read]
+}
+
+impl Default for Rpc {
+    fn default() -> Self {
+        Self {
+            socket: None,
+            listen: None,
+            token_file: None,
+            tls: None,
+            max_body: 1 << 20,
+            max_connections: 256,
+            max_streams: 64,
+            keep_results: 300,
+        }
+    }
+}
+
+/// Where the control plane listens, who may come in, and its limits.
+#[derive(Clone, Debug)]
+pub(crate) struct RpcSettings {
+    /// Unix socket.
+    pub(crate) socket: PathBuf,
+    /// TCP address, if asked for.
+    pub(crate) listen: Option<SocketAddr>,
+    /// Tokens of those who do not come by the Unix socket.
+    pub(crate) token_file: Option<PathBuf>,
+    /// TLS of the TCP address.
+    pub(crate) tls: Option<Tls>,
+    /// Greatest size of a request's body, in bytes.
+    pub(crate) max_body: usize,
+    /// Connections served at a time, at each address; more wait.
+    pub(crate) max_connections: usize,
+    /// Open streams at a time; more are refused.
+    pub(crate) max_streams: usize,
+    /// How long the result of an ended activity stays readable.
+    pub(crate) keep_results: Duration,
+}
+
+impl RpcSettings {
+    /// The command line over the configuration.
+    pub(super) fn new(cli: &Cli, config: Rpc) -> Result<Self, UsageError> {
+        let listen = cli.listen.or(config.listen);
+        let token_file = cli.token_file.clone().or(config.token_file);
+        if let Some(address) = listen {
+            let certified = config.tls.as_ref().is_some_and(|tls| tls.client_ca.is_some());
+            if !address.ip().is_loopback() && config.tls.is_none() {
+                return Err(UsageError::NoTls(address));
+            }
+            if token_file.is_none() && !certified {
+                return Err(UsageError::Anybody(address));
+            }
+        }
+        Ok(Self {
+            socket: cli.socket.clone().or(config.socket).unwrap_or_else(default_socket),
+            listen,
+            token_file,
+            tls: config.tls,
+            max_body: config.max_body,
+            max_connections: config.max_connections,
+            max_streams: config.max_streams,
+            keep_results: Duration::from_secs(config.keep_results),
+        })
+    }
+}
+
+/// Where a daemon of this user listens when nothing else is said; `genomctl` has the same rule.
+fn default_socket() -> PathBuf {
+    match std::env::var_os("XDG_RUNTIME_DIR").filter(|dir| !dir.is_empty()) {
+        Some(dir) => PathBuf::from(dir).join("genomd.sock"),
+        None => {
+            let user = rustix::process::getuid().as_raw();
+            PathBuf::from(format!("/tmp/genomd-{user}/genomd.sock"))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser as _;
+
+    fn settings(arguments: &[&str], tls: Option<Tls>) -> Result<RpcSettings, String> {
+        let cli = Cli::try_parse_from(std::iter::once(&"genomd").chain(arguments)).unwrap();
+        RpcSettings::new(&cli, Rpc { tls, ..Rpc::default() }).map_err(|error| error.to_string())
+    }
+
+    fn tls(client_ca: Option<&str>) -> Option<Tls> {
+        let client_ca = client_ca.map(PathBuf::from);
+        Some(Tls { cert: "c".into(), key: "k".into(), client_ca, client_rights: read_only() })
+    }
+
+    #[test]
+    fn nobody_listens_on_tcp_for_anybody() {
+        for address in ["127.0.0.1:0", "[::1]:0"] {
+            assert!(settings(&["--listen", address, "--token-file", "t"], None).is_ok());
+            let refused = settings(&["--listen", address], None).unwrap_err();
+            assert!(refused.contains("--token-file"), "{refused}");
+            // TLS tells the daemon to clients, not clients to the daemon.
+            assert!(settings(&["--listen", address], tls(None)).is_err());
+        }
+    }
+
+    #[test]
+    fn others_reach_the_daemon_by_tls_only() {
+        let address = "0.0.0.0:7300";
+        let refused = settings(&["--listen", address, "--token-file", "t"], None).unwrap_err();
+        assert!(refused.contains("0.0.0.0:7300 can be reached from outside"), "{refused}");
+        assert!(settings(&["--listen", address, "--token-file", "t"], tls(None)).is_ok());
+        assert!(settings(&["--listen", address], tls(Some("ca"))).is_ok());
+        assert!(settings(&["--listen", address], tls(None)).is_err());
+    }
+}

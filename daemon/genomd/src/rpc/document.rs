@@ -1,0 +1,153 @@
+//! The control plane's own description: OpenAPI, and a page to browse it.
+//!
+//! Paths, parameters and bodies come from the handlers and their types; only what holds for all
+//! of them is added here.
+
+use axum::Extension;
+use axum::body::Bytes;
+use axum::http::{StatusCode, header};
+use axum::response::{Html, IntoResponse};
+
+use utoipa::openapi::path::Operation;
+use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
+use utoipa::openapi::{ContentBuilder, OpenApi, Ref, RefOr, ResponseBuilder, Tag};
+
+use crate::rpc::access::{Asked, Right};
+use crate::rpc::error::Refusal;
+
+/// What every operation may answer, whatever it does: the doors before the handlers.
+const EVERYWHERE: [StatusCode; 5] = [
+    StatusCode::BAD_REQUEST,
+    StatusCode::UNAUTHORIZED,
+    StatusCode::FORBIDDEN,
+    StatusCode::REQUEST_TIMEOUT,
+    StatusCode::PAYLOAD_TOO_LARGE,
+];
+
+const ABOUT: &str = "Control plane of genomd: components, services, activities, ports, wiring.\n\n\
+    Statuses: 2xx, the daemon did it; how a service ended is in the body, `result` or `exception`, \
+    since an exception is an answer of the component. 4xx and 5xx: refused, nothing ran, \
+    `error` says why. Each operation names the right that a token needs for it; on the Unix \
+    socket none is needed.";
+
+/// The document, written once.
+#[derive(Clone, Debug)]
+pub(crate) struct Document(Bytes);
+
+impl Document {
+    pub(super) fn new(document: &OpenApi) -> Self {
+        Self(document.to_json().unwrap_or_default().into())
+    }
+}
+
+/// Tell this document.
+#[utoipa::path(
+    get,
+    path = "/openapi.json",
+    tag = "daemon",
+    security(()),
+    responses((status = 200, body = Object))
+)]
+pub(crate) async fn json(Extension(Document(text)): Extension<Document>) -> impl IntoResponse {
+    ([(header::CONTENT_TYPE, "application/json")], text)
+}
+
+/// Browse this document, and try it.
+#[utoipa::path(
+    get,
+    path = "/docs",
+    tag = "daemon",
+    security(()),
+    responses((status = 200, content_type = "text/html", body = String))
+)]
+pub(crate) async fn page() -> Html<&'static str> {
+    Html(include_str!("docs.html"))
+}
+
+/// Shapes that no operation names itself.
+#[derive(utoipa::OpenApi)]
+#[openapi(components(schemas(Refusal)))]
+struct Shared;
+
+/// What the operations are added to.
+pub(super) fn begun() -> OpenApi {
+    <Shared as utoipa::OpenApi>::openapi()
+}
+
+/// Adds what holds for all operations.
+pub(super) fn complete(document: &mut OpenApi) {
+    document.info.title = "genomd".to_owned();
+    document.info.version = env!("CARGO_PKG_VERSION").to_owned();
+    document.info.description = Some(ABOUT.to_owned());
+    let components = document.components.get_or_insert_default();
+    let token = SecurityScheme::Http(Http::new(HttpAuthScheme::Bearer));
+    components.add_security_scheme("token", token);
+    let mut tags = Vec::new();
+    for (path, item) in &mut document.paths.paths {
+        let all = [
+            ("get", &mut item.get),
+            ("put", &mut item.put),
+            ("post", &mut item.post),
+            ("delete", &mut item.delete),
+        ];
+        for (method, operation) in all {
+            let Some(operation) = operation else { continue };
+            // Names of handlers repeat; a path and a method do not.
+            let words = path.split(|c: char| !c.is_ascii_alphanumeric());
+            let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
+            operation.operation_id = Some([&[method][..], &words].concat().join("_"));
+            refusals(operation);
+            for tag in operation.tags.iter().flatten() {
+                if !tags.contains(tag) {
+                    tags.push(tag.clone());
+                }
+            }
+        }
+    }
+    document.tags = Some(tags.into_iter().map(Tag::new).collect());
+}
+
+/// Every refusal has the one shape of errors; a status says in words what it means.
+fn refusals(operation: &mut Operation) {
+    let responses = &mut operation.responses.responses;
+    for status in EVERYWHERE {
+        let response = RefOr::T(ResponseBuilder::new().build());
+        responses.entry(status.as_str().to_owned()).or_insert(response);
+    }
+    for (status, response) in responses {
+        let RefOr::T(response) = response else { continue };
+        let Ok(status) = status.parse::<StatusCode>() else { continue };
+        if response.description.is_empty() {
+            response.description = status.canonical_reason().unwrap_or_default().to_owned();
+        }
+        if !status.is_success() && response.content.is_empty() {
+            let content = ContentBuilder::new().schema(Some(Ref::from_schema_name("Refusal")));
+            response.content.insert("application/json".to_owned(), RefOr::T(content.build()));
+        }
+    }
+}
+
+/// The right each operation asks for, by path and method; none for what anybody may read.
+pub(super) fn rights(document: &OpenApi) -> Asked {
+    let mut rights = Asked::new();
+    for (path, item) in &document.paths.paths {
+        let all = [
+            ("GET", &item.get),
+            ("PUT", &item.put),
+            ("POST", &item.post),
+            ("DELETE", &item.delete),
+        ];
+        for (method, operation) in all {
+            let Some(operation) = operation else { continue };
+            let stated = serde_json::to_value(&operation.security).unwrap_or_default();
+            // What states nothing is for administrators, not for everybody.
+            let right = match stated.pointer("/0/token/0").and_then(|right| right.as_str()) {
+                Some(right) => Some(Right::named(right).unwrap_or(Right::Admin)),
+                None if stated.pointer("/0").is_some() => None,
+                None => Some(Right::Admin),
+            };
+            rights.entry(path.clone()).or_default().insert(method, right);
+        }
+    }
+    rights
+}

@@ -1,0 +1,60 @@
+//! Requests passed to daemons on a middleware, for supervisors that reach one daemon and mean
+//! another. What the bytes say is the daemons' affair.
+
+use std::time::Duration;
+
+use crate::error::{DiscoverError, OpenError};
+
+/// Takes one request, and answers it sooner or later, from any thread; dropping the answer is
+/// an answer too: the other side is told that nothing came.
+pub type OnRequest = dyn Fn(Vec<u8>, Box<dyn FnOnce(Vec<u8>) + Send>) + Send + Sync;
+
+/// A middleware by which daemons reach each other.
+pub trait Relay: Send + Sync {
+    /// Shows a daemon under a name and takes the requests to it, until the result is dropped.
+    ///
+    /// # Errors
+    /// When a daemon of that name is there already, or the middleware fails.
+    fn announce(
+        &self,
+        name: &str,
+        requests: Box<OnRequest>,
+    ) -> Result<Box<dyn Send + Sync>, OpenError>;
+
+    /// Names of the daemons that are visible now, this one included.
+    ///
+    /// # Errors
+    /// When the middleware cannot tell.
+    fn daemons(&self) -> Result<Vec<String>, DiscoverError>;
+
+    /// Sends a request to the daemon of that name and waits for the answer. A daemon that does
+    /// not show yet is waited for, but not for long.
+    ///
+    /// # Errors
+    /// It does not show, or it did not answer within `patience`.
+    fn ask(&self, name: &str, request: &[u8], patience: Duration) -> Result<Vec<u8>, AskError>;
+}
+
+/// A request to another daemon came to nothing.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AskError {
+    /// No daemon of that name shows.
+    #[error("no daemon `{name}` shows on {backend}")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// The middleware.
+        backend: String,
+    },
+    /// It did not answer.
+    #[error("daemon {name} on {backend} does not answer: {why}")]
+    Silent {
+        /// The name.
+        name: String,
+        /// The middleware.
+        backend: String,
+        /// What is known of the reason.
+        why: String,
+    },
+}

@@ -1,0 +1,111 @@
+//! Several daemons that see each other over zenoh: supervised from one of them.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
+
+use std::process::Command;
+use std::sync::Arc;
+
+use genom_tests::{Daemon, Finished, Home, Memory, Running, component, path, program};
+
+/// A robot with the demo, and a desk without components; they share nothing but zenoh.
+fn fleet() -> (Daemon, Daemon) {
+    let memory = Arc::new(Memory::new());
+    let robot = Home::with(&memory);
+    for (name, rights) in [("watcher", "read"), ("driver", "read,call")] {
+        for file in ["tokens.toml", name] {
+            let mut command = Command::new(program("genomctl"));
+            command.current_dir(robot.path()).args(["token", name, "--rights", rights]);
+            let made = Running::start(command.args(["--into", file])).finish();
+            made.expect_code(0);
+        }
+        let text = |file| std::fs::read_to_string(robot.path().join(file)).unwrap();
+        let all = text("tokens.toml");
+        let others = &all[..all.rfind("[[token]]").unwrap()];
+        std::fs::write(robot.path().join("tokens.toml"), format!("{others}{}", text(name)))
+            .unwrap();
+    }
+    let demo = component("demo");
+    let robot = robot.start(&[
+        "--backend",
+        "zenoh",
+        "--daemon",
+        "robot",
+        "--token-file",
+        "tokens.toml",
+        path(&demo.library),
+    ]);
+    let desk = Home::with(&memory).start(&["--backend", "zenoh", "--daemon", "desk"]);
+    (robot, desk)
+}
+
+/// A `genomctl` at the desk that means the robot.
+fn at_the_robot(robot: &Daemon, desk: &Daemon, token: &str, arguments: &[&str]) -> Finished {
+    let token = robot.home().path().join(token);
+    desk.ctl(&[&["--host", "zenoh:robot", "--token-file", path(&token)], arguments].concat())
+}
+
+#[test]
+fn a_daemon_is_supervised_through_another_one() {
+    let (robot, desk) = fleet();
+    let far = |arguments: &[&str]| at_the_robot(&robot, &desk, "driver", arguments);
+    let listed = far(&["list"]);
+    assert!(listed.expect_code(0).out.contains("demo"), "{}", listed.out);
+    desk.ctl(&["daemons"])
+        .expect_code(0)
+        .expect_out("DAEMON  BACKEND\ndesk*   zenoh\nrobot   zenoh\n");
+    far(&["call", "demo", "set_speed", "velocity=0.25"]).expect_code(0);
+    robot.ctl(&["call", "demo", "get_speed"]).expect_code(0).expect_out("velocity = 0.25\n");
+    // An activity is waited for as if it ran here.
+    far(&["start", "--wait", "demo", "goto", "goal=0.01"]).expect_code(0);
+    // What is refused there is refused here, in the same words.
+    let refused = far(&["call", "demo", "goto", "gaol=1"]);
+    refused.expect_code(1).expect_err("did you mean `goal`?");
+    far(&["echo", "demo/position"]).expect_code(1).expect_err("streams are not passed on");
+}
+
+#[test]
+fn a_token_counts_over_zenoh_as_it_does_over_tcp() {
+    let (robot, desk) = fleet();
+    let call = ["call", "demo", "set_speed", "velocity=0.25"];
+    at_the_robot(&robot, &desk, "watcher", &["list"]).expect_code(0);
+    let refused = at_the_robot(&robot, &desk, "watcher", &call);
+    refused.expect_code(1).expect_err("needs the right `call`; token watcher has read");
+    let refused = desk.ctl(&["--host", "zenoh:robot", "list"]);
+    refused.expect_code(1).expect_err("a token is needed here");
+    // The desk has no token file: nobody comes in from outside.
+    let token = robot.home().path().join("driver");
+    let back = robot.ctl(&["--host", "zenoh:desk", "--token-file", path(&token), "list"]);
+    back.expect_code(1).expect_err("this token is not known here");
+}
+
+#[test]
+fn a_daemon_that_is_not_there_is_told_so() {
+    let (robot, desk) = fleet();
+    at_the_robot(&robot, &desk, "driver", &["list"]).expect_code(0);
+    let refused = desk.ctl(&["--host", "zenoh:robto", "list"]);
+    refused.expect_code(1).expect_err("no daemon `robto`").expect_err("did you mean `robot`?");
+    let alone = Daemon::start(&[]);
+    let refused = alone.ctl(&["--host", "zenoh:robot", "list"]);
+    refused.expect_code(1).expect_err("on no middleware").expect_err("--backend zenoh");
+}
+
+#[test]
+fn components_of_two_daemons_are_connected_by_one_command() {
+    let memory = Arc::new(Memory::new());
+    let (writer, reader) = (component("demo-2010"), component("demo"));
+    let writer = Home::with(&memory).start(&[
+        "--backend",
+        "zenoh",
+        "--name",
+        "paper",
+        path(&writer.description),
+    ]);
+    // The reader lives on another middleware: the address says where the writer is.
+    let reader = Home::with(&memory).start(&["--backend", "local", path(&reader.library)]);
+    reader.ctl(&["connect", "demo/parameter", "zenoh:paper/position"]).expect_code(0);
+    writer.ctl(&["call", "paper", "goto", "position=0.5"]).expect_code(0);
+    reader.ctl(&["connections"]).expect_code(0);
+    let listed = reader.json(&["connections"]);
+    assert_eq!(listed["connections"][0]["backend"], "zenoh", "{listed}");
+}
