@@ -12,6 +12,7 @@
 
 mod build;
 mod command;
+pub mod conformance;
 mod daemon;
 mod http;
 mod transcript;

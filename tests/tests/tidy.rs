@@ -21,6 +21,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-zenoh", MIDDLEWARE),
     ("genom-ros2", &["genom-middleware", "genom-rosidl", "genom-types"]),
     ("genom-rosidl", &["genom-types"]),
+    ("genom-bench", MIDDLEWARE),
     ("genom-runtime", &["genom-description", "genom-middleware", "genom-types"]),
     ("genom-host", HOST),
     ("genomctl", &["genom-description", "genom-rosidl", "genom-types"]),

@@ -2,6 +2,7 @@
 
 use std::alloc::{self, Layout};
 use std::collections::HashSet;
+use std::mem::MaybeUninit;
 use std::ptr::NonNull;
 
 use serde_json::Value;
@@ -249,6 +250,33 @@ impl Record {
         self.encode_cdr(out).inspect_err(|_| out.truncate(start))
     }
 
+    /// Bytes of the message that [`encode_message`](Record::encode_message) appends.
+    #[must_use]
+    pub fn message_size(&self) -> usize {
+        // SAFETY: the record holds a value of its type, borrowed here.
+        let payload = unsafe { cdr::size(self.ty.graph(), self.ty.ix(), self.as_ptr()) };
+        cdr::HEADER.len() + payload
+    }
+
+    /// Writes the message at the beginning of `room`, and something into the
+    /// [`SLACK`](cdr::SLACK) bytes that `room` must have beyond
+    /// [`message_size`](Record::message_size); the bytes of the message.
+    ///
+    /// # Errors
+    /// As [`encode_cdr`](Record::encode_cdr), and when there is too little room.
+    pub fn encode_message_to(&self, room: &mut [MaybeUninit<u8>]) -> Result<usize, CdrError> {
+        let count = cdr::HEADER.len();
+        let Some((header, payload)) = room.split_at_mut_checked(count) else {
+            let problem = cdr::CdrProblem::Truncated { needed: count, left: room.len() };
+            return Err(CdrError { ty: self.ty.name().to_owned(), at: 0, problem });
+        };
+        header.iter_mut().zip(cdr::HEADER).for_each(|(to, byte)| _ = to.write(byte));
+        // SAFETY: the record holds a value of its type, borrowed here.
+        let size =
+            unsafe { cdr::encode_into(self.ty.graph(), self.ty.ix(), self.as_ptr(), payload)? };
+        Ok(count + size)
+    }
+
     /// Reads a message with its encapsulation header, in either byte order. On error the record
     /// is empty.
     ///
@@ -258,6 +286,39 @@ impl Record {
         let opened = cdr::open(&self.ty, message).inspect_err(|_| self.edit().clear());
         let (payload, big_endian) = opened?;
         self.decode(payload, 0, big_endian)
+    }
+
+    /// Reads a message as [`decode_message`](Record::decode_message), but on error the record keeps
+    /// its value. `scratch` should be of the same type; it holds anything afterwards.
+    ///
+    /// Values without booleans, enums, strings and the like are copied once, from the message.
+    ///
+    /// # Errors
+    /// The message is no plain CDR, or no value of the type.
+    pub fn replace_from_message(
+        &mut self,
+        message: &[u8],
+        scratch: &mut Record,
+    ) -> Result<(), CdrError> {
+        if let Some(size) = cdr::plain_size(&self.ty) {
+            let (payload, big_endian) = cdr::open(&self.ty, message)?;
+            if payload.len() < size {
+                let problem = cdr::CdrProblem::Truncated { needed: size, left: payload.len() };
+                return Err(CdrError { ty: self.ty.name().to_owned(), at: 0, problem });
+            }
+            return self.decode(payload, 0, big_endian);
+        }
+        if !scratch.ty.same_as(&self.ty) {
+            *scratch = Record::new(&self.ty);
+        }
+        scratch.decode_message(message)?;
+        if self.ty.is_fixed_size() {
+            // Of one type: it cannot fail.
+            let _ = self.copy_from(scratch);
+        } else {
+            self.swap_values(scratch);
+        }
+        Ok(())
     }
 
     fn decode(&mut self, payload: &[u8], from: usize, big_endian: bool) -> Result<(), CdrError> {

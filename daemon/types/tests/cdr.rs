@@ -245,3 +245,19 @@ fn values_may_stand_after_others_in_a_payload() {
     }
     assert!(Record::new(&ty).decode_cdr_within(&alone, alone.len() + 9, false).is_err());
 }
+
+#[test]
+fn a_message_is_not_written_beyond_the_room_it_is_given() {
+    let mut record = Record::new(&reading());
+    record.merge_json(&json!({"name": "front", "notes": ["a", "b"], "raw": [1, 2, 3]})).unwrap();
+    let whole = record.message_size() + genom_types::cdr::SLACK;
+    for room in 0..whole {
+        let mut memory = vec![std::mem::MaybeUninit::new(0xaau8); whole];
+        let written = record.encode_message_to(&mut memory[..room]);
+        // Within the slack it may fit all the same; without, it never does.
+        assert!(written.is_err() || room >= record.message_size(), "{room} of {whole}");
+        // SAFETY: all bytes were written when it was made.
+        let beyond = memory[room..].iter().map(|byte| unsafe { byte.assume_init() });
+        assert!(beyond.into_iter().all(|byte| byte == 0xaa), "{room} of {whole}");
+    }
+}

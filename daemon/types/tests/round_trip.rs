@@ -7,8 +7,10 @@
 mod oracle;
 mod support;
 
+use std::mem::MaybeUninit;
 use std::sync::Arc;
 
+use genom_types::cdr::SLACK;
 use genom_types::{DataType, Record, TypeTable};
 use oracle::Oracle;
 use proptest::prelude::*;
@@ -43,6 +45,14 @@ proptest! {
         record.encode_cdr(&mut payload).unwrap();
         prop_assert_eq!(&payload, &oracle(&ty, &json, false));
 
+        // In memory of the caller's, which is exactly as large as it is measured.
+        let mut room = vec![MaybeUninit::new(0xaa); record.message_size() + SLACK];
+        prop_assert_eq!(record.encode_message_to(&mut room).unwrap(), payload.len() + 4);
+        // SAFETY: all bytes were written when it was made.
+        let room: Vec<u8> = room.iter().map(|byte| unsafe { byte.assume_init() }).collect();
+        prop_assert_eq!(&room[4..payload.len() + 4], &payload[..]);
+        prop_assert_eq!(room.len(), payload.len() + 4 + SLACK);
+
         // Over another value, so that old content would show.
         let mut other = Record::new(&ty);
         other.merge_json(&value(ty.table(), ty.id(), &mut Rng::new(!seed))).unwrap();
@@ -53,6 +63,17 @@ proptest! {
         message.extend(oracle(&ty, &json, true));
         other.decode_message(&message).unwrap();
         prop_assert_eq!(&other.to_json(), &json);
+
+        // In place of another value, which stays where the message is cut.
+        let old = value(ty.table(), ty.id(), &mut Rng::new(seed ^ 7));
+        let (mut replaced, mut scratch) = (Record::new(&ty), Record::new(&ty));
+        replaced.merge_json(&old).unwrap();
+        let cut = message.len() - 1 - (seed % 3) as usize % (message.len() - 4).max(1);
+        if replaced.replace_from_message(&message[..cut], &mut scratch).is_err() {
+            prop_assert_eq!(&replaced.to_json(), &old);
+        }
+        replaced.replace_from_message(&message, &mut scratch).unwrap();
+        prop_assert_eq!(&replaced.to_json(), &json);
 
         let mut copy = Record::new(&ty);
         copy.merge_json(&value(ty.table(), ty.id(), &mut Rng::new(seed ^ 5))).unwrap();

@@ -11,13 +11,14 @@ pub mod bell;
 pub mod conformance;
 pub mod describe;
 pub mod error;
+pub mod forecast;
 pub mod index_ring;
 pub mod mailbox;
-pub mod outbox;
 pub mod port;
 pub mod relay;
 pub mod reply;
 pub mod service;
+pub mod spares;
 
 pub use address::Address;
 pub use error::{CallError, DiscoverError, OpenError, PublishError, ReadError};

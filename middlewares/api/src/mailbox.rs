@@ -1,4 +1,4 @@
-//! A bounded exchange of byte buffers between two threads, which are reused and never handed on.
+//! A bounded exchange of byte buffers between two threads, which are used again and again.
 //!
 //! Outgoing, the real-time writer fills and the middleware empties; incoming, the middleware
 //! fills and the real-time reader empties. Neither side waits for the other.
@@ -111,6 +111,16 @@ impl Mailbox {
         let seen = slot.message.try_lock().ok().map(|message| see(&message));
         self.release(index);
         seen
+    }
+
+    /// Exchanges the oldest message for an empty buffer; whether there was one.
+    pub fn exchange(&self, buffer: &mut Vec<u8>) -> bool {
+        let Some(index) = self.ring.pop() else { return false };
+        let Some(slot) = self.slots.get(index) else { return false };
+        let taken =
+            slot.message.try_lock().map(|mut message| std::mem::swap(&mut *message, buffer));
+        self.release(index);
+        taken.is_ok()
     }
 
     fn release(&self, index: usize) {

@@ -276,7 +276,7 @@ impl Ros2 {
             process: Process::this(),
         };
         let matches = Arc::new(Matches::default());
-        let worker = Worker::start(Box::new(told), Arc::clone(&matches))?;
+        let worker = Worker::start(Box::new(told), Arc::clone(&matches), options.anticipate)?;
         let ourselves = dds.participant.guid();
         let (known, orders) = (Arc::clone(&graph), worker.orders.clone());
         let feeds = Arc::new(Feeds::default());
@@ -361,6 +361,7 @@ impl Middleware for Ros2 {
         let guid = writer.guid();
         let outlet = Arc::new(Outlet {
             mailbox: Mailbox::new(depth_of(ty, qos.depth), room_for(ty), Full::Oldest),
+            room: room_for(ty),
             waits: AtomicBool::new(false),
             refused: AtomicU64::new(0),
         });

@@ -68,6 +68,9 @@ pub struct Options {
     /// ROS types of equal structure to be used for IDL types: `::demo::pose` as
     /// `geometry_msgs/msg/Pose`.
     pub masquerade: BTreeMap<String, String>,
+    /// Percent of one processor the sending thread may spend on waiting awake for samples of
+    /// periodic writers: they need not wait for it to wake. 0: it always sleeps.
+    pub anticipate: u8,
 }
 
 impl Default for Options {
@@ -80,6 +83,7 @@ impl Default for Options {
             qos: Qos::default(),
             parameters: true,
             masquerade: BTreeMap::new(),
+            anticipate: 15,
         }
     }
 }

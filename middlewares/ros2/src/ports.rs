@@ -64,8 +64,12 @@ pub(crate) struct Ros2Subscription {
 
 impl Subscription for Ros2Subscription {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        if !into.ty().same_as(self.scratch.ty()) {
+            return Err(ReadError::Broken);
+        }
         let scratch = &mut self.scratch;
-        let decoded = self.inbox.mailbox.take(|message| scratch.decode_message(message).is_ok());
+        let decoded =
+            self.inbox.mailbox.take(|message| into.replace_from_message(message, scratch).is_ok());
         match decoded {
             None if self.read => Ok(Reading::Same),
             None => Ok(Reading::Never),
@@ -74,7 +78,6 @@ impl Subscription for Ros2Subscription {
                 Err(ReadError::Serialization)
             }
             Some(true) => {
-                into.copy_from(&self.scratch).map_err(|_| ReadError::Broken)?;
                 self.read = true;
                 Ok(Reading::New)
             }

@@ -11,7 +11,9 @@ use std::thread::{self, JoinHandle, ThreadId};
 use std::time::{Duration, Instant};
 
 use genom_middleware::bell::Bell;
+use genom_middleware::forecast::Forecast;
 use genom_middleware::mailbox::Mailbox;
+use genom_middleware::spares::Spares;
 use rustdds::bytes::Bytes;
 use rustdds::{GUID, RTPSEntity, Timestamp, WriteOptionsBuilder};
 
@@ -66,6 +68,8 @@ enum Order {
 #[derive(Debug)]
 pub(crate) struct Outlet {
     pub(crate) mailbox: Mailbox,
+    /// Bytes to make ready for a message.
+    pub(crate) room: usize,
     pub(crate) waits: AtomicBool,
     /// Samples DDS refused.
     pub(crate) refused: AtomicU64,
@@ -73,11 +77,14 @@ pub(crate) struct Outlet {
 
 /// An out port as the thread sees it.
 struct Line {
+    /// In the forecast.
+    number: usize,
     writer: Writer,
     topic: String,
     /// In ports of this daemon: DDS shows a participant to itself only over multicast.
     feeds: Arc<Feeds>,
     outlet: Arc<Outlet>,
+    spares: Spares,
     /// For readers that come later.
     last: Option<(Bytes, Timestamp)>,
 }
@@ -99,7 +106,11 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    pub(crate) fn start(announce: Box<dyn Announce>, matches: Arc<Matches>) -> io::Result<Self> {
+    pub(crate) fn start(
+        announce: Box<dyn Announce>,
+        matches: Arc<Matches>,
+        anticipate: u8,
+    ) -> io::Result<Self> {
         let (sender, receiver) = channel();
         let bell = Arc::new(Bell::default());
         let news = Arc::new(AtomicBool::new(false));
@@ -112,6 +123,8 @@ impl Worker {
             announce,
             news: Arc::clone(&news),
             announced: None,
+            forecast: Forecast::new(anticipate),
+            free: Vec::new(),
         };
         let thread =
             thread::Builder::new().name("ros2-sender".to_owned()).spawn(move || work.go_on())?;
@@ -182,7 +195,9 @@ impl Orders {
         outlet: Arc<Outlet>,
         feeds: Arc<Feeds>,
     ) {
-        self.order(Order::Add(Box::new(Line { writer, topic, feeds, outlet, last: None })));
+        let spares = Spares::new(outlet.room);
+        let line = Line { number: 0, writer, topic, feeds, outlet, spares, last: None };
+        self.order(Order::Add(Box::new(line)));
     }
 
     /// Gives a topic that is read from now on the last value of this daemon's own out port.
@@ -221,13 +236,12 @@ impl Line {
     /// Sends one message, if there is one.
     fn send(&mut self) -> bool {
         let writer = self.writer.guid();
-        let taken = self.outlet.mailbox.take(|message| {
-            if let Some(feed) = self.feeds.find(&self.topic) {
-                feed.hear(writer, message);
-            }
-            Bytes::copy_from_slice(message.get(HEADER..).unwrap_or_default())
-        });
-        let Some(payload) = taken else { return false };
+        let Some(message) = self.spares.take(&self.outlet.mailbox) else { return false };
+        if let Some(feed) = self.feeds.find(&self.topic) {
+            feed.hear(writer, message.as_ref());
+        }
+        let message = Bytes::from_owner(message);
+        let payload = message.slice(HEADER.min(message.len())..);
         // Each sample has a time of its own: readers know a sample that comes twice by it.
         let now = Timestamp::now();
         let stamp = match &self.last {
@@ -262,6 +276,10 @@ struct Work {
     announce: Box<dyn Announce>,
     news: Arc<AtomicBool>,
     announced: Option<Instant>,
+    /// When out ports are written next.
+    forecast: Forecast,
+    /// Numbers of out ports that are gone.
+    free: Vec<usize>,
 }
 
 impl Work {
@@ -303,13 +321,19 @@ impl Work {
     fn go_on(&mut self) {
         loop {
             let longest = self.until_announcement();
-            self.bell.wait(self.meetings.pause().map_or(longest, |pause| pause.min(longest)));
+            let longest = self.meetings.pause().map_or(longest, |pause| pause.min(longest));
+            self.forecast.wait(&self.bell, longest);
             while let Ok(order) = self.receiver.try_recv() {
                 match order {
                     Order::Run(job) => job(),
-                    Order::Add(line) => _ = self.lines.insert(line.writer.guid(), *line),
+                    Order::Add(mut line) => {
+                        line.number = self.free.pop().unwrap_or(self.lines.len());
+                        self.lines.insert(line.writer.guid(), *line);
+                    }
                     Order::Remove(writer, done) => {
                         if let Some(mut line) = self.lines.remove(&writer) {
+                            self.forecast.forget(line.number);
+                            self.free.push(line.number);
                             while line.send() {}
                             // Readers that are gone without a word are not waited for any longer.
                             let _ = line.writer.wait_for_acknowledgments(FAREWELL);
@@ -345,9 +369,15 @@ impl Work {
             }
             self.look_at_meetings();
             for line in self.lines.values_mut() {
-                if line.outlet.waits.swap(false, Ordering::Acquire)
-                    && (0..TURN).all(|_| line.send())
-                {
+                if !line.outlet.waits.swap(false, Ordering::Acquire) {
+                    continue;
+                }
+                let now = Instant::now();
+                let sent = (0..TURN).take_while(|_| line.send()).count();
+                if sent > 0 {
+                    self.forecast.heard(line.number, now);
+                }
+                if sent == TURN {
                     line.outlet.waits.store(true, Ordering::Relaxed);
                     self.bell.ring();
                 }

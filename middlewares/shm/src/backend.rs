@@ -1,8 +1,6 @@
 //! One iceoryx2 node for a whole daemon, and the services opened from it.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread;
-use std::time::{Duration, Instant};
 
 use genom_middleware::describe::type_of_port;
 use genom_middleware::{
@@ -16,6 +14,7 @@ use iceoryx2::service::builder::publish_subscribe::{
 };
 use iceoryx2::service::static_config::StaticConfig;
 
+use crate::attain::{Attempt, attain};
 use crate::calls::{self, Worker};
 use crate::error::ShmError;
 use crate::options::Options;
@@ -29,9 +28,6 @@ pub(crate) const BACKEND: &str = "shm";
 /// Service attributes that say more of a type than iceoryx2 does.
 pub(crate) const TYPE_KEY: &str = "genom.type";
 pub(crate) const DIGEST_KEY: &str = "genom.digest";
-
-/// How long others may take to finish what they are doing to a service.
-const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Bytes of unread samples that a reader of large samples may hold.
 const DEPTH_BYTES: usize = 16 << 20;
@@ -143,52 +139,48 @@ impl Ground {
             ty: ty.name().to_owned(),
             why: format!("its name is longer than {MAX_NAME} characters"),
         };
-        let end = Instant::now() + PATIENCE;
-        loop {
-            let open = raw::builder(&self.node, &name, &wire, false).ok_or_else(too_long)?.open();
-            let trouble = match open {
-                Ok(service) => return self.agree(at, ty, service),
+        let open = || {
+            let builder = raw::builder(&self.node, &name, &wire, false).ok_or_else(too_long)?;
+            match builder.open() {
+                Ok(service) => self.agree(at, ty, service).map(Attempt::Done),
+                Err(Open::DoesNotExist) => Ok(Attempt::Absent),
                 Err(Open::IncompatibleTypes) => match self.mismatch(at, &name, ty) {
-                    Some(mismatch) => return Err(mismatch),
-                    None => "it changes all the time".to_owned(),
+                    Some(mismatch) => Err(mismatch),
+                    None => Ok(Attempt::Busy("it changes all the time".to_owned())),
                 },
-                Err(Open::DoesNotExist) => {
-                    let builder =
-                        raw::builder(&self.node, &name, &wire, true).ok_or_else(too_long)?;
-                    let create = builder
-                        .enable_safe_overflow(shape.overflow)
-                        .history_size(usize::from(shape.history))
-                        .subscriber_max_buffer_size(shape.depth)
-                        .subscriber_max_borrowed_samples(2)
-                        .max_publishers(1)
-                        .max_subscribers(self.options.readers)
-                        .max_nodes(self.options.readers + 20)
-                        .create_with_attributes(&attributes(ty));
-                    match create {
-                        Ok(service) => return Ok(service),
-                        Err(
-                            error @ (Create::AlreadyExists
-                            | Create::IsBeingCreatedByAnotherInstance
-                            | Create::HangsInCreation),
-                        ) => error.to_string(),
-                        Err(error) => return Err(failed(at, &error.to_string())),
-                    }
-                }
                 Err(
                     error @ (Open::IsMarkedForDestruction
                     | Open::HangsInCreation
                     | Open::ServiceInCorruptedState),
-                ) => {
-                    self.node.try_cleanup_dead_nodes();
-                    error.to_string()
-                }
-                Err(error) => return Err(failed(at, &error.to_string())),
-            };
-            if Instant::now() > end {
-                return Err(failed(at, &trouble));
+                ) => Ok(Attempt::Broken(error.to_string())),
+                Err(error) => Err(failed(at, &error.to_string())),
             }
-            thread::yield_now();
-        }
+        };
+        let create = || {
+            let builder = raw::builder(&self.node, &name, &wire, true).ok_or_else(too_long)?;
+            let create = builder
+                .enable_safe_overflow(shape.overflow)
+                .history_size(usize::from(shape.history))
+                .subscriber_max_buffer_size(shape.depth)
+                .subscriber_max_borrowed_samples(2)
+                .max_publishers(1)
+                .max_subscribers(self.options.readers)
+                .max_nodes(self.options.readers + 20)
+                .create_with_attributes(&attributes([
+                    (DIGEST_KEY, ty.digest()),
+                    (TYPE_KEY, ty.name()),
+                ]));
+            match create {
+                Ok(service) => Ok(Attempt::Done(service)),
+                Err(
+                    error @ (Create::AlreadyExists
+                    | Create::IsBeingCreatedByAnotherInstance
+                    | Create::HangsInCreation),
+                ) => Ok(Attempt::Busy(error.to_string())),
+                Err(error) => Err(failed(at, &error.to_string())),
+            }
+        };
+        attain(self, at, open, create)
     }
 
     /// Two types of one name and size may still differ: the digests tell.
@@ -223,11 +215,11 @@ pub(crate) fn failed(at: &Address, why: &str) -> OpenError {
     OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why: why.to_owned() }
 }
 
-/// IDL spelling and digest of the type, for services of ours. A spelling that does not fit is
-/// left out: the digest decides.
-fn attributes(ty: &DataType) -> AttributeSpecifier {
+/// What a service of ours says of its types. A spelling that does not fit is left out: the digest
+/// decides.
+pub(crate) fn attributes(pairs: [(&str, &str); 2]) -> AttributeSpecifier {
     let mut attributes = AttributeSpecifier::new();
-    for (key, value) in [(DIGEST_KEY, ty.digest()), (TYPE_KEY, ty.name())] {
+    for (key, value) in pairs {
         if let (Ok(key), Ok(value)) = (key.try_into(), value.try_into())
             && let Ok(more) = attributes.clone().define(&key, &value)
         {

@@ -12,7 +12,7 @@ use iceoryx2::prelude::*;
 use crate::backend::{Ground, Inner, Shape, failed};
 use crate::options::Options;
 use crate::queue;
-use crate::raw::{self, RawPublisher, RawService, SendError, Stamp};
+use crate::raw::{self, RawPublisher, RawService, SendError, Stamp, Value};
 use crate::typing::{Wire, wire};
 
 /// First room for values of variable size; it doubles as needed.
@@ -43,8 +43,6 @@ struct ShmPublisher {
     /// Stamp of the next sample.
     next: Stamp,
     dropped: u64,
-    /// The encoded value, for types of variable size.
-    message: Vec<u8>,
 }
 
 /// Opens the writing end of a port.
@@ -81,7 +79,7 @@ pub(crate) fn open(
     inner.upkeep.add(&core);
     let id = core.publisher.id().value();
     let next = Stamp { writer: (id ^ (id >> 32) ^ (id >> 64) ^ (id >> 96)) as u32, number: 1 };
-    Ok(ShmPublisher { core, inner: Arc::clone(inner), next, dropped: 0, message: Vec::new() })
+    Ok(ShmPublisher { core, inner: Arc::clone(inner), next, dropped: 0 })
 }
 
 /// A writer's end of a service, the only one it has.
@@ -146,14 +144,14 @@ impl Core {
         }
     }
 
-    fn send(&self, payload: &[u8], stamp: Stamp) -> Result<(), SendError> {
+    fn send(&self, value: Value<'_>, stamp: Stamp) -> Result<(), SendError> {
         // The queue first: a reader that sees a sample on the port knows that the queue has it,
         // or refused it.
         let queued = match self.queue.get() {
-            Some(queue) => raw::send(queue, &self.wire, payload, stamp),
+            Some(queue) => raw::send(queue, &self.wire, value, stamp),
             None => Ok(()),
         };
-        raw::send(&self.publisher, &self.wire, payload, stamp).and(queued)
+        raw::send(&self.publisher, &self.wire, value, stamp).and(queued)
     }
 }
 
@@ -162,22 +160,22 @@ impl Publisher for ShmPublisher {
         if !value.ty().same_as(&self.core.ty) {
             return Err(PublishError::Refused);
         }
-        let payload = match value.bytes() {
-            Some(bytes) => bytes,
-            None => {
-                self.message.clear();
-                value.encode_message(&mut self.message).map_err(|_| PublishError::Serialization)?;
-                &self.message
-            }
+        let value = match value.bytes() {
+            Some(bytes) => Value::Plain(bytes),
+            None => Value::Message(value, value.message_size()),
         };
-        let stamp = self.next;
-        self.next.number += 1;
-        match self.core.send(payload, stamp) {
+        let sent = self.core.send(value, self.next);
+        // What cannot be encoded is no sample that a reader could miss.
+        if sent != Err(SendError::Serialization) {
+            self.next.number += 1;
+        }
+        match sent {
             Ok(()) => Ok(()),
             Err(SendError::Full) => {
                 self.dropped += 1;
                 Ok(())
             }
+            Err(SendError::Serialization) => Err(PublishError::Serialization),
             Err(SendError::Refused) => Err(PublishError::Refused),
         }
     }

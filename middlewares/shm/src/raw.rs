@@ -7,6 +7,7 @@
 
 use std::mem::size_of;
 
+use genom_types::Record;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
@@ -31,7 +32,8 @@ pub(crate) type RawBuilder = Builder<[CustomPayloadMarker], CustomHeaderMarker, 
 const ALIGN: usize = 64;
 
 /// Bytes of a stamp.
-pub(crate) const STAMP: usize = 16;
+const STAMP: usize = 16;
+const _: () = assert!(STAMP >= genom_types::cdr::SLACK);
 
 /// Tells stamps from whatever else may lie there.
 const MAGIC: u32 = u32::from_ne_bytes(*b"gn3\x01");
@@ -69,6 +71,8 @@ impl Stamp {
 pub(crate) enum SendError {
     /// No memory for it: readers hold all samples.
     Full,
+    /// It cannot be encoded.
+    Serialization,
     /// iceoryx2 refused.
     Refused,
 }
@@ -118,14 +122,29 @@ pub(crate) fn open_to_look(
     .open()
 }
 
-/// Publishes a copy of `payload`, which has the size of the type, or any size for slices.
+/// What to publish.
+#[derive(Clone, Copy)]
+pub(crate) enum Value<'a> {
+    /// A value in its C layout, which has the size of the type.
+    Plain(&'a [u8]),
+    /// A value to be encoded, for slices, and the bytes of its message.
+    Message(&'a Record, usize),
+}
+
+/// Publishes a copy of a value, which is encoded where it is published.
 pub(crate) fn send(
     publisher: &RawPublisher,
     wire: &Wire,
-    payload: &[u8],
+    value: Value<'_>,
     stamp: Stamp,
 ) -> Result<(), SendError> {
-    let elements = if wire.slice { payload.len() + STAMP } else { 1 };
+    let elements = match value {
+        Value::Plain(_) => 1,
+        Value::Message(_, size) => size + STAMP,
+    };
+    if matches!(value, Value::Message(..)) != wire.slice {
+        return Err(SendError::Refused);
+    }
     // SAFETY: more than one element for slices only; the payload is written in full below.
     let loan = unsafe { publisher.loan_custom_payload(elements) };
     let mut sample = loan.map_err(|error| match error {
@@ -136,27 +155,34 @@ pub(crate) fn send(
     })?;
     let header = std::ptr::from_ref(sample.header()) as usize;
     let room = sample.payload_mut();
-    let to = room.as_mut_ptr().cast::<u8>();
+    let (to, count) = (room.as_mut_ptr().cast::<u8>(), room.len());
     let mark = stamp.to_bytes();
-    if wire.slice {
-        if room.len() != elements {
-            return Err(SendError::Refused);
+    match value {
+        Value::Message(record, size) => {
+            if count != elements {
+                return Err(SendError::Refused);
+            }
+            // SAFETY: a marker is one byte, and the loan is ours alone.
+            let room = unsafe { std::slice::from_raw_parts_mut(to.cast(), count) };
+            // The stamp's place is the slack that encoding may use.
+            let written = record.encode_message_to(room).map_err(|_| SendError::Serialization)?;
+            if written != size {
+                return Err(SendError::Serialization);
+            }
+            // SAFETY: the slice has room for the message and the stamp.
+            unsafe { to.add(size).copy_from_nonoverlapping(mark.as_ptr(), STAMP) };
         }
-        // SAFETY: the slice has room for the payload and the stamp.
-        unsafe {
-            to.copy_from_nonoverlapping(payload.as_ptr(), payload.len());
-            to.add(payload.len()).copy_from_nonoverlapping(mark.as_ptr(), STAMP);
-        }
-    } else {
-        if payload.len() != wire.size || room.len() < payload.len() {
-            return Err(SendError::Refused);
-        }
-        // SAFETY: the payload has room for a value of the type; when there is a gap before it,
-        // the gap is part of the same chunk, which is ours until it is sent.
-        unsafe {
-            to.copy_from_nonoverlapping(payload.as_ptr(), payload.len());
-            if has_gap(header, to as usize) {
-                to.sub(STAMP).copy_from_nonoverlapping(mark.as_ptr(), STAMP);
+        Value::Plain(payload) => {
+            if payload.len() != wire.size || count < payload.len() {
+                return Err(SendError::Refused);
+            }
+            // SAFETY: the payload has room for a value of the type; when there is a gap before
+            // it, the gap is part of the same chunk, which is ours until it is sent.
+            unsafe {
+                to.copy_from_nonoverlapping(payload.as_ptr(), payload.len());
+                if has_gap(header, to as usize) {
+                    to.sub(STAMP).copy_from_nonoverlapping(mark.as_ptr(), STAMP);
+                }
             }
         }
     }

@@ -8,6 +8,7 @@ use std::thread;
 
 use genom_middleware::describe::{type_of_port, types_of_service};
 use genom_middleware::mailbox::{Full, MAX_DEPTH, Mailbox};
+use genom_middleware::spares::Spares;
 use genom_middleware::{
     Address, Capabilities, Client, DiscoverError, Endpoint, EndpointKind, Middleware, OpenError,
     Policy, Publisher, Relay, Served, ServiceHandler, ServiceKind, ServiceType, Subscription,
@@ -78,18 +79,20 @@ impl Zenoh {
             return Err(SessionError::Prefix(prefix.to_owned()));
         }
         let (rendezvous, session) = match options.meeting() {
-            None => (None, open(options.to_zenoh(None, &[])?)?),
+            None => (None, open(options, options.to_zenoh(None, &[])?)?),
             Some(directory) => {
                 let entered = Rendezvous::enter(directory).map_err(|source| {
                     SessionError::Rendezvous { path: directory.to_owned(), source }
                 })?;
                 let (own, opening) = entered;
-                let session = open(options.to_zenoh(Some(own.socket()), &opening.others)?)?;
+                let config = options.to_zenoh(Some(own.socket()), &opening.others)?;
+                let session = open(options, config)?;
                 (Some(own), session)
             }
         };
         let failed = |error: &dyn std::fmt::Display| SessionError::Open(error.to_string());
-        let worker = Worker::start(session.clone()).map_err(|error| failed(&error))?;
+        let worker =
+            Worker::start(session.clone(), options.anticipate).map_err(|error| failed(&error))?;
         let core = Arc::new(Core {
             keys,
             graph: Arc::default(),
@@ -118,10 +121,11 @@ impl Zenoh {
     }
 }
 
-fn open(config: zenoh::Config) -> Result<Session, SessionError> {
+fn open(options: &Options, config: zenoh::Config) -> Result<Session, SessionError> {
     let opened = apart(|| zenoh::open(config).wait().map_err(|error| error.to_string()));
     let opened = opened.unwrap_or_else(|| Err("it panicked; see standard error".to_owned()));
-    opened.map_err(SessionError::Open)
+    let secret = options.connect.iter().any(|endpoint| endpoint.starts_with("tls/"));
+    opened.map_err(if secret { SessionError::Refused } else { SessionError::Open })
 }
 
 impl Drop for Core {
@@ -308,6 +312,7 @@ impl Middleware for Zenoh {
         let line = core.orders.add(Line {
             publisher,
             mailbox: Arc::clone(&mailbox),
+            spares: Spares::new(room),
             last,
             mark: Mark { writer: new_writer(), number: 0 },
             refused: Arc::clone(&refused),

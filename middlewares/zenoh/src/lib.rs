@@ -19,6 +19,9 @@
 //!
 //! **Discovery.** Liveliness tokens `@genom/<pub|sub|srv>/<session>/<n>/<digest>/<types>/<address>`,
 //! `<types>` with percent escapes; the digest of a service is `<input>-<output>`.
+//! Other programs are not listed: zenoh tells peers of no publishers, and its admin space, which
+//! shows subscribers and queryables, can hang a session of 1.10 when it is asked while others
+//! declare something. Their keys can be connected to all the same.
 //!
 //! **Daemons.** Liveliness tokens `@genom/daemon/<session>/<name>`; a `get` of
 //! `@genom/rpc/<name>` carries a request to the control plane of that daemon, and its reply.
@@ -39,5 +42,5 @@ mod wire;
 mod worker;
 
 pub use backend::Zenoh;
-pub use options::{Mode, Options, SessionError};
+pub use options::{Mode, Options, SessionError, Tls};
 pub use rendezvous::default_directory;

@@ -37,6 +37,25 @@ pub struct Options {
     /// Keys of zenoh's configuration with JSON5 values, applied last:
     /// `("scouting/multicast/enabled", "true")`.
     pub set: Vec<(String, String)>,
+    /// Percent of one processor the sending thread may spend on waiting awake for samples of
+    /// periodic writers: they need not wait for it to wake. 0: it always sleeps.
+    pub anticipate: u8,
+    /// For endpoints `tls/HOST:PORT`.
+    pub tls: Tls,
+}
+
+/// Certificates of a session, in PEM files.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tls {
+    /// Whoever shows a certificate that this one signed is trusted. None: who has one of the
+    /// authorities known to the web.
+    pub authority: Option<PathBuf>,
+    /// What this session shows: to those it connects to when [`mutual`](Tls::mutual) is asked for.
+    pub certificate: Option<PathBuf>,
+    /// The private key to it.
+    pub key: Option<PathBuf>,
+    /// Those who connect must show a certificate, too.
+    pub mutual: bool,
 }
 
 impl Default for Options {
@@ -49,6 +68,8 @@ impl Default for Options {
             prefix: String::new(),
             config_file: None,
             set: Vec::new(),
+            anticipate: 15,
+            tls: Tls::default(),
         }
     }
 }
@@ -75,6 +96,19 @@ pub enum SessionError {
         /// zenoh's own words.
         why: String,
     },
+    /// A certificate or key cannot be read.
+    #[error("the {what} for TLS, {path}, cannot be read: {source}")]
+    Tls {
+        /// Which one.
+        what: &'static str,
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A certificate without its key, or the other way round.
+    #[error("TLS needs `certificate` and `key` together")]
+    HalfTls,
     /// The prefix is no beginning of a key.
     #[error("`{0}` is no prefix: write names with / between them, without wild cards")]
     Prefix(String),
@@ -92,6 +126,12 @@ pub enum SessionError {
     /// zenoh did not open.
     #[error("zenoh does not open: {0}")]
     Open(String),
+    /// A client reached nobody by TLS: zenoh does not say why.
+    #[error(
+        "zenoh does not open: {0}: is somebody there, did `authority` sign their certificate, and \
+         do they ask for a `certificate` of this side? `log = \"info,zenoh=debug\"` says which"
+    )]
+    Refused(String),
 }
 
 impl Options {
@@ -141,6 +181,7 @@ impl Options {
         if self.config_file.is_none() || !connect.is_empty() {
             insert(&mut config, "connect/endpoints", &json(&connect))?;
         }
+        self.tls.insert(&mut config)?;
         for (key, value) in &self.set {
             insert(&mut config, key, value)?;
         }
@@ -151,6 +192,35 @@ impl Options {
     pub(crate) fn meeting(&self) -> Option<&Path> {
         let meets = self.mode != Mode::Client && self.config_file.is_none();
         self.rendezvous.as_deref().filter(|_| meets)
+    }
+}
+
+impl Tls {
+    fn insert(&self, config: &mut Config) -> Result<(), SessionError> {
+        let Self { authority, certificate, key, mutual } = self;
+        if certificate.is_some() != key.is_some() {
+            return Err(SessionError::HalfTls);
+        }
+        // zenoh does not open a file before it connects, and then only says that it cannot.
+        for (what, path) in [("authority", authority), ("certificate", certificate), ("key", key)] {
+            let Some(path) = path else { continue };
+            if let Err(source) = std::fs::read(path) {
+                return Err(SessionError::Tls { what, path: path.clone(), source });
+            }
+        }
+        for (name, path) in [
+            ("root_ca_certificate", authority),
+            ("listen_certificate", certificate),
+            ("listen_private_key", key),
+            ("connect_certificate", certificate),
+            ("connect_private_key", key),
+        ] {
+            if let Some(path) = path {
+                let path = serde_json::Value::from(path.display().to_string()).to_string();
+                insert(config, &format!("transport/link/tls/{name}"), &path)?;
+            }
+        }
+        if *mutual { insert(config, "transport/link/tls/enable_mtls", "true") } else { Ok(()) }
     }
 }
 

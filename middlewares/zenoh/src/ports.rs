@@ -62,9 +62,12 @@ pub(crate) struct ZenohSubscription {
 
 impl Subscription for ZenohSubscription {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        if !into.ty().same_as(self.scratch.ty()) {
+            return Err(ReadError::Broken);
+        }
         let scratch = &mut self.scratch;
         let decoded = self.inbox.mailbox.take(|buffer| match buffer.split_first() {
-            Some((&OURS, message)) => scratch.decode_message(message).is_ok(),
+            Some((&OURS, message)) => into.replace_from_message(message, scratch).is_ok(),
             _ => false,
         });
         match decoded {
@@ -75,7 +78,6 @@ impl Subscription for ZenohSubscription {
                 Err(ReadError::Serialization)
             }
             Some(true) => {
-                into.copy_from(&self.scratch).map_err(|_| ReadError::Broken)?;
                 self.read = true;
                 Ok(Reading::New)
             }

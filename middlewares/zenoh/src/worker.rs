@@ -6,10 +6,13 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle, ThreadId};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use bytes::Bytes;
 use genom_middleware::bell::Bell;
+use genom_middleware::forecast::Forecast;
 use genom_middleware::mailbox::Mailbox;
+use genom_middleware::spares::Spares;
 use zenoh::bytes::ZBytes;
 use zenoh::pubsub::Publisher;
 use zenoh::{Session, Wait};
@@ -40,12 +43,15 @@ enum Order {
 pub(crate) struct Outgoing {
     pub(crate) session: Session,
     lines: Vec<Option<Line>>,
+    /// When out ports are written next.
+    forecast: Forecast,
 }
 
 /// An out port as the thread sees it.
 pub(crate) struct Line {
     pub(crate) publisher: Publisher<'static>,
     pub(crate) mailbox: Arc<Mailbox>,
+    pub(crate) spares: Spares,
     pub(crate) last: Arc<LastValue>,
     /// Mark of the sample sent last.
     pub(crate) mark: Mark,
@@ -85,12 +91,12 @@ impl LastValue {
 }
 
 impl Worker {
-    pub(crate) fn start(session: Session) -> std::io::Result<Self> {
+    pub(crate) fn start(session: Session, anticipate: u8) -> std::io::Result<Self> {
         let (sender, receiver) = channel();
         let bell = Arc::new(Bell::default());
         let dirty: Arc<[AtomicU64]> = (0..WORDS).map(|_| AtomicU64::new(0)).collect();
         let mut work = Work {
-            outgoing: Outgoing { session, lines: Vec::new() },
+            outgoing: Outgoing { session, lines: Vec::new(), forecast: Forecast::new(anticipate) },
             receiver,
             bell: Arc::clone(&bell),
             dirty: Arc::clone(&dirty),
@@ -169,6 +175,7 @@ impl Orders {
     pub(crate) fn remove(&self, line: usize, with: impl Send + 'static) {
         let free = Arc::clone(&self.free);
         self.finish(move |outgoing| {
+            outgoing.forecast.forget(line);
             if let Some(mut line) = outgoing.lines.get_mut(line).and_then(Option::take) {
                 while line.send() {}
             }
@@ -181,9 +188,8 @@ impl Orders {
 impl Line {
     /// Sends one message, if there is one.
     fn send(&mut self) -> bool {
-        let Some(payload) = self.mailbox.take(|message| ZBytes::from(message)) else {
-            return false;
-        };
+        let Some(message) = self.spares.take(&self.mailbox) else { return false };
+        let payload = ZBytes::from(Bytes::from_owner(message));
         self.mark.number += 1;
         // First for those who come, then for those who are there: nobody misses it.
         self.last.set(payload.clone(), self.mark);
@@ -206,7 +212,7 @@ struct Work {
 impl Work {
     fn go_on(&mut self) {
         loop {
-            self.bell.wait(LONG);
+            self.outgoing.forecast.wait(&self.bell, LONG);
             while let Ok(order) = self.receiver.try_recv() {
                 match order {
                     Order::Run(job) => job(&mut self.outgoing),
@@ -232,8 +238,14 @@ impl Outgoing {
     /// Sends for the ports of one bit; whether some may have more.
     fn send(&mut self, bit: usize) -> bool {
         let mut more = false;
-        for line in self.lines.iter_mut().skip(bit).step_by(BITS).flatten() {
-            more |= (0..TURN).all(|_| line.send());
+        for (number, line) in self.lines.iter_mut().enumerate().skip(bit).step_by(BITS) {
+            let Some(line) = line else { continue };
+            let now = Instant::now();
+            let sent = (0..TURN).take_while(|_| line.send()).count();
+            if sent > 0 {
+                self.forecast.heard(number, now);
+            }
+            more |= sent == TURN;
         }
         more
     }

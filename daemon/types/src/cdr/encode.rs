@@ -1,5 +1,7 @@
 //! From C layout to CDR.
 
+use std::mem::MaybeUninit;
+
 use crate::cdr::error::{CdrError, CdrProblem};
 use crate::cdr::plan::{Plan, Run, Step, What};
 use crate::graph::{Graph, Ix, Shape};
@@ -17,45 +19,129 @@ pub(crate) unsafe fn encode(
     start: usize,
     out: &mut Vec<u8>,
 ) -> Result<(), CdrError> {
-    let before = out.len();
-    let mut writer = Writer { graph, out, start };
+    let (base, length, room) = (out.as_mut_ptr(), out.len(), out.capacity());
+    let mut writer = Writer { graph, base, length, room, start, more: out };
     // SAFETY: the caller's promise.
-    unsafe { writer.value(ix, at, 0) }.map_err(|error| {
-        out.truncate(before);
-        *error
-    })
+    unsafe { writer.value(ix, at, 0) }.map_err(|error| *error)?;
+    let length = writer.length;
+    // SAFETY: so many bytes were written, where `more` said that there is room.
+    unsafe { out.set_len(length) };
+    Ok(())
 }
+
+/// Writes a payload into `out`, which has its [`size`](super::size) and [`SLACK`] bytes more
+/// that may be written as well; the payload's bytes. An error when it is larger than that.
+///
+/// # Safety
+/// As [`encode`].
+pub(crate) unsafe fn encode_into(
+    graph: &Graph,
+    ix: Ix,
+    at: *const u8,
+    out: &mut [MaybeUninit<u8>],
+) -> Result<usize, CdrError> {
+    let (base, room) = (out.as_mut_ptr().cast(), out.len());
+    let mut spill = Spill { from: base, rest: None };
+    let mut writer = Writer { graph, base, length: 0, room, start: 0, more: &mut spill };
+    // SAFETY: the caller's promise.
+    unsafe { writer.value(ix, at, 0) }.map_err(|error| *error)?;
+    if writer.base != base {
+        let problem = CdrProblem::Truncated { needed: writer.length, left: out.len() };
+        return Err(CdrError { ty: graph.node(ix).name.clone(), at: 0, problem });
+    }
+    Ok(writer.length)
+}
+
+/// Bytes beyond a value's that encoding it may touch.
+pub const SLACK: usize = 16;
 
 /// Boxed inside: a result is a word then, and steps return it in a register.
 type Outcome = Result<(), Box<CdrError>>;
 
+/// Where to go on when there is no room left.
+trait More {
+    /// Memory that begins with the first `length` bytes written so far, with room for so many
+    /// more: where it lies and how large it is in all.
+    ///
+    /// # Safety
+    /// So many bytes were written to the memory there was.
+    unsafe fn more(&mut self, length: usize, bytes: usize) -> (*mut u8, usize);
+}
+
+impl More for Vec<u8> {
+    unsafe fn more(&mut self, length: usize, bytes: usize) -> (*mut u8, usize) {
+        let before = self.len();
+        // SAFETY: they were written, says the caller; `reserve` then moves them along.
+        unsafe { self.set_len(length) };
+        self.reserve(bytes);
+        // What follows may fail: only what was there before counts until it has not.
+        self.truncate(before);
+        (self.as_mut_ptr(), self.capacity())
+    }
+}
+
+/// Memory for a value that turns out larger than it was measured, which only a codel that changes
+/// it meanwhile brings about: encoding then ends in memory of its own, and as an error.
+struct Spill {
+    from: *const u8,
+    rest: Option<Vec<u8>>,
+}
+
+impl More for Spill {
+    unsafe fn more(&mut self, length: usize, bytes: usize) -> (*mut u8, usize) {
+        let rest = self.rest.get_or_insert_with(|| {
+            // SAFETY: so many bytes lie there, says the caller.
+            unsafe { std::slice::from_raw_parts(self.from, length) }.to_vec()
+        });
+        // SAFETY: the caller's promise.
+        unsafe { rest.more(length, bytes) }
+    }
+}
+
 struct Writer<'a> {
     graph: &'a Graph,
-    out: &'a mut Vec<u8>,
-    /// Where the payload starts in `out`: alignment counts from there.
+    base: *mut u8,
+    /// Bytes written at `base`.
+    length: usize,
+    /// Bytes there are at `base`.
+    room: usize,
+    /// Where the payload starts: alignment counts from there.
     start: usize,
+    more: &'a mut dyn More,
 }
 
 impl<'a> Writer<'a> {
+    /// Makes room for so many bytes; where they begin.
+    #[inline(always)]
+    fn end(&mut self, bytes: usize) -> *mut u8 {
+        if self.room - self.length < bytes {
+            self.grow(bytes);
+        }
+        // SAFETY: the length is within the room.
+        unsafe { self.base.add(self.length) }
+    }
+
+    #[cold]
+    fn grow(&mut self, bytes: usize) {
+        // SAFETY: `length` bytes were written at `base`.
+        (self.base, self.room) = unsafe { self.more.more(self.length, bytes) };
+    }
+
     /// Pads to an alignment and appends bytes.
     ///
     /// # Safety
-    /// `bytes` are readable at `from`, and not in `out`.
+    /// `bytes` are readable at `from`, and not where this writes.
     #[inline(always)]
     unsafe fn put(&mut self, align: usize, from: *const u8, bytes: usize) {
-        let length = self.out.len();
-        let pad = (length - self.start).wrapping_neg() & (align - 1);
+        let pad = (self.length - self.start).wrapping_neg() & (align - 1);
         // Eight bytes are always written as padding and overwritten by what follows: no branch.
-        if self.out.capacity() - length < bytes + 16 {
-            self.out.reserve(bytes + 16);
-        }
+        let end = self.end(bytes + SLACK);
         // SAFETY: there is room for the padding (at most 7 of the 8 bytes count) and the bytes.
         unsafe {
-            let end = self.out.as_mut_ptr().add(length);
             end.cast::<u64>().write_unaligned(0);
             std::ptr::copy_nonoverlapping(from, end.add(pad), bytes);
-            self.out.set_len(length + pad + bytes);
         }
+        self.length += pad + bytes;
     }
 
     #[inline(always)]
@@ -67,7 +153,7 @@ impl<'a> Writer<'a> {
     #[cold]
     fn error(&self, ix: Ix, problem: CdrProblem) -> Box<CdrError> {
         let ty = self.graph.node(ix).name.clone();
-        Box::new(CdrError { ty, at: self.out.len() - self.start, problem })
+        Box::new(CdrError { ty, at: self.length - self.start, problem })
     }
 
     /// # Safety
@@ -156,7 +242,12 @@ impl<'a> Writer<'a> {
     unsafe fn booleans(&mut self, at: *const u8, count: usize) {
         // SAFETY: the caller's promise. A byte of C may hold anything: not 0 is true.
         let bytes = unsafe { std::slice::from_raw_parts(at, count) };
-        self.out.extend(bytes.iter().map(|&byte| u8::from(byte != 0)));
+        let end = self.end(count + SLACK);
+        for (index, &byte) in bytes.iter().enumerate() {
+            // SAFETY: there is room for `count` bytes.
+            unsafe { end.add(index).write(u8::from(byte != 0)) };
+        }
+        self.length += count;
     }
 
     /// # Safety
@@ -184,24 +275,19 @@ impl<'a> Writer<'a> {
         if !text.is_ascii() && std::str::from_utf8(text).is_err() {
             return Err(self.error(step.ix, CdrProblem::Utf8));
         }
-        // A full `char[n]` without NUL: the wire takes one byte less (genom3.md 5.2).
-        let most = bound.map_or(u32::MAX as usize - 1, |bound| bound.saturating_sub(1));
-        let bytes = if text.len() > most { whole_characters(text, most) } else { text.len() };
-        let length = self.out.len();
-        let pad = (length - self.start).wrapping_neg() & (step.align - 1);
-        if self.out.capacity() - length < bytes + 24 {
-            self.out.reserve(bytes + 24);
-        }
-        // SAFETY: there is room for padding, length, text and NUL; `text` has that many bytes.
+        let bytes = fitting(text, bound);
+        let pad = (self.length - self.start).wrapping_neg() & (step.align - 1);
+        let end = self.end(bytes + SLACK);
+        // SAFETY: there is room for padding (at most 3 bytes count), length, text and NUL; `text`
+        // has that many bytes.
         unsafe {
-            let end = self.out.as_mut_ptr().add(length);
             end.cast::<u64>().write_unaligned(0);
             let end = end.add(pad);
             end.cast::<u32>().write_unaligned(bytes as u32 + 1);
             copy_short(text.as_ptr(), end.add(4), bytes);
             end.add(4 + bytes).write(0);
-            self.out.set_len(length + pad + 4 + bytes + 1);
         }
+        self.length += pad + 4 + bytes + 1;
         Ok(())
     }
 
@@ -225,6 +311,13 @@ impl<'a> Writer<'a> {
         }
         Ok(())
     }
+}
+
+/// How many bytes of a text go on the wire.
+pub(crate) fn fitting(text: &[u8], bound: Option<usize>) -> usize {
+    // A full `char[n]` without NUL: the wire takes one byte less (genom3.md 5.2).
+    let most = bound.map_or(u32::MAX as usize - 1, |bound| bound.saturating_sub(1));
+    if text.len() > most { whole_characters(text, most) } else { text.len() }
 }
 
 /// The longest part of at most `most` bytes that cuts no character of valid UTF-8.

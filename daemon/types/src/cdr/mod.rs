@@ -20,16 +20,30 @@ mod decode;
 mod encode;
 mod error;
 mod plan;
+mod size;
 
 pub(crate) use decode::decode;
-pub(crate) use encode::encode;
+pub use encode::SLACK;
+pub(crate) use encode::{encode, encode_into};
 pub use error::{CdrError, CdrProblem};
 pub(crate) use plan::Plan;
+pub(crate) use size::size;
 
 use crate::data_type::DataType;
 
 /// The encapsulation header before a payload as we write it: plain CDR, little endian.
 pub const HEADER: [u8; 4] = [0, 1, 0, 0];
+
+/// Bytes of any payload of a type of which any bytes are a value; `None` for other types.
+pub(crate) fn plain_size(ty: &DataType) -> Option<usize> {
+    let (graph, ix) = (ty.graph(), ty.ix());
+    let plan = graph.node(ix).plan.get_or_init(|| Plan::new(graph, ix, false));
+    let end = |length: usize, step: &plan::Step| match step.what {
+        plan::What::Copy { bytes, .. } => length.next_multiple_of(step.align) + bytes,
+        _ => length,
+    };
+    plan.is_plain().then(|| plan.steps.iter().fold(0, end))
+}
 
 /// Splits a message into its payload and whether that is big endian.
 pub(crate) fn open<'a>(ty: &DataType, message: &'a [u8]) -> Result<(&'a [u8], bool), CdrError> {

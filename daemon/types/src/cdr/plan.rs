@@ -82,6 +82,11 @@ impl Plan {
         builder.add(ix, 0);
         Self { steps: builder.steps }
     }
+
+    /// Whether any bytes that are long enough are a value.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.steps.iter().all(|step| matches!(step.what, What::Copy { .. }))
+    }
 }
 
 struct Builder<'a> {

@@ -16,10 +16,9 @@ use iceoryx2::service::builder::request_response::{
     RequestResponseCreateError as Create, RequestResponseOpenError as Open,
 };
 use iceoryx2::service::port_factory::request_response::PortFactory as CallFactory;
-use std::thread;
-use std::time::{Duration, Instant};
 
-use crate::backend::{Ground, attribute, failed};
+use crate::attain::{Attempt, attain};
+use crate::backend::{Ground, attribute, attributes, failed};
 use crate::raw::Ipc;
 
 pub(crate) use client::open as client;
@@ -36,15 +35,13 @@ const RESPONSES: usize = 64;
 const CALLERS: usize = 32;
 /// First room for messages; it doubles as needed.
 const FIRST_ROOM: usize = 512;
-/// How long others may take to finish what they are doing to a service.
-const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Attribute that says what a service takes and gives, for people.
 pub(crate) const SERVICE_KEY: &str = "genom.service";
 /// Attribute with kind and digests, by which callers and servers agree.
 const DIGESTS_KEY: &str = "genom.digests";
 
-fn attributes(service: &ServiceType) -> [(&'static str, String); 2] {
+fn own_attributes(service: &ServiceType) -> [(&'static str, String); 2] {
     let kind = match service.kind {
         ServiceKind::Attribute => "attribute",
         ServiceKind::Function => "function",
@@ -60,54 +57,39 @@ fn attributes(service: &ServiceType) -> [(&'static str, String); 2] {
 /// Opens the service, or creates it.
 fn service(ground: &Ground, at: &Address, ty: &ServiceType) -> Result<CallService, OpenError> {
     let name = Ground::service_name(&at.to_string(), at)?;
-    let ours = attributes(ty);
-    let end = Instant::now() + PATIENCE;
-    loop {
-        let builder = || ground.node.service_builder(&name).request_response::<[u8], [u8]>();
-        let trouble = match builder().open() {
-            Ok(service) => return agree(at, ty, &ours, service),
-            Err(Open::DoesNotExist) => {
-                let mut attributes = AttributeSpecifier::new();
-                for (key, value) in &ours {
-                    if let (Ok(key), Ok(value)) = ((*key).try_into(), value.as_str().try_into())
-                        && let Ok(more) = attributes.clone().define(&key, &value)
-                    {
-                        attributes = more;
-                    }
-                }
-                let create = builder()
-                    .max_servers(1)
-                    .max_clients(CALLERS)
-                    .max_nodes(CALLERS + 1)
-                    .max_active_requests_per_client(REQUESTS)
-                    .max_response_buffer_size(RESPONSES)
-                    .enable_safe_overflow_for_responses(true)
-                    .create_with_attributes(&attributes);
-                match create {
-                    Ok(service) => return Ok(service),
-                    Err(
-                        error @ (Create::AlreadyExists
-                        | Create::IsBeingCreatedByAnotherInstance
-                        | Create::HangsInCreation),
-                    ) => error.to_string(),
-                    Err(error) => return Err(failed(at, &error.to_string())),
-                }
-            }
+    let ours = own_attributes(ty);
+    let builder = || ground.node.service_builder(&name).request_response::<[u8], [u8]>();
+    let open = || match builder().open() {
+        Ok(service) => agree(at, ty, &ours, service).map(Attempt::Done),
+        Err(Open::DoesNotExist) => Ok(Attempt::Absent),
+        Err(
+            error @ (Open::IsMarkedForDestruction
+            | Open::HangsInCreation
+            | Open::ServiceInCorruptedState),
+        ) => Ok(Attempt::Broken(error.to_string())),
+        Err(error) => Err(failed(at, &error.to_string())),
+    };
+    let create = || {
+        let [(service, spelling), (digests, both)] = &ours;
+        let create = builder()
+            .max_servers(1)
+            .max_clients(CALLERS)
+            .max_nodes(CALLERS + 1)
+            .max_active_requests_per_client(REQUESTS)
+            .max_response_buffer_size(RESPONSES)
+            .enable_safe_overflow_for_responses(true)
+            .create_with_attributes(&attributes([(service, spelling), (digests, both)]));
+        match create {
+            Ok(service) => Ok(Attempt::Done(service)),
             Err(
-                error @ (Open::IsMarkedForDestruction
-                | Open::HangsInCreation
-                | Open::ServiceInCorruptedState),
-            ) => {
-                ground.node.try_cleanup_dead_nodes();
-                error.to_string()
-            }
-            Err(error) => return Err(failed(at, &error.to_string())),
-        };
-        if Instant::now() > end {
-            return Err(failed(at, &trouble));
+                error @ (Create::AlreadyExists
+                | Create::IsBeingCreatedByAnotherInstance
+                | Create::HangsInCreation),
+            ) => Ok(Attempt::Busy(error.to_string())),
+            Err(error) => Err(failed(at, &error.to_string())),
         }
-        thread::yield_now();
-    }
+    };
+    attain(ground, at, open, create)
 }
 
 fn agree(

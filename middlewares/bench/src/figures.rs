@@ -1,0 +1,44 @@
+//! The middle and the end of many durations.
+
+use std::fmt;
+
+/// What is told of many durations.
+#[derive(Clone, Copy, Debug)]
+pub struct Figures {
+    /// Half of them were not longer, in nanoseconds.
+    pub p50: f64,
+    /// 99 of 100 were not longer.
+    pub p99: f64,
+}
+
+impl Figures {
+    /// The figures of these durations in nanoseconds.
+    ///
+    /// # Panics
+    /// When there are none.
+    #[must_use]
+    pub fn of(mut durations: Vec<f64>) -> Self {
+        durations.sort_by(f64::total_cmp);
+        let at = |hundredth: usize| durations[(durations.len() - 1) * hundredth / 100];
+        Self { p50: at(50), p99: at(99) }
+    }
+}
+
+impl fmt::Display for Figures {
+    /// In microseconds: `p50 / p99`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&format!("{:.2} / {:.2}", self.p50 / 1000.0, self.p99 / 1000.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_middle_and_the_end_are_found_in_any_order() {
+        let figures = Figures::of((1..=101).rev().map(f64::from).collect());
+        assert_eq!((figures.p50, figures.p99), (51.0, 100.0));
+        assert_eq!(Figures::of(vec![2500.0]).to_string(), "2.50 / 2.50");
+    }
+}

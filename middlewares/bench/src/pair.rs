@@ -1,0 +1,179 @@
+//! A process that writes and one that reads, in step: one value at a time, the ways in turn.
+//!
+//! Over a pipe the writer says which way it will use, the reader that it is looking there, and
+//! then when the value arrived. Both read the same clock. What a loaded machine does to one way
+//! it does to the others, value by value.
+
+use std::io::{self, Read, Write};
+use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+
+use crate::{Figures, clock};
+
+/// A value that does not arrive within this time is lost.
+const PATIENCE: u64 = 200_000_000;
+
+/// Values of each way before any is counted.
+const WARM_UP: usize = 100;
+
+/// Looks for a value between two offers of the processor to others.
+const LOOKS: usize = 16;
+
+/// Said instead of a date when nothing arrived.
+const LOST: u64 = u64::MAX;
+
+/// One way from process to process, the writing end.
+pub trait Send {
+    /// Sends one value.
+    fn send(&mut self);
+}
+
+/// The reading end.
+pub trait Receive {
+    /// Whether a value arrived, which is now in memory of the reader's.
+    fn arrived(&mut self) -> bool;
+}
+
+/// The reading process, as the writing one sees it.
+#[derive(Debug)]
+pub struct Reader {
+    process: Child,
+    to: ChildStdin,
+    from: ChildStdout,
+    /// When the last value was sent: the next one goes a whole number of periods later, as a
+    /// periodic task writes.
+    date: u64,
+}
+
+impl Reader {
+    /// Starts this program once more, with these arguments.
+    ///
+    /// # Errors
+    /// It does not start.
+    pub fn start(arguments: &[&str]) -> io::Result<Self> {
+        let mut process = Command::new(std::env::current_exe()?)
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()?;
+        let ends = process.stdin.take().zip(process.stdout.take());
+        let (to, from) = ends.ok_or(io::ErrorKind::BrokenPipe)?;
+        Ok(Self { process, to, from, date: clock::now() })
+    }
+
+    fn ask(&mut self, number: u64) -> io::Result<u64> {
+        self.to.write_all(&number.to_le_bytes())?;
+        self.to.flush()?;
+        self.hear()
+    }
+
+    fn hear(&mut self) -> io::Result<u64> {
+        let mut answer = [0; 8];
+        self.from.read_exact(&mut answer)?;
+        Ok(u64::from_le_bytes(answer))
+    }
+
+    /// Has the reader open its ends for values of that size.
+    ///
+    /// # Errors
+    /// It is gone.
+    pub fn open(&mut self, bytes: usize) -> io::Result<()> {
+        self.ask(bytes as u64).map(drop)
+    }
+
+    /// Sends a value, after the reader began to look; how long it was under way.
+    fn hop(&mut self, way: usize, end: &mut dyn Send, period: u64) -> io::Result<Option<u64>> {
+        self.ask(way as u64)?;
+        let passed = clock::now() - self.date;
+        self.date += (passed / period + 1) * period;
+        clock::sleep_until(self.date);
+        let sent = clock::now();
+        end.send();
+        let arrived = self.hear()?;
+        Ok((arrived != LOST).then(|| arrived.saturating_sub(sent)))
+    }
+
+    /// Figures of each way, of so many values each, which are sent one `period` apart.
+    ///
+    /// # Errors
+    /// The reader is gone.
+    pub fn measure(
+        &mut self,
+        ends: &mut [Box<dyn Send>],
+        rounds: usize,
+        period: u64,
+    ) -> io::Result<Vec<Figures>> {
+        let mut durations = vec![Vec::with_capacity(rounds); ends.len()];
+        // Middlewares connect in their own time.
+        for (way, end) in ends.iter_mut().enumerate() {
+            while self.hop(way, &mut **end, period)?.is_none() {}
+        }
+        for round in 0..WARM_UP + rounds {
+            for (way, end) in ends.iter_mut().enumerate() {
+                let took = self.hop(way, &mut **end, period)?;
+                if let (Some(took), true) = (took, round >= WARM_UP) {
+                    durations[way].push(took as f64);
+                }
+            }
+        }
+        self.ask(u64::MAX)?;
+        Ok(durations.into_iter().map(Figures::of).collect())
+    }
+
+    /// Lets the reader end.
+    ///
+    /// # Errors
+    /// It did not end well.
+    pub fn finish(self) -> io::Result<()> {
+        let Self { mut process, to, from, .. } = self;
+        drop((to, from));
+        let status = process.wait()?;
+        status.success().then_some(()).ok_or_else(|| io::Error::other(format!("{status}")))
+    }
+}
+
+fn ask() -> io::Result<Option<u64>> {
+    let mut question = [0; 8];
+    match io::stdin().read_exact(&mut question) {
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
+        other => other.map(|()| Some(u64::from_le_bytes(question))),
+    }
+}
+
+fn tell(number: u64) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(&number.to_le_bytes())?;
+    out.flush()
+}
+
+/// The reading process: opens ends for each size it is asked for, and says when values arrive.
+///
+/// # Errors
+/// The writer is gone in the middle.
+pub fn serve(mut open: impl FnMut(usize) -> Vec<Box<dyn Receive>>) -> io::Result<()> {
+    while let Some(bytes) = ask()? {
+        let mut ends = open(usize::try_from(bytes).unwrap());
+        tell(0)?;
+        while let Some(end) = ask()?.and_then(|way| ends.get_mut(usize::try_from(way).ok()?)) {
+            while end.arrived() {}
+            tell(0)?;
+            tell(look(&mut **end))?;
+        }
+        tell(0)?;
+    }
+    Ok(())
+}
+
+fn look(end: &mut dyn Receive) -> u64 {
+    let start = clock::now();
+    loop {
+        for _ in 0..LOOKS {
+            if end.arrived() {
+                return clock::now();
+            }
+        }
+        if clock::now() - start > PATIENCE {
+            return LOST;
+        }
+        std::thread::yield_now();
+    }
+}

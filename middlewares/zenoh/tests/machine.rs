@@ -1,0 +1,90 @@
+//! How sessions of one machine reach each other: through shared memory, and no network.
+
+#![allow(clippy::unwrap_used, reason = "test code that stands outside of test functions")]
+
+mod world;
+
+use std::collections::HashSet;
+use std::fs;
+use std::net::UdpSocket;
+use std::sync::{Arc, Mutex};
+
+use genom_middleware::conformance::samples::{image, numbered, state};
+use genom_middleware::conformance::{World, eventually};
+use genom_middleware::{Address, Middleware};
+use genom_types::Record;
+use world::Meeting;
+use zenoh::{Session, Wait};
+
+/// A session with zenoh's own interface, connected to the daemon in a meeting place.
+fn program(place: &Meeting) -> Session {
+    let socket = place.leftovers().into_iter().find(|path| path.ends_with(".sock")).unwrap();
+    let mut config = zenoh::Config::default();
+    for (key, value) in [
+        ("connect/endpoints", format!("[\"unixsock-stream/{socket}\"]").as_str()),
+        ("listen/endpoints", "[]"),
+        ("scouting/multicast/enabled", "false"),
+        ("scouting/gossip/enabled", "false"),
+    ] {
+        config.insert_json5(key, value).unwrap();
+    }
+    zenoh::open(config).wait().unwrap()
+}
+
+#[test]
+fn large_samples_travel_in_shared_memory_and_small_ones_do_not() {
+    let place = Meeting::new();
+    let zenoh = place.open();
+    let program = program(&place);
+    let arrived: Arc<Mutex<Vec<(usize, bool)>>> = Arc::default();
+    let seen = Arc::clone(&arrived);
+    let see = move |sample: zenoh::sample::Sample| {
+        let payload = sample.payload();
+        seen.lock().unwrap().push((payload.len(), payload.as_shm().is_some()));
+    };
+    let _subscriber = program.declare_subscriber("demo/*").callback(see).wait().unwrap();
+    let mut camera = zenoh.publisher(&Address::new("demo", "camera"), &image()).unwrap();
+    let mut pose = zenoh.publisher(&Address::new("demo", "pose"), &state()).unwrap();
+    let picture = Record::new(&image());
+    let came = |large: bool, shared: bool| {
+        let arrived = arrived.lock().unwrap();
+        arrived.iter().any(|(size, memory)| (*size > 4096) == large && *memory == shared)
+    };
+    // zenoh makes its memory when it is first wanted: the first samples may go without.
+    eventually("a large sample comes in shared memory", || {
+        camera.publish(&picture).unwrap();
+        pose.publish(&numbered(1)).unwrap();
+        came(true, true) && came(false, false)
+    });
+    assert!(!came(false, true), "64 bytes need no shared memory");
+}
+
+/// Sockets of this process that speak TCP or UDP.
+fn network_sockets() -> usize {
+    let links = fs::read_dir("/proc/self/fd").unwrap().filter_map(|fd| {
+        // Some are closed meanwhile.
+        let link = fs::read_link(fd.ok()?.path()).ok()?;
+        Some(link.to_str()?.strip_prefix("socket:[")?.strip_suffix(']')?.to_owned())
+    });
+    let own: HashSet<String> = links.collect();
+    let tables = ["tcp", "tcp6", "udp", "udp6"].map(|table| {
+        // A system without IPv6 has no table of it.
+        fs::read_to_string(format!("/proc/self/net/{table}")).unwrap_or_default()
+    });
+    let inodes = tables.iter().flat_map(|table| table.lines().skip(1));
+    inodes.filter_map(|line| line.split_whitespace().nth(9)).filter(|i| own.contains(*i)).count()
+}
+
+#[test]
+fn sessions_of_one_machine_meet_without_any_network() {
+    let place = Meeting::new();
+    let (a, b) = (place.open(), place.open());
+    let _writer = a.publisher(&Address::new("demo", "far"), &state()).unwrap();
+    eventually("they see each other", || {
+        b.discover().unwrap().iter().any(|end| end.address == "demo/far")
+    });
+    assert_eq!(network_sockets(), 0);
+    // So it would be seen if there were one.
+    let _socket = UdpSocket::bind("127.0.0.1:0").unwrap();
+    assert_eq!(network_sockets(), 1);
+}
