@@ -173,6 +173,16 @@ pub trait Middleware: Send + Sync {
         None
     }
 
+    /// Shows a type or service (`::demo::pose`, by its full name) as one of the middleware's own,
+    /// from now on. A backend without such types has nothing to do.
+    ///
+    /// # Errors
+    /// The foreign name is none; the text says what would be.
+    fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), String> {
+        let _ = (ours, foreign);
+        Ok(())
+    }
+
     /// What is visible now, ours and others'.
     ///
     /// # Errors

@@ -21,6 +21,7 @@ use crate::farewell::Farewell;
 use crate::feed::{Feed, FeedHandle, FeedSink, Feeds, Inbox};
 use crate::graph::{Found, Graph, Wanted};
 use crate::info::{self, Ends};
+use crate::masquerades::Masquerades;
 use crate::meetings;
 use crate::names;
 use crate::options::{Options, OptionsError};
@@ -75,6 +76,7 @@ pub(crate) struct Core {
     pub(crate) dds: Dds,
     _farewell: Farewell,
     pub(crate) options: Options,
+    pub(crate) masquerades: Masquerades,
 }
 
 /// Makes writers and readers.
@@ -201,20 +203,21 @@ impl Core {
         }
     }
 
-    fn port(&self, kind: EndpointKind, at: &Address, ty: &DataType) -> Wanted {
-        Wanted {
+    fn port(&self, kind: EndpointKind, at: &Address, ty: &DataType) -> Result<Wanted, OpenError> {
+        let message = self.masquerades.message(ty).map_err(|why| self.failed(at, why))?;
+        Ok(Wanted {
             kind,
             address: self.full(at),
             types: type_of_port(ty),
             digest: ty.digest().to_owned(),
             topic: format!("rt/{}", self.path(at)),
-            dds_type: names::message(ty, &self.options.masquerade).to_dds(""),
+            dds_type: message.to_dds(""),
             node: match kind {
                 // The address is that of the writer; who reads is not known here.
                 EndpointKind::Subscription => format!("genomd_{}", std::process::id()),
                 _ => names::token(&at.instance),
             },
-        }
+        })
     }
 
     pub(crate) fn failed(&self, at: &Address, why: String) -> OpenError {
@@ -323,6 +326,7 @@ impl Ros2 {
                 addresses: options.addresses(),
             },
             options: options.clone(),
+            masquerades: Masquerades::new(options),
         };
         core.announcer()();
         Ok(Arc::new(Self { core: Arc::new(core) }))
@@ -348,7 +352,7 @@ impl Middleware for Ros2 {
     fn publisher(&self, at: &Address, ty: &DataType) -> Result<Box<dyn Publisher>, OpenError> {
         let core = &self.core;
         ty.prepare();
-        let wanted = core.port(EndpointKind::Publisher, at, ty);
+        let wanted = core.port(EndpointKind::Publisher, at, ty)?;
         let claim = core.graph.claim(at, wanted, core.announcer())?;
         let Wanted { topic, dds_type, .. } = claim.wanted();
         let qos = &core.options.qos;
@@ -384,7 +388,7 @@ impl Middleware for Ros2 {
     ) -> Result<Box<dyn Subscription>, OpenError> {
         let core = &self.core;
         ty.prepare();
-        let wanted = core.port(EndpointKind::Subscription, at, ty);
+        let wanted = core.port(EndpointKind::Subscription, at, ty)?;
         let claim = core.graph.claim(at, wanted, core.announcer())?;
         let feed = core.feed(claim.wanted(), ty).map_err(|why| core.failed(at, why))?;
         let inbox = Arc::new(Inbox::new(policy, room_for(ty)));
@@ -412,6 +416,10 @@ impl Middleware for Ros2 {
 
     fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
         self.core.client(at, service)
+    }
+
+    fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), String> {
+        self.core.masquerades.add(ours, foreign)
     }
 
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {

@@ -1,7 +1,8 @@
 //! Bodies of requests and replies: a few fields by hand around a record.
 
 use genom_middleware::{CallError, Outcome};
-use genom_types::{CdrError, DataType, Record};
+use genom_rosidl::{Failure, Manner};
+use genom_types::{CdrError, DataType, Kind, Record};
 use serde_json::Value;
 
 use crate::wire::HEADER;
@@ -11,6 +12,13 @@ pub(crate) const GONE: &str = "::genom::gone";
 
 /// A request that could not be decoded.
 const SERIALIZATION: &str = "::genom::serialization";
+
+/// What an interrupted activity ends with (genom3.md 7.6).
+pub(crate) const INTERRUPTED: &str = "::genom::interrupted";
+
+/// `action_msgs/msg/GoalStatus`
+pub(crate) const SUCCEEDED: u8 = 4;
+pub(crate) const CANCELED: u8 = 5;
 
 /// Appends a string to a payload that starts at 0.
 pub(crate) fn put_string(out: &mut Vec<u8>, text: &str) {
@@ -33,8 +41,22 @@ pub(crate) fn put_input(out: &mut Vec<u8>, input: &Record) -> Result<(), CdrErro
     Ok(())
 }
 
-/// The result of a service: exception, detail, output.
-pub(crate) fn put_outcome(out: &mut Vec<u8>, ty: &DataType, outcome: &Outcome) {
+/// What stands around the output in a response or result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Style {
+    /// Exception and detail come first.
+    Genom,
+    /// It is that of a foreign type, which has nothing else.
+    Foreign(Manner),
+}
+
+/// The result of a service; false when its type cannot say this.
+pub(crate) fn put_outcome(
+    out: &mut Vec<u8>,
+    ty: &DataType,
+    outcome: &Outcome,
+    style: Style,
+) -> bool {
     let before = out.len();
     let (name, detail, output) = match outcome {
         Outcome::Success(output) => ("", Value::Null, Some(output)),
@@ -44,18 +66,78 @@ pub(crate) fn put_outcome(out: &mut Vec<u8>, ty: &DataType, outcome: &Outcome) {
         }
         Outcome::Lost(error) => (GONE, Value::String(error.to_string()), None),
     };
-    put_string(out, name);
-    put_string(out, &if detail.is_null() { String::new() } else { detail.to_string() });
-    let encoded = match output {
-        Some(output) => output.encode_cdr_within(0, out),
-        None => Record::new(ty).encode_cdr_within(0, out),
+    let detail = if detail.is_null() { String::new() } else { detail.to_string() };
+    let encoded = match style {
+        Style::Genom => {
+            put_string(out, name);
+            put_string(out, &detail);
+            match output {
+                Some(output) => output.encode_cdr_within(0, out),
+                None => Record::new(ty).encode_cdr_within(0, out),
+            }
+        }
+        Style::Foreign(manner) => match (manner.failure, output) {
+            (Failure::Added, output) => {
+                out.push(u8::from(output.is_some()));
+                put_string(out, format!("{name} {detail}").trim());
+                Ok(())
+            }
+            (_, Some(output)) => put_input(out, output),
+            (Failure::Members(success, message), None) => {
+                let text = format!("{name} {detail}");
+                put_input(out, &failed(ty, success, message, text.trim()))
+            }
+            (Failure::Silent, None) => {
+                // A result has its status besides.
+                return put_input(out, &Record::new(ty)).is_ok() && before > 0;
+            }
+        },
     };
     if let Err(error) = encoded
         && !matches!(outcome, Outcome::Lost(_))
     {
         out.truncate(before);
         let why = error.to_string();
-        put_outcome(out, ty, &Outcome::Lost(CallError::Serialization(why)));
+        return put_outcome(out, ty, &Outcome::Lost(CallError::Serialization(why)), style);
+    }
+    true
+}
+
+/// An output that says that it failed, and why, as far as its string has room.
+fn failed(ty: &DataType, success: usize, message: usize, why: &str) -> Record {
+    let mut output = Record::new(ty);
+    let room = match ty.member(message).as_ref().map(DataType::kind) {
+        Some(Kind::String { bound: Some(bound) }) => {
+            usize::try_from(bound.saturating_sub(1)).unwrap_or_default()
+        }
+        _ => why.len(),
+    };
+    let end = (0..=room.min(why.len())).rev().find(|end| why.is_char_boundary(*end));
+    let why = why.get(..end.unwrap_or_default()).unwrap_or_default();
+    if let (Some(success), Some(message)) = (ty.member_name(success), ty.member_name(message)) {
+        let told = serde_json::json!({ success: false, message: why });
+        if let Err(error) = output.merge_json(&told) {
+            tracing::debug!(%error, "an exception cannot be told");
+        }
+    }
+    output
+}
+
+/// The exception that a message of ours tells (`::demo::TOO_FAR {"by":3}`), or the middleware's.
+fn failure(message: &str) -> Outcome {
+    let (name, detail) = message.split_once(' ').unwrap_or((message, ""));
+    let known = name.strip_prefix("::").filter(|name| !name.is_empty());
+    let detail = match detail {
+        "" => Some(Value::Null),
+        detail => serde_json::from_str(detail).ok(),
+    };
+    match (known, detail) {
+        (Some(_), Some(detail)) => Outcome::Exception { name: name.to_owned(), detail },
+        _ => {
+            let what = if message.is_empty() { "it failed" } else { message };
+            let name = "::genom::mwerr".to_owned();
+            Outcome::Exception { name, detail: serde_json::json!({ "what": what }) }
+        }
     }
 }
 
@@ -118,8 +200,49 @@ impl<'a> Fields<'a> {
         Ok(record)
     }
 
-    /// The result of a service.
-    pub(crate) fn outcome(&mut self, ty: &DataType) -> Outcome {
+    /// The result of a service; of an action, which ended with this status.
+    pub(crate) fn outcome(&mut self, ty: &DataType, style: Style, status: Option<u8>) -> Outcome {
+        match style {
+            Style::Genom => self.own_outcome(ty),
+            Style::Foreign(manner) => self.foreign_outcome(ty, manner, status),
+        }
+    }
+
+    /// Of a type of ROS, whoever made it.
+    fn foreign_outcome(&mut self, ty: &DataType, manner: Manner, status: Option<u8>) -> Outcome {
+        let lost = |why: &str| Outcome::Lost(CallError::Serialization(why.to_owned()));
+        let mut why = String::new();
+        let output = if manner.failure == Failure::Added {
+            let (Some(success), Some(message)) = (self.byte(), self.string()) else {
+                return lost("success and message are missing");
+            };
+            if success == 0 && status.is_none() {
+                return failure(message);
+            }
+            message.clone_into(&mut why);
+            Record::new(ty)
+        } else {
+            match self.record(ty) {
+                Ok(output) => output,
+                Err(error) => return lost(&error.to_string()),
+            }
+        };
+        match status {
+            None | Some(SUCCEEDED) => Outcome::Success(output),
+            Some(CANCELED) => {
+                Outcome::Exception { name: INTERRUPTED.to_owned(), detail: Value::Null }
+            }
+            Some(_) => {
+                if let Failure::Members(_, message) = manner.failure {
+                    let told = ty.member_name(message).map(|name| output.to_json()[name].clone());
+                    why = told.as_ref().and_then(Value::as_str).unwrap_or_default().to_owned();
+                }
+                failure(&why)
+            }
+        }
+    }
+
+    fn own_outcome(&mut self, ty: &DataType) -> Outcome {
         let lost = |why: &str| Outcome::Lost(CallError::Serialization(why.to_owned()));
         let (Some(name), Some(detail)) = (self.string(), self.string()) else {
             return lost("exception and detail are missing");

@@ -13,7 +13,7 @@ use rustdds::Timestamp;
 use rustdds::mio1::Token;
 
 use crate::backend::Core;
-use crate::body::{self, Fields};
+use crate::body::{self, Fields, Style};
 use crate::channel::{Answer, ClientEnd};
 use crate::goals::GoalId;
 use crate::graph::{Service, Wanted};
@@ -38,6 +38,7 @@ pub(crate) enum Way {
 pub(crate) struct Ros2Client {
     pub(crate) at: Address,
     pub(crate) ty: ServiceType,
+    pub(crate) style: Style,
     pub(crate) wanted: Wanted,
     pub(crate) way: Way,
     pub(crate) core: Arc<Core>,
@@ -69,6 +70,7 @@ pub(crate) struct Runs(Mutex<HashMap<GoalId, Weak<Run>>>);
 struct Run {
     at: Address,
     ty: ServiceType,
+    style: Style,
     id: GoalId,
     server: Target,
     /// Weak: what waits in the ends holds this.
@@ -99,7 +101,11 @@ impl Sink for Feedback {
         let Some(mut fields) = Fields::of(sample.message) else { return };
         let Some(id) = fields.bytes::<16>() else { return };
         let run = lock(&self.runs.0).get(&id).and_then(Weak::upgrade);
-        if let (Some(run), Some(state)) = (run, fields.string()) {
+        // That of a foreign type may be something else.
+        let run = run.filter(|run| !matches!(run.style, Style::Foreign(m) if !m.states));
+        if let Some(run) = run
+            && let Some(state) = fields.string()
+        {
             run.feedback(state);
         }
     }
@@ -138,10 +144,10 @@ impl Client for Ros2Client {
             Way::Service(end) => {
                 let mut body = Vec::new();
                 body::put_input(&mut body, input).map_err(undecodable)?;
-                let output = self.ty.output.clone();
+                let (output, style) = (self.ty.output.clone(), self.style);
                 let then = move |reply: Result<&[u8], CallError>| {
                     replies.finish(match reply.map(Fields::of) {
-                        Ok(Some(mut fields)) => fields.outcome(&output),
+                        Ok(Some(mut fields)) => fields.outcome(&output, style, None),
                         Ok(None) => Outcome::Lost(CallError::Serialization("it is empty".into())),
                         Err(error) => Outcome::Lost(error),
                     });
@@ -184,6 +190,7 @@ impl Run {
         Arc::new(Self {
             at: client.at.clone(),
             ty: client.ty.clone(),
+            style: client.style,
             id,
             server: Target::Participant(server),
             action: Arc::downgrade(action),
@@ -233,7 +240,7 @@ impl Run {
         let then = move |reply: Result<&[u8], CallError>| {
             run.finish(match reply.map(Fields::of) {
                 Ok(Some(mut fields)) => match fields.byte() {
-                    Some(_) => fields.outcome(&run.ty.output),
+                    status @ Some(_) => fields.outcome(&run.ty.output, run.style, status),
                     None => Outcome::Lost(CallError::Serialization("it is empty".into())),
                 },
                 Ok(None) => Outcome::Lost(CallError::Serialization("it is empty".into())),

@@ -10,7 +10,7 @@ use genom_middleware::{
 use rustdds::bytes::Bytes;
 
 use crate::backend::Core;
-use crate::body::{self, Fields};
+use crate::body::{self, CANCELED, Fields, INTERRUPTED, SUCCEEDED, Style};
 use crate::channel::{RequestId, ServerEnd};
 use crate::graph::Claim;
 use crate::post::{Post, Prefix, Target};
@@ -28,12 +28,7 @@ pub(crate) type GoalId = [u8; 16];
 const ACCEPTED: u8 = 1;
 const EXECUTING: u8 = 2;
 const CANCELING: u8 = 3;
-const SUCCEEDED: u8 = 4;
-const CANCELED: u8 = 5;
 const ABORTED: u8 = 6;
-
-/// What an interrupted activity ends with (genom3.md 7.6).
-const INTERRUPTED: &str = "::genom::interrupted";
 
 /// The DDS ends of an action.
 pub(crate) struct Ends {
@@ -47,6 +42,7 @@ pub(crate) struct Ends {
 /// An activity.
 pub(crate) struct ActionServer {
     pub(crate) ty: ServiceType,
+    pub(crate) style: Style,
     pub(crate) handler: Arc<dyn ServiceHandler>,
     pub(crate) orders: Orders,
     pub(crate) ends: OnceLock<Ends>,
@@ -88,11 +84,12 @@ fn put_info(out: &mut Vec<u8>, id: &GoalId, stamp: (i32, u32)) {
 impl ActionServer {
     pub(crate) fn new(
         ty: ServiceType,
+        style: Style,
         handler: Arc<dyn ServiceHandler>,
         orders: Orders,
     ) -> Arc<Self> {
         let (ends, goals) = (OnceLock::new(), Mutex::default());
-        Arc::new(Self { ty, handler, orders, ends, goals })
+        Arc::new(Self { ty, style, handler, orders, ends, goals })
     }
 
     /// Somebody sends a goal.
@@ -149,7 +146,7 @@ impl ActionServer {
             None => {
                 let mut unknown = vec![0];
                 let outcome = Outcome::Lost(CallError::Gone);
-                body::put_outcome(&mut unknown, &self.ty.output, &outcome);
+                body::put_outcome(&mut unknown, &self.ty.output, &outcome, self.style);
                 unknown
             }
         };
@@ -241,6 +238,10 @@ impl ActionServer {
         if begins {
             self.tell_status();
         }
+        if matches!(self.style, Style::Foreign(manner) if !manner.states) {
+            // Its feedback is something else.
+            return;
+        }
         let Some(ends) = self.ends.get() else { return };
         let mut message = id.to_vec();
         body::put_string(&mut message, state);
@@ -259,7 +260,7 @@ impl ActionServer {
         // Also what failed before it was accepted is a goal that ran, to ROS.
         self.accepted(id, None);
         let mut result = vec![0];
-        body::put_outcome(&mut result, &self.ty.output, outcome);
+        body::put_outcome(&mut result, &self.ty.output, outcome, self.style);
         let mut goals = lock(&self.goals);
         let Some(goal) = goals.by_id.get_mut(id).filter(|goal| goal.result.is_none()) else {
             return;

@@ -21,6 +21,12 @@
 //!
 //! **Parameters.** Attributes of one plain value are parameters of the node, too.
 //!
+//! A service or activity may masquerade as one of ROS of equal structure: then the foreign type is
+//! used alone. An exception becomes `success = false` and `message = ::demo::NAME {detail}` where
+//! the response has these two members (a service without outputs gets them for `SetBool` and
+//! `Trigger`); else a service does not answer, which is logged, and an action ends ABORTED.
+//! Feedback that is not one string is left out.
+//!
 //! **Who is there.** DDS's discovery names topics and types; daemons tell each other besides, on
 //! the topic `genom_discovery_info`, the full types and digests of their ends: types of one name
 //! that differ are refused. Of ROS nodes only the name of the type is known.
@@ -38,6 +44,7 @@ mod feed;
 mod goals;
 mod graph;
 mod info;
+mod masquerades;
 mod meetings;
 mod names;
 mod options;

@@ -1,17 +1,14 @@
 //! What ports, services and nodes are called in ROS 2; [`genom_rosidl`] names their types.
 
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use genom_middleware::Address;
 pub(crate) use genom_rosidl::TypeName;
 use genom_types::DataType;
 
-/// The message a port of this type carries.
-pub(crate) fn message(ty: &DataType, masquerade: &BTreeMap<String, String>) -> TypeName {
-    let foreign = genom_rosidl::masqueraded(ty.table(), ty.id(), masquerade);
-    let foreign = foreign.and_then(|name| TypeName::parse(name));
-    foreign.unwrap_or_else(|| genom_rosidl::message(ty.table(), ty.id()))
+/// The message of a port that goes under its own name.
+pub(crate) fn message(ty: &DataType) -> TypeName {
+    genom_rosidl::message(ty.table(), ty.id())
 }
 
 /// The type of a service, which has its name from that of its input struct.

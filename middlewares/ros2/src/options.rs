@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::net::{IpAddr, Ipv4Addr};
+use std::path::PathBuf;
 
 use genom_rosidl::TypeName;
 
@@ -65,12 +66,15 @@ pub struct Options {
     pub qos: Qos,
     /// Attributes of one plain value are parameters, too.
     pub parameters: bool,
-    /// ROS types of equal structure to be used for IDL types: `::demo::pose` as
-    /// `geometry_msgs/msg/Pose`.
+    /// ROS types of equal structure to be used for IDL types and services: `::demo::pose` as
+    /// `geometry_msgs/msg/Pose`, service `::demo::reset` as `std_srvs/srv/Trigger`.
     pub masquerade: BTreeMap<String, String>,
     /// Percent of one processor the sending thread may spend on waiting awake for samples of
     /// periodic writers: they need not wait for it to wake. 0: it always sleeps.
     pub anticipate: u8,
+    /// Folders of packages that define such types, `FOLDER/geometry_msgs/msg/Pose.msg`, besides
+    /// those of `AMENT_PREFIX_PATH`; ROS's common types are known without.
+    pub interfaces: Vec<PathBuf>,
 }
 
 impl Default for Options {
@@ -84,6 +88,7 @@ impl Default for Options {
             parameters: true,
             masquerade: BTreeMap::new(),
             anticipate: 15,
+            interfaces: Vec::new(),
         }
     }
 }

@@ -8,7 +8,7 @@ use genom_middleware::{
 };
 
 use crate::backend::Core;
-use crate::body::{self, Fields};
+use crate::body::{self, Fields, Style};
 use crate::channel::{RequestId, ServerEnd};
 use crate::graph::Claim;
 use crate::parameters::Part;
@@ -25,6 +25,7 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 /// A service without activities.
 pub(crate) struct Server {
     pub(crate) ty: ServiceType,
+    pub(crate) style: Style,
     pub(crate) handler: Arc<dyn ServiceHandler>,
     pub(crate) end: OnceLock<ServerEnd>,
     /// Requests under way: their callers are told when the service leaves.
@@ -38,9 +39,13 @@ struct Request {
 }
 
 impl Server {
-    pub(crate) fn new(ty: ServiceType, handler: Arc<dyn ServiceHandler>) -> Arc<Self> {
+    pub(crate) fn new(
+        ty: ServiceType,
+        style: Style,
+        handler: Arc<dyn ServiceHandler>,
+    ) -> Arc<Self> {
         let (end, pending) = (OnceLock::new(), Mutex::default());
-        Arc::new(Self { ty, handler, end, pending })
+        Arc::new(Self { ty, style, handler, end, pending })
     }
 
     pub(crate) fn request(self: &Arc<Self>, id: RequestId, message: &[u8]) {
@@ -77,8 +82,12 @@ impl Request {
             && let Some(end) = server.end.get()
         {
             let mut reply = Vec::new();
-            body::put_outcome(&mut reply, &server.ty.output, outcome);
-            end.reply(id, reply);
+            if body::put_outcome(&mut reply, &server.ty.output, outcome, server.style) {
+                end.reply(id, reply);
+            } else {
+                // ROS knows no services that fail: the caller waits until it gives up.
+                tracing::warn!(service = server.ty.input.name(), ?outcome, "no reply can say this");
+            }
         }
     }
 }

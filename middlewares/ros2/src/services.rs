@@ -11,6 +11,7 @@ use genom_rosidl::TypeName;
 use rustdds::{GUID, RTPSEntity, Timestamp};
 
 use crate::backend::Core;
+use crate::body::Style;
 use crate::channel::{ClientEnd, Maker, Names, ServerEnd};
 use crate::client::{ActionEnd, Feedback, Ros2Client, Runs, Way};
 use crate::goals::{ActionServer, Ends, Ros2Action};
@@ -38,6 +39,7 @@ struct Plan {
     wanted: Wanted,
     path: String,
     ty: TypeName,
+    style: Style,
 }
 
 impl Plan {
@@ -72,10 +74,17 @@ fn gids(guids: &[GUID]) -> Vec<[u8; 16]> {
 }
 
 impl Core {
-    fn plan(&self, at: &Address, ty: &ServiceType) -> Plan {
+    fn plan(&self, at: &Address, ty: &ServiceType) -> Result<Plan, OpenError> {
         let path = self.path(at);
         let activity = ty.kind == ServiceKind::Activity;
-        let ros = names::service(&ty.input, at, if activity { "action" } else { "srv" });
+        let foreign = self.masquerades.service(ty).map_err(|why| self.failed(at, why))?;
+        let (ros, style) = match foreign {
+            Some((name, manner)) => (name, Style::Foreign(manner)),
+            None => {
+                let folder = if activity { "action" } else { "srv" };
+                (names::service(&ty.input, at, folder), Style::Genom)
+            }
+        };
         let (suffix, part) = if activity { ("/_action/send_goal", "_SendGoal") } else { ("", "") };
         let wanted = Wanted {
             kind: EndpointKind::Service,
@@ -86,7 +95,7 @@ impl Core {
             dds_type: ros.to_dds(&format!("{part}_Request")),
             node: names::token(&at.instance),
         };
-        Plan { wanted, path, ty: ros }
+        Ok(Plan { wanted, path, ty: ros, style })
     }
 
     pub(crate) fn maker(&self) -> Maker {
@@ -109,7 +118,7 @@ impl Core {
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
     ) -> Result<Box<dyn Served>, OpenError> {
-        let plan = self.plan(at, ty);
+        let plan = self.plan(at, ty)?;
         let claim = self.graph.claim(at, plan.wanted.clone(), self.announcer())?;
         let weak = Arc::downgrade(&handler);
         let served = match ty.kind {
@@ -132,7 +141,7 @@ impl Core {
         claim: Claim,
     ) -> Result<Box<dyn Served>, String> {
         let parameter = self.add_parameter(at, ty, &handler);
-        let server = Server::new(ty.clone(), handler);
+        let server = Server::new(ty.clone(), plan.style, handler);
         let weak = Arc::downgrade(&server);
         let on_request = move |id, _, message: &[u8]| {
             if let Some(server) = weak.upgrade() {
@@ -154,7 +163,7 @@ impl Core {
         handler: Arc<dyn ServiceHandler>,
         claim: Claim,
     ) -> Result<Box<dyn Served>, String> {
-        let server = ActionServer::new(ty.clone(), handler, self.orders().clone());
+        let server = ActionServer::new(ty.clone(), plan.style, handler, self.orders().clone());
         let (maker, dds) = (self.maker(), &self.dds);
         let open = |names: &Names, on: fn(&Arc<ActionServer>, _, _, &[u8])| {
             let weak = Arc::downgrade(&server);
@@ -200,7 +209,7 @@ impl Core {
         at: &Address,
         ty: &ServiceType,
     ) -> Result<Box<dyn Client>, OpenError> {
-        let plan = self.plan(at, ty);
+        let plan = self.plan(at, ty)?;
         if let Service::Differs(theirs) = self.graph.service(&plan.wanted) {
             let ours = types_of_service(ty);
             return Err(OpenError::TypeMismatch { address: at.clone(), ours, theirs });
@@ -216,8 +225,8 @@ impl Core {
             .map(Way::Service),
         };
         let way = way.map_err(|why| self.failed(at, why))?;
-        let (at, ty, wanted, core) = (at.clone(), ty.clone(), plan.wanted, Arc::clone(self));
-        Ok(Box::new(Ros2Client { at, ty, wanted, way, core }))
+        let (at, ty, style, core) = (at.clone(), ty.clone(), plan.style, Arc::clone(self));
+        Ok(Box::new(Ros2Client { at, ty, style, wanted: plan.wanted, way, core }))
     }
 
     fn action(&self, plan: &Plan) -> Result<ActionEnd, String> {

@@ -27,7 +27,7 @@ pub use hash::{HashError, hash};
 pub use interface::{Action, Base, Constant, Field, Interface, Message, Service, Shape};
 pub use library::{Library, LibraryError};
 pub use map::{MapError, Mapper, Place, Problem};
-pub use masquerade::{Failure, Manner, MasqueradeError, Ours};
+pub use masquerade::{Failure, Manner, MasqueradeError, Ours, Typed};
 pub use names::{TypeName, masqueraded, message, service, service_of};
 pub use package::{PackageError, Packages};
 pub use parse::{ParseError, parse};

@@ -55,10 +55,11 @@ pub struct Manner {
     pub states: bool,
 }
 
+/// A type and the table it is in.
+pub type Typed<'a> = (&'a TypeTable, TypeId);
+
 /// What is compared, and with what it is found.
 pub struct Ours<'a> {
-    /// The types.
-    pub table: &'a TypeTable,
     /// All masquerades, by full IDL name.
     pub masquerades: &'a BTreeMap<String, TypeName>,
     /// The foreign types.
@@ -70,8 +71,8 @@ impl Ours<'_> {
     ///
     /// # Errors
     /// Their structures differ, or the message is not known.
-    pub fn message(&self, ty: TypeId, foreign: &TypeName) -> Result<(), MasqueradeError> {
-        let ours = self.table.spelling(ty);
+    pub fn message(&self, ty: Typed<'_>, foreign: &TypeName) -> Result<(), MasqueradeError> {
+        let ours = ty.0.spelling(ty.1);
         match self.library.find(foreign)? {
             Interface::Message(theirs) => self.part(&ours, ty, &theirs),
             _ => self.refused(ours, foreign, "a package/msg/Type"),
@@ -85,7 +86,7 @@ impl Ours<'_> {
     pub fn service(
         &self,
         name: &str,
-        (input, output): (TypeId, TypeId),
+        (input, output): (Typed<'_>, Typed<'_>),
         foreign: &TypeName,
     ) -> Result<Manner, MasqueradeError> {
         let Interface::Service(theirs) = self.library.find(foreign)? else {
@@ -105,7 +106,7 @@ impl Ours<'_> {
     pub fn action(
         &self,
         name: &str,
-        (input, output): (TypeId, TypeId),
+        (input, output): (Typed<'_>, Typed<'_>),
         foreign: &TypeName,
     ) -> Result<Manner, MasqueradeError> {
         let Interface::Action(theirs) = self.library.find(foreign)? else {
@@ -132,7 +133,7 @@ impl Ours<'_> {
     fn response(
         &self,
         name: &str,
-        output: TypeId,
+        output: Typed<'_>,
         theirs: &Message,
     ) -> Result<Failure, MasqueradeError> {
         let rank = |name: &str, base: &Base| {
@@ -146,35 +147,36 @@ impl Ours<'_> {
             theirs.fields.iter().position(is)
         };
         let both = (rank("success", &Base::Bool), rank("message", &Base::String(None)));
-        if self.table.members(output).is_empty()
-            && both == (Some(0), Some(1))
-            && theirs.fields.len() == 2
-        {
+        let members = output.0.members(output.1).len();
+        if members == 0 && both == (Some(0), Some(1)) && theirs.fields.len() == 2 {
             return Ok(Failure::Added);
         }
         self.part(name, output, theirs)?;
         Ok(match both {
             // The members of the output are the fields, unless a struct is flattened.
-            (Some(success), Some(message))
-                if self.table.members(output).len() == theirs.fields.len() =>
-            {
+            (Some(success), Some(message)) if members == theirs.fields.len() => {
                 Failure::Members(success, message)
             }
             _ => Failure::Silent,
         })
     }
 
-    fn part(&self, name: &str, ty: TypeId, theirs: &Message) -> Result<(), MasqueradeError> {
+    fn part(
+        &self,
+        name: &str,
+        (table, ty): Typed<'_>,
+        theirs: &Message,
+    ) -> Result<(), MasqueradeError> {
         // The type itself is looked at as it is, what is inside as what it goes as.
         let mut masquerades = self.masquerades.clone();
         let mut itself = ty;
-        for _ in 0..=self.table.len() {
-            let kind = self.table.kind(itself);
+        for _ in 0..=table.len() {
+            let kind = table.kind(itself);
             kind.name().map(|name| masquerades.remove(&name.to_string()));
             let Kind::Typedef { target, .. } = kind else { break };
             itself = *target;
         }
-        let mut mapper = Mapper::new(self.table, masquerades);
+        let mut mapper = Mapper::new(table, masquerades);
         let ours = mapper.fields(&TypeName::new("ours", "msg", "Ours"), ty)?;
         let made = mapper.finish();
         let foreign = |name: &TypeName| self.library.message(name).ok();

@@ -147,13 +147,13 @@ fn map(
 ) -> (Vec<Interface>, Vec<Refusal>) {
     let specification = &navigator.analysis.specification;
     let types = &*specification.types;
-    let ours = Ours { table: types, masquerades: &masquerades, library };
+    let ours = Ours { masquerades: &masquerades, library };
     let mut mapper = Mapper::new(types, masquerades.clone());
     let mut refusals: Vec<Refusal> = Vec::new();
     for component in components {
         for port in &component.ports {
             let foreign = genom_rosidl::masqueraded(types, port.ty, &masquerades);
-            let fits = foreign.map(|foreign| ours.message(port.ty, foreign)).transpose();
+            let fits = foreign.map(|foreign| ours.message((types, port.ty), foreign)).transpose();
             refusals
                 .extend(fits.err().map(|error| refused(navigator, component, port.span, error)));
             let mapped = mapper.port(port.ty).map_err(MasqueradeError::Map);
@@ -162,7 +162,7 @@ fn map(
         }
         for service in &component.services {
             let name = component.scope().join(&service.name);
-            let types_of = (service.input, service.output);
+            let types_of = ((types, service.input), (types, service.output));
             let activity = service.kind == ServiceKind::Activity;
             let mapped = match (masquerades.get(&name.to_string()), activity) {
                 (Some(foreign), false) => {

@@ -1,0 +1,78 @@
+//! Types and services that go under the names of ROS's own.
+
+use std::collections::BTreeMap;
+use std::sync::{PoisonError, RwLock};
+
+use genom_middleware::{ServiceKind, ServiceType};
+use genom_rosidl::{Library, Manner, Ours, TypeName};
+use genom_types::DataType;
+
+use crate::names;
+use crate::options::Options;
+
+/// What goes under which name, and how that is known to be right.
+pub(crate) struct Masquerades {
+    /// By full IDL name of a type or a service.
+    all: RwLock<BTreeMap<String, TypeName>>,
+    library: Library,
+}
+
+impl Masquerades {
+    pub(crate) fn new(options: &Options) -> Self {
+        let named = options.masquerade.iter();
+        let all = named.filter_map(|(ours, name)| Some((ours.clone(), TypeName::parse(name)?)));
+        let ament = std::env::var("AMENT_PREFIX_PATH").ok();
+        Self {
+            all: RwLock::new(all.collect()),
+            library: Library::with_ament(options.interfaces.clone(), ament.as_deref()),
+        }
+    }
+
+    fn all(&self) -> BTreeMap<String, TypeName> {
+        self.all.read().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// Adds one, unless the options say something else.
+    pub(crate) fn add(&self, ours: &str, foreign: &str) -> Result<(), String> {
+        let name = TypeName::parse(foreign).ok_or_else(|| {
+            format!("{ours} cannot masquerade as `{foreign}`: write package/msg/Type")
+        })?;
+        let mut all = self.all.write().unwrap_or_else(PoisonError::into_inner);
+        all.entry(ours.to_owned()).or_insert(name);
+        Ok(())
+    }
+
+    /// The message of a port.
+    pub(crate) fn message(&self, ty: &DataType) -> Result<TypeName, String> {
+        let masquerades = self.all();
+        let (table, id) = (ty.table(), ty.id());
+        let Some(foreign) = genom_rosidl::masqueraded(table, id, &masquerades) else {
+            return Ok(names::message(ty));
+        };
+        let ours = Ours { masquerades: &masquerades, library: &self.library };
+        match ours.message((table, id), foreign) {
+            Ok(()) => Ok(foreign.clone()),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    /// The foreign type of a service, if it has one.
+    pub(crate) fn service(&self, ty: &ServiceType) -> Result<Option<(TypeName, Manner)>, String> {
+        let (input, output) = (&ty.input, &ty.output);
+        let Some(name) = genom_rosidl::service_of(input.table(), input.id()) else {
+            return Ok(None);
+        };
+        let (masquerades, name) = (self.all(), name.to_string());
+        let Some(foreign) = masquerades.get(&name) else { return Ok(None) };
+        let ours = Ours { masquerades: &masquerades, library: &self.library };
+        let types = ((&**input.table(), input.id()), (&**output.table(), output.id()));
+        let manner = match ty.kind {
+            ServiceKind::Activity => ours.action(&name, types, foreign),
+            _ => ours.service(&name, types, foreign),
+        };
+        match manner {
+            Ok(manner) => Ok(Some((foreign.clone(), manner))),
+            Err(error) => Err(error.to_string()),
+        }
+    }
+}

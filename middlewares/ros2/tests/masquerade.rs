@@ -1,0 +1,264 @@
+//! Services and activities under the names of ROS's own types, called by a genuine ROS 2 node.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
+
+mod world;
+
+use std::process::Command;
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use genom_components::peer::Peer;
+use genom_components::python::{ROS_JAZZY, environment};
+use genom_middleware::conformance::eventually;
+use genom_middleware::{
+    ActivityId, Address, Middleware, OpenError, Outcome, Replies, ServiceHandler, ServiceKind,
+    ServiceType,
+};
+use genom_ros2::{Options, Ros2, ServiceMapping};
+use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
+use serde_json::{Value, json};
+use world::Domain;
+
+/// A node named `caller`.
+fn peer(domain: &Domain) -> Peer {
+    let python = environment(&ROS_JAZZY)
+        .unwrap_or_else(|error| panic!("the ROS 2 peer cannot be had: {error}"));
+    Peer::start(
+        Command::new(python)
+            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/masquerade_peer.py"))
+            .env("ROS_DOMAIN_ID", domain.options().domain.to_string())
+            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
+            .env("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
+            .env("ROS_LOG_DIR", std::env::temp_dir())
+            // Its shared memory would outlive a peer that is killed.
+            .env("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
+            .env_remove("ROS_LOCALHOST_ONLY"),
+    )
+}
+
+type Make = fn(&mut TypeTable) -> TypeId;
+
+const BOOLEAN: Make = |table| table.add(Kind::Boolean);
+const LONG: Make = |table| table.add(Kind::Long);
+const TEXT: Make = |table| table.add(Kind::String { bound: Some(32) });
+const LONGS: Make = |table| {
+    let element = table.add(Kind::Long);
+    table.add(Kind::Sequence { element, bound: Some(64) })
+};
+
+/// `::demo::SERVICE::input` or `output`.
+fn part(service: &str, part: &str, members: &[(&str, Make)]) -> DataType {
+    let mut table = TypeTable::default();
+    let member =
+        |(name, make): &(&str, Make)| Member { name: (*name).to_owned(), ty: make(&mut table) };
+    let members = members.iter().map(member).collect();
+    let name = ScopedName::new(["demo", service, part]);
+    let id = table.add(Kind::Struct { name, members });
+    DataType::new(&Arc::new(table), id).unwrap()
+}
+
+fn service(
+    kind: ServiceKind,
+    name: &str,
+    input: &[(&str, Make)],
+    output: &[(&str, Make)],
+) -> ServiceType {
+    ServiceType { kind, input: part(name, "input", input), output: part(name, "output", output) }
+}
+
+fn enable() -> ServiceType {
+    let output: &[(&str, Make)] = &[("success", BOOLEAN), ("message", TEXT)];
+    service(ServiceKind::Attribute, "enable", &[("on", BOOLEAN)], output)
+}
+
+fn reset() -> ServiceType {
+    service(ServiceKind::Function, "reset", &[], &[])
+}
+
+fn count() -> ServiceType {
+    service(ServiceKind::Activity, "count", &[("most", LONG)], &[("numbers", LONGS)])
+}
+
+fn open(domain: &Domain) -> Arc<Ros2> {
+    let masquerade = [
+        ("::demo::enable", "std_srvs/srv/SetBool"),
+        ("::demo::reset", "std_srvs/srv/Trigger"),
+        ("::demo::count", "test_msgs/action/Fibonacci"),
+    ];
+    let masquerade = masquerade.map(|(ours, ros)| (ours.to_owned(), ros.to_owned()));
+    Ros2::open(&Options { masquerade: masquerade.into(), ..domain.options() }).unwrap()
+}
+
+fn record(ty: &DataType, value: &Value) -> Record {
+    let mut record = Record::new(ty);
+    record.merge_json(value).unwrap();
+    record
+}
+
+fn too_far() -> Outcome {
+    Outcome::Exception { name: "::demo::TOO_FAR".to_owned(), detail: json!({"by": 3}) }
+}
+
+/// Does as it is told, but for every second call, which ends with an exception.
+struct Alternate {
+    ty: ServiceType,
+    good: Value,
+    calls: Mutex<Vec<Value>>,
+}
+
+impl Alternate {
+    fn new(ty: &ServiceType, good: Value) -> Arc<Self> {
+        Arc::new(Self { ty: ty.clone(), good, calls: Mutex::default() })
+    }
+}
+
+impl ServiceHandler for Alternate {
+    fn request(&self, input: Record, replies: Box<dyn Replies>) {
+        let mut calls = self.calls.lock().unwrap();
+        calls.push(input.to_json());
+        replies.finish(if calls.len() % 2 == 1 {
+            Outcome::Success(record(&self.ty.output, &self.good))
+        } else {
+            too_far()
+        });
+    }
+
+    fn cancel(&self, _: ActivityId) {}
+}
+
+#[test]
+fn a_ros_node_calls_a_set_bool_and_a_trigger() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = open(&domain);
+    let good = json!({"success": true, "message": "it is on"});
+    let (enabler, resetter) =
+        (Alternate::new(&enable(), good), Alternate::new(&reset(), json!({})));
+    let _enable = ros2.serve(&Address::new("demo", "enable"), &enable(), enabler.clone()).unwrap();
+    let _reset = ros2.serve(&Address::new("demo", "reset"), &reset(), resetter.clone()).unwrap();
+    let mut peer = peer(&domain);
+    let mut call = |name: &str, ros: &str, values: Value| {
+        peer.ask(&json!(["call", format!("/demo/{name}"), ros, values]))
+    };
+    let set_bool = "std_srvs/srv/SetBool";
+    let reply = call("enable", set_bool, json!({"data": true}));
+    assert_eq!(reply, json!({"success": true, "message": "it is on"}));
+    let reply = call("enable", set_bool, json!({"data": false}));
+    assert_eq!(reply, json!({"success": false, "message": "::demo::TOO_FAR {\"by\":3}"}));
+    let heard = enabler.calls.lock().unwrap().clone();
+    assert_eq!(heard, [json!({"on": true}), json!({"on": false})]);
+    let trigger = "std_srvs/srv/Trigger";
+    let reply = call("reset", trigger, json!({}));
+    assert_eq!(reply, json!({"success": true, "message": ""}));
+    let reply = call("reset", trigger, json!({}));
+    assert_eq!(reply, json!({"success": false, "message": "::demo::TOO_FAR {\"by\":3}"}));
+}
+
+/// Counts up to what it is told; to 13 never, until it is cancelled.
+#[derive(Default)]
+struct Counter(Mutex<Option<Box<dyn Replies>>>);
+
+impl ServiceHandler for Counter {
+    fn request(&self, input: Record, mut replies: Box<dyn Replies>) {
+        let most = input.to_json()["most"].as_i64().unwrap();
+        replies.accepted(ActivityId(1));
+        replies.feedback("start");
+        match most {
+            13 => *self.0.lock().unwrap() = Some(replies),
+            7 => replies.finish(too_far()),
+            most => {
+                let numbers: Vec<_> = (1..=most).collect();
+                let output = record(&count().output, &json!({ "numbers": numbers }));
+                replies.finish(Outcome::Success(output));
+            }
+        }
+    }
+
+    fn cancel(&self, _: ActivityId) {
+        if let Some(replies) = self.0.lock().unwrap().take() {
+            let name = "::genom::interrupted".to_owned();
+            replies.finish(Outcome::Exception { name, detail: Value::Null });
+        }
+    }
+}
+
+#[test]
+fn a_ros_node_runs_an_activity_as_an_action_of_its_own() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = open(&domain);
+    let at = Address::new("demo", "count");
+    let _served = ros2.serve(&at, &count(), Arc::<Counter>::default()).unwrap();
+    let mut peer = peer(&domain);
+    let mut run = |order: i32, cancel: bool| {
+        let goal = json!({ "order": order });
+        peer.ask(&json!(["goal", "/demo/count", "test_msgs/action/Fibonacci", goal, cancel]))
+    };
+    let (succeeded, canceled, aborted) = (4, 5, 6);
+    assert_eq!(run(4, false), json!([succeeded, {"sequence": [1, 2, 3, 4]}]));
+    assert_eq!(run(7, false), json!([aborted, {"sequence": []}]));
+    assert_eq!(run(13, true), json!([canceled, {"sequence": []}]));
+    assert_eq!(run(1, false), json!([succeeded, {"sequence": [1]}]));
+}
+
+#[test]
+fn daemons_call_each_other_under_these_names_too() {
+    let domain = Domain::new(ServiceMapping::Cyclone);
+    let (serving, calling) = (open(&domain), open(&domain));
+    let (at, patience) = (Address::new("demo", "reset"), Duration::from_secs(60));
+    let _served = serving.serve(&at, &reset(), Alternate::new(&reset(), json!({}))).unwrap();
+    let mut client = calling.client(&at, &reset()).unwrap();
+    let mut outcome = None;
+    eventually("the service is there", || {
+        outcome = client.call(&Record::new(&reset().input), patience).ok();
+        outcome.is_some()
+    });
+    assert!(matches!(outcome, Some(Outcome::Success(_))), "{outcome:?}");
+    match client.call(&Record::new(&reset().input), patience) {
+        Ok(Outcome::Exception { name, detail }) => {
+            assert_eq!((name.as_str(), detail), ("::demo::TOO_FAR", json!({"by": 3})));
+        }
+        other => panic!("no exception: {other:?}"),
+    }
+    let at = Address::new("demo", "count");
+    let _served = serving.serve(&at, &count(), Arc::<Counter>::default()).unwrap();
+    let mut client = calling.client(&at, &count()).unwrap();
+    let three = record(&count().input, &json!({"most": 3}));
+    eventually("the activity is there", || match client.call(&three, patience) {
+        Ok(Outcome::Success(output)) => output.to_json() == json!({"numbers": [1, 2, 3]}),
+        _ => false,
+    });
+    match client.call(&record(&count().input, &json!({"most": 7})), patience) {
+        Ok(Outcome::Exception { name, .. }) => assert_eq!(name, "::genom::mwerr"),
+        other => panic!("no exception: {other:?}"),
+    }
+}
+
+#[test]
+fn structures_that_differ_are_refused_and_both_are_shown() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = open(&domain);
+    let told = |ty: &ServiceType| {
+        let at = Address::new("demo", "x");
+        let handler = Alternate::new(ty, json!({}));
+        match ros2.serve(&at, ty, handler).err() {
+            Some(OpenError::Failed { why, .. }) => why,
+            other => panic!("not refused: {other:?}"),
+        }
+    };
+    let wrong = service(ServiceKind::Attribute, "enable", &[("on", LONG)], &[]);
+    assert_eq!(
+        told(&wrong),
+        "the request of ::demo::enable and std_srvs/srv/SetBool_Request differ at `on`, there \
+         `data`:\nthe request of ::demo::enable is\n  int32 on\n\
+         std_srvs/srv/SetBool_Request is\n  bool data"
+    );
+    let wrong = service(ServiceKind::Activity, "reset", &[], &[]);
+    assert_eq!(
+        told(&wrong),
+        "::demo::reset cannot go as std_srvs/srv/Trigger: it needs a package/action/Type"
+    );
+    ros2.masquerade("::demo::look", "camera_msgs/srv/Look").unwrap();
+    let unknown = told(&service(ServiceKind::Function, "look", &[], &[]));
+    assert!(unknown.contains("camera_msgs/srv/Look is not known"), "{unknown}");
+    assert!(ros2.masquerade("::demo::look", "Look").unwrap_err().contains("package/msg/Type"));
+}
