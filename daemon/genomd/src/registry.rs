@@ -173,6 +173,8 @@ struct Ros2Options {
     masquerade: BTreeMap<String, String>,
     /// Percent of a processor for waiting awake.
     anticipate: u8,
+    /// Folders of packages that define them.
+    interfaces: Vec<PathBuf>,
 }
 
 impl Default for Ros2Options {
@@ -185,6 +187,7 @@ impl Default for Ros2Options {
             qos: Ros2Qos::default(),
             parameters: None,
             masquerade: BTreeMap::new(),
+            interfaces: Vec::new(),
             anticipate: genom_ros2::Options::default().anticipate,
         }
     }
@@ -234,7 +237,7 @@ impl Ros2Options {
     fn over_environment(self) -> Result<genom_ros2::Options, String> {
         let environment = genom_ros2::Options::from_env().map_err(|error| error.to_string())?;
         let Self { domain, networks, namespace, services, qos, .. } = self;
-        let Self { parameters, masquerade, anticipate, .. } = self;
+        let Self { parameters, masquerade, anticipate, interfaces, .. } = self;
         let Ros2Qos { reliable, depth, transient_local } = qos;
         Ok(genom_ros2::Options {
             domain: domain.unwrap_or(environment.domain),
@@ -253,6 +256,7 @@ impl Ros2Options {
             parameters: parameters.unwrap_or(environment.parameters),
             masquerade,
             anticipate,
+            interfaces,
         })
     }
 }
@@ -274,6 +278,9 @@ pub(crate) enum BackendError {
     /// It does not open on this machine.
     #[error("backend {name} cannot be opened: {why}")]
     Closed { name: String, why: String },
+    /// What a description says of a foreign type makes no sense.
+    #[error("#pragma masquerade: {0}")]
+    Masquerade(String),
 }
 
 fn meant(name: &str) -> String {
@@ -302,6 +309,9 @@ pub(crate) struct Backends {
     open: Mutex<BTreeMap<&'static str, Arc<dyn Middleware>>>,
     /// Told of each when it opens.
     opens: OnceLock<Box<OnOpen>>,
+    /// What descriptions say is to be shown as a foreign type, by middleware, IDL name and foreign
+    /// name: for middlewares that open later.
+    masquerades: Mutex<Vec<(String, String, String)>>,
 }
 
 type OnOpen = dyn Fn(&dyn Middleware) + Send + Sync;
@@ -309,7 +319,7 @@ type OnOpen = dyn Fn(&dyn Middleware) + Send + Sync;
 impl Backends {
     /// None open yet.
     pub(crate) fn new(options: BTreeMap<String, toml::Table>) -> Self {
-        Self { options, open: Mutex::default(), opens: OnceLock::new() }
+        Self { options, open: Mutex::default(), opens: OnceLock::new(), masquerades: Mutex::default() }
     }
 
     /// Has `told` called with each middleware when it opens; once, before the first does.
@@ -327,11 +337,37 @@ impl Backends {
         let middleware = (known.open)(self.options.get(known.name).unwrap_or(&toml::Table::new()))
             .map_err(|why| BackendError::Closed { name: name.to_owned(), why })?;
         open.insert(known.name, Arc::clone(&middleware));
+        let masquerades = self.masquerades.lock().unwrap_or_else(PoisonError::into_inner);
+        for (_, ours, foreign) in masquerades.iter().filter(|(on, ..)| on == known.name) {
+            middleware.masquerade(ours, foreign).map_err(BackendError::Masquerade)?;
         drop(open);
         if let Some(told) = self.opens.get() {
             told(middleware.as_ref());
         }
         Ok(middleware)
+    }
+
+    /// Shows a type or service as a foreign one on a middleware, if that is one of this daemon's.
+    pub(crate) fn masquerade(
+        &self,
+        on: &str,
+        ours: &str,
+        foreign: &str,
+    ) -> Result<(), BackendError> {
+        if !known().iter().any(|known| known.name == on) {
+            // `#pragma masquerade ros ...` is for GenoM3's own templates.
+            return Ok(());
+        }
+        let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(middleware) = open.get(on) {
+            middleware.masquerade(ours, foreign).map_err(BackendError::Masquerade)?;
+        }
+        let mut all = self.masquerades.lock().unwrap_or_else(PoisonError::into_inner);
+        let one = (on.to_owned(), ours.to_owned(), foreign.to_owned());
+        if !all.contains(&one) {
+            all.push(one);
+        }
+        Ok(())
     }
 
     /// Lets go of all: each closes when its last user has.

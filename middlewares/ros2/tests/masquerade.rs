@@ -100,27 +100,30 @@ fn too_far() -> Outcome {
     Outcome::Exception { name: "::demo::TOO_FAR".to_owned(), detail: json!({"by": 3}) }
 }
 
-/// Does as it is told, but for every second call, which ends with an exception.
-struct Alternate {
+/// Does as it is told; refuses to turn anything off, and to do what takes no input again.
+struct Stubborn {
     ty: ServiceType,
     good: Value,
     calls: Mutex<Vec<Value>>,
 }
 
-impl Alternate {
+impl Stubborn {
     fn new(ty: &ServiceType, good: Value) -> Arc<Self> {
         Arc::new(Self { ty: ty.clone(), good, calls: Mutex::default() })
     }
 }
 
-impl ServiceHandler for Alternate {
+impl ServiceHandler for Stubborn {
     fn request(&self, input: Record, replies: Box<dyn Replies>) {
         let mut calls = self.calls.lock().unwrap();
         calls.push(input.to_json());
-        replies.finish(if calls.len() % 2 == 1 {
-            Outcome::Success(record(&self.ty.output, &self.good))
-        } else {
-            too_far()
+        let refused = match input.to_json().get("on") {
+            Some(on) => *on == json!(false),
+            None => calls.len() > 1,
+        };
+        replies.finish(match refused {
+            false => Outcome::Success(record(&self.ty.output, &self.good)),
+            true => too_far(),
         });
     }
 
@@ -132,8 +135,7 @@ fn a_ros_node_calls_a_set_bool_and_a_trigger() {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let ros2 = open(&domain);
     let good = json!({"success": true, "message": "it is on"});
-    let (enabler, resetter) =
-        (Alternate::new(&enable(), good), Alternate::new(&reset(), json!({})));
+    let (enabler, resetter) = (Stubborn::new(&enable(), good), Stubborn::new(&reset(), json!({})));
     let _enable = ros2.serve(&Address::new("demo", "enable"), &enable(), enabler.clone()).unwrap();
     let _reset = ros2.serve(&Address::new("demo", "reset"), &reset(), resetter.clone()).unwrap();
     let mut peer = peer(&domain);
@@ -204,20 +206,24 @@ fn a_ros_node_runs_an_activity_as_an_action_of_its_own() {
 fn daemons_call_each_other_under_these_names_too() {
     let domain = Domain::new(ServiceMapping::Cyclone);
     let (serving, calling) = (open(&domain), open(&domain));
-    let (at, patience) = (Address::new("demo", "reset"), Duration::from_secs(60));
-    let _served = serving.serve(&at, &reset(), Alternate::new(&reset(), json!({}))).unwrap();
-    let mut client = calling.client(&at, &reset()).unwrap();
-    let mut outcome = None;
+    let (at, patience) = (Address::new("demo", "enable"), Duration::from_secs(60));
+    let good = json!({"success": true, "message": "yes"});
+    let _served = serving.serve(&at, &enable(), Stubborn::new(&enable(), good.clone())).unwrap();
+    let mut client = calling.client(&at, &enable()).unwrap();
+    // Discovery goes on in the background: only then is the service there.
     eventually("the service is there", || {
-        outcome = client.call(&Record::new(&reset().input), patience).ok();
-        outcome.is_some()
-    });
-    assert!(matches!(outcome, Some(Outcome::Success(_))), "{outcome:?}");
-    match client.call(&Record::new(&reset().input), patience) {
-        Ok(Outcome::Exception { name, detail }) => {
-            assert_eq!((name.as_str(), detail), ("::demo::TOO_FAR", json!({"by": 3})));
+        match client.call(&record(&enable().input, &json!({"on": true})), patience) {
+            Ok(Outcome::Success(output)) => output.to_json() == good,
+            _ => false,
         }
-        other => panic!("no exception: {other:?}"),
+    });
+    // The response says all: the type of ROS has nothing else.
+    match client.call(&record(&enable().input, &json!({"on": false})), patience) {
+        Ok(Outcome::Success(output)) => assert_eq!(
+            output.to_json(),
+            json!({"success": false, "message": "::demo::TOO_FAR {\"by\":3}"})
+        ),
+        other => panic!("no reply: {other:?}"),
     }
     let at = Address::new("demo", "count");
     let _served = serving.serve(&at, &count(), Arc::<Counter>::default()).unwrap();
@@ -239,7 +245,7 @@ fn structures_that_differ_are_refused_and_both_are_shown() {
     let ros2 = open(&domain);
     let told = |ty: &ServiceType| {
         let at = Address::new("demo", "x");
-        let handler = Alternate::new(ty, json!({}));
+        let handler = Stubborn::new(ty, json!({}));
         match ros2.serve(&at, ty, handler).err() {
             Some(OpenError::Failed { why, .. }) => why,
             other => panic!("not refused: {other:?}"),

@@ -29,7 +29,7 @@ mod warnings;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
-use genom_types::{TypeId, TypeTable};
+use genom_types::{ScopedName, TypeId, TypeTable};
 
 use self::scope::{Entity, ScopeId, Scopes};
 use self::state::{Body, BodyId};
@@ -37,7 +37,7 @@ use self::types::{Facts, Shape};
 use self::value::Value;
 use crate::diagnostic::Diagnostic;
 use crate::model::{Constant, Masquerade, Span, Specification};
-use crate::syntax::{Statement, Tree};
+use crate::syntax::{Path, Statement, Tree};
 use crate::token::Pragma;
 
 /// Errors that get a nearest name: finding it costs a look at all names.
@@ -161,6 +161,14 @@ impl Checker {
         }
     }
 
+    /// Full name of the service that a path names.
+    fn service_at(&self, path: &Path) -> Option<ScopedName> {
+        let [component, service] = &path.segments[..] else { return None };
+        let body = self.bodies.get(*self.body_index.get(&*component.text)?)?;
+        let known = body.services.contains_key(&*service.text) && !body.interface;
+        known.then(|| ScopedName::new([&*component.text, &*service.text]))
+    }
+
     fn masquerade(&mut self, arguments: &[(Box<str>, Span)], span: Span) {
         let [(template, at), (ty, ty_span), (data, _)] = arguments else {
             let message = "`#pragma masquerade` takes a middleware, a type and a foreign type";
@@ -171,17 +179,31 @@ impl Checker {
             return;
         };
         let path = papers::path_of(ty, *ty_span);
-        let Some((Entity::Type(ty), _)) = self.find(&path, "type") else { return };
-        if let Some(other) =
-            self.masquerades.iter().find(|m| *m.template == **template && m.ty == ty)
-        {
-            let error = Diagnostic::error("E0506", *at, "this type already has a masquerade")
-                .note(other.span, "declared here");
+        // Ours: also a service, where the foreign type is one.
+        let service = ["/srv/", "/action/"].iter().any(|folder| data.contains(folder));
+        let (name, ty) = if service {
+            let Some(name) = self.service_at(&path) else {
+                let message = format!("there is no service `{ty}` so far");
+                let error = Diagnostic::error("E0206", *ty_span, message)
+                    .help("name component::service, below the component");
+                return self.push(error);
+            };
+            (name, None)
+        } else {
+            let Some((Entity::Type(ty), _)) = self.find(&path, "type") else { return };
+            (self.types.kind(ty).name().cloned().unwrap_or(ScopedName::new([&**data])), Some(ty))
+        };
+        let same = |m: &&Masquerade| *m.template == **template && m.ty == ty && m.name == name;
+        if let Some(other) = self.masquerades.iter().find(same) {
+            let what = if service { "service" } else { "type" };
+            let message = format!("this {what} already has a masquerade");
+            let error = Diagnostic::error("E0506", *at, message).note(other.span, "declared here");
             self.push(error);
             return;
         }
         self.masquerades.push(Masquerade {
             template: template.to_string(),
+            name,
             ty,
             data: data.to_string(),
             span: *at,

@@ -63,13 +63,15 @@ pub struct Constant {
     pub span: Span,
 }
 
-/// A type that a middleware shall show as one of its own.
+/// A type or service that a middleware shall show as one of its own.
 #[derive(Clone, Debug)]
 pub struct Masquerade {
     /// The middleware, e.g. `ros2`.
     pub template: String,
-    /// The IDL type.
-    pub ty: TypeId,
+    /// Full name of the type, or of the service: `::demo::goto`.
+    pub name: ScopedName,
+    /// The type, unless it is a service.
+    pub ty: Option<TypeId>,
     /// The foreign type, e.g. `geometry_msgs/msg/Pose`.
     pub data: String,
     /// Where it is declared.

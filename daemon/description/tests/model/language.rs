@@ -98,3 +98,28 @@ fn a_component_as_people_write_them_reads() {
     assert_eq!(flyer.tasks.len(), 2);
     assert_eq!(specification.masquerades.len(), 1);
 }
+
+#[test]
+fn types_and_services_masquerade() {
+    let read = |pragma: &str| {
+        let text = format!(
+            "component c {{ struct pose {{ double x; }}; ids {{ boolean on; }}; \
+             attribute enable(in on); }};\n#pragma masquerade ros2 {pragma}\n"
+        );
+        genom_description::read_text("c.gen", &text, &Default::default())
+    };
+    for (pragma, name, is_type) in [
+        ("c::pose geometry_msgs/msg/Pose", "::c::pose", true),
+        ("c::enable std_srvs/srv/SetBool", "::c::enable", false),
+    ] {
+        let analysis = read(pragma);
+        assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
+        let [one] = &analysis.specification.masquerades[..] else { panic!("{pragma}") };
+        assert_eq!((one.name.to_string().as_str(), one.ty.is_some()), (name, is_type));
+    }
+    for pragma in ["c::pose std_srvs/srv/SetBool", "c::enabel a/srv/B", "d::x a/action/B"] {
+        let analysis = read(pragma);
+        let codes: Vec<_> = analysis.diagnostics.iter().map(|said| said.code).collect();
+        assert!(codes.contains(&"E0206"), "{pragma}: {codes:?}");
+    }
+}

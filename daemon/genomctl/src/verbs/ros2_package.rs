@@ -118,10 +118,7 @@ fn chosen<'a>(
 /// What `#pragma masquerade ros2` says.
 fn pragmas(specification: &Specification) -> BTreeMap<String, TypeName> {
     let ros2 = specification.masquerades.iter().filter(|one| one.template == "ros2");
-    let read = ros2.filter_map(|one| {
-        let ours = specification.types.kind(one.ty).name()?;
-        Some((ours.to_string(), TypeName::parse(&one.data)?))
-    });
+    let read = ros2.filter_map(|one| Some((one.name.to_string(), TypeName::parse(&one.data)?)));
     read.collect()
 }
 

@@ -88,6 +88,9 @@ pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Ho
     let Some(reservation) = daemon.components.reserve(&name) else {
         return Err(LoadError::Taken(name));
     };
+    for one in &analysis.specification.masquerades {
+        daemon.backends.masquerade(&one.template, &one.name.to_string(), &one.data)?;
+    }
     let specification = Arc::new(analysis.specification);
     let plan = Arc::new(Plan::new(&specification, index)?);
     let component = open(&located, &analysis.sources, &plan)?;
