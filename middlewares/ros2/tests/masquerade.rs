@@ -12,8 +12,8 @@ use genom_components::peer::Peer;
 use genom_components::python::{ROS_JAZZY, environment};
 use genom_middleware::conformance::eventually;
 use genom_middleware::{
-    ActivityId, Address, Middleware, OpenError, Outcome, Replies, ServiceHandler, ServiceKind,
-    ServiceType,
+    ActivityId, Address, CallError, Client, Middleware, OpenError, Outcome, Replies,
+    ServiceHandler, ServiceKind, ServiceType,
 };
 use genom_ros2::{Options, Ros2, ServiceMapping};
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
@@ -206,20 +206,17 @@ fn a_ros_node_runs_an_activity_as_an_action_of_its_own() {
 fn daemons_call_each_other_under_these_names_too() {
     let domain = Domain::new(ServiceMapping::Cyclone);
     let (serving, calling) = (open(&domain), open(&domain));
-    let (at, patience) = (Address::new("demo", "enable"), Duration::from_secs(60));
+    let at = Address::new("demo", "enable");
     let good = json!({"success": true, "message": "yes"});
     let _served = serving.serve(&at, &enable(), Stubborn::new(&enable(), good.clone())).unwrap();
     let mut client = calling.client(&at, &enable()).unwrap();
-    // Discovery goes on in the background: only then is the service there.
-    eventually("the service is there", || {
-        match client.call(&record(&enable().input, &json!({"on": true})), patience) {
-            Ok(Outcome::Success(output)) => output.to_json() == good,
-            _ => false,
-        }
-    });
+    match call(&mut *client, &record(&enable().input, &json!({"on": true}))) {
+        Outcome::Success(output) => assert_eq!(output.to_json(), good),
+        other => panic!("no reply: {other:?}"),
+    }
     // The response says all: the type of ROS has nothing else.
-    match client.call(&record(&enable().input, &json!({"on": false})), patience) {
-        Ok(Outcome::Success(output)) => assert_eq!(
+    match call(&mut *client, &record(&enable().input, &json!({"on": false}))) {
+        Outcome::Success(output) => assert_eq!(
             output.to_json(),
             json!({"success": false, "message": "::demo::TOO_FAR {\"by\":3}"})
         ),
@@ -228,15 +225,29 @@ fn daemons_call_each_other_under_these_names_too() {
     let at = Address::new("demo", "count");
     let _served = serving.serve(&at, &count(), Arc::<Counter>::default()).unwrap();
     let mut client = calling.client(&at, &count()).unwrap();
-    let three = record(&count().input, &json!({"most": 3}));
-    eventually("the activity is there", || match client.call(&three, patience) {
-        Ok(Outcome::Success(output)) => output.to_json() == json!({"numbers": [1, 2, 3]}),
-        _ => false,
-    });
-    match client.call(&record(&count().input, &json!({"most": 7})), patience) {
-        Ok(Outcome::Exception { name, .. }) => assert_eq!(name, "::genom::mwerr"),
+    match call(&mut *client, &record(&count().input, &json!({"most": 3}))) {
+        Outcome::Success(output) => assert_eq!(output.to_json(), json!({"numbers": [1, 2, 3]})),
+        other => panic!("no result: {other:?}"),
+    }
+    match call(&mut *client, &record(&count().input, &json!({"most": 7}))) {
+        Outcome::Exception { name, .. } => assert_eq!(name, "::genom::mwerr"),
         other => panic!("no exception: {other:?}"),
     }
+}
+
+/// Calls a service, as soon as all is known of it: while daemons tell each other what their ends
+/// are, a call is refused before it is sent.
+fn call(client: &mut dyn Client, input: &Record) -> Outcome {
+    let mut outcome = None;
+    eventually("the service is there", || {
+        match client.call(input, Duration::from_secs(60)) {
+            Ok(ended) => outcome = Some(ended),
+            Err(CallError::Nobody { .. }) => {}
+            Err(error) => panic!("{error}"),
+        }
+        outcome.is_some()
+    });
+    outcome.unwrap()
 }
 
 #[test]
