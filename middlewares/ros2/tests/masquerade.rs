@@ -9,7 +9,6 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use genom_components::peer::Peer;
-use genom_components::python::{ROS_JAZZY, environment};
 use genom_middleware::conformance::eventually;
 use genom_middleware::{
     ActivityId, Address, CallError, Client, Middleware, OpenError, Outcome, Replies,
@@ -20,21 +19,19 @@ use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable}
 use serde_json::{Value, json};
 use world::Domain;
 
-/// A node named `caller`.
+/// A node named `caller`, in the environment of all ROS 2 nodes of tests.
 fn peer(domain: &Domain) -> Peer {
-    let python = environment(&ROS_JAZZY)
-        .unwrap_or_else(|error| panic!("the ROS 2 peer cannot be had: {error}"));
-    Peer::start(
-        Command::new(python)
-            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/masquerade_peer.py"))
-            .env("ROS_DOMAIN_ID", domain.options().domain.to_string())
-            .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-            .env("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
-            .env("ROS_LOG_DIR", std::env::temp_dir())
-            // Its shared memory would outlive a peer that is killed.
-            .env("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
-            .env_remove("ROS_LOCALHOST_ONLY"),
-    )
+    let node = genom_components::ros2::node(domain.options().domain.into(), None)
+        .unwrap_or_else(|error| panic!("there is no ROS 2: {error}"));
+    let mut caller = Command::new(node.get_program());
+    caller.arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/masquerade_peer.py"));
+    for (name, value) in node.get_envs() {
+        match value {
+            Some(value) => caller.env(name, value),
+            None => caller.env_remove(name),
+        };
+    }
+    Peer::start(&mut caller)
 }
 
 type Make = fn(&mut TypeTable) -> TypeId;
