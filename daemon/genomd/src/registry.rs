@@ -319,7 +319,12 @@ type OnOpen = dyn Fn(&dyn Middleware) + Send + Sync;
 impl Backends {
     /// None open yet.
     pub(crate) fn new(options: BTreeMap<String, toml::Table>) -> Self {
-        Self { options, open: Mutex::default(), opens: OnceLock::new(), masquerades: Mutex::default() }
+        Self {
+            options,
+            open: Mutex::default(),
+            opens: OnceLock::new(),
+            masquerades: Mutex::default(),
+        }
     }
 
     /// Has `told` called with each middleware when it opens; once, before the first does.
@@ -340,6 +345,8 @@ impl Backends {
         let masquerades = self.masquerades.lock().unwrap_or_else(PoisonError::into_inner);
         for (_, ours, foreign) in masquerades.iter().filter(|(on, ..)| on == known.name) {
             middleware.masquerade(ours, foreign).map_err(BackendError::Masquerade)?;
+        }
+        drop(masquerades);
         drop(open);
         if let Some(told) = self.opens.get() {
             told(middleware.as_ref());
