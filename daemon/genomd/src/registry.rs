@@ -171,10 +171,10 @@ struct Ros2Options {
     parameters: Option<bool>,
     /// ROS types to use for IDL types.
     masquerade: BTreeMap<String, String>,
-    /// Percent of a processor for waiting awake.
-    anticipate: u8,
     /// Folders of packages that define them.
     interfaces: Vec<PathBuf>,
+    /// Percent of a processor for waiting awake.
+    anticipate: u8,
 }
 
 impl Default for Ros2Options {
