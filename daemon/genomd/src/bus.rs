@@ -9,6 +9,8 @@ use serde::Serialize;
 use serde_json::Value;
 use tokio::sync::broadcast;
 
+use crate::dates::Dates;
+
 /// Something that changed.
 #[derive(Clone, Debug, Serialize)]
 #[serde(tag = "event", rename_all = "snake_case")]
@@ -73,6 +75,8 @@ pub(crate) enum Change {
 pub(crate) struct Numbered {
     /// From 1, without gaps.
     pub(crate) id: u64,
+    /// When it was told.
+    pub(crate) date: u64,
     /// What was told, as JSON.
     pub(crate) data: Arc<Value>,
 }
@@ -87,6 +91,7 @@ pub(crate) struct Bus(Numbers);
 /// What was told lately, by number, and who listens.
 #[derive(Debug)]
 pub(crate) struct Numbers {
+    dates: Dates,
     past: Mutex<Past>,
     live: broadcast::Sender<Numbered>,
 }
@@ -99,8 +104,8 @@ struct Past {
 
 impl Bus {
     /// A bus on which nothing was told yet.
-    pub(crate) fn new() -> Self {
-        Self(Numbers::new())
+    pub(crate) fn new(dates: Dates) -> Self {
+        Self(Numbers::new(dates))
     }
 
     /// Tells a change to all listeners.
@@ -119,8 +124,8 @@ impl Bus {
 
 impl Numbers {
     /// Nothing told yet.
-    pub(crate) fn new() -> Self {
-        Self { past: Mutex::default(), live: broadcast::Sender::new(KEPT) }
+    pub(crate) fn new(dates: Dates) -> Self {
+        Self { dates, past: Mutex::default(), live: broadcast::Sender::new(KEPT) }
     }
 
     /// Numbers it and tells it to all listeners.
@@ -128,7 +133,7 @@ impl Numbers {
         let data = Arc::new(data);
         let mut past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
         past.last += 1;
-        let numbered = Numbered { id: past.last, data };
+        let numbered = Numbered { id: past.last, date: self.dates.now(), data };
         if past.kept.len() == KEPT {
             past.kept.pop_front();
         }
@@ -156,7 +161,7 @@ mod tests {
 
     #[test]
     fn a_listener_that_comes_back_misses_nothing() {
-        let bus = Bus::new();
+        let bus = Bus::new(Dates::default());
         for _ in 0..3 {
             bus.tell(&Change::Stopping {});
         }

@@ -7,10 +7,12 @@ use tokio::sync::Semaphore;
 
 use crate::bus::{Bus, Change};
 use crate::config::{CallEntry, ClockKind, LoadRequest, Settings};
+use crate::dates::Dates;
 use crate::deploy::keep::Declared;
 use crate::deploy::request;
 use crate::flag::Flag;
 use crate::hosting::{self, Components, Hosted, LoadError, UnloadError};
+use crate::recording::Recordings;
 use crate::registry::Backends;
 use crate::shown::Shown;
 
@@ -27,6 +29,8 @@ pub(crate) struct Daemon {
     pub(crate) clock: Clock,
     /// Where changes are told.
     pub(crate) bus: Arc<Bus>,
+    /// The recordings under way.
+    pub(crate) recordings: Arc<Recordings>,
     /// Connections to keep.
     pub(crate) declared: Declared,
     /// Held while a deployment is applied: one at a time.
@@ -44,15 +48,18 @@ pub(crate) struct Daemon {
 impl Daemon {
     /// A daemon without components.
     pub(crate) fn new(settings: Settings) -> Arc<Self> {
+        let clock = match settings.clock {
+            ClockKind::Monotonic => Clock::Monotonic,
+            ClockKind::Virtual => Clock::Virtual(Arc::new(VirtualClock::new())),
+        };
+        let dates = Dates::of(&clock);
         Arc::new(Self {
             backends: Backends::new(settings.backends.clone()),
             shown: Shown::default(),
             components: Components::default(),
-            clock: match settings.clock {
-                ClockKind::Monotonic => Clock::Monotonic,
-                ClockKind::Virtual => Clock::Virtual(Arc::new(VirtualClock::new())),
-            },
-            bus: Arc::new(Bus::new()),
+            clock,
+            bus: Arc::new(Bus::new(dates.clone())),
+            recordings: Arc::new(Recordings::new(dates)),
             declared: Declared::default(),
             deploying: Mutex::default(),
             streams: Arc::new(Semaphore::new(settings.rpc.max_streams)),
@@ -81,12 +88,7 @@ impl Daemon {
                 return Err(LoadError::Attribute { name, why });
             }
         }
-        let backend = hosted.wiring.bindings.component();
-        tracing::info!(instance = hosted.name, "runs on {backend}");
-        self.bus.tell(&Change::ComponentLoaded {
-            component: hosted.name.clone(),
-            backend: backend.to_string(),
-        });
+        self.runs(&hosted);
         Ok(hosted)
     }
 

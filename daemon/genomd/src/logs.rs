@@ -13,9 +13,10 @@ use tracing_subscriber::util::SubscriberInitExt as _;
 use tracing_subscriber::{EnvFilter, Layer};
 
 use crate::bus::Numbers;
+use crate::dates::Dates;
 
 /// What was logged: one process has one log.
-static PAST: LazyLock<Numbers> = LazyLock::new(Numbers::new);
+static PAST: LazyLock<Numbers> = LazyLock::new(|| Numbers::new(Dates::default()));
 
 /// The last entries, and those to come.
 pub(crate) fn past() -> &'static Numbers {

@@ -27,6 +27,7 @@ use super::watch::{BusWatcher, Follower};
 use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
 use crate::flag::Flag;
+use crate::recording::{Call, Recordings};
 use crate::wiring::bindings::Bindings;
 use crate::wiring::requests::SupervisorWiring;
 use crate::wiring::serve::ServedOn;
@@ -61,6 +62,7 @@ pub(crate) struct Hosted {
     pub(crate) gone: Flag,
     /// Raised when it asked for its own end.
     pub(crate) killed: Flag,
+    recordings: Arc<Recordings>,
     plan: Arc<Plan>,
     instance: Instance,
     watcher: Arc<BusWatcher>,
@@ -106,6 +108,7 @@ impl Hosted {
             done: Arc::default(),
             gone: Flag::new(),
             killed,
+            recordings: Arc::clone(&daemon.recordings),
             plan,
             instance,
             watcher,
@@ -184,9 +187,11 @@ impl Hosted {
         input: Record,
         mut progress: impl FnMut(Heard) + Send + 'static,
     ) {
+        let name = &self.model().services[service].name;
         let mut tracked = Tracked {
+            call: self.recordings.called(&self.name, name, || input.to_json()),
             log: Arc::clone(&self.activities),
-            service: self.model().services[service].name.clone(),
+            service: name.clone(),
             running: None,
             done: Arc::clone(&self.done),
             inputs: self.remembered(service).then(|| input.to_json()),
@@ -344,6 +349,8 @@ pub(crate) enum Heard {
 
 /// Keeps the log of activities in step with one request.
 struct Tracked {
+    /// Told of the end, when it is recorded.
+    call: Option<Call>,
     log: Arc<ActivityLog>,
     service: String,
     running: Option<Arc<Activity>>,
@@ -363,6 +370,9 @@ impl Tracked {
     }
 
     fn ended(&mut self, ending: Ending) {
+        if let Some(call) = self.call.take() {
+            call.ended(self.running.as_ref().map(|activity| activity.number), &ending);
+        }
         if let Some(inputs) = self.inputs.take().filter(|_| ending.exception().is_none()) {
             self.done.attribute(&self.service, inputs);
         }

@@ -24,6 +24,7 @@ mod logs;
 mod metrics;
 mod middlewares;
 mod ports;
+mod recordings;
 pub(crate) mod relay;
 pub(crate) mod serve;
 mod services;
@@ -74,6 +75,8 @@ fn routes() -> OpenApiRouter<Arc<Daemon>> {
         .routes(routes!(connections::disconnect_element))
         .routes(routes!(deployment::dump, deployment::apply))
         .routes(routes!(tasks::statistics))
+        .routes(routes!(recordings::start))
+        .routes(routes!(recordings::end))
         .routes(routes!(metrics::text))
         .routes(routes!(logs::list))
         .routes(routes!(logs::stream))

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use axum::http::StatusCode;
 use axum::response::sse::{Event, KeepAlive, Sse};
-use tokio::sync::mpsc;
+use tokio::sync::{OwnedSemaphorePermit, mpsc};
 use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
 
@@ -34,6 +34,16 @@ impl Writer {
     }
 }
 
+/// Takes one of the slots for open streams; refused when too many are open.
+pub(super) fn slot(daemon: &Daemon) -> Result<OwnedSemaphorePermit, RpcError> {
+    Arc::clone(&daemon.streams).try_acquire_owned().map_err(|_| {
+        let most = daemon.settings.rpc.max_streams;
+        let message = format!("{most} streams are open already");
+        RpcError::new(StatusCode::SERVICE_UNAVAILABLE, "too_many_streams", message)
+            .help("close one, or raise rpc.max_streams in the daemon's configuration")
+    })
+}
+
 /// Opens a stream that `feed` writes; refused when too many are open.
 pub(super) fn open<F, R>(
     daemon: &Arc<Daemon>,
@@ -43,12 +53,7 @@ where
     F: FnOnce(Writer) -> R,
     R: Future<Output = ()> + Send + 'static,
 {
-    let Ok(slot) = Arc::clone(&daemon.streams).try_acquire_owned() else {
-        let most = daemon.settings.rpc.max_streams;
-        let message = format!("{most} streams are open already");
-        return Err(RpcError::new(StatusCode::SERVICE_UNAVAILABLE, "too_many_streams", message)
-            .help("close one, or raise rpc.max_streams in the daemon's configuration"));
-    };
+    let slot = slot(daemon)?;
     let (sender, receiver) = mpsc::channel(8);
     let feeding = feed(Writer(sender));
     let closed = daemon.closed.clone();

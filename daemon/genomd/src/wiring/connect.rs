@@ -176,10 +176,13 @@ pub(super) fn attach(
     };
     let subscription = middleware.subscription(&outport, ty, policy)?;
     let tap = Tap::new(subscription, &daemon.clock, ty);
-    hosted.bind_in(port, element, Some(tap.subscription()));
     let backend = middleware.name().to_owned();
-    let connection = Connection { inport, outport, backend, policy, fixed };
-    hosted.wiring.connected(port, element, connection.clone(), tap);
+    let connection = Connection { inport: inport.clone(), outport, backend, policy, fixed };
+    hosted.wiring.connected(port, element, connection.clone(), tap.clone());
+    // Known before it is used: a recording that starts now finds it here or there.
+    let reads = Some(&connection.outport);
+    daemon.recordings.opened(&inport, PortDirection::In, reads, ty, tap.tapes());
+    hosted.bind_in(port, element, Some(tap.subscription()));
     daemon.bus.tell(&Change::Connected {
         inport: connection.inport.to_string(),
         outport: connection.outport.to_string(),

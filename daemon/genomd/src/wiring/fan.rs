@@ -8,6 +8,7 @@ use genom_runtime::Clock;
 use genom_types::{DataType, Record};
 
 use super::gauge::Gauge;
+use crate::recording::Tapes;
 
 /// What an out port publishes on: middlewares by name, in the order given.
 pub(super) type Ends = Vec<(String, Box<dyn Publisher>)>;
@@ -19,12 +20,17 @@ pub(crate) struct Fan {
     /// a codel never waits for it.
     ends: Arc<Mutex<Ends>>,
     gauge: Arc<Gauge>,
+    tapes: Arc<Tapes>,
 }
 
 impl Fan {
     /// A port of this type on these.
     pub(crate) fn new(ends: Ends, clock: &Clock, ty: &DataType) -> Self {
-        Self { ends: Arc::new(Mutex::new(ends)), gauge: Arc::new(Gauge::new(clock, ty)) }
+        Self {
+            ends: Arc::new(Mutex::new(ends)),
+            gauge: Arc::new(Gauge::new(clock, ty)),
+            tapes: Arc::default(),
+        }
     }
 
     /// What the component writes to.
@@ -35,6 +41,11 @@ impl Fan {
     /// What passed.
     pub(crate) fn gauge(&self) -> &Arc<Gauge> {
         &self.gauge
+    }
+
+    /// Where values are recorded.
+    pub(super) fn tapes(&self) -> &Arc<Tapes> {
+        &self.tapes
     }
 
     /// Exchanges the ends: `change` gets the present ones and gives back those to drop later,
@@ -59,7 +70,7 @@ struct FanPublisher {
 impl Publisher for FanPublisher {
     /// Publishes on all; the first failure is told when none took the value.
     fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
-        let Fan { ends, gauge } = &self.fan;
+        let Fan { ends, gauge, tapes } = &self.fan;
         let mut ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
         let (mut taken, mut dropped, mut failure) = (false, 0, None);
         for (_, end) in ends.iter_mut() {
@@ -77,6 +88,7 @@ impl Publisher for FanPublisher {
             _ => {
                 gauge.passed(dropped);
                 gauge.weigh(value, &mut self.scratch);
+                tapes.take(value);
                 Ok(())
             }
         }

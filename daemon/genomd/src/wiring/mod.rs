@@ -21,6 +21,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use genom_middleware::{Address, Policy};
 
 use self::bindings::Bindings;
+use crate::recording::Tapes;
 pub(crate) use connect::{ConnectError, ConnectRequest};
 use fan::Fan;
 use gauge::Gauge;
@@ -112,6 +113,18 @@ impl Wires {
                 .filter_map(|(_, element)| element.clone())
                 .collect();
             all.into_iter().collect()
+        })
+    }
+
+    /// Where ports are recorded, with the address that an in port reads.
+    pub(crate) fn tapes(&self) -> Vec<(Key, Option<Address>, Arc<Tapes>)> {
+        self.with(|state| {
+            let written = state.opened.iter().map(|(key, fan)| (key, None, fan.tapes()));
+            let read = state.connections.iter().map(|(key, (connection, tap))| {
+                (key, Some(connection.outport.clone()), tap.tapes())
+            });
+            let all = written.chain(read);
+            all.map(|(key, reads, tapes)| (key.clone(), reads, Arc::clone(tapes))).collect()
         })
     }
 

@@ -58,7 +58,8 @@ pub(crate) fn bind(
             let ends = open(daemon, &wires.bindings.port(&port.name), &address, ty)?;
             let fan = Fan::new(ends, &daemon.clock, ty);
             body.bind_out(index, None, Some(fan.publisher()));
-            wires.opened(index, None, fan);
+            wires.opened(index, None, fan.clone());
+            daemon.recordings.opened(&address, PortDirection::Out, None, ty, fan.tapes());
         }
     }
     body.set_opener(Box::new(ElementOpener {
@@ -97,7 +98,8 @@ impl Opener for ElementOpener {
         let ends = open(&daemon, &names, &address, ty).map_err(|error| error.to_string())?;
         let fan = Fan::new(ends, &daemon.clock, ty);
         let publisher = fan.publisher();
-        self.wires.opened(port, Some(element), fan);
+        self.wires.opened(port, Some(element), fan.clone());
+        daemon.recordings.opened(&address, PortDirection::Out, None, ty, fan.tapes());
         Ok(publisher)
     }
 }

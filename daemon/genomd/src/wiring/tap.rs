@@ -7,6 +7,7 @@ use genom_runtime::Clock;
 use genom_types::{DataType, Record};
 
 use super::gauge::Gauge;
+use crate::recording::Tapes;
 
 /// The supervisor's handle on what an in port reads.
 #[derive(Clone)]
@@ -15,12 +16,14 @@ pub(crate) struct Tap {
     /// a codel never waits for it.
     end: Arc<Mutex<Box<dyn Subscription>>>,
     gauge: Arc<Gauge>,
+    tapes: Arc<Tapes>,
 }
 
 impl Tap {
     /// A connection of this type that reads this.
     pub(crate) fn new(end: Box<dyn Subscription>, clock: &Clock, ty: &DataType) -> Self {
-        Self { end: Arc::new(Mutex::new(end)), gauge: Arc::new(Gauge::new(clock, ty)) }
+        let (gauge, tapes) = (Arc::new(Gauge::new(clock, ty)), Arc::default());
+        Self { end: Arc::new(Mutex::new(end)), gauge, tapes }
     }
 
     /// What the component reads.
@@ -31,6 +34,11 @@ impl Tap {
     /// What passed.
     pub(crate) fn gauge(&self) -> &Arc<Gauge> {
         &self.gauge
+    }
+
+    /// Where values are recorded.
+    pub(super) fn tapes(&self) -> &Arc<Tapes> {
+        &self.tapes
     }
 
     /// Reads something else from now on; what it read is given back, to be dropped later. To be
@@ -56,13 +64,14 @@ struct TapSubscription {
 
 impl Subscription for TapSubscription {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
-        let Tap { end, gauge } = &self.tap;
+        let Tap { end, gauge, tapes } = &self.tap;
         let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
         match end.read(into) {
             Ok(Reading::New) => {
                 self.read = true;
                 gauge.passed(end.dropped());
                 gauge.weigh(into, &mut self.scratch);
+                tapes.take(into);
                 Ok(Reading::New)
             }
             Ok(Reading::Never) if self.read => Ok(Reading::Same),
