@@ -1,9 +1,12 @@
 //! Programs and components under test, built once a test process.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::OnceLock;
 
 use genom_components::{Artifact, Paths, build, build_programs};
+
+use crate::{Running, path};
 
 /// Root of the repository.
 #[must_use]
@@ -58,4 +61,34 @@ pub fn program(name: &str) -> PathBuf {
 #[must_use]
 pub fn component(name: &str) -> Artifact {
     build(paths(), name).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Makes a component of `tests/fixtures` in a directory, as its author does: a header from its
+/// description, then a C compiler. The path of its description there.
+///
+/// # Panics
+/// It cannot be made.
+#[must_use]
+pub fn fixture(folder: &str, name: &str, into: &Path) -> String {
+    let source = repository().join("tests/fixtures").join(folder);
+    for entry in std::fs::read_dir(&source).expect("the fixture is there") {
+        let file = entry.expect("the fixture can be listed").path();
+        if file.extension().is_some_and(|extension| extension == "gen") {
+            let name = file.file_name().expect("a file has a name");
+            std::fs::copy(&file, into.join(name)).expect("a file can be copied");
+        }
+    }
+    let file = |extension: &str| format!("{name}.{extension}");
+    let mut header = Command::new(program("genomctl"));
+    header.arg("header").arg(into.join(file("gen")));
+    let header = Running::start(&mut header).finish();
+    header.expect_code(0);
+    let types = into.join(format!("{name}_c_types.h"));
+    std::fs::write(types, &header.out).expect("a file can be written");
+    let mut compiler = Command::new("cc");
+    compiler.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-g", "-fPIC", "-shared"]);
+    compiler.arg("-I").arg(repository().join("plugin-api/include")).arg("-I").arg(into);
+    compiler.arg(source.join(file("c"))).arg("-o").arg(into.join(file("so")));
+    Running::start(&mut compiler).finish().expect_code(0);
+    path(&into.join(file("gen"))).to_owned()
 }

@@ -17,7 +17,7 @@ mod daemon;
 mod http;
 mod transcript;
 
-pub use build::{component, files, program, repository};
+pub use build::{component, files, fixture, program, repository};
 pub use command::{Finished, Running, WATCHDOG};
 pub use daemon::{Daemon, Home, Memory, path};
 pub use http::{Events, Reply, connect, request};

@@ -43,6 +43,10 @@ impl Client {
         body: Option<&Value>,
     ) -> Result<Value, Failure> {
         let response = self.send(method, path, body).await?;
+        self.whole(response).await
+    }
+
+    async fn whole(&self, response: Response<Incoming>) -> Result<Value, Failure> {
         let status = response.status();
         let bytes = response.into_body().collect().await.map_err(|_| self.lost())?.to_bytes();
         let reply: Value = if bytes.is_empty() {
@@ -59,6 +63,29 @@ impl Client {
         let status = response.status();
         if status.is_success() {
             return Ok(EventStream::new(response.into_body()));
+        }
+        let bytes = response.into_body().collect().await.map_err(|_| self.lost())?.to_bytes();
+        let reply = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
+        Err(self.refused(reply, status.as_u16()))
+    }
+
+    /// `POST` of bytes.
+    pub(crate) async fn post_bytes(&self, path: &str, body: Vec<u8>) -> Result<Value, Failure> {
+        let response = self.send_bytes(Method::POST, path, body.into()).await?;
+        self.whole(response).await
+    }
+
+    /// Asks, and gives the reply's body as it comes.
+    pub(crate) async fn open(
+        &self,
+        method: Method,
+        path: &str,
+        body: &Value,
+    ) -> Result<Incoming, Failure> {
+        let response = self.send(method, path, Some(body)).await?;
+        let status = response.status();
+        if status.is_success() {
+            return Ok(response.into_body());
         }
         let bytes = response.into_body().collect().await.map_err(|_| self.lost())?.to_bytes();
         let reply = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
@@ -88,8 +115,17 @@ impl Client {
         path: &str,
         body: Option<&Value>,
     ) -> Result<Response<Incoming>, Failure> {
-        let target = self.way()?;
         let bytes = body.map_or_else(Bytes::new, |body| Bytes::from(body.to_string()));
+        self.send_bytes(method, path, bytes).await
+    }
+
+    async fn send_bytes(
+        &self,
+        method: Method,
+        path: &str,
+        bytes: Bytes,
+    ) -> Result<Response<Incoming>, Failure> {
+        let target = self.way()?;
         let mut request = Request::builder()
             .method(method)
             .uri(path)

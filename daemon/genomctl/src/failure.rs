@@ -101,6 +101,17 @@ impl Failure {
         Failure::Refused(Refusal { code: code.to_owned(), message, place: None, help: None })
     }
 
+    /// A recording could not be written or read.
+    pub(crate) fn file(path: &std::path::Path, error: impl std::fmt::Display) -> Self {
+        Self::refused("file", format!("{}: {error}", path.display()))
+    }
+
+    /// A recording ended before everything had come.
+    pub(crate) fn cut_short(path: &std::path::Path) -> Self {
+        let message = format!("cut short: {} holds what came until then", path.display());
+        Self::refused("cut_short", message)
+    }
+
     /// The lines for standard error.
     pub(crate) fn text(&self) -> String {
         let mut text = format!("error: {self}\n");

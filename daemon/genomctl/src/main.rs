@@ -17,6 +17,7 @@ mod lsp;
 mod names;
 mod prompt;
 mod reading;
+mod recording;
 mod session;
 mod sse;
 mod table;

@@ -36,7 +36,9 @@ mod man;
 mod outcome;
 mod ports;
 mod publish;
+mod record;
 mod reference;
+mod replay;
 mod ros2_package;
 mod start;
 mod stats;
@@ -69,6 +71,8 @@ pub(crate) enum Verb {
     Bw(bw::Args),
     #[command(name = "pub")]
     Publish(publish::Args),
+    Record(record::Args),
+    Replay(replay::Args),
     Connect(connect::Args),
     Disconnect(disconnect::Args),
     Connections(connections::Args),
@@ -120,6 +124,8 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Hz(args) => hz::run(args, session).await,
         Verb::Bw(args) => bw::run(args, session).await,
         Verb::Publish(args) => publish::run(args, session).await,
+        Verb::Record(args) => record::run(args, session).await,
+        Verb::Replay(args) => replay::run(args, session).await,
         Verb::Connect(args) => connect::run(args, session).await,
         Verb::Disconnect(args) => disconnect::run(args, session).await,
         Verb::Connections(args) => connections::run(args, session).await,

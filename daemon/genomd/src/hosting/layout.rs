@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use genom_types::{DataType, Kind, Label, TypeId, UnionMember};
+use genom_types::{DataType, Kind, Label, TypeId, UnionMember, message};
 use serde_json::{Map, Value, json};
 
 /// Describes the type and all it is made of.
@@ -16,7 +16,16 @@ pub(crate) fn of(ty: &DataType) -> Value {
     while let Some(next) = walk.all.get(described.len()).cloned() {
         described.push(walk.describe(&next));
     }
-    json!({ "type": ty.name(), "digest": ty.digest(), "types": described })
+    json!({
+        "type": ty.name(),
+        "digest": ty.digest(),
+        // As ROS 2 and recordings know it; none of a type with natives inside.
+        "message": {
+            "name": message::message_name(ty).to_string(),
+            "definition": message::message_definition(ty),
+        },
+        "types": described,
+    })
 }
 
 #[derive(Default)]

@@ -26,6 +26,7 @@ mod middlewares;
 mod ports;
 mod recordings;
 pub(crate) mod relay;
+mod replay;
 pub(crate) mod serve;
 mod services;
 mod stall;
@@ -77,6 +78,7 @@ fn routes() -> OpenApiRouter<Arc<Daemon>> {
         .routes(routes!(tasks::statistics))
         .routes(routes!(recordings::start))
         .routes(routes!(recordings::end))
+        .routes(routes!(replay::publish))
         .routes(routes!(metrics::text))
         .routes(routes!(logs::list))
         .routes(routes!(logs::stream))

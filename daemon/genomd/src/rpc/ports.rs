@@ -9,6 +9,7 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use axum::response::sse::{Event, Sse};
 use genom_middleware::OpenError;
+use genom_types::Record;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
@@ -180,7 +181,8 @@ pub(crate) async fn publish(
     let element = element(&hosted, index, parameters.element)?;
     let address = hosted.address(&port, element.as_deref()).to_string();
     let work = tokio::task::spawn_blocking(move || {
-        feed::publish(&daemon, &hosted, index, element.as_deref(), &value)
+        let fill = |record: &mut Record| Ok::<_, FeedError>(record.merge_json(&value)?);
+        feed::publish(&daemon, &hosted, index, element.as_deref(), fill)
     });
     match work.await {
         Ok(Ok(value)) => Ok(Json(Published { address, value })),
@@ -189,13 +191,14 @@ pub(crate) async fn publish(
     }
 }
 
-fn not_published(error: &FeedError) -> RpcError {
+pub(super) fn not_published(error: &FeedError) -> RpcError {
     let message = error.to_string();
     match error {
         FeedError::OutPort(_) => RpcError::conflict("out_port", message),
         FeedError::Connected { inport, .. } => RpcError::conflict("connected", message)
             .help(format!("`genomctl disconnect {inport}` first, to feed it from here")),
         FeedError::Value(error) => RpcError::bad_input(message).place(error.path.clone()),
+        FeedError::Message(_) => RpcError::bad_input(message),
         FeedError::Open(OpenError::Taken { .. }) => RpcError::conflict("taken", message)
             .help("another program publishes there: stop it first"),
         FeedError::Backend(_) | FeedError::Open(_) | FeedError::Publish { .. } => {
@@ -327,7 +330,7 @@ pub(super) fn find(hosted: &Hosted, port: &str) -> Result<usize, RpcError> {
 }
 
 /// A multiple port needs an element, a single one has none.
-fn element(
+pub(super) fn element(
     hosted: &Hosted,
     port: usize,
     element: Option<String>,

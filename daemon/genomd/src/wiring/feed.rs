@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_description::model::PortDirection;
 use genom_middleware::{OpenError, Policy, PublishError, Publisher};
-use genom_types::{JsonError, Record};
+use genom_types::{CdrError, JsonError, Record};
 use serde_json::Value;
 
 use super::connect::Source;
@@ -30,6 +30,9 @@ pub(crate) enum FeedError {
     /// The value is not one of the port's type.
     #[error(transparent)]
     Value(#[from] JsonError),
+    /// The message is not one of the port's type.
+    #[error(transparent)]
+    Message(#[from] CdrError),
     /// No such middleware.
     #[error(transparent)]
     Backend(#[from] BackendError),
@@ -72,7 +75,8 @@ impl std::fmt::Debug for Feeds {
     }
 }
 
-/// Publishes a value to an in port, and connects the port the first time. What the port has now.
+/// Publishes what `fill` makes of the value published last, at first zero, and connects the port
+/// the first time. What the port has now.
 ///
 /// Blocks while codels are excluded. A port that something else feeds stays as it is: taking a
 /// robot's sensor away is done on purpose, by disconnecting it.
@@ -81,7 +85,7 @@ pub(crate) fn publish(
     hosted: &Arc<Hosted>,
     port: usize,
     element: Option<&str>,
-    given: &Value,
+    fill: impl FnOnce(&mut Record) -> Result<(), FeedError>,
 ) -> Result<Value, FeedError> {
     let model = &hosted.model().ports[port];
     let inport = hosted.address(&model.name, element);
@@ -106,12 +110,12 @@ pub(crate) fn publish(
         if let Some(feed) = feeds.get_mut(&key) {
             // Of one type: copying cannot fail.
             let _ = value.copy_from(&feed.value);
-            value.merge_json(given)?;
+            fill(&mut value)?;
             feed.publisher.publish(&value).map_err(refused)?;
             feed.value = value;
             return Ok(feed.value.to_json());
         }
-        value.merge_json(given)?;
+        fill(&mut value)?;
         // Connected to itself before: on the middleware that was asked for then.
         let backend = match &connection {
             Some(made) => made.backend.clone(),

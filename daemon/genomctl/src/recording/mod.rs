@@ -1,0 +1,5 @@
+//! Recordings: the daemon's frames in, MCAP files out, and back.
+
+pub(crate) mod file;
+pub(crate) mod frames;
+pub(crate) mod reader;

@@ -1,0 +1,134 @@
+//! `genomctl record`: what passes through ports and what services are asked, to a file.
+
+use std::fs::File;
+use std::io::{IsTerminal as _, Write as _};
+use std::path::PathBuf;
+use std::time::Duration;
+
+use hyper::Method;
+use serde_json::{Value, json};
+use tokio::signal::unix::{SignalKind, signal};
+
+use crate::failure::Failure;
+use crate::recording::file::{Recorder, Told};
+use crate::recording::frames::{Frame, Frames};
+use crate::session::Session;
+use crate::table::table;
+
+/// How often the file is brought up to date, and the terminal.
+const SAVE: Duration = Duration::from_secs(1);
+
+/// Record ports, service calls, activities and exceptions in an MCAP file, until Ctrl-C.
+///
+/// Every sample that codels write or read is recorded, with the date of that moment. Foxglove,
+/// PlotJuggler and the MCAP libraries read the file. Samples that could not be kept up with are
+/// counted, and shown at the end.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// What to record: COMPONENT, COMPONENT/PORT or COMPONENT/PORT/ELEMENT [default: everything].
+    ports: Vec<String>,
+    /// The file.
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace the file if there is one.
+    #[arg(long)]
+    force: bool,
+    /// End after this time.
+    #[arg(long, short, value_name = "SECONDS", value_parser = seconds)]
+    duration: Option<Duration>,
+}
+
+fn seconds(text: &str) -> Result<Duration, String> {
+    let number = text.parse().map_err(|_| "a number of seconds is wanted".to_owned())?;
+    Duration::try_from_secs_f64(number).map_err(|error| error.to_string())
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    let mut terminate = signal(SignalKind::terminate())?;
+    if args.output.exists() && !args.force {
+        let message = format!("{} is there already", args.output.display());
+        return Err(Failure::usage(message, "name another file, or replace it with --force"));
+    }
+    let wanted = json!({ "ports": args.ports });
+    let mut frames = Frames::new(session.client.open(Method::POST, "/recordings", &wanted).await?);
+    let start = match frames.next().await {
+        Some(Ok(Frame::Start(start))) => start,
+        Some(_) => return Err(session.client.misread("a recording without a start".to_owned())),
+        None => return Err(session.client.lost()),
+    };
+    let file = File::create(&args.output).map_err(|error| {
+        Failure::usage(format!("{}: {error}", args.output.display()), "name another file")
+    })?;
+    let failed = |error| Failure::file(&args.output, error);
+    let mut recorder = Recorder::new(file, &start).map_err(failed)?;
+    tell(&format!("recording to {}; Ctrl-C ends it\n", args.output.display()));
+
+    let mut over = std::pin::pin!(tokio::time::sleep(args.duration.unwrap_or(Duration::MAX)));
+    let mut tick = tokio::time::interval(SAVE);
+    let mut ending = false;
+    let lives = std::io::stderr().is_terminal();
+    let complete = loop {
+        let enough = tokio::select! {
+            frame = frames.next() => {
+                match frame {
+                    Some(Ok(Frame::Channel(channel))) => recorder.channel(channel).map_err(failed)?,
+                    Some(Ok(Frame::Sample(sample))) => recorder.sample(&sample).map_err(failed)?,
+                    Some(Ok(Frame::Lost(lost))) => recorder.lost(&lost),
+                    Some(Ok(Frame::End)) => break true,
+                    Some(Ok(Frame::Start(_)) | Err(_)) | None => break false,
+                }
+                false
+            }
+            _ = tick.tick() => {
+                recorder.save().map_err(failed)?;
+                if lives {
+                    let (messages, lost) = recorder.counts();
+                    tell(&format!("\r{messages} messages, {lost} lost "));
+                }
+                false
+            }
+            _ = interrupt.recv() => true,
+            _ = terminate.recv() => true,
+            () = &mut over, if !ending => true,
+        };
+        if enough && ending {
+            // Asked twice: what did not come yet is given up.
+            break false;
+        }
+        if enough {
+            ending = true;
+            // The daemon sends what it has taken until now, and then the end.
+            let path = format!("/recordings/{}", start.recording);
+            if session.delete(&path).await.is_err() {
+                break false;
+            }
+        }
+    };
+    if lives {
+        tell("\n");
+    }
+    let channels = recorder.finish(complete).map_err(failed)?;
+    session.show(reply(&args, &channels, complete), |_: &Value| render(&channels))?;
+    if complete { Ok(()) } else { Err(Failure::cut_short(&args.output)) }
+}
+
+fn tell(text: &str) {
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+fn reply(args: &Args, channels: &[Told], complete: bool) -> Value {
+    let channels: Vec<Value> = channels
+        .iter()
+        .map(|told| json!({"topic": told.topic, "messages": told.messages, "lost": told.lost}))
+        .collect();
+    json!({"file": args.output, "complete": complete, "channels": channels})
+}
+
+fn render(channels: &[Told]) -> String {
+    let rows: Vec<Vec<String>> = channels
+        .iter()
+        .map(|told| vec![told.topic.clone(), told.messages.to_string(), told.lost.to_string()])
+        .collect();
+    table(&["TOPIC", "MESSAGES", "LOST"], &rows)
+}

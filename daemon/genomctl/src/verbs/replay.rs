@@ -1,0 +1,294 @@
+//! `genomctl replay`: the samples of a recording, published to in ports.
+
+use std::collections::BTreeMap;
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use tokio::time::Instant;
+
+use crate::failure::Failure;
+use crate::names::{Path2, url};
+use crate::recording::reader::{Recorded, Recording};
+use crate::session::Session;
+use crate::table::table;
+
+/// What is sent at once, at most.
+const BATCH: usize = 256 << 10;
+/// The daemon's longest step.
+const LONGEST_STEP: u64 = 3_600_000_000_000;
+
+/// Publish the samples of a recording to in ports, with their original timing.
+///
+/// A recorded in port is fed again: its component reads what it read then. To feed an in port
+/// with what an out port wrote, name the two with --to. An in port that reads something else is
+/// left alone: disconnect it first.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// An MCAP file of `genomctl record`, or another one with CDR in it.
+    file: PathBuf,
+    /// Feed an in port with a topic: /gps/pose=arm/target; may be repeated. Without it, every
+    /// recorded in port that is there.
+    #[arg(long, value_name = "TOPIC=PORT")]
+    to: Vec<String>,
+    /// Step the clock (`genomd --clock virtual`) from sample to sample, as fast as it goes.
+    #[arg(long)]
+    step: bool,
+    /// So many times as fast.
+    #[arg(long, value_name = "FACTOR", default_value_t = 1.0, conflicts_with = "step")]
+    rate: f64,
+}
+
+/// An in port to feed.
+struct Target {
+    port: Path2,
+    published: u64,
+}
+
+pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
+    if !(args.rate > 0.0 && args.rate.is_finite()) {
+        return Err(Failure::usage(format!("--rate {} is none", args.rate), "1 is as recorded"));
+    }
+    let failed = |error| Failure::file(&args.file, error);
+    let mut recording = Recording::open(&args.file).map_err(failed)?;
+    let mut targets = choose(&args, &recording, session).await?;
+    let topic = |channel: &u16| {
+        recording.channels().find(|(number, _)| number == channel).map(|(_, one)| one.topic.clone())
+    };
+    let topics = targets.keys().filter_map(topic).collect();
+    recording.read(topics).map_err(failed)?;
+
+    let mut pace = if args.step { Pace::stepped(session).await? } else { Pace::timed(args.rate) };
+    let mut batch = Vec::new();
+    let mut counts: BTreeMap<u16, u64> = BTreeMap::new();
+    while let Some(sample) = recording.next().map_err(failed)? {
+        let due = pace.is_due(&sample);
+        if !batch.is_empty() && (!due || batch.len() > BATCH) {
+            send(session, &mut batch, &mut counts, &mut targets).await?;
+        }
+        if !due {
+            tokio::select! {
+                reached = pace.reach(&sample, session) => reached?,
+                _ = tokio::signal::ctrl_c() => return show(session, &targets, false),
+            }
+        }
+        let Some(target) = targets.get(&sample.channel) else { continue };
+        part(&mut batch, target.port.to_string().as_bytes());
+        part(&mut batch, &sample.message);
+        *counts.entry(sample.channel).or_default() += 1;
+    }
+    send(session, &mut batch, &mut counts, &mut targets).await?;
+    pace.end(session).await?;
+    show(session, &targets, true)
+}
+
+fn part(batch: &mut Vec<u8>, bytes: &[u8]) {
+    batch.extend_from_slice(&u32::try_from(bytes.len()).unwrap_or(u32::MAX).to_le_bytes());
+    batch.extend_from_slice(bytes);
+}
+
+async fn send(
+    session: &Session,
+    batch: &mut Vec<u8>,
+    counts: &mut BTreeMap<u16, u64>,
+    targets: &mut BTreeMap<u16, Target>,
+) -> Result<(), Failure> {
+    if batch.is_empty() {
+        return Ok(());
+    }
+    session.client.post_bytes("/replay", std::mem::take(batch)).await?;
+    for (channel, count) in std::mem::take(counts) {
+        if let Some(target) = targets.get_mut(&channel) {
+            target.published += count;
+        }
+    }
+    Ok(())
+}
+
+fn show(session: &Session, targets: &BTreeMap<u16, Target>, complete: bool) -> Result<(), Failure> {
+    let ports: Vec<Value> = targets
+        .values()
+        .map(|target| json!({"port": target.port.to_string(), "published": target.published}))
+        .collect();
+    session.show(json!({"complete": complete, "ports": ports}), |_: &Value| {
+        let rows: Vec<Vec<String>> = targets
+            .values()
+            .map(|target| vec![target.port.to_string(), target.published.to_string()])
+            .collect();
+        table(&["PORT", "PUBLISHED"], &rows)
+    })
+}
+
+/// The in ports to feed, by channel.
+async fn choose(
+    args: &Args,
+    recording: &Recording,
+    session: &Session,
+) -> Result<BTreeMap<u16, Target>, Failure> {
+    let mut asked = BTreeMap::new();
+    for text in &args.to {
+        let halves = text.split_once('=').map(|(topic, port)| (topic.trim_matches('/'), port));
+        let Some((topic, port)) = halves else {
+            let message = format!("--to {text} is no TOPIC=PORT");
+            return Err(Failure::usage(message, "write for instance /gps/pose=arm/target"));
+        };
+        let port: Path2 =
+            port.parse().map_err(|why: String| Failure::usage(why, "the port is the second"))?;
+        asked.insert(topic.to_owned(), port);
+    }
+    let known = session.get("/ports").await?;
+    let mut targets = BTreeMap::new();
+    let mut found: Vec<String> = Vec::new();
+    for (number, channel) in recording.channels() {
+        let topic = channel.topic.trim_matches('/');
+        if channel.message_encoding != "cdr" {
+            continue;
+        }
+        found.push(topic.to_owned());
+        let port = match asked.remove(topic) {
+            Some(port) => port,
+            None if !args.to.is_empty() => continue,
+            None => match topic.parse::<Path2>() {
+                Ok(port) if is_inport(&known, &port) => port,
+                _ => {
+                    tell(&format!("left out: {topic}, which is no in port of this daemon\n"));
+                    continue;
+                }
+            },
+        };
+        let schema = channel.schema.as_ref().map(|schema| schema.data.as_ref());
+        check_type(session, topic, schema.unwrap_or_default(), &port).await?;
+        targets.insert(number, Target { port, published: 0 });
+    }
+    if let Some(topic) = asked.keys().next() {
+        let message = format!("{} has no samples of /{topic}", args.file.display());
+        return Err(Failure::usage(message, format!("there are: {}", found.join(", "))));
+    }
+    if targets.is_empty() {
+        let message = format!("nothing in {} is to be fed to this daemon", args.file.display());
+        return Err(Failure::usage(message, "--to TOPIC=PORT names an in port for a topic"));
+    }
+    Ok(targets)
+}
+
+fn is_inport(known: &Value, port: &Path2) -> bool {
+    let all = known["ports"].as_array().map_or(&[][..], Vec::as_slice);
+    all.iter().any(|one| {
+        let address = one["address"].as_str().unwrap_or_default();
+        let element = port.to_string();
+        let multiple = one["multiple"] == true && element.starts_with(&format!("{address}/"));
+        one["direction"] == "in" && (element == address || multiple)
+    })
+}
+
+/// Samples of another type would be taken for what they are not.
+async fn check_type(
+    session: &Session,
+    topic: &str,
+    schema: &[u8],
+    port: &Path2,
+) -> Result<(), Failure> {
+    let path = url(["components", &port.component, "ports", port.port().0, "type"]);
+    let ty = session.get(&path).await?;
+    let definition = ty["message"]["definition"].as_str().unwrap_or_default();
+    if lines(definition.as_bytes()) == lines(schema) {
+        return Ok(());
+    }
+    let name = ty["message"]["name"].as_str().unwrap_or_default();
+    let message = format!("/{topic} was recorded with another type than {port} has now ({name})");
+    Err(Failure::refused("type_mismatch", message))
+}
+
+/// What a definition says, comments and blanks apart.
+fn lines(definition: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(definition);
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
+    let words = lines.map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "));
+    words.filter(|line| !line.is_empty()).collect()
+}
+
+fn tell(text: &str) {
+    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// When samples are due.
+enum Pace {
+    /// By the machine's clock: dates count from the first sample.
+    Timed { rate: f64, first: Option<(u64, Instant)> },
+    /// By the daemon's clock, which this steps.
+    Stepped {
+        /// Date of the daemon's clock.
+        now: u64,
+        /// From the recording's dates to the daemon's; known with the first sample.
+        shift: Option<i128>,
+    },
+}
+
+impl Pace {
+    fn timed(rate: f64) -> Self {
+        Pace::Timed { rate, first: None }
+    }
+
+    async fn stepped(session: &Session) -> Result<Self, Failure> {
+        let reply = step(session, 0).await?;
+        Ok(Pace::Stepped { now: reply, shift: None })
+    }
+
+    /// The date to publish a sample at: on the stepped clock just before its own, so that the
+    /// tick of that date reads it and none before.
+    fn date(&mut self, sample: &Recorded) -> u64 {
+        let Pace::Stepped { now, shift } = self else { return sample.date };
+        let shift = *shift.get_or_insert_with(|| {
+            // Dates that this clock has still before it are kept.
+            if sample.date > *now { 0 } else { i128::from(*now) + 1 - i128::from(sample.date) }
+        });
+        let date = i128::from(sample.date) + shift - 1;
+        u64::try_from(date.max(0)).unwrap_or(u64::MAX)
+    }
+
+    fn is_due(&mut self, sample: &Recorded) -> bool {
+        let date = self.date(sample);
+        match self {
+            Pace::Stepped { now, .. } => date <= *now,
+            Pace::Timed { rate, first } => {
+                let (begin, start) = *first.get_or_insert_with(|| (date, Instant::now()));
+                start + after(date, begin, *rate) <= Instant::now()
+            }
+        }
+    }
+
+    /// Waits, or steps the clock, until a sample is due.
+    async fn reach(&mut self, sample: &Recorded, session: &Session) -> Result<(), Failure> {
+        let date = self.date(sample);
+        match self {
+            Pace::Timed { rate, first } => {
+                let (begin, start) = first.unwrap_or((date, Instant::now()));
+                tokio::time::sleep_until(start + after(date, begin, *rate)).await;
+            }
+            Pace::Stepped { now, .. } => {
+                while *now < date {
+                    *now = step(session, (date - *now).min(LONGEST_STEP)).await?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The tick of the last sample reads it, too.
+    async fn end(&mut self, session: &Session) -> Result<(), Failure> {
+        if let Pace::Stepped { .. } = self {
+            step(session, 1).await?;
+        }
+        Ok(())
+    }
+}
+
+fn after(date: u64, begin: u64, rate: f64) -> Duration {
+    Duration::from_nanos(date.saturating_sub(begin)).div_f64(rate)
+}
+
+async fn step(session: &Session, nanoseconds: u64) -> Result<u64, Failure> {
+    let reply = session.post("/clock", &json!({ "nanoseconds": nanoseconds })).await?;
+    Ok(reply["now"].as_u64().unwrap_or_default())
+}
