@@ -151,6 +151,62 @@ fn a_mistake_names_file_line_and_key_and_changes_nothing() {
     daemon.ctl(&["apply", "nothing.toml"]).expect_code(2).expect_err("nothing.toml");
 }
 
+/// Mistakes that show only when the file is applied, since they are about what components have.
+#[test]
+fn a_mistake_about_a_component_names_file_line_and_key_and_takes_all_back() {
+    let daemon = Daemon::start(&["--backend", "shm"]);
+    let activity = "[[activity]]\ncomponent = \"reader\"\nservice = \"goto\"\n\
+                    inputs = { goal = 0.5 }\n";
+    let right = pair() + activity;
+    for (from, to, told) in [
+        ("in = \"reader/parameter\"", "in = \"reader/parametr\"", "robot.toml:14: connection.in: "),
+        ("in = \"reader/parameter\"", "in = \"reader/position\"", "reader/position is an out port"),
+        ("\"paper/position\"", "\"paper/positoin\"", "robot.toml:15: connection.out: "),
+        ("\"paper/position\"", "\"reader/position\"", "robot.toml:15: connection.out: "),
+        ("velocity = 0.75", "velocity = \"x\"", ":6: component.attributes.set_speed.velocity: "),
+        ("velocity = 0.75", "speed = 0.75", ":6: component.attributes.set_speed: "),
+        ("velocity = 0.75", "velocity = 75.0", ":6: component.attributes.set_speed: "),
+        ("set_speed", "set_sped", "robot.toml:6: component.attributes.set_sped: "),
+        ("{ main = {", "{ man = {", "robot.toml:7: component.tasks.man: "),
+        ("inputs = { position", "inputs = { positon", "robot.toml:21: call.inputs: "),
+        ("position = 0.25", "position = \"far\"", "robot.toml:21: call.inputs.position: "),
+        (
+            "service = \"goto\"\ninputs = { pos",
+            "service = \"go\"\ninputs = { pos",
+            ":20: call.service: ",
+        ),
+        ("goal = 0.5", "goal = 99.0", "robot.toml:22: activity: "),
+        ("component = \"paper\"", "component = \"papr\"", "robot.toml:19: call.component: "),
+        ("after = [\"paper\"]", "after = [\"papre\"]", "robot.toml:5: component.after: "),
+    ] {
+        let text = right.replacen(from, to, 1);
+        assert_ne!(text, right, "{from}");
+        daemon.ctl(&["apply", &write(&daemon, &text)]).expect_code(1).expect_err(told);
+        // As it was: nothing runs, and every name and address is free.
+        assert_eq!(daemon.json(&["list"])["components"], Value::Array(Vec::new()), "{to}");
+    }
+    daemon.ctl(&["apply", &write(&daemon, &right)]).expect_code(0);
+    // The same from the start of a daemon.
+    let home = Home::new().configured(&right.replacen("velocity = 0.75", "velocity = 75.0", 1));
+    let refused = home.refused(&["--backend", "shm"]);
+    refused.expect_code(1).expect_err("genomd.toml:6: component.attributes.set_speed: ");
+}
+
+#[test]
+fn an_apply_tells_what_it_waits_for() {
+    let daemon = Daemon::start(&["--backend", "shm"]);
+    let waits = pair().replace("\"paper/position\"", "\"later/position\"");
+    let applying = daemon.spawn(&["apply", "--timeout", "60", &write(&daemon, &waits)]);
+    let line = applying.error_line_where(|line| line.contains("waiting"));
+    assert_eq!(line.as_deref(), Some("waiting: reader/parameter reads later/position"));
+    // Its writer comes, in another daemon on the same middleware.
+    let paper = component("demo-2010");
+    let other = Home::with(daemon.home().memory());
+    let _writer = other.start(&["--backend", "shm", "--name", "later", path(&paper.description)]);
+    applying.finish().expect_code(0);
+    assert_eq!(daemon.port("reader", "parameter")["connected"], "later/position");
+}
+
 /// Seven components on two middlewares in two daemons, six connections, a call, an activity.
 fn robot() -> String {
     let (paper, demo) = (component("demo-2010"), component("demo"));

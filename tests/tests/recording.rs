@@ -1,7 +1,12 @@
 //! Recordings: written by genomctl, read back by the MCAP packages of others, replayed.
 
 #![forbid(unsafe_code)]
-#![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests fail them"
+)]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

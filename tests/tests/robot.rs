@@ -66,7 +66,11 @@ fn a_robot_comes_up_from_one_file_and_survives_the_death_of_a_daemon() {
     };
     assert_eq!((backends(&base), backends(&arm)), (vec!["shm".into(); 3], vec!["zenoh".into(); 3]));
     // The activity of the file ends when all three values have come.
-    arm.ctl(&["wait", "far", "1"]).expect_code(0).expect_out("done\n");
+    let activities = arm.json(&["activities", "far"])["activities"].clone();
+    let mut all = activities.as_array().unwrap().iter();
+    let watch = all.find(|one| one["service"] == "watch").expect("it was started");
+    let number = watch["activity"].to_string();
+    arm.ctl(&["wait", "far", &number]).expect_code(0).expect_out("done\n");
     println!("data through all of them: {:?} from cold", begin.elapsed());
     sums_up(&base, "near", "6");
 

@@ -9,7 +9,7 @@ use crate::bus::{Bus, Change};
 use crate::config::{CallEntry, ClockKind, LoadRequest, Settings};
 use crate::dates::Dates;
 use crate::deploy::keep::Declared;
-use crate::deploy::request;
+use crate::deploy::request::{self, RequestError};
 use crate::flag::Flag;
 use crate::hosting::{self, Components, Hosted, LoadError, UnloadError};
 use crate::recording::Recordings;
@@ -79,13 +79,17 @@ impl Daemon {
         for (service, inputs) in &request.attributes {
             let (component, service) = (hosted.name.clone(), service.clone());
             let entry = CallEntry { component, service, inputs: inputs.clone() };
-            if let Err(why) = request::send_to(&hosted, &entry) {
+            if let Err(RequestError { key, why }) = request::send_to(&hosted, &entry) {
                 let name = hosted.name.clone();
                 drop(hosted);
                 if let Err(error) = self.components.remove(&name, self.settings.stop_timeout) {
                     tracing::error!("{error}");
                 }
-                return Err(LoadError::Attribute { name, why });
+                // As the file has it: inputs stand under the service's name.
+                let members = key.into_iter().filter(|key| key != "inputs");
+                let mut key = vec!["attributes".to_owned(), entry.service.clone()];
+                key.extend(members);
+                return Err(LoadError::Attribute { name, key, why });
             }
         }
         self.runs(&hosted);

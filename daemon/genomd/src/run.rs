@@ -9,7 +9,7 @@ use std::time::Duration;
 use genom_host::KeptSignals;
 use tokio::signal::unix::{SignalKind, signal};
 
-use crate::config::{RpcSettings, Settings};
+use crate::config::{RpcSettings, Settings, Spot};
 use crate::daemon::Daemon;
 use crate::deploy::apply::{ApplyError, apply};
 use crate::deploy::plan::plan;
@@ -164,12 +164,13 @@ async fn work(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
 /// Loads the components asked for, in order; stops at the first that is refused. What else the
 /// deployment asks for is given back.
 async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
-    let steps = plan(daemon, &daemon.settings.deployment).map_err(Refusal::usage)?;
+    let steps = plan(daemon, &daemon.settings.deployment)
+        .map_err(|error| Refusal::usage(told(&daemon.settings, &error.place(), &error)))?;
     let (loads, rest): (Vec<_>, Vec<_>) =
         steps.into_iter().partition(|step| matches!(step, Step::Load(_)));
     for step in loads {
         let Step::Load(request) = step else { continue };
-        let worker = Arc::clone(daemon);
+        let (worker, asked) = (Arc::clone(daemon), request.clone());
         let mut loading = tokio::task::spawn_blocking(move || worker.load(&request));
         let loaded = tokio::select! {
             loaded = &mut loading => loaded,
@@ -177,7 +178,10 @@ async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
         };
         match loaded {
             Ok(Ok(_)) => {}
-            Ok(Err(error)) => return Err(Refusal::component(error)),
+            Ok(Err(error)) => {
+                let place = Spot::component(&asked).key(error.key());
+                return Err(Refusal::component(told(&daemon.settings, &place, &error)));
+            }
             Err(error) => return Err(Refusal::own(error)),
         }
         if daemon.stopping() {
@@ -203,9 +207,18 @@ async fn deploy(daemon: &Arc<Daemon>, steps: Vec<Step>) -> Refusal {
     match tokio::task::spawn_blocking(work).await {
         Ok(Ok(())) => std::future::pending().await,
         Ok(Err(_)) if daemon.stopping() => std::future::pending().await,
-        Ok(Err(error)) => Refusal::component(error),
+        Ok(Err(error)) => Refusal::component(told(&daemon.settings, &error.place, &error)),
         Err(error) => Refusal::own(error),
     }
+}
+
+/// The message, with file, line and key before it when they are known.
+fn told(settings: &Settings, place: &Spot, error: &impl std::fmt::Display) -> String {
+    let message = error.to_string();
+    // A drawing of a description's mistakes names its own file.
+    let file = settings.file.as_ref().filter(|_| !message.starts_with("error"));
+    let place = file.and_then(|file| place.told(file, &std::fs::read_to_string(file).ok()?));
+    place.map_or(message.clone(), |place| format!("{place}: {message}"))
 }
 
 /// Stops every component, last loaded first, while requests under way are still answered.

@@ -1,5 +1,6 @@
 //! `genomctl apply`: brings the daemon to what a deployment file says.
 
+use std::io::{self, IsTerminal as _, Write as _};
 use std::path::PathBuf;
 
 use serde::Deserialize;
@@ -48,8 +49,33 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     body.insert("dry_run".into(), args.dry_run.into());
     body.insert("timeout".into(), args.timeout.into());
     body.extend(args.daemon.map(|name| ("daemon".to_owned(), Value::from(name))));
-    let reply = session.post("/deployment", &Value::Object(body)).await?;
+    let body = Value::Object(body);
+    // Open before anything is done, so that nothing is missed.
+    let told = if args.dry_run { None } else { Some(session.client.stream("/events").await?) };
+    let mut asked = std::pin::pin!(session.post("/deployment", &body));
+    let reply = match told {
+        None => asked.await?,
+        Some(mut told) => loop {
+            tokio::select! {
+                reply = &mut asked => break reply?,
+                Some(event) = told.next() => progress(&event.data),
+            }
+        },
+    };
     session.show(reply, render)
+}
+
+/// What the daemon does meanwhile: what it waits for, and on a terminal each step.
+fn progress(data: &str) {
+    let Ok(change) = serde_json::from_str::<Value>(data) else { return };
+    let line = match (change["event"].as_str(), change["what"].as_str(), change["step"].as_str()) {
+        (Some("deployment_waits"), Some(what), _) => format!("waiting: {what}\n"),
+        (Some("deployment_step"), _, Some(step)) if io::stderr().is_terminal() => {
+            format!("{step}\n")
+        }
+        _ => return,
+    };
+    let _ = io::stderr().lock().write_all(line.as_bytes());
 }
 
 fn render(reply: &Reply) -> String {

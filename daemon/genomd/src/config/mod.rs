@@ -6,6 +6,7 @@ mod deployment;
 mod file;
 mod overrides;
 mod rpc;
+mod spot;
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
@@ -17,6 +18,7 @@ pub(crate) use component::LoadRequest;
 pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
 pub(crate) use file::{Config, ConfigError};
 pub(crate) use rpc::{RpcSettings, Tls};
+pub(crate) use spot::Spot;
 
 use crate::cli::Cli;
 
@@ -44,6 +46,8 @@ pub(crate) enum ClockKind {
 /// Everything decided before anything starts.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
+    /// The configuration file, for messages.
+    pub(crate) file: Option<PathBuf>,
     /// Default middleware.
     pub(crate) backend: String,
     /// What to bring up: components first, those of the command line last among them.
@@ -112,6 +116,7 @@ impl Settings {
         let mut deployment = Deployment::of(&config, cli.daemon.as_deref());
         deployment.component.extend(components);
         Ok(Self {
+            file: cli.config,
             backend: cli.backend.unwrap_or(config.backend),
             deployment,
             name: cli.daemon,

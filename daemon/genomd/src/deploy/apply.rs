@@ -4,9 +4,10 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::request::RequestError;
 use super::{Step, request};
 use crate::bus::Change;
-use crate::config::{BackendNames, ConnectionEntry};
+use crate::config::{BackendNames, ConnectionEntry, Spot};
 use crate::daemon::Daemon;
 use crate::hosting::Ending;
 use crate::wiring::connect::{self, ConnectError, ConnectRequest};
@@ -23,6 +24,8 @@ pub(crate) struct ApplyError {
     /// The step that was refused.
     pub(crate) step: String,
     pub(crate) why: String,
+    /// Where it is asked for in the file.
+    pub(crate) place: Spot,
     /// It was given up waiting.
     pub(crate) timeout: bool,
     /// What could not be undone.
@@ -74,35 +77,60 @@ pub(crate) fn apply(
         } else {
             rest = after;
             daemon.bus.tell(&Change::DeploymentStep { step: step.to_string() });
-            take(daemon, step).map(|way_back| undo.extend(way_back)).map_err(|why| Refused {
+            take(daemon, step).map(|way_back| undo.extend(way_back)).map_err(|error| Refused {
                 step: step.to_string(),
-                why,
+                why: error.why,
+                place: place(step).key(error.key),
                 timeout: false,
             })
         };
-        if let Err(Refused { step, why, timeout }) = taken {
+        if let Err(Refused { step, why, place, timeout }) = taken {
             let left = take_back(daemon, undo);
-            return Err(ApplyError { step, why, timeout, left });
+            return Err(ApplyError { step, why, place, timeout, left });
         }
     }
     Ok(())
 }
 
+/// The entry of a step in the file.
+fn place(step: &Step) -> Spot {
+    match step {
+        Step::Load(request) => Spot::component(request),
+        Step::Connect(entry) => Spot::connection(entry),
+        Step::Call(entry) => Spot::request("call", entry),
+        Step::Start(entry) => Spot::request("activity", entry),
+        Step::Move { .. } | Step::Set(_) => Spot::default(),
+    }
+}
+
+/// The key of a connection that a refusal is about.
+fn key(error: &ConnectError) -> &'static str {
+    match error {
+        ConnectError::NoSuchInport { .. } => "in",
+        ConnectError::Backend(_) => "backend",
+        _ => "out",
+    }
+}
+
 struct Refused {
     step: String,
     why: String,
+    place: Spot,
     timeout: bool,
 }
 
 /// Takes a step; the way back, when there is something to take back.
-fn take(daemon: &Arc<Daemon>, step: &Step) -> Result<Option<Undo>, String> {
+fn take(daemon: &Arc<Daemon>, step: &Step) -> Result<Option<Undo>, RequestError> {
+    let plain = |why| RequestError { key: Vec::new(), why };
     Ok(match step {
         Step::Load(request) => {
-            let hosted = daemon.load(request).map_err(|error| error.to_string())?;
+            let hosted = daemon
+                .load(request)
+                .map_err(|error| RequestError { key: error.key(), why: error.to_string() })?;
             Some(Undo::Unload(hosted.name.clone()))
         }
         Step::Move { component, port, to } => {
-            let back = move_to(daemon, component, port.as_deref(), to)?;
+            let back = move_to(daemon, component, port.as_deref(), to).map_err(plain)?;
             Some(Undo::Move { component: component.clone(), port: port.clone(), back })
         }
         Step::Set(entry) => {
@@ -112,7 +140,10 @@ fn take(daemon: &Arc<Daemon>, step: &Step) -> Result<Option<Undo>, String> {
         Step::Connect(entry) => {
             let before = present(daemon, entry);
             let request = connect_request(entry);
-            connect::connect(daemon, &request).map_err(|error| error.to_string())?;
+            connect::connect(daemon, &request).map_err(|error| RequestError {
+                key: vec![key(&error).to_owned()],
+                why: error.to_string(),
+            })?;
             Some(Undo::Reconnect { inport: entry.inport.clone(), before })
         }
         Step::Call(entry) | Step::Start(entry) => {
@@ -122,7 +153,7 @@ fn take(daemon: &Arc<Daemon>, step: &Step) -> Result<Option<Undo>, String> {
                 // Called, not started: what comes next may rely on its end.
                 let ended = hosted.activities.get(number).map(|activity| activity.wait());
                 if let Some(Some(Ending::Exception { name, .. })) = ended {
-                    return Err(format!("it ended with {name}"));
+                    return Err(plain(format!("it ended with {name}")));
                 }
             }
             if let Some(hosted) = hosted {
@@ -205,19 +236,22 @@ fn connect_all(
                 }
                 Err(error) => {
                     let help = error.help().map(|help| format!("; {help}")).unwrap_or_default();
-                    return Err(Refused { step, why: format!("{error}{help}"), timeout: false });
+                    let place = Spot::connection(entry).key([key(&error)]);
+                    let why = format!("{error}{help}");
+                    return Err(Refused { step, why, place, timeout: false });
                 }
             }
         }
-        if let Some((_, step, why)) = absent.first() {
+        if let Some((entry, step, why)) = absent.first() {
+            let place = Spot::connection(entry).key(["out"]);
             if daemon.stopping() {
                 let why = "the daemon stops".to_owned();
-                return Err(Refused { step: step.clone(), why, timeout: false });
+                return Err(Refused { step: step.clone(), why, place, timeout: false });
             }
             if patience.is_some_and(|patience| begin.elapsed() >= patience) {
                 let after = begin.elapsed().as_secs_f64();
                 let why = format!("nothing after {after:.1} s: {why}");
-                return Err(Refused { step: step.clone(), why, timeout: true });
+                return Err(Refused { step: step.clone(), why, place, timeout: true });
             }
             if !told {
                 told = true;

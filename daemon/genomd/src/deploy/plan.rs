@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::Step;
-use crate::config::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest};
+use crate::config::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::nearest::suggest;
@@ -18,13 +18,23 @@ pub(crate) enum PlanError {
     Circle(String),
     /// A name of no component.
     #[error("{what} names component `{typed}`, which neither runs nor is deployed; {help}")]
-    Unknown { what: String, typed: String, help: String },
+    Unknown { what: String, typed: String, help: String, place: Spot },
     /// Two components of one name.
     #[error("two components are named {0}: give one another `name`")]
     Twice(String),
     /// What runs cannot become what is wanted.
     #[error("{name} runs with {what} than the deployment says: `genomctl unload {name}` first")]
     Other { name: String, what: &'static str },
+}
+
+impl PlanError {
+    /// Where the mistake is in the file.
+    pub(crate) fn place(&self) -> Spot {
+        match self {
+            PlanError::Unknown { place, .. } => place.clone(),
+            _ => Spot::default(),
+        }
+    }
 }
 
 /// The steps that bring the daemon to the deployment; none when it is there.
@@ -41,17 +51,18 @@ pub(crate) fn plan(daemon: &Daemon, wanted: &Deployment) -> Result<Vec<Step>, Pl
         daemon.components.get(instance).is_some()
             || wanted.component.iter().any(|request| request.instance() == instance)
     };
-    let check = |what: String, instance: &str| {
+    let check = |what: String, instance: &str, place: Spot| {
         if known(instance) {
             return Ok(());
         }
         let mut names: Vec<String> = wanted.component.iter().map(LoadRequest::instance).collect();
         names.extend(daemon.components.all().iter().map(|hosted| hosted.name.clone()));
         let help = suggest(instance, names.iter().map(String::as_str));
-        Err(PlanError::Unknown { what, typed: instance.to_owned(), help })
+        Err(PlanError::Unknown { what, typed: instance.to_owned(), help, place })
     };
     for connection in &wanted.connection {
-        check(format!("in = \"{}\"", connection.inport), connection.reader())?;
+        let place = Spot::connection(connection).key(["in"]);
+        check(format!("in = \"{}\"", connection.inport), connection.reader(), place)?;
         if !connected(daemon, connection) {
             steps.push(Step::Connect(connection.clone()));
         }
@@ -59,7 +70,9 @@ pub(crate) fn plan(daemon: &Daemon, wanted: &Deployment) -> Result<Vec<Step>, Pl
     let (calls, starts) = (wanted.call.iter(), wanted.activity.iter());
     let calls = calls.map(|entry| (entry, Step::Call(entry.clone())));
     for (entry, step) in calls.chain(starts.map(|entry| (entry, Step::Start(entry.clone())))) {
-        check(format!("the call of {}", entry.service), &entry.component)?;
+        let section = if matches!(step, Step::Call(_)) { "call" } else { "activity" };
+        let place = Spot::request(section, entry).key(["component"]);
+        check(format!("the call of {}", entry.service), &entry.component, place)?;
         if !done(daemon, entry) {
             steps.push(step);
         }
@@ -94,7 +107,8 @@ fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
         if let Some(unknown) = request.after.iter().find(|after| !names.contains(after)) {
             let what = format!("after of {}", request.instance());
             let help = suggest(unknown, names.iter().map(String::as_str));
-            return Err(PlanError::Unknown { what, typed: unknown.clone(), help });
+            let place = Spot::component(request).key(["after"]);
+            return Err(PlanError::Unknown { what, typed: unknown.clone(), help, place });
         }
         order.push(request);
     }

@@ -5,29 +5,51 @@ use crate::daemon::Daemon;
 use crate::hosting::{Answer, Hosted};
 use crate::nearest::suggest;
 
+/// A request was refused.
+#[derive(Debug)]
+pub(crate) struct RequestError {
+    /// Where its mistake is: keys from the entry down.
+    pub(crate) key: Vec<String>,
+    pub(crate) why: String,
+}
+
+impl RequestError {
+    fn new(key: &[&str], why: String) -> Self {
+        Self { key: key.iter().map(|&key| key.to_owned()).collect(), why }
+    }
+}
+
 /// Sends it; the number of the activity, when it is one. Blocks.
-pub(crate) fn send(daemon: &Daemon, entry: &CallEntry) -> Result<Option<u64>, String> {
+pub(crate) fn send(daemon: &Daemon, entry: &CallEntry) -> Result<Option<u64>, RequestError> {
     let Some(hosted) = daemon.components.get(&entry.component) else {
-        return Err(format!("{} does not run", entry.component));
+        let why = format!("{} does not run", entry.component);
+        return Err(RequestError::new(&["component"], why));
     };
     send_to(&hosted, entry)
 }
 
 /// Sends it to a component at hand. Blocks.
-pub(crate) fn send_to(hosted: &Hosted, entry: &CallEntry) -> Result<Option<u64>, String> {
+pub(crate) fn send_to(hosted: &Hosted, entry: &CallEntry) -> Result<Option<u64>, RequestError> {
     let name = format!("{}/{}", hosted.name, entry.service);
     let services = &hosted.model().services;
     let Some(index) = services.iter().position(|service| service.name == entry.service) else {
         let help = suggest(&entry.service, services.iter().map(|one| one.name.as_str()));
-        return Err(format!("{} has no service `{}`; {help}", hosted.name, entry.service));
+        let why = format!("{} has no service `{}`; {help}", hosted.name, entry.service);
+        return Err(RequestError::new(&["service"], why));
     };
-    let input = hosted.input(index, &entry.inputs).map_err(|error| format!("{name}: {error}"))?;
+    let input = hosted.input(index, &entry.inputs).map_err(|error| {
+        let members = error.path.split(['/', '.']).filter(|member| !member.is_empty());
+        let key: Vec<&str> = std::iter::once("inputs").chain(members).collect();
+        RequestError::new(&key, format!("{name}: {error}"))
+    })?;
     match hosted.request_blocking(index, input) {
         Answer::Accepted(activity) => Ok(Some(activity.number)),
-        Answer::Gone => Err(format!("{} stops", hosted.name)),
+        Answer::Gone => Err(RequestError::new(&[], format!("{} stops", hosted.name))),
         Answer::Ended(ending) => match ending.exception() {
             None => Ok(None),
-            Some(exception) => Err(format!("{name} ended with {exception}")),
+            Some(exception) => {
+                Err(RequestError::new(&[], format!("{name} ended with {exception}")))
+            }
         },
     }
 }

@@ -61,13 +61,28 @@ pub(crate) enum LoadError {
     Override { name: String, why: String },
     /// An attribute did not take its initial value.
     #[error("{name} does not take its attributes: {why}")]
-    Attribute { name: String, why: String },
+    Attribute { name: String, key: Vec<String>, why: String },
     /// The request names a port, task or service that the component has not.
     #[error("{name} has no {what} `{typed}`; {help}")]
     NoSuch { name: String, what: &'static str, typed: String, help: String },
     /// A start codel failed (genom3.md 7.2).
     #[error("{name} does not start: {why}")]
     Start { name: String, why: String },
+}
+
+impl LoadError {
+    /// Where the mistake is in what was asked: keys, as far as they are known.
+    pub(crate) fn key(&self) -> Vec<String> {
+        match self {
+            LoadError::Attribute { key, .. } => key.clone(),
+            LoadError::NoSuch { what, typed, .. } => vec![format!("{what}s"), typed.clone()],
+            LoadError::Backend(_) => vec!["backend".to_owned()],
+            LoadError::Override { .. } => vec!["tasks".to_owned()],
+            LoadError::Name(_) | LoadError::Taken(_) => vec!["name".to_owned()],
+            LoadError::Stopping | LoadError::Bind { .. } | LoadError::Start { .. } => Vec::new(),
+            _ => vec!["library".to_owned()],
+        }
+    }
 }
 
 /// Loads a component and starts it. Blocks.

@@ -10,7 +10,7 @@ use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::config::{Config, ConfigError, Deployment};
+use crate::config::{Config, ConfigError, Deployment, Spot};
 use crate::daemon::Daemon;
 use crate::deploy::apply::ApplyError;
 use crate::deploy::plan::PlanError;
@@ -102,10 +102,11 @@ pub(crate) async fn apply(
     let deployment = read(&daemon, &wanted)?;
     let work = move || {
         let _turn = daemon.deploying();
-        let steps = deploy::plan::plan(&daemon, &deployment).map_err(|error| impossible(&error))?;
+        let steps = deploy::plan::plan(&daemon, &deployment)
+            .map_err(|error| impossible(&error, &wanted))?;
         if !wanted.dry_run {
             deploy::apply::apply(&daemon, &steps, Some(patience))
-                .map_err(|error| failed(&error))?;
+                .map_err(|error| failed(&error, &wanted))?;
             daemon.declared.keep(&deployment.connection);
         }
         let steps = steps.iter().map(Step::to_string).collect();
@@ -134,12 +135,20 @@ fn read(daemon: &Daemon, wanted: &Wanted) -> Result<Deployment, RpcError> {
     Ok(deployment)
 }
 
-fn impossible(error: &PlanError) -> RpcError {
-    RpcError::conflict("no_plan", error.to_string()).help("nothing was changed")
+fn impossible(error: &PlanError, wanted: &Wanted) -> RpcError {
+    RpcError::conflict("no_plan", told(&error.place(), wanted, error)).help("nothing was changed")
 }
 
-fn failed(error: &ApplyError) -> RpcError {
+/// The message, with file, line and key before it when they are known.
+fn told(place: &Spot, wanted: &Wanted, error: &impl std::fmt::Display) -> String {
+    match place.told(&wanted.file, &wanted.text) {
+        Some(place) => format!("{place}: {error}"),
+        None => error.to_string(),
+    }
+}
+
+fn failed(error: &ApplyError, wanted: &Wanted) -> RpcError {
     let code = if error.timeout { "timeout" } else { "not_applied" };
     let help = if error.left.is_empty() { "everything is as it was before" } else { "see above" };
-    RpcError::conflict(code, error.to_string()).help(help)
+    RpcError::conflict(code, told(&error.place, wanted, error)).help(help)
 }
