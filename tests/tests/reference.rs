@@ -18,6 +18,16 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
         "mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected",
     ),
     (
+        "record",
+        "tests/tests/recording.rs",
+        "a_recording_is_read_back_by_others_with_calls_activities_and_exceptions",
+    ),
+    (
+        "replay",
+        "tests/tests/recording.rs",
+        "a_replay_on_the_stepped_clock_gives_the_same_motion",
+    ),
+    (
         "ros2-package",
         "daemon/genomctl/tests/ros2_package/main.rs",
         "packages_are_written_for_colcon",
