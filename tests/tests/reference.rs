@@ -22,11 +22,7 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
         "tests/tests/recording.rs",
         "a_recording_is_read_back_by_others_with_calls_activities_and_exceptions",
     ),
-    (
-        "replay",
-        "tests/tests/recording.rs",
-        "a_replay_on_the_stepped_clock_gives_the_same_motion",
-    ),
+    ("replay", "tests/tests/recording.rs", "a_replay_on_the_stepped_clock_gives_the_same_motion"),
     (
         "ros2-package",
         "daemon/genomctl/tests/ros2_package/main.rs",
