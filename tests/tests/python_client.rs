@@ -69,6 +69,15 @@ fn python_shares_the_memory_of_ports() {
 }
 
 #[test]
+fn python_speaks_zenoh_with_ports() {
+    let python =
+        python::environment(&["eclipse-zenoh==1.10.2"]).unwrap_or_else(|error| panic!("{error}"));
+    let finished = the_client_passes(&python, &[], "tests.test_zenoh", "zenoh");
+    let figure = finished.err.lines().find(|line| line.contains("round trips")).expect("a figure");
+    println!("zenoh: {figure}");
+}
+
+#[test]
 fn the_python_client_is_typed() {
     let python = python::environment(&["mypy==2.4.1"]).unwrap_or_else(|error| panic!("{error}"));
     let scratch = tempfile::tempdir().expect("a directory can be made");

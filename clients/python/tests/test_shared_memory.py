@@ -93,7 +93,8 @@ class SharedMemory(DemoCase):
         self.assertEqual(peer.exitcode, 0)
 
     def test_a_simulator_exchanges_state_and_command_at_each_step(self):
-        steps, late = 1000, 0
+        # GENOM_STEPS=5000 takes a longer look.
+        steps, late = int(os.environ.get("GENOM_STEPS", "1000")), 0
         self.demo.goto(10.0, ack=True)
         with self.demo.parameter.publisher() as state, self.demo.position.subscribe() as command:
             deadline = time.perf_counter()

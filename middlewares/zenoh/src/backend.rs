@@ -27,7 +27,7 @@ use crate::keys::{Keys, Token};
 use crate::options::{Options, SessionError};
 use crate::ports::{ZenohPublisher, ZenohSubscription};
 use crate::relay::Daemons;
-use crate::rendezvous::Rendezvous;
+use crate::rendezvous::{self, Rendezvous};
 use crate::service::{Server, ZenohServed};
 use crate::wire::{self, Expected, Mark};
 use crate::worker::{LastValue, Line, Orders, Worker};
@@ -47,6 +47,8 @@ pub struct Zenoh {
 /// What all ends share. Closed with the last of them.
 pub(crate) struct Core {
     session: Session,
+    /// Where others meet it.
+    meeting: Vec<(&'static str, String)>,
     keys: Keys,
     graph: Arc<Graph>,
     daemons: Arc<Daemons>,
@@ -93,7 +95,15 @@ impl Zenoh {
         let failed = |error: &dyn std::fmt::Display| SessionError::Open(error.to_string());
         let worker =
             Worker::start(session.clone(), options.anticipate).map_err(|error| failed(&error))?;
+        // What a client of this session's connects to.
+        let own = rendezvous.iter().map(|own| rendezvous::endpoint(own.socket()));
+        let connect: Vec<String> = own.chain(options.listen.iter().cloned()).collect();
+        let mut meeting = vec![("prefix", keys.of_all().to_owned())];
+        if !connect.is_empty() {
+            meeting.push(("connect", connect.join(",")));
+        }
         let core = Arc::new(Core {
+            meeting,
             keys,
             graph: Arc::default(),
             daemons: Arc::default(),
@@ -272,6 +282,10 @@ impl Middleware for Zenoh {
             services: true,
             native_services: true,
         }
+    }
+
+    fn meeting_point(&self) -> Vec<(&'static str, String)> {
+        self.core.meeting.clone()
     }
 
     fn publisher(&self, at: &Address, ty: &DataType) -> Result<Box<dyn Publisher>, OpenError> {

@@ -34,6 +34,11 @@ impl Keys {
         Self { prefix: if prefix.is_empty() { String::new() } else { format!("{prefix}/") } }
     }
 
+    /// Start of all keys: empty, or ends with `/`.
+    pub(crate) fn of_all(&self) -> &str {
+        &self.prefix
+    }
+
     /// The key of a port or service, or what is wrong with it.
     pub(crate) fn of(&self, at: &Address) -> Result<OwnedKeyExpr, String> {
         let key = format!("{}{at}", self.prefix);

@@ -1,7 +1,8 @@
 """Ports: read them, follow them, publish to them, connect them.
 
-Values go through the daemon, or straight through shared memory when the package iceoryx2 is
-installed and the port's type has a fixed size. The objects are the same.
+Values go through the daemon; or straight through shared memory when the package iceoryx2 is
+installed and the port's type has a fixed size; or straight over zenoh when the package
+eclipse-zenoh is. The objects are the same.
 """
 
 from __future__ import annotations
@@ -81,8 +82,8 @@ class Port:
     ) -> "Publisher":
         """Feeds this in port from here.
 
-        ``fast=True`` insists on shared memory, ``fast=False`` goes through the daemon; by default
-        shared memory is used where it can be.
+        ``fast=True`` insists on shared memory or zenoh, ``fast=False`` goes through the daemon; by
+        default the fast way is used where it can be.
         """
         if self.direction != "in":
             raise RefusalError("out_port", f"{self.address(element)} is an out port: codels write it")
@@ -94,12 +95,16 @@ class Port:
                 help="disconnect() it first, to feed it from here",
             )
         if self._is_fast(fast):
-            from ._shm import ShmPublisher
-
             address = self.address(element)
             # The daemon makes the place, and lets go of it if it published there.
-            self._client.connect_port(address, address, backend=self._backend)
+            self._client.connect_port(address, address, backend=self._fast_backend())
             try:
+                if self._fast_backend() == "zenoh":
+                    from ._zenoh import ZenohPublisher
+
+                    return ZenohPublisher(self, element)
+                from ._shm import ShmPublisher
+
                 return ShmPublisher(self, element)
             except BaseException:
                 if feed is None:
@@ -117,11 +122,15 @@ class Port:
     ) -> "Subscription":
         """Follows this port: its last value first, then each one that is written.
 
-        ``fast`` as of `publisher`. Over shared memory every sample comes, as long as no more than
+        ``fast`` as of `publisher`. The fast way every sample comes, as long as no more than
         ``depth`` wait to be read; through the daemon values that changed, ``rate`` times a second.
         An in port is followed where it reads.
         """
         if self._is_fast(fast) and self._source(element) is not None:
+            if self._fast_backend() == "zenoh":
+                from ._zenoh import ZenohSubscription
+
+                return ZenohSubscription(self, element, depth)
             from ._shm import ShmSubscription
 
             return ShmSubscription(self, element, depth)
@@ -152,8 +161,13 @@ class Port:
             self._layout = dict(self._client._transport.request("GET", path))
         return self._layout
 
+    def _fast_backend(self) -> Optional[str]:
+        """The middleware that is spoken from here, of those the component is on."""
+        names = self._backend.split("+")
+        return next((name for name in ("shm", "zenoh") if name in names), None)
+
     def _is_fast(self, wanted: Optional[bool]) -> bool:
-        """Whether shared memory is to be used; an error when it is wanted and cannot be."""
+        """Whether the fast way is to be used; an error when it is wanted and cannot be."""
         if wanted is False:
             return False
         why = self._why_slow()
@@ -162,8 +176,17 @@ class Port:
         return why is None
 
     def _why_slow(self) -> Optional[str]:
-        if self._backend != "shm":
-            return f"it is on {self._backend}, not on shm"
+        backend = self._fast_backend()
+        if backend is None:
+            return f"it is on {self._backend}, not on shm or zenoh"
+        if backend == "zenoh":
+            try:
+                import zenoh  # noqa: F401
+            except ImportError:
+                return "the package eclipse-zenoh is not installed"
+            if "connect" not in self._client._meeting_point("zenoh"):
+                return "the daemon's zenoh has no endpoint to connect to"
+            return None
         if not self._client._transport.local:
             return "the daemon is on another machine"
         try:
@@ -189,7 +212,7 @@ class Publisher:
     """The writing end of an in port: ``p(0.5)`` or ``p(position=1.0)`` publishes."""
 
     fast = False
-    """Whether values go straight through shared memory."""
+    """Whether values go straight through shared memory or over zenoh."""
 
     def __init__(self, port: Port, element: Optional[str]) -> None:
         self.port = port
@@ -226,7 +249,7 @@ class Subscription:
     """The reading end of a port; iterate over it to wait for each value."""
 
     fast = False
-    """Whether values come straight through shared memory."""
+    """Whether values come straight through shared memory or over zenoh."""
 
     def __init__(self, port: Port, element: Optional[str], rate: float) -> None:
         self.port = port

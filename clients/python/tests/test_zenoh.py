@@ -1,0 +1,128 @@
+"""Ports straight over zenoh, with the package eclipse-zenoh."""
+
+import multiprocessing
+import sys
+import time
+import unittest
+
+import genom
+
+from .support import WATCHDOG, DemoCase
+
+
+def echo(component, other, count):
+    """Another process: what comes on one port goes to the other."""
+    g = genom.connect()
+    commands = g.load(component).parameter.subscribe(fast=True)
+    states = g.load(other).parameter.publisher(fast=True)
+    states(-1.0)
+    while count > 0:
+        value = commands.wait(WATCHDOG)
+        # Not what was published before this process came.
+        if value >= 0.0:
+            states(value)
+            count -= 1
+
+
+class Zenoh(DemoCase):
+    def test_a_port_is_followed_sample_by_sample(self):
+        self.demo.set_speed(2.0)
+        with self.demo.position.subscribe(fast=True, depth=1000) as positions:
+            self.assertTrue(positions.fast)
+            # It was written before.
+            self.assertEqual(positions.wait(WATCHDOG), {"position": 0.0, "velocity": 0.0})
+            activity = self.demo.goto(0.2, ack=True)
+            seen = [positions.wait(WATCHDOG)]
+            while seen[-1] != {"position": 0.2, "velocity": 0.0}:
+                seen.append(positions.wait(WATCHDOG))
+            activity.wait(WATCHDOG)
+            with self.assertRaises(TimeoutError):
+                positions.wait(0.01)
+        self.assertEqual(sorted(one["position"] for one in seen), [one["position"] for one in seen])
+        with self.assertRaises(genom.GenoMError):
+            positions.wait(WATCHDOG)
+
+    def test_a_fast_publisher_feeds_the_codels(self):
+        with self.demo.parameter.publisher() as p:
+            self.assertTrue(p.fast)
+            p(0.0)
+            activity = self.demo.goto(goal=0.1, ack=True)
+            with self.demo.parameter.subscribe(fast=False) as gain:
+                self.assertEqual(gain.wait(WATCHDOG), 0.0)
+            self.assertEqual(activity.status, "sent")
+            p(2.0)
+            activity.wait(WATCHDOG)
+            self.assertEqual(self.demo.parameter.read(), 2.0)
+            with self.assertRaises(genom.InputError):
+                p("fast")
+            with self.assertRaises(genom.RefusalError) as caught:
+                self.demo.parameter.publisher(fast=True)
+            self.assertEqual(caught.exception.name, "taken")
+        self.assertIsNone(self.demo.parameter.connected())
+
+    def test_samples_go_to_another_process_and_come_back_in_order(self):
+        other, count = self.load(), 5000
+        commands = self.demo.parameter.publisher(fast=True)
+        commands(-1.0)
+        other.parameter.connect(other.parameter.address(), backend="zenoh")
+        states = other.parameter.subscribe(fast=True)
+        context = multiprocessing.get_context("spawn")
+        arguments = (self.demo.name, other.name, count)
+        peer = context.Process(target=echo, args=arguments, daemon=True)
+        peer.start()
+        self.assertEqual(states.wait(WATCHDOG), -1.0)
+        begin = time.perf_counter()
+        for number in range(count):
+            commands(float(number))
+            self.assertEqual(states.wait(WATCHDOG), float(number))
+        rate = count / (time.perf_counter() - begin)
+        print(f"round trips between two processes: {rate:.0f}/s", file=sys.stderr)
+        peer.join(WATCHDOG)
+        self.assertEqual(peer.exitcode, 0)
+
+
+class Messages(unittest.TestCase):
+    """Types that the demo has none of, as the daemon would tell them."""
+
+    def test_values_of_every_kind_go_in_and_come_out(self):
+        from genom._cdr import Cdr
+
+        cdr = Cdr({"types": [
+            {"kind": "struct", "name": "::m::all", "members": [
+                {"name": "count", "type": 1}, {"name": "gain", "type": 2},
+                {"name": "text", "type": 3}, {"name": "list", "type": 4},
+                {"name": "maybe", "type": 5}, {"name": "row", "type": 6},
+                {"name": "either", "type": 7}, {"name": "mode", "type": 8}]},
+            {"kind": "octet", "name": "octet"},
+            {"kind": "double", "name": "double"},
+            {"kind": "string", "name": "string<6>", "bound": 6},
+            {"kind": "sequence", "name": "sequence<double>", "element": 2, "bound": None},
+            {"kind": "optional", "name": "optional<double>", "element": 2},
+            {"kind": "array", "name": "double[3]", "element": 2, "length": 3},
+            {"kind": "union", "name": "::m::either", "discriminant": 8, "members": [
+                {"name": "i", "type": 1, "labels": [0]},
+                {"name": "d", "type": 2, "labels": [None]}]},
+            {"kind": "enum", "name": "::m::mode", "enumerators": ["OFF", "ON"]},
+        ]})
+        zero = cdr.zero()
+        self.assertEqual(cdr.decode(cdr.encode(zero)), zero)
+        value = cdr.merge(zero, {
+            "count": 3, "gain": 0.5, "text": "h\u00e9", "list": [1.0, 2.0], "maybe": 7.0,
+            # An array may be given partially, by index.
+            "row": {"1": 4.0}, "either": {"d": "ON", "u": {"d": 2.5}}, "mode": "ON",
+        })
+        self.assertEqual(value["row"], [0.0, 4.0, 0.0])
+        message = cdr.encode(value)
+        # Header, octet and padding, double, text with its NUL.
+        self.assertEqual(message[:8], b"\0\1\0\0\3\0\0\0")
+        self.assertEqual(message[20:28], b"\4\0\0\0h\xc3\xa9\0")
+        self.assertEqual(cdr.decode(message), value)
+        for wrong in ({"nothing": 1}, {"row": {"3": 1.0}}):
+            with self.assertRaises(ValueError, msg=str(wrong)):
+                cdr.merge(zero, wrong)
+        with self.assertRaises(ValueError):
+            cdr.encode({**value, "text": "too long"})
+
+
+if __name__ == "__main__":
+    unittest.main()
