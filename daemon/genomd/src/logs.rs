@@ -8,12 +8,14 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use serde_json::{Map, Value};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Subscriber};
+use tracing_subscriber::filter::{LevelFilter, filter_fn};
 use tracing_subscriber::layer::{Context, SubscriberExt as _};
 use tracing_subscriber::util::SubscriberInitExt as _;
 use tracing_subscriber::{EnvFilter, Layer};
 
 use crate::bus::Numbers;
 use crate::dates::Dates;
+use crate::telemetry;
 
 /// What was logged: one process has one log.
 static PAST: LazyLock<Numbers> = LazyLock::new(|| Numbers::new(Dates::default()));
@@ -24,22 +26,27 @@ pub(crate) fn past() -> &'static Numbers {
 }
 
 /// The DDS library tells of each packet it cannot send yet, also as errors: what fails is told
-/// by those who use it. A filter that names it says otherwise.
-const QUIET: &str = "rustdds=off";
+/// by those who use it. A filter that names it says otherwise. Spans of services are for a
+/// collector.
+const QUIET: &str = "rustdds=off,genom::service=off";
 
 /// Starts logging; the filter was wrong when this gives an error.
-pub(crate) fn start(filter: &str) -> Result<(), String> {
-    let filter = EnvFilter::try_new(format!("{QUIET},{filter}")).map_err(|error| {
-        format!("--log {filter}: {error}; write for instance info,genomd=debug")
-    })?;
+/// With `spans`, those of services are exported, whatever is logged.
+pub(crate) fn start(filter: &str, spans: bool) -> Result<(), String> {
+    let passes = || {
+        EnvFilter::try_new(format!("{QUIET},{filter}")).map_err(|error| {
+            format!("--log {filter}: {error}; write for instance info,genomd=debug")
+        })
+    };
+    let ours = filter_fn(telemetry::is_ours).with_max_level_hint(LevelFilter::INFO);
     let terminal = tracing_subscriber::fmt::layer()
         .with_writer(std::io::stderr)
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false);
     tracing_subscriber::registry()
-        .with(filter)
-        .with(terminal)
-        .with(Keep)
+        .with(terminal.with_filter(passes()?))
+        .with(Keep.with_filter(passes()?))
+        .with(spans.then(|| telemetry::Exported.with_filter(ours)))
         .try_init()
         .map_err(|error| error.to_string())
 }

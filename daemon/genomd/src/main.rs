@@ -22,6 +22,7 @@ mod registry;
 mod rpc;
 mod run;
 mod shown;
+mod telemetry;
 mod wiring;
 
 use std::io::Write as _;
@@ -61,7 +62,7 @@ fn main() -> ExitCode {
 fn settings(cli: Cli) -> Result<Settings, Refusal> {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage)?;
     let settings = Settings::new(cli, config).map_err(Refusal::usage)?;
-    logs::start(&settings.log).map_err(Refusal::usage)?;
+    logs::start(&settings.log, settings.collector.is_some()).map_err(Refusal::usage)?;
     registry::check(&settings.backend).map_err(Refusal::usage)?;
     Ok(settings)
 }

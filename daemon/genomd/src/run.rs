@@ -21,6 +21,7 @@ use crate::rpc::listen::{self, Socket};
 use crate::rpc::serve::{Entrance, Listener, serve};
 use crate::rpc::tls;
 use crate::rpc::tokens::Tokens;
+use crate::telemetry;
 
 /// Why the daemon did not run, with its exit status.
 #[derive(Debug)]
@@ -116,6 +117,10 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         .map_err(Refusal::own)?
         .map_err(Refusal::own)?;
     keep::watch(&daemon).map_err(Refusal::own)?;
+    let exporter = daemon.settings.collector.clone().map(|collector| {
+        let name = daemon.settings.name.clone();
+        tokio::spawn(telemetry::export(collector, name, daemon.closed.clone()))
+    });
     tokio::spawn(stop_on(signals, Arc::clone(&daemon)));
     tokio::spawn(keep_signals(KeptSignals::remember()));
 
@@ -140,6 +145,10 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     daemon.closed.raise();
     if let Err(error) = server.await {
         tracing::error!("the control plane ended badly: {error}");
+    }
+    if let Some(exporter) = exporter {
+        // The last spans; it does not take longer than a moment.
+        let _ = exporter.await;
     }
     outcome
 }

@@ -33,6 +33,8 @@ pub(crate) struct Config {
     pub(crate) stop_timeout: u64,
     /// The control plane.
     pub(crate) rpc: Rpc,
+    /// What is told to others of what services do.
+    pub(crate) telemetry: Telemetry,
     /// Options of middlewares, by name: each knows its own.
     pub(crate) backends: BTreeMap<String, toml::Table>,
     /// Components to load, in order, before those of the command line.
@@ -43,6 +45,14 @@ pub(crate) struct Config {
     pub(crate) call: Vec<CallEntry>,
     /// Activities to start, in order, after the calls.
     pub(crate) activity: Vec<CallEntry>,
+}
+
+/// Section `[telemetry]`.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct Telemetry {
+    /// Where spans of services go: `http://HOST:PORT` of an OpenTelemetry collector.
+    pub(crate) otlp: Option<String>,
 }
 
 impl Default for Config {
@@ -57,6 +67,7 @@ impl Default for Config {
             start_timeout: 60,
             stop_timeout: 10,
             rpc: Rpc::default(),
+            telemetry: Telemetry::default(),
             backends: BTreeMap::new(),
             component: Vec::new(),
             connection: Vec::new(),

@@ -21,6 +21,7 @@ pub(crate) use rpc::{RpcSettings, Tls};
 pub(crate) use spot::Spot;
 
 use crate::cli::Cli;
+use crate::telemetry::Collector;
 
 /// Which time components live in.
 #[derive(
@@ -70,6 +71,8 @@ pub(crate) struct Settings {
     pub(crate) start_timeout: Duration,
     /// How long a component may take to stop before it is left behind.
     pub(crate) stop_timeout: Duration,
+    /// Where spans go, if anywhere.
+    pub(crate) collector: Option<Collector>,
     /// The control plane.
     pub(crate) rpc: RpcSettings,
 }
@@ -92,6 +95,9 @@ pub(crate) enum UsageError {
          (`genomctl token NAME --into FILE` begins one), or with rpc.tls.client_ca"
     )]
     Anybody(SocketAddr),
+    /// `telemetry.otlp` is no place to send to.
+    #[error("{0}")]
+    Collector(String),
 }
 
 impl Settings {
@@ -115,8 +121,11 @@ impl Settings {
         }
         let mut deployment = Deployment::of(&config, cli.daemon.as_deref());
         deployment.component.extend(components);
+        let collector = config.telemetry.otlp.as_deref().map(Collector::parse).transpose();
+        let collector = collector.map_err(UsageError::Collector)?;
         Ok(Self {
             file: cli.config,
+            collector,
             backend: cli.backend.unwrap_or(config.backend),
             deployment,
             name: cli.daemon,

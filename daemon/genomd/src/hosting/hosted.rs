@@ -17,6 +17,7 @@ use genom_runtime::{
 use genom_types::{DataType, Record};
 use serde_json::{Value, json};
 use tokio::sync::mpsc;
+use tracing::Span;
 
 use super::activities::{Activity, ActivityLog, Ending};
 use super::built;
@@ -28,6 +29,7 @@ use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
 use crate::flag::Flag;
 use crate::recording::{Call, Recordings};
+use crate::telemetry;
 use crate::wiring::bindings::Bindings;
 use crate::wiring::requests::SupervisorWiring;
 use crate::wiring::serve::ServedOn;
@@ -189,6 +191,7 @@ impl Hosted {
     ) {
         let name = &self.model().services[service].name;
         let mut tracked = Tracked {
+            span: telemetry::service(&self.name, name),
             call: self.recordings.called(&self.name, name, || input.to_json()),
             log: Arc::clone(&self.activities),
             service: name.clone(),
@@ -349,6 +352,8 @@ pub(crate) enum Heard {
 
 /// Keeps the log of activities in step with one request.
 struct Tracked {
+    /// From the request to the end.
+    span: Span,
     /// Told of the end, when it is recorded.
     call: Option<Call>,
     log: Arc<ActivityLog>,
@@ -370,9 +375,12 @@ impl Tracked {
     }
 
     fn ended(&mut self, ending: Ending) {
+        let activity = self.running.as_ref().map(|activity| activity.number);
         if let Some(call) = self.call.take() {
-            call.ended(self.running.as_ref().map(|activity| activity.number), &ending);
+            call.ended(activity, &ending);
         }
+        // It ends with the last handle on it.
+        telemetry::ended(&std::mem::replace(&mut self.span, Span::none()), activity, &ending);
         if let Some(inputs) = self.inputs.take().filter(|_| ending.exception().is_none()) {
             self.done.attribute(&self.service, inputs);
         }

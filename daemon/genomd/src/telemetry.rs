@@ -1,0 +1,291 @@
+//! Spans of services for an OpenTelemetry collector: OTLP over HTTP, in JSON.
+//!
+//! A layer of `tracing` turns each span that closes into OTLP and queues it; a task posts what is
+//! queued. Nobody waits for the collector: what finds no room is lost and counted. No TLS: the
+//! collector is on this machine, or on a network that is trusted.
+
+use std::collections::VecDeque;
+use std::hash::{BuildHasher as _, Hasher as _, RandomState};
+use std::sync::{LazyLock, Mutex, PoisonError};
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use axum::body::{Body, to_bytes};
+use axum::http::{Request, Uri, header};
+use hyper::client::conn::http1;
+use hyper_util::rt::TokioIo;
+use serde_json::{Map, Value, json};
+use tokio::net::TcpStream;
+use tokio::sync::Notify;
+use tracing::field::{Field, Visit};
+use tracing::span::{Attributes, Id, Record};
+use tracing::{Metadata, Span, Subscriber};
+use tracing_subscriber::Layer;
+use tracing_subscriber::layer::Context;
+use tracing_subscriber::registry::LookupSpan;
+
+use crate::flag::Flag;
+use crate::hosting::Ending;
+
+/// Target of the spans that are exported.
+const TARGET: &str = "genom::service";
+/// Spans that wait for the collector at most.
+const MOST: usize = 4096;
+/// Spans in one request.
+const BATCH: usize = 512;
+/// A collector that takes longer is none.
+const PATIENCE: Duration = Duration::from_secs(5);
+/// How long the last spans may take once the daemon has stopped.
+const LAST: Duration = Duration::from_secs(1);
+
+/// What waits for the collector: one process has one.
+static QUEUE: LazyLock<Queue> = LazyLock::new(Queue::default);
+
+#[derive(Default)]
+struct Queue {
+    waiting: Mutex<(VecDeque<Value>, u64)>,
+    bell: Notify,
+}
+
+impl Queue {
+    fn put(&self, span: Value) {
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        let (spans, lost) = &mut *waiting;
+        if spans.len() < MOST {
+            spans.push_back(span);
+        } else {
+            *lost += 1;
+        }
+        drop(waiting);
+        self.bell.notify_one();
+    }
+
+    /// The oldest spans, and how many were lost since this was asked.
+    fn take(&self) -> (Vec<Value>, u64) {
+        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
+        let (spans, lost) = &mut *waiting;
+        let count = spans.len().min(BATCH);
+        (spans.drain(..count).collect(), std::mem::take(lost))
+    }
+}
+
+/// The span of a request to a service; [`ended`] completes it.
+pub(crate) fn service(component: &str, service: &str) -> Span {
+    tracing::info_span!(
+        target: "genom::service", "service", component, service,
+        activity = tracing::field::Empty, exception = tracing::field::Empty,
+    )
+}
+
+/// Tells a span how its service ended; it lasts until it is dropped.
+pub(crate) fn ended(span: &Span, activity: Option<u64>, ending: &Ending) {
+    if let Some(number) = activity {
+        span.record("activity", number);
+    }
+    if let Some(name) = ending.exception() {
+        span.record("exception", name);
+    }
+}
+
+/// Whether a span is exported.
+pub(crate) fn is_ours(about: &Metadata<'_>) -> bool {
+    about.is_span() && about.target() == TARGET
+}
+
+/// Where spans go.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Collector {
+    /// `host:port`
+    authority: String,
+    path: String,
+}
+
+impl Collector {
+    /// Reads `http://HOST:PORT`, with a path or without.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
+        let wrong = |why: &str| format!("telemetry.otlp: `{text}` {why}: write http://HOST:4318");
+        let uri: Uri = text.parse().map_err(|_| wrong("is no URL"))?;
+        if uri.scheme_str() != Some("http") {
+            return Err(wrong("is no http URL"));
+        }
+        let authority = uri.authority().ok_or_else(|| wrong("names no host"))?;
+        let port = authority.port_u16().unwrap_or(4318);
+        let path = match uri.path() {
+            "" | "/" => "/v1/traces",
+            path => path,
+        };
+        Ok(Self { authority: format!("{}:{port}", authority.host()), path: path.to_owned() })
+    }
+}
+
+/// Queues spans when they close.
+pub(crate) struct Exported;
+
+/// What a span has told so far.
+struct Told {
+    start: u128,
+    words: Words,
+}
+
+#[derive(Default)]
+struct Words(Map<String, Value>);
+
+impl Visit for Words {
+    fn record_u64(&mut self, field: &Field, value: u64) {
+        // 64-bit integers are strings in the JSON of OTLP.
+        self.0.insert(field.name().to_owned(), json!({"intValue": value.to_string()}));
+    }
+
+    fn record_str(&mut self, field: &Field, value: &str) {
+        self.0.insert(field.name().to_owned(), json!({ "stringValue": value }));
+    }
+
+    fn record_debug(&mut self, field: &Field, value: &dyn std::fmt::Debug) {
+        self.record_str(field, &format!("{value:?}"));
+    }
+}
+
+impl Words {
+    fn text(&self, key: &str) -> Option<&str> {
+        self.0.get(key)?["stringValue"].as_str()
+    }
+}
+
+impl<S: Subscriber + for<'a> LookupSpan<'a>> Layer<S> for Exported {
+    fn on_new_span(&self, attributes: &Attributes<'_>, id: &Id, context: Context<'_, S>) {
+        let Some(span) = context.span(id) else { return };
+        let mut words = Words::default();
+        attributes.record(&mut words);
+        span.extensions_mut().insert(Told { start: now(), words });
+    }
+
+    fn on_record(&self, id: &Id, values: &Record<'_>, context: Context<'_, S>) {
+        let Some(span) = context.span(id) else { return };
+        if let Some(told) = span.extensions_mut().get_mut::<Told>() {
+            values.record(&mut told.words);
+        }
+    }
+
+    fn on_close(&self, id: Id, context: Context<'_, S>) {
+        let Some(told) = context.span(&id).and_then(|span| span.extensions_mut().remove()) else {
+            return;
+        };
+        QUEUE.put(otlp(&told, now()));
+    }
+}
+
+/// A span as OTLP has it.
+fn otlp(told: &Told, end: u128) -> Value {
+    let Told { start, words } = told;
+    let word = |key| words.text(key).unwrap_or_default();
+    let attributes: Vec<Value> = words
+        .0
+        .iter()
+        .map(|(key, value)| json!({"key": format!("genom.{key}"), "value": value}))
+        .collect();
+    let status = match words.text("exception") {
+        Some(exception) => json!({"code": 2, "message": exception}),
+        None => json!({"code": 1}),
+    };
+    json!({
+        "traceId": format!("{:016x}{:016x}", random(), random()),
+        "spanId": format!("{:016x}", random()),
+        "name": format!("{}/{}", word("component"), word("service")),
+        // A request served.
+        "kind": 2,
+        "startTimeUnixNano": start.to_string(),
+        "endTimeUnixNano": end.to_string(),
+        "attributes": attributes,
+        "status": status,
+    })
+}
+
+fn now() -> u128 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos()
+}
+
+/// Never 0, which is no identity.
+fn random() -> u64 {
+    RandomState::new().build_hasher().finish().max(1)
+}
+
+/// Posts what is queued until `closed` is raised, and then the rest.
+pub(crate) async fn export(collector: Collector, daemon: Option<String>, closed: Flag) {
+    let mut refused = false;
+    loop {
+        let ends = closed.is_up();
+        let (spans, lost) = QUEUE.take();
+        if lost > 0 {
+            tracing::warn!("{lost} spans were lost: the collector does not keep up");
+        }
+        if !spans.is_empty() {
+            let patience = if ends { LAST } else { PATIENCE };
+            let posted = tokio::time::timeout(patience, post(&collector, spans, daemon.as_deref()));
+            let outcome = posted.await.unwrap_or_else(|_| Err("no answer".to_owned()));
+            if let Err(why) = &outcome
+                && !refused
+            {
+                let Collector { authority, path } = &collector;
+                tracing::warn!("spans are not taken by http://{authority}{path}: {why}");
+            }
+            refused = outcome.is_err();
+            if !(ends && refused) {
+                continue;
+            }
+        }
+        if ends {
+            return;
+        }
+        tokio::select! {
+            () = QUEUE.bell.notified() => {}
+            () = closed.raised() => {}
+        }
+    }
+}
+
+async fn post(
+    collector: &Collector,
+    spans: Vec<Value>,
+    daemon: Option<&str>,
+) -> Result<(), String> {
+    let text = |key: &str, value: &str| json!({"key": key, "value": {"stringValue": value}});
+    let version = env!("CARGO_PKG_VERSION");
+    let mut resource = vec![text("service.name", "genomd"), text("service.version", version)];
+    resource.extend(daemon.map(|name| text("service.instance.id", name)));
+    let body = json!({"resourceSpans": [{
+        "resource": {"attributes": resource},
+        "scopeSpans": [{"scope": {"name": "genomd", "version": version}, "spans": spans}],
+    }]});
+    let failed = |error: &dyn std::fmt::Display| error.to_string();
+    let stream = TcpStream::connect(&collector.authority).await.map_err(|error| failed(&error))?;
+    let (mut sender, connection) =
+        http1::handshake(TokioIo::new(stream)).await.map_err(|error| failed(&error))?;
+    tokio::spawn(connection);
+    let request = Request::post(&collector.path)
+        .header(header::HOST, &collector.authority)
+        .header(header::CONTENT_TYPE, "application/json")
+        .header(header::CONNECTION, "close")
+        .body(Body::from(body.to_string()))
+        .map_err(|error| failed(&error))?;
+    let response = sender.send_request(request).await.map_err(|error| failed(&error))?;
+    let status = response.status();
+    let _ = to_bytes(Body::new(response.into_body()), 1 << 16).await;
+    if status.is_success() { Ok(()) } else { Err(format!("status {status}")) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_collector_is_an_http_url() {
+        let read = |text| Collector::parse(text).map(|one| (one.authority, one.path));
+        let usual = ("127.0.0.1:4318".to_owned(), "/v1/traces".to_owned());
+        assert_eq!(read("http://127.0.0.1"), Ok(usual.clone()));
+        assert_eq!(read("http://127.0.0.1:4318/"), Ok(usual));
+        let other = ("[::1]:9".to_owned(), "/otlp".to_owned());
+        assert_eq!(read("http://[::1]:9/otlp"), Ok(other));
+        for wrong in ["https://a", "127.0.0.1:4318", "", "http://"] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+    }
+}
