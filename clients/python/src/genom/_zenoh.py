@@ -5,6 +5,7 @@ Samples come by callback: who waits for one sleeps until it is there.
 
 from __future__ import annotations
 
+import atexit
 import json
 import struct
 import threading
@@ -39,6 +40,19 @@ def _session(meet: Dict[str, str]) -> Any:
             config.insert_json5("connect/endpoints", json.dumps(meet["connect"].split(",")))
             session = _sessions[meet["connect"]] = zenoh.open(config)
     return session
+
+
+def _direct(callback: Any) -> Any:
+    """Called by zenoh's own thread: one of Python's would outlive the program's end."""
+    return zenoh.handlers.Callback(callback, indirect=False)
+
+
+@atexit.register
+def _close() -> None:
+    with _lock:
+        for session in _sessions.values():
+            session.close()
+        _sessions.clear()
 
 
 class _End:
@@ -94,7 +108,7 @@ class ZenohPublisher(Publisher):
         self._token = end.declare("pub")
         self._value = end.cdr.zero()
         self._message: Optional[bytes] = None
-        self._queryable = end.session.declare_queryable(end.key, self._answer)
+        self._queryable = end.session.declare_queryable(end.key, _direct(self._answer))
         # What goes out first must arrive, too.
         self._publisher: Any = end.session.declare_publisher(end.key, encoding=end.encoding)
         begin = time.monotonic()
@@ -146,7 +160,7 @@ class ZenohSubscription(Subscription):
         self._came = threading.Condition()
         self._any = False
         self._closed = False
-        self._subscriber = end.session.declare_subscriber(end.key, self._take_in)
+        self._subscriber = end.session.declare_subscriber(end.key, _direct(self._take_in))
         # The answer comes when the subscription is known over there.
         for reply in end.session.get(end.key, timeout=_MATCHING):
             if reply.ok is not None:
