@@ -55,7 +55,7 @@ class Cdr:
             return {"d": switch, "u": {} if member is None else {member["name"]: self.zero(member["type"])}}
         if kind == "enum":
             return one["enumerators"][0]
-        named = {"string": "", "char": "\0", "sequence": [], "optional": None, "boolean": False}
+        named: Dict[str, Any] = {"string": "", "char": "\0", "sequence": [], "optional": None, "boolean": False}
         return named.get(kind, 0)
 
     def merge(self, old: Any, new: Any, at: int = 0) -> Any:
@@ -72,12 +72,12 @@ class Cdr:
             return merged
         if kind == "array":
             given = new.items() if isinstance(new, dict) else enumerate(new)
-            merged = list(old)
+            elements = list(old)
             for index, inner in given:
                 if not 0 <= int(index) < one["length"]:
                     raise ValueError(f"there is no element {index}, only {one['length']}")
-                merged[int(index)] = self.merge(merged[int(index)], inner, one["element"])
-            return merged
+                elements[int(index)] = self.merge(elements[int(index)], inner, one["element"])
+            return elements
         if kind == "float" or kind == "double":
             return float("nan") if new is None else new
         return new
