@@ -13,7 +13,7 @@ use crate::failure::Failure;
 use crate::recording::file::{Recorder, Told};
 use crate::recording::frames::{Frame, Frames};
 use crate::session::Session;
-use crate::table::table;
+use crate::table::Table;
 
 /// How often the file is brought up to date, and the terminal.
 const SAVE: Duration = Duration::from_secs(1);
@@ -109,7 +109,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         tell("\n");
     }
     let channels = recorder.finish(complete).map_err(failed)?;
-    session.show(reply(&args, &channels, complete), |_: &Value| render(&channels))?;
+    session.show_table(reply(&args, &channels, complete), |_: &Value| render(&channels))?;
     if complete { Ok(()) } else { Err(Failure::cut_short(&args.output)) }
 }
 
@@ -125,10 +125,10 @@ fn reply(args: &Args, channels: &[Told], complete: bool) -> Value {
     json!({"file": args.output, "complete": complete, "channels": channels})
 }
 
-fn render(channels: &[Told]) -> String {
+fn render(channels: &[Told]) -> Table {
     let rows: Vec<Vec<String>> = channels
         .iter()
         .map(|told| vec![told.topic.clone(), told.messages.to_string(), told.lost.to_string()])
         .collect();
-    table(&["TOPIC", "MESSAGES", "LOST"], &rows)
+    Table { header: vec!["TOPIC", "MESSAGES", "LOST"], rows }
 }

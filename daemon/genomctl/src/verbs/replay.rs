@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::names::{Path2, url};
 use crate::recording::reader::{Recorded, Recording};
 use crate::session::Session;
-use crate::table::table;
+use crate::table::Table;
 
 /// What is sent at once, at most.
 const BATCH: usize = 256 << 10;
@@ -111,12 +111,12 @@ fn show(session: &Session, targets: &BTreeMap<u16, Target>, complete: bool) -> R
         .values()
         .map(|target| json!({"port": target.port.to_string(), "published": target.published}))
         .collect();
-    session.show(json!({"complete": complete, "ports": ports}), |_: &Value| {
+    session.show_table(json!({"complete": complete, "ports": ports}), |_: &Value| {
         let rows: Vec<Vec<String>> = targets
             .values()
             .map(|target| vec![target.port.to_string(), target.published.to_string()])
             .collect();
-        table(&["PORT", "PUBLISHED"], &rows)
+        Table { header: vec!["PORT", "PUBLISHED"], rows }
     })
 }
 
