@@ -223,7 +223,15 @@ impl Call {
             if let (Value::Object(note), Value::Object(more)) = (&mut note, more) {
                 note.extend(activity.map(|number| ("activity".to_owned(), number.into())));
                 note.extend(more);
-                note.extend(ending.to_json());
+                match ending {
+                    Ending::Done(outputs) => {
+                        note.insert("result".to_owned(), outputs.clone());
+                    }
+                    Ending::Exception { name, detail } => {
+                        note.insert("exception".to_owned(), name.as_str().into());
+                        note.insert("detail".to_owned(), detail.clone());
+                    }
+                }
             }
             note
         };
