@@ -7,12 +7,21 @@
 // Parts of the daemon, with more in them than is used here.
 #![allow(dead_code, unused_imports)]
 
+#[path = "../src/dates.rs"]
+mod dates;
 #[path = "../src/wiring/fan.rs"]
 mod fan;
 #[path = "../src/wiring/gauge.rs"]
 mod gauge;
 #[path = "../src/wiring/tap.rs"]
 mod tap;
+#[path = "../src/recording/tape.rs"]
+mod tape;
+
+/// Where those parts look for one another.
+mod recording {
+    pub(crate) use crate::tape::Tapes;
+}
 
 use std::hint::black_box;
 use std::time::Instant;
