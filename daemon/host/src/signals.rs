@@ -55,6 +55,9 @@ mod tests {
 
     #[test]
     fn what_somebody_changes_is_put_back_and_told_once() {
+        // What runs in the background of a shell ignores SIGINT from the start.
+        // SAFETY: the default calls nothing.
+        unsafe { libc::signal(libc::SIGINT, libc::SIG_DFL) };
         let kept = KeptSignals::remember();
         assert_eq!(kept.put_back(), Vec::<&str>::new());
         // SAFETY: to ignore a signal calls nothing.
