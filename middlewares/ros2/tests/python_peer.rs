@@ -9,13 +9,10 @@
 
 mod world;
 
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, Command, Stdio};
+use std::process::Command;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, channel};
-use std::thread;
-use std::time::Duration;
 
+use genom_components::peer::Lines;
 use genom_middleware::conformance::eventually;
 use genom_middleware::conformance::samples::{number, numbered, state};
 use genom_middleware::{
@@ -27,55 +24,15 @@ use genom_types::Record;
 use serde_json::json;
 use world::Domain;
 
-/// Only a failing test waits this long.
-const WATCHDOG: Duration = Duration::from_secs(60);
-
-/// A running peer: lines in, lines out.
-struct Peer {
-    child: Child,
-    input: ChildStdin,
-    lines: Receiver<String>,
-}
-
-impl Peer {
-    fn start(domain: &Domain, what: &str) -> Self {
-        let python = genom_components::python::environment(&["cyclonedds==11.0.1"])
-            .unwrap_or_else(|error| panic!("the peer in Python cannot be had: {error}"));
-        let mut child = Command::new(python)
-            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py"))
-            .args([domain.options().domain.to_string().as_str(), what])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let (sender, lines) = channel();
-        let output = BufReader::new(child.stdout.take().unwrap());
-        thread::spawn(move || {
-            output.lines().map_while(Result::ok).try_for_each(|line| sender.send(line))
-        });
-        let input = child.stdin.take().unwrap();
-        Self { child, input, lines }
-    }
-
-    fn tell(&mut self, line: &str) {
-        writeln!(self.input, "{line}").unwrap();
-    }
-
-    #[track_caller]
-    fn says(&self, expected: &str) {
-        match self.lines.recv_timeout(WATCHDOG) {
-            Ok(line) => assert_eq!(line, expected),
-            Err(error) => panic!("the peer says nothing instead of `{expected}`: {error}"),
-        }
-    }
-}
-
-impl Drop for Peer {
-    fn drop(&mut self) {
-        // It may have ended by itself.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
+/// Starts `peer.py` in a domain.
+fn start(domain: &Domain, what: &str) -> Lines {
+    let python = genom_components::python::environment(&["cyclonedds==11.0.1"])
+        .unwrap_or_else(|error| panic!("the peer in Python cannot be had: {error}"));
+    let mut command = Command::new(python);
+    command
+        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py"))
+        .args([domain.options().domain.to_string().as_str(), what]);
+    Lines::start(&mut command)
 }
 
 fn position() -> Address {
@@ -88,7 +45,7 @@ fn a_dds_peer_reads_a_port_though_it_comes_late() {
     let ros2 = domain.open();
     let mut writer = ros2.publisher(&position(), &state()).unwrap();
     writer.publish(&numbered(41)).unwrap();
-    let peer = Peer::start(&domain, "read");
+    let peer = start(&domain, "read");
     peer.says("sample 41");
     for n in 42..60 {
         writer.publish(&numbered(n)).unwrap();
@@ -101,7 +58,7 @@ fn a_dds_peer_writes_a_port_and_what_it_breaks_is_counted() {
     let domain = Domain::new(ServiceMapping::Cyclone);
     let ros2 = domain.open();
     let mut reader = ros2.subscription(&position(), &state(), Policy::Queue(8)).unwrap();
-    let mut peer = Peer::start(&domain, "write");
+    let mut peer = start(&domain, "write");
     let mut got = Record::new(&state());
     for n in 5..9 {
         peer.tell(&format!("put {n}"));
@@ -149,7 +106,7 @@ fn a_dds_peer_calls_a_service_as_rmw_cyclonedds_does() {
     let ty = ServiceType { kind: ServiceKind::Function, input: state(), output: state() };
     let at = Address::new("demo", "goto");
     let _served = ros2.serve(&at, &ty, Arc::new(Adder)).unwrap();
-    let mut peer = Peer::start(&domain, "call");
+    let mut peer = start(&domain, "call");
     for n in [1, 2, 40] {
         peer.tell(&n.to_string());
         peer.says(&format!("reply {}", n + 1000));

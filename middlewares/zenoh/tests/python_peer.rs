@@ -5,13 +5,11 @@
 mod world;
 
 use std::collections::HashMap;
-use std::io::{BufRead, BufReader, Write};
-use std::process::{Child, ChildStdin, Command, Stdio};
-use std::sync::mpsc::{Receiver, channel};
+use std::process::Command;
 use std::sync::{Arc, Mutex};
-use std::thread;
 use std::time::Duration;
 
+use genom_components::peer::Lines;
 use genom_middleware::conformance::samples::{number, numbered, state};
 use genom_middleware::conformance::{World, eventually};
 use genom_middleware::{
@@ -25,55 +23,17 @@ use world::Meeting;
 /// Only a failing test waits this long.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
-/// A running peer: lines in, lines out.
-struct Peer {
-    child: Child,
-    input: ChildStdin,
-    lines: Receiver<String>,
-}
-
-impl Peer {
-    /// Starts `peer.py`, connected to the session in a meeting place.
-    fn start(place: &Meeting, what: &str) -> Self {
-        let packages = ["eclipse-zenoh==1.10.2", "cyclonedds==11.0.1"];
-        let python = genom_components::python::environment(&packages)
-            .unwrap_or_else(|error| panic!("the peer in Python cannot be had: {error}"));
-        let socket = place.leftovers().into_iter().find(|path| path.ends_with(".sock")).unwrap();
-        let mut child = Command::new(python)
-            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py"))
-            .args([format!("unixsock-stream/{socket}").as_str(), what])
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .unwrap();
-        let (sender, lines) = channel();
-        let output = BufReader::new(child.stdout.take().unwrap());
-        thread::spawn(move || {
-            output.lines().map_while(Result::ok).try_for_each(|l| sender.send(l))
-        });
-        let input = child.stdin.take().unwrap();
-        Self { child, input, lines }
-    }
-
-    fn tell(&mut self, line: &str) {
-        writeln!(self.input, "{line}").unwrap();
-    }
-
-    #[track_caller]
-    fn says(&self, expected: &str) {
-        match self.lines.recv_timeout(WATCHDOG) {
-            Ok(line) => assert_eq!(line, expected),
-            Err(error) => panic!("the peer says nothing instead of `{expected}`: {error}"),
-        }
-    }
-}
-
-impl Drop for Peer {
-    fn drop(&mut self) {
-        // It may have ended by itself.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
+/// Starts `peer.py`, connected to the session in a meeting place.
+fn start(place: &Meeting, what: &str) -> Lines {
+    let packages = ["eclipse-zenoh==1.10.2", "cyclonedds==11.0.1"];
+    let python = genom_components::python::environment(&packages)
+        .unwrap_or_else(|error| panic!("the peer in Python cannot be had: {error}"));
+    let socket = place.leftovers().into_iter().find(|path| path.ends_with(".sock")).unwrap();
+    let mut command = Command::new(python);
+    command
+        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py"))
+        .args([format!("unixsock-stream/{socket}").as_str(), what]);
+    Lines::start(&mut command)
 }
 
 fn position() -> Address {
@@ -86,7 +46,7 @@ fn a_python_peer_reads_a_port_and_asks_for_its_last_value() {
     let zenoh = place.open();
     let mut writer = zenoh.publisher(&position(), &state()).unwrap();
     writer.publish(&numbered(41)).unwrap();
-    let mut peer = Peer::start(&place, "read");
+    let mut peer = start(&place, "read");
     peer.says("last 41");
     let said = format!("application/cdr;demo::state;digest={}", state().digest());
     for n in 42..50 {
@@ -101,7 +61,7 @@ fn a_python_peer_writes_a_port_and_what_it_breaks_is_counted() {
     let place = Meeting::new();
     let zenoh = place.open();
     let mut reader = zenoh.subscription(&position(), &state(), Policy::Queue(8)).unwrap();
-    let mut peer = Peer::start(&place, "write");
+    let mut peer = start(&place, "write");
     let mut got = Record::new(&state());
     for n in [5, 6] {
         peer.tell(&format!("put {n}"));
@@ -168,11 +128,11 @@ fn a_python_peer_calls_a_service() {
     let at = Address::new("demo", "add");
     let function = service(ServiceKind::Function);
     let _served = zenoh.serve(&at, &function, Arc::new(Adder::default())).unwrap();
-    let peer = Peer::start(&place, "call");
+    let peer = start(&place, "call");
     let digest = state().digest().to_owned();
     peer.says(&format!("result 1005 application/cdr;demo::state;digest={digest}"));
     peer.says(r#"error {"detail": {"distance": 1.5}, "exception": "::demo::TOO_FAR_AWAY"}"#);
-    let line = peer.lines.recv_timeout(WATCHDOG).unwrap();
+    let line = peer.line("what is malformed");
     assert!(line.contains(r#""error": "serialization""#), "{line}");
     peer.says("end");
 }
@@ -184,14 +144,14 @@ fn a_python_peer_runs_an_activity_and_cancels_it() {
     let at = Address::new("demo", "goto");
     let handler = Arc::new(Adder { activity: true, ..Adder::default() });
     let _served = zenoh.serve(&at, &service(ServiceKind::Activity), handler).unwrap();
-    let peer = Peer::start(&place, "run");
+    let peer = start(&place, "run");
     peer.says("accepted 7");
     peer.says("feedback ::demo::start");
     peer.says("feedback ::demo::main");
     // The answer to the cancellation, then the end of what was cancelled.
     peer.says("- ");
     peer.says("error ::genom::interrupted");
-    let line = peer.lines.recv_timeout(WATCHDOG).unwrap();
+    let line = peer.line("what is malformed");
     assert!(line.contains(r#""error": "serialization""#), "{line}");
     peer.says("end");
 }
@@ -202,7 +162,7 @@ fn a_python_peer_serves() {
     let zenoh = place.open();
     let mut client =
         zenoh.client(&Address::new("demo", "add"), &service(ServiceKind::Function)).unwrap();
-    let mut peer = Peer::start(&place, "serve");
+    let mut peer = start(&place, "serve");
     peer.says("ready");
     let mut outcome = None;
     eventually("the peer answers", || match client.call(&numbered(5), WATCHDOG) {
