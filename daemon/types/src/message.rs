@@ -59,8 +59,7 @@ pub fn message_definition(ty: &DataType) -> Option<String> {
 }
 
 /// The message of a type of a table.
-#[must_use]
-pub fn name_in(table: &TypeTable, id: TypeId) -> MessageName {
+fn name_in(table: &TypeTable, id: TypeId) -> MessageName {
     let standard = match table.resolved(id) {
         Kind::Boolean => "Bool",
         Kind::Char => "Int8",
@@ -103,8 +102,7 @@ fn scoped(name: &ScopedName) -> MessageName {
 }
 
 /// A legal package name: small letters, digits, single underscores.
-#[must_use]
-pub fn package(scope: &str) -> String {
+fn package(scope: &str) -> String {
     let legal = scope.starts_with(|c: char| c.is_ascii_lowercase())
         && scope.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
         && !scope.ends_with('_')

@@ -3,10 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use genom_types::message::{ANONYMOUS, camel};
 use genom_types::{Kind, ScopedName, TypeId, TypeTable};
-
-/// Package of types that belong to no component: anonymous ones.
-const ANONYMOUS: &str = "genom_types";
 
 /// A ROS type such as `demo/msg/State`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -181,17 +179,6 @@ pub(crate) fn snake(name: &str) -> String {
         before = c;
     }
     out.truncate(out.trim_end_matches('_').len());
-    out
-}
-
-/// `[track, arm_state]` is `TrackArmState`.
-pub(crate) fn camel<'a>(segments: impl IntoIterator<Item = &'a str>) -> String {
-    let mut out = String::new();
-    for word in segments.into_iter().flat_map(|s| s.split(|c: char| !c.is_ascii_alphanumeric())) {
-        let mut letters = word.chars();
-        out.extend(letters.next().map(|first| first.to_ascii_uppercase()));
-        out.push_str(letters.as_str());
-    }
     out
 }
 
