@@ -93,8 +93,6 @@ struct ZenohOptions {
     prefix: String,
     config: Option<PathBuf>,
     tls: ZenohTls,
-    /// Percent of a processor for waiting awake.
-    anticipate: u8,
     /// Keys of zenoh's own configuration.
     set: toml::Table,
 }
@@ -127,7 +125,6 @@ impl Default for ZenohOptions {
             prefix: String::new(),
             config: None,
             tls: ZenohTls::default(),
-            anticipate: genom_zenoh::Options::default().anticipate,
             set: toml::Table::new(),
         }
     }
@@ -136,7 +133,7 @@ impl Default for ZenohOptions {
 impl From<ZenohOptions> for genom_zenoh::Options {
     fn from(options: ZenohOptions) -> Self {
         let ZenohOptions { mode, rendezvous, listen, connect, prefix, .. } = options;
-        let ZenohOptions { config, tls, anticipate, set, .. } = options;
+        let ZenohOptions { config, tls, set, .. } = options;
         let ZenohTls { authority, certificate, key, mutual } = tls;
         Self {
             mode: match mode {
@@ -150,7 +147,6 @@ impl From<ZenohOptions> for genom_zenoh::Options {
             prefix,
             config_file: config,
             tls: genom_zenoh::Tls { authority, certificate, key, mutual },
-            anticipate,
             // JSON is JSON5, and a value of TOML is one of JSON.
             set: set.into_iter().map(|(key, value)| (key, json(value))).collect(),
         }
@@ -158,7 +154,7 @@ impl From<ZenohOptions> for genom_zenoh::Options {
 }
 
 /// `[backends.ros2]`; `configs/ros2.toml` explains it.
-#[derive(Debug, Deserialize)]
+#[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 struct Ros2Options {
     /// What is not set here is as ROS's variables say.
@@ -173,24 +169,6 @@ struct Ros2Options {
     masquerade: BTreeMap<String, String>,
     /// Folders of packages that define them.
     interfaces: Vec<PathBuf>,
-    /// Percent of a processor for waiting awake.
-    anticipate: u8,
-}
-
-impl Default for Ros2Options {
-    fn default() -> Self {
-        Self {
-            domain: None,
-            networks: None,
-            namespace: String::new(),
-            services: Ros2Services::default(),
-            qos: Ros2Qos::default(),
-            parameters: None,
-            masquerade: BTreeMap::new(),
-            interfaces: Vec::new(),
-            anticipate: genom_ros2::Options::default().anticipate,
-        }
-    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -237,7 +215,7 @@ impl Ros2Options {
     fn over_environment(self) -> Result<genom_ros2::Options, String> {
         let environment = genom_ros2::Options::from_env().map_err(|error| error.to_string())?;
         let Self { domain, networks, namespace, services, qos, .. } = self;
-        let Self { parameters, masquerade, anticipate, interfaces, .. } = self;
+        let Self { parameters, masquerade, interfaces, .. } = self;
         let Ros2Qos { reliable, depth, transient_local } = qos;
         Ok(genom_ros2::Options {
             domain: domain.unwrap_or(environment.domain),
@@ -255,7 +233,6 @@ impl Ros2Options {
             qos: genom_ros2::Qos { reliable, depth, transient_local },
             parameters: parameters.unwrap_or(environment.parameters),
             masquerade,
-            anticipate,
             interfaces,
         })
     }
@@ -405,11 +382,10 @@ mod tests {
     #[test]
     fn options_of_ros2_are_read_and_wrong_ones_are_named() {
         let table = |text: &str| text.parse::<toml::Table>().unwrap();
-        let given = "domain = 7\nanticipate = 0\nnetworks = [\"192.168.1.7\"]\n[qos]\ndepth = 4\n\
+        let given = "domain = 7\nnetworks = [\"192.168.1.7\"]\n[qos]\ndepth = 4\n\
                      [masquerade]\n\"::demo::pose\" = \"geometry_msgs/msg/Pose\"\n";
         let options = read::<Ros2Options>(&table(given)).unwrap().over_environment().unwrap();
         assert_eq!((options.domain, options.qos.depth, options.qos.reliable), (7, 4, true));
-        assert_eq!((options.anticipate, Ros2Options::default().anticipate), (0, 15));
         assert_eq!(options.networks, genom_ros2::Networks::Only(vec![[192, 168, 1, 7].into()]));
         assert_eq!(options.masquerade["::demo::pose"], "geometry_msgs/msg/Pose");
         let all = read::<Ros2Options>(&table("networks = \"all\"")).unwrap();
@@ -422,12 +398,12 @@ mod tests {
     fn options_of_zenoh_are_read_and_wrong_ones_are_named() {
         let table = |text: &str| text.parse::<toml::Table>().unwrap();
         let given = "mode = \"client\"\nconnect = [\"tcp/127.0.0.1:7447\"]\nrendezvous = \"\"\n\
-                     anticipate = 5\n[tls]\nauthority = \"/ca.pem\"\nmutual = true\n\
+                     [tls]\nauthority = \"/ca.pem\"\nmutual = true\n\
                      [set]\n\"transport/link/tx/queue/size/data\" = 4\n";
         let options = genom_zenoh::Options::from(read::<ZenohOptions>(&table(given)).unwrap());
         assert_eq!(options.mode, genom_zenoh::Mode::Client);
         assert_eq!(options.rendezvous, None);
-        assert_eq!((options.anticipate, options.tls.mutual), (5, true));
+        assert!(options.tls.mutual);
         assert_eq!(options.tls.authority, Some("/ca.pem".into()));
         assert_eq!(options.set, [("transport/link/tx/queue/size/data".into(), "4".into())]);
         let none = genom_zenoh::Options::from(read::<ZenohOptions>(&table("")).unwrap());

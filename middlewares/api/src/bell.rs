@@ -5,9 +5,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, Thread};
 use std::time::{Duration, Instant};
 
-/// Looks between two looks at the clock.
-const LOOKS: usize = 32;
-
 /// A bell that one thread listens to and any thread may ring.
 ///
 /// Ringing never blocks and never allocates; a ring while nobody waits is kept.
@@ -41,22 +38,6 @@ impl Bell {
                 return false;
             }
             thread::park_timeout(left);
-        }
-    }
-
-    /// Waits for a ring until then without sleeping, which keeps a processor busy; whether it
-    /// rang. A ring meanwhile costs no system call.
-    pub fn look(&self, until: Instant) -> bool {
-        loop {
-            for _ in 0..LOOKS {
-                if self.rung.load(Ordering::Relaxed) && self.rung.swap(false, Ordering::SeqCst) {
-                    return true;
-                }
-                std::hint::spin_loop();
-            }
-            if Instant::now() >= until {
-                return false;
-            }
         }
     }
 }

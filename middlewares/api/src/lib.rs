@@ -11,7 +11,6 @@ pub mod bell;
 pub mod conformance;
 pub mod describe;
 pub mod error;
-pub mod forecast;
 pub mod index_ring;
 pub mod mailbox;
 pub mod port;

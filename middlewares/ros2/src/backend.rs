@@ -279,7 +279,7 @@ impl Ros2 {
             process: Process::this(),
         };
         let matches = Arc::new(Matches::default());
-        let worker = Worker::start(Box::new(told), Arc::clone(&matches), options.anticipate)?;
+        let worker = Worker::start(Box::new(told), Arc::clone(&matches))?;
         let ourselves = dds.participant.guid();
         let (known, orders) = (Arc::clone(&graph), worker.orders.clone());
         let feeds = Arc::new(Feeds::default());

@@ -69,9 +69,6 @@ pub struct Options {
     /// ROS types of equal structure to be used for IDL types and services: `::demo::pose` as
     /// `geometry_msgs/msg/Pose`, service `::demo::reset` as `std_srvs/srv/Trigger`.
     pub masquerade: BTreeMap<String, String>,
-    /// Percent of one processor the sending thread may spend on waiting awake for samples of
-    /// periodic writers: they need not wait for it to wake. 0: it always sleeps.
-    pub anticipate: u8,
     /// Folders of packages that define such types, `FOLDER/geometry_msgs/msg/Pose.msg`, besides
     /// those of `AMENT_PREFIX_PATH`; ROS's common types are known without.
     pub interfaces: Vec<PathBuf>,
@@ -87,7 +84,6 @@ impl Default for Options {
             qos: Qos::default(),
             parameters: true,
             masquerade: BTreeMap::new(),
-            anticipate: 15,
             interfaces: Vec::new(),
         }
     }

@@ -11,7 +11,6 @@ use std::thread::{self, JoinHandle, ThreadId};
 use std::time::{Duration, Instant};
 
 use genom_middleware::bell::Bell;
-use genom_middleware::forecast::Forecast;
 use genom_middleware::mailbox::Mailbox;
 use genom_middleware::spares::Spares;
 use rustdds::bytes::Bytes;
@@ -77,8 +76,6 @@ pub(crate) struct Outlet {
 
 /// An out port as the thread sees it.
 struct Line {
-    /// In the forecast.
-    number: usize,
     writer: Writer,
     topic: String,
     /// In ports of this daemon: DDS shows a participant to itself only over multicast.
@@ -106,11 +103,7 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    pub(crate) fn start(
-        announce: Box<dyn Announce>,
-        matches: Arc<Matches>,
-        anticipate: u8,
-    ) -> io::Result<Self> {
+    pub(crate) fn start(announce: Box<dyn Announce>, matches: Arc<Matches>) -> io::Result<Self> {
         let (sender, receiver) = channel();
         let bell = Arc::new(Bell::default());
         let news = Arc::new(AtomicBool::new(false));
@@ -123,8 +116,6 @@ impl Worker {
             announce,
             news: Arc::clone(&news),
             announced: None,
-            forecast: Forecast::new(anticipate),
-            free: Vec::new(),
         };
         let thread =
             thread::Builder::new().name("ros2-sender".to_owned()).spawn(move || work.go_on())?;
@@ -196,7 +187,7 @@ impl Orders {
         feeds: Arc<Feeds>,
     ) {
         let spares = Spares::new(outlet.room);
-        let line = Line { number: 0, writer, topic, feeds, outlet, spares, last: None };
+        let line = Line { writer, topic, feeds, outlet, spares, last: None };
         self.order(Order::Add(Box::new(line)));
     }
 
@@ -276,10 +267,6 @@ struct Work {
     announce: Box<dyn Announce>,
     news: Arc<AtomicBool>,
     announced: Option<Instant>,
-    /// When out ports are written next.
-    forecast: Forecast,
-    /// Numbers of out ports that are gone.
-    free: Vec<usize>,
 }
 
 impl Work {
@@ -322,18 +309,13 @@ impl Work {
         loop {
             let longest = self.until_announcement();
             let longest = self.meetings.pause().map_or(longest, |pause| pause.min(longest));
-            self.forecast.wait(&self.bell, longest);
+            self.bell.wait(longest);
             while let Ok(order) = self.receiver.try_recv() {
                 match order {
                     Order::Run(job) => job(),
-                    Order::Add(mut line) => {
-                        line.number = self.free.pop().unwrap_or(self.lines.len());
-                        self.lines.insert(line.writer.guid(), *line);
-                    }
+                    Order::Add(line) => _ = self.lines.insert(line.writer.guid(), *line),
                     Order::Remove(writer, done) => {
                         if let Some(mut line) = self.lines.remove(&writer) {
-                            self.forecast.forget(line.number);
-                            self.free.push(line.number);
                             while line.send() {}
                             // Readers that are gone without a word are not waited for any longer.
                             let _ = line.writer.wait_for_acknowledgments(FAREWELL);
@@ -372,12 +354,7 @@ impl Work {
                 if !line.outlet.waits.swap(false, Ordering::Acquire) {
                     continue;
                 }
-                let now = Instant::now();
-                let sent = (0..TURN).take_while(|_| line.send()).count();
-                if sent > 0 {
-                    self.forecast.heard(line.number, now);
-                }
-                if sent == TURN {
+                if (0..TURN).all(|_| line.send()) {
                     line.outlet.waits.store(true, Ordering::Relaxed);
                     self.bell.ring();
                 }

@@ -93,8 +93,7 @@ impl Zenoh {
             }
         };
         let failed = |error: &dyn std::fmt::Display| SessionError::Open(error.to_string());
-        let worker =
-            Worker::start(session.clone(), options.anticipate).map_err(|error| failed(&error))?;
+        let worker = Worker::start(session.clone()).map_err(|error| failed(&error))?;
         // What a client of this session's connects to.
         let own = rendezvous.iter().map(|own| rendezvous::endpoint(own.socket()));
         let connect: Vec<String> = own.chain(options.listen.iter().cloned()).collect();

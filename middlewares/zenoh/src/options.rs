@@ -37,9 +37,6 @@ pub struct Options {
     /// Keys of zenoh's configuration with JSON5 values, applied last:
     /// `("scouting/multicast/enabled", "true")`.
     pub set: Vec<(String, String)>,
-    /// Percent of one processor the sending thread may spend on waiting awake for samples of
-    /// periodic writers: they need not wait for it to wake. 0: it always sleeps.
-    pub anticipate: u8,
     /// For endpoints `tls/HOST:PORT`.
     pub tls: Tls,
 }
@@ -68,7 +65,6 @@ impl Default for Options {
             prefix: String::new(),
             config_file: None,
             set: Vec::new(),
-            anticipate: 15,
             tls: Tls::default(),
         }
     }

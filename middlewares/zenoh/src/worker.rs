@@ -6,11 +6,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle, ThreadId};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bytes::Bytes;
 use genom_middleware::bell::Bell;
-use genom_middleware::forecast::Forecast;
 use genom_middleware::mailbox::Mailbox;
 use genom_middleware::spares::Spares;
 use zenoh::bytes::ZBytes;
@@ -43,8 +42,6 @@ enum Order {
 pub(crate) struct Outgoing {
     pub(crate) session: Session,
     lines: Vec<Option<Line>>,
-    /// When out ports are written next.
-    forecast: Forecast,
 }
 
 /// An out port as the thread sees it.
@@ -91,12 +88,12 @@ impl LastValue {
 }
 
 impl Worker {
-    pub(crate) fn start(session: Session, anticipate: u8) -> std::io::Result<Self> {
+    pub(crate) fn start(session: Session) -> std::io::Result<Self> {
         let (sender, receiver) = channel();
         let bell = Arc::new(Bell::default());
         let dirty: Arc<[AtomicU64]> = (0..WORDS).map(|_| AtomicU64::new(0)).collect();
         let mut work = Work {
-            outgoing: Outgoing { session, lines: Vec::new(), forecast: Forecast::new(anticipate) },
+            outgoing: Outgoing { session, lines: Vec::new() },
             receiver,
             bell: Arc::clone(&bell),
             dirty: Arc::clone(&dirty),
@@ -175,7 +172,6 @@ impl Orders {
     pub(crate) fn remove(&self, line: usize, with: impl Send + 'static) {
         let free = Arc::clone(&self.free);
         self.finish(move |outgoing| {
-            outgoing.forecast.forget(line);
             if let Some(mut line) = outgoing.lines.get_mut(line).and_then(Option::take) {
                 while line.send() {}
             }
@@ -212,7 +208,7 @@ struct Work {
 impl Work {
     fn go_on(&mut self) {
         loop {
-            self.outgoing.forecast.wait(&self.bell, LONG);
+            self.bell.wait(LONG);
             while let Ok(order) = self.receiver.try_recv() {
                 match order {
                     Order::Run(job) => job(&mut self.outgoing),
@@ -238,14 +234,8 @@ impl Outgoing {
     /// Sends for the ports of one bit; whether some may have more.
     fn send(&mut self, bit: usize) -> bool {
         let mut more = false;
-        for (number, line) in self.lines.iter_mut().enumerate().skip(bit).step_by(BITS) {
-            let Some(line) = line else { continue };
-            let now = Instant::now();
-            let sent = (0..TURN).take_while(|_| line.send()).count();
-            if sent > 0 {
-                self.forecast.heard(number, now);
-            }
-            more |= sent == TURN;
+        for line in self.lines.iter_mut().skip(bit).step_by(BITS).flatten() {
+            more |= (0..TURN).all(|_| line.send());
         }
         more
     }
