@@ -69,6 +69,11 @@ main()
     sizeof(weights) == 3 * sizeof(double) && std::string(demo_start) == "::demo::start" &&
     std::string(demo_pause_start) == "::demo::pause::start" && genom_ok == 0 &&
     std::string(m_name) == "a\n\"b\" \\q" && m_letter == 'x' && m_yes && m_favourite == m_GREEN;
+#if __cplusplus >= 201402L
+  demo_four e = {4, 1, {3.}};
+  b = {4, 2, {1., 2.}};
+  good = good && e._length == 1 && e._buffer[0] == 3. && b._buffer[1] == 2.;
+#endif
   delete g;
   return good ? 0 : 1;
 }

@@ -190,7 +190,7 @@ fn the_header_is_that_of_the_reference_to_the_letter() {
         "typedef uint32_t m_col;",
         "  m_RED = 0,",
         "  char _buffer[2][4];",
-        "  const uint32_t _maximum;",
+        "  uint32_t _maximum = 4, _length = 0;",
         "typedef struct node node;",
         "  node *_buffer;",
         "typedef int32_t demo_arr2[2][3];",
@@ -282,8 +282,53 @@ fn codels_in_cxx_can_use_every_type() {
     let dir = tempfile::tempdir().unwrap();
     write_header(&accepted(&path("tests/tools/rich.gen")), Language::Cxx, dir.path(), "h.h");
     let program = dir.path().join("x");
-    let mut command = gcc("g++", "-std=c++11", dir.path());
-    command.arg("-o").arg(&program).arg(path("tests/tools/codels.cc"));
-    compile(&mut command, "codels.cc");
-    assert!(Command::new(&program).status().unwrap().success(), "the types misbehave");
+    for standard in ["-std=c++11", "-std=c++14", "-std=c++20"] {
+        let mut command = gcc("g++", standard, dir.path());
+        command.arg("-o").arg(&program).arg(path("tests/tools/codels.cc"));
+        compile(&mut command, standard);
+        assert!(Command::new(&program).status().unwrap().success(), "{standard} misbehaves");
+    }
+}
+
+/// Sources of codels count on what GenoM3's headers included: errno above all.
+#[test]
+fn codels_that_include_only_the_header_have_errno_memory_and_strings() {
+    let dir = tempfile::tempdir().unwrap();
+    write_header(&accepted(&path("tests/tools/rich.gen")), Language::C, dir.path(), "h.h");
+    let text = "#include \"h.h\"\n\
+        static inline genom_event failed(const char *what, genom_context self) {\n\
+          demo_e_sys_detail d;\n\
+          d.code = errno;\n\
+          assert(what != NULL);\n\
+          strncpy(d.what, what, sizeof(d.what) - 1);\n\
+          return demo_e_sys(&d, self);\n\
+        }\n\
+        genom_event check(int32_t v, int32_t current, const genom_context self) {\n\
+          char *copy = (char *)malloc(8);\n\
+          if (!copy || v == current) return failed(\"check\", self);\n\
+          free(copy);\n\
+          return v ? demo_e_sys(NULL, self) : genom_ok;\n\
+        }\n";
+    for (program, standard, name) in
+        [("gcc", "-std=gnu99", "x.c"), ("gcc", "-std=gnu17", "x.c"), ("g++", "-std=c++20", "x.cc")]
+    {
+        let source = dir.path().join(name);
+        std::fs::write(&source, text).unwrap();
+        compile(gcc(program, standard, dir.path()).arg("-fsyntax-only").arg(&source), standard);
+    }
+}
+
+/// genom3.md D: `_maximum` of bounded sequences is not const, so structs are assigned whole.
+#[test]
+fn codels_assign_structs_with_bounded_sequences_whole() {
+    let dir = tempfile::tempdir().unwrap();
+    write_header(&accepted(&path("tests/tools/rich.gen")), Language::C, dir.path(), "h.h");
+    let text = "#include \"h.h\"\n\
+        void both(demo_four *to, demo_holder *all, const demo_holder *from) {\n\
+          *to = (demo_four){ ._maximum = 4, ._length = 1, ._buffer = { 2. } };\n\
+          *all = *from;\n\
+        }\n";
+    let source = dir.path().join("x.c");
+    std::fs::write(&source, text).unwrap();
+    compile(gcc("gcc", "-std=gnu99", dir.path()).arg("-fsyntax-only").arg(&source), "x.c");
 }

@@ -48,17 +48,14 @@ typedef char demo_short_text[8];
 #ifndef _sequence4_double_c_type
 # define _sequence4_double_c_type
 struct sequence4_double {
-  const uint32_t _maximum;
-  uint32_t _length;
+#if defined(__cplusplus) && __cplusplus >= 201402L
+  uint32_t _maximum = 4, _length = 0;
+#else
+  uint32_t _maximum, _length;
+#endif
   double _buffer[4];
-#ifdef __cplusplus
+#if defined(__cplusplus) && __cplusplus < 201402L
   sequence4_double() : _maximum(4), _length(0) {}
-  sequence4_double(const sequence4_double &from) : _maximum(4), _length(0) { *this = from; }
-  sequence4_double &operator=(const sequence4_double &from) {
-    _length = from._length;
-    memcpy((void *)_buffer, (const void *)from._buffer, sizeof(_buffer));
-    return *this;
-  }
 #endif
 };
 #ifndef _sequence4_double_forward_c_type
@@ -147,17 +144,14 @@ typedef struct demo_outer demo_outer;
 #ifndef _sequence2_m_t_c_type
 # define _sequence2_m_t_c_type
 struct sequence2_m_t {
-  const uint32_t _maximum;
-  uint32_t _length;
+#if defined(__cplusplus) && __cplusplus >= 201402L
+  uint32_t _maximum = 2, _length = 0;
+#else
+  uint32_t _maximum, _length;
+#endif
   m_t _buffer[2];
-#ifdef __cplusplus
+#if defined(__cplusplus) && __cplusplus < 201402L
   sequence2_m_t() : _maximum(2), _length(0) {}
-  sequence2_m_t(const sequence2_m_t &from) : _maximum(2), _length(0) { *this = from; }
-  sequence2_m_t &operator=(const sequence2_m_t &from) {
-    _length = from._length;
-    memcpy((void *)_buffer, (const void *)from._buffer, sizeof(_buffer));
-    return *this;
-  }
 #endif
 };
 #ifndef _sequence2_m_t_forward_c_type
@@ -208,17 +202,14 @@ typedef struct demo_flag demo_flag;
 #ifndef _sequence3_demo_choice_c_type
 # define _sequence3_demo_choice_c_type
 struct sequence3_demo_choice {
-  const uint32_t _maximum;
-  uint32_t _length;
+#if defined(__cplusplus) && __cplusplus >= 201402L
+  uint32_t _maximum = 3, _length = 0;
+#else
+  uint32_t _maximum, _length;
+#endif
   demo_choice _buffer[3];
-#ifdef __cplusplus
+#if defined(__cplusplus) && __cplusplus < 201402L
   sequence3_demo_choice() : _maximum(3), _length(0) {}
-  sequence3_demo_choice(const sequence3_demo_choice &from) : _maximum(3), _length(0) { *this = from; }
-  sequence3_demo_choice &operator=(const sequence3_demo_choice &from) {
-    _length = from._length;
-    memcpy((void *)_buffer, (const void *)from._buffer, sizeof(_buffer));
-    return *this;
-  }
 #endif
 };
 #ifndef _sequence3_demo_choice_forward_c_type
@@ -230,17 +221,14 @@ typedef struct sequence3_demo_choice sequence3_demo_choice;
 #ifndef _sequence4_long_c_type
 # define _sequence4_long_c_type
 struct sequence4_long {
-  const uint32_t _maximum;
-  uint32_t _length;
+#if defined(__cplusplus) && __cplusplus >= 201402L
+  uint32_t _maximum = 4, _length = 0;
+#else
+  uint32_t _maximum, _length;
+#endif
   int32_t _buffer[4];
-#ifdef __cplusplus
+#if defined(__cplusplus) && __cplusplus < 201402L
   sequence4_long() : _maximum(4), _length(0) {}
-  sequence4_long(const sequence4_long &from) : _maximum(4), _length(0) { *this = from; }
-  sequence4_long &operator=(const sequence4_long &from) {
-    _length = from._length;
-    memcpy((void *)_buffer, (const void *)from._buffer, sizeof(_buffer));
-    return *this;
-  }
 #endif
 };
 #ifndef _sequence4_long_forward_c_type
@@ -252,17 +240,14 @@ typedef struct sequence4_long sequence4_long;
 #ifndef _sequence2_sequence4_long_c_type
 # define _sequence2_sequence4_long_c_type
 struct sequence2_sequence4_long {
-  const uint32_t _maximum;
-  uint32_t _length;
+#if defined(__cplusplus) && __cplusplus >= 201402L
+  uint32_t _maximum = 2, _length = 0;
+#else
+  uint32_t _maximum, _length;
+#endif
   sequence4_long _buffer[2];
-#ifdef __cplusplus
+#if defined(__cplusplus) && __cplusplus < 201402L
   sequence2_sequence4_long() : _maximum(2), _length(0) {}
-  sequence2_sequence4_long(const sequence2_sequence4_long &from) : _maximum(2), _length(0) { *this = from; }
-  sequence2_sequence4_long &operator=(const sequence2_sequence4_long &from) {
-    _length = from._length;
-    memcpy((void *)_buffer, (const void *)from._buffer, sizeof(_buffer));
-    return *this;
-  }
 #endif
 };
 #ifndef _sequence2_sequence4_long_forward_c_type
@@ -274,17 +259,14 @@ typedef struct sequence2_sequence4_long sequence2_sequence4_long;
 #ifndef _sequence2_string4_c_type
 # define _sequence2_string4_c_type
 struct sequence2_string4 {
-  const uint32_t _maximum;
-  uint32_t _length;
+#if defined(__cplusplus) && __cplusplus >= 201402L
+  uint32_t _maximum = 2, _length = 0;
+#else
+  uint32_t _maximum, _length;
+#endif
   char _buffer[2][4];
-#ifdef __cplusplus
+#if defined(__cplusplus) && __cplusplus < 201402L
   sequence2_string4() : _maximum(2), _length(0) {}
-  sequence2_string4(const sequence2_string4 &from) : _maximum(2), _length(0) { *this = from; }
-  sequence2_string4 &operator=(const sequence2_string4 &from) {
-    _length = from._length;
-    memcpy((void *)_buffer, (const void *)from._buffer, sizeof(_buffer));
-    return *this;
-  }
 #endif
 };
 #ifndef _sequence2_string4_forward_c_type
@@ -352,17 +334,14 @@ typedef struct sequence_optional_long sequence_optional_long;
 #ifndef _sequence2_demo_arr2_c_type
 # define _sequence2_demo_arr2_c_type
 struct sequence2_demo_arr2 {
-  const uint32_t _maximum;
-  uint32_t _length;
+#if defined(__cplusplus) && __cplusplus >= 201402L
+  uint32_t _maximum = 2, _length = 0;
+#else
+  uint32_t _maximum, _length;
+#endif
   demo_arr2 _buffer[2];
-#ifdef __cplusplus
+#if defined(__cplusplus) && __cplusplus < 201402L
   sequence2_demo_arr2() : _maximum(2), _length(0) {}
-  sequence2_demo_arr2(const sequence2_demo_arr2 &from) : _maximum(2), _length(0) { *this = from; }
-  sequence2_demo_arr2 &operator=(const sequence2_demo_arr2 &from) {
-    _length = from._length;
-    memcpy((void *)_buffer, (const void *)from._buffer, sizeof(_buffer));
-    return *this;
-  }
 #endif
 };
 #ifndef _sequence2_demo_arr2_forward_c_type

@@ -90,7 +90,7 @@ impl Opener for ElementOpener {
             return Err("the daemon stops".to_owned());
         };
         let name = &model.name;
-        if element.is_empty() || element.contains('/') {
+        if element.split('/').any(str::is_empty) {
             return Err(format!("`{element}` cannot name an element of {name}"));
         }
         let address = Address::new(self.instance.as_str(), format!("{name}/{element}"));

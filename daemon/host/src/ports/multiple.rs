@@ -89,14 +89,18 @@ impl Elements {
     }
 }
 
-/// A name that may become part of an address; others would break it up.
+/// A name that may become part of an address. Slashes may be inside, as in `left/jpeg`: the first
+/// one of an address ends the instance, the second the port, the others belong to the element.
 fn checked(name: Option<&[u8]>) -> Result<&str, Failure> {
     let refuse = |why: &str| Err(Failure::Middleware(format!("name of a port's element: {why}")));
     let Some(name) = name else { return refuse("NULL") };
     match std::str::from_utf8(name) {
         Ok("") => refuse("empty"),
-        Ok(name) if name.chars().any(|c| c == '/' || c.is_control() || c.is_whitespace()) => {
-            refuse(&format!("{name:?} has a slash, a blank or a control character"))
+        Ok(name) if name.split('/').any(str::is_empty) => {
+            refuse(&format!("{name:?} has nothing before, after or between its slashes"))
+        }
+        Ok(name) if name.chars().any(|c| c.is_control() || c.is_whitespace()) => {
+            refuse(&format!("{name:?} has a blank or a control character"))
         }
         Ok(name) => Ok(name),
         Err(_) => refuse("no UTF-8"),
@@ -109,9 +113,12 @@ mod tests {
 
     #[test]
     fn names_that_would_break_an_address_are_refused() {
-        for name in [None, Some(&b""[..]), Some(b"a/b"), Some(b"a b"), Some(b"\xff"), Some(b"\n")] {
-            assert!(matches!(checked(name), Err(Failure::Middleware(_))), "{name:?}");
+        assert!(matches!(checked(None), Err(Failure::Middleware(_))));
+        for name in [&b""[..], b"/", b"/a", b"a/", b"a//b", b"a b", b"\xff", b"\n"] {
+            assert!(matches!(checked(Some(name)), Err(Failure::Middleware(_))), "{name:?}");
         }
-        assert_eq!(checked(Some(b"left_arm-1")), Ok("left_arm-1"));
+        for name in ["left_arm-1", "left/jpeg", "a/b/c"] {
+            assert_eq!(checked(Some(name.as_bytes())), Ok(name));
+        }
     }
 }

@@ -7,6 +7,10 @@
 #ifndef GENOM3_C_EVENT_H
 #define GENOM3_C_EVENT_H
 
+#include <assert.h>
+#include <stddef.h>
+#include <stdint.h>
+
 typedef const char *genom_event;
 
 /* Every object that includes a component's header defines its events; the linker keeps one. */

@@ -5,6 +5,8 @@
 #ifndef GENOM3_C_IDLSEQUENCE_H
 #define GENOM3_C_IDLSEQUENCE_H
 
+/* Codels count on getting errno from here, as they did from GenoM3's own header. */
+#include <errno.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -49,7 +51,7 @@ genom_sequence_resize(void *sequence, size_t size, uint32_t n)
     } else {
       buffer = (char *)calloc(n, size);
       if (!buffer) return -1;
-      if (s._length) memcpy(buffer, s._buffer, s._length * size);
+      if (s._length && s._buffer) memcpy(buffer, s._buffer, s._length * size);
       if (s._release && s._buffer) s._release(s._buffer);
       s._release = free;
     }

@@ -131,19 +131,20 @@ fn has_constructor(types: &TypeTable, id: TypeId, constructed: &HashSet<TypeId>)
     }
 }
 
-/// Members of a bounded sequence. In C++ its constant maximum needs a constructor and an
-/// assignment, neither of which changes the layout.
+/// Members of a bounded sequence. `_maximum` is not const: codels assign whole structs that
+/// contain one (genom3.md D), which const would forbid, and those written for a const one compile
+/// all the same. In C++ it is set by itself, in a way that leaves braces to codels where the
+/// standard allows both.
 fn bounded(tag: &str, buffer: &str, bound: u32) -> String {
     format!(
-        "  const uint32_t _maximum;\n  uint32_t _length;\n  {buffer};\n\
-         #ifdef __cplusplus\n\
+        "#if defined(__cplusplus) && __cplusplus >= 201402L\n\
+         \x20 uint32_t _maximum = {bound}, _length = 0;\n\
+         #else\n\
+         \x20 uint32_t _maximum, _length;\n\
+         #endif\n\
+         \x20 {buffer};\n\
+         #if defined(__cplusplus) && __cplusplus < 201402L\n\
          \x20 {tag}() : _maximum({bound}), _length(0) {{}}\n\
-         \x20 {tag}(const {tag} &from) : _maximum({bound}), _length(0) {{ *this = from; }}\n\
-         \x20 {tag} &operator=(const {tag} &from) {{\n\
-         \x20   _length = from._length;\n\
-         \x20   memcpy((void *)_buffer, (const void *)from._buffer, sizeof(_buffer));\n\
-         \x20   return *this;\n\
-         \x20 }}\n\
          #endif\n"
     )
 }

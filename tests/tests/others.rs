@@ -1,0 +1,66 @@
+//! Components as others write them for GenoM3: the habits that `components/` does not have.
+
+#![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
+
+use genom_tests::{Daemon, Finished, fixture};
+use serde_json::{Value, json};
+
+/// What an activity said that waits until it is done.
+fn outputs(daemon: &Daemon, arguments: &[&str]) -> Finished {
+    let finished = daemon.ctl(&[&["start", "--wait"], arguments].concat());
+    finished.expect_code(0);
+    finished
+}
+
+/// Cameras tell streams of one port apart by names such as `left/jpeg`.
+#[test]
+fn elements_of_a_port_have_slashes_in_their_names_on_every_middleware_of_one_machine() {
+    let made = tempfile::tempdir().unwrap();
+    let (camera, viewer) =
+        (fixture("others", "camera", made.path()), fixture("others", "viewer", made.path()));
+    for backend in ["local", "shm", "zenoh"] {
+        let daemon = Daemon::start(&["--backend", backend, &camera, &viewer]);
+        for name in ["left", "left/jpeg"] {
+            outputs(&daemon, &["camera", "add", &format!("name={name}")]);
+        }
+        let ports = daemon.json(&["ports", "camera"]);
+        let addresses: Vec<&Value> =
+            ports["ports"].as_array().unwrap().iter().map(|port| &port["address"]).collect();
+        for address in ["camera/image/left", "camera/image/left/jpeg"] {
+            assert!(addresses.contains(&&json!(address)), "{backend}: {ports}");
+        }
+        let ends = ["connect", "viewer/image/right/jpeg", "camera/image/left/jpeg"];
+        daemon.ctl(&ends).expect_code(0);
+        let seen = outputs(&daemon, &["viewer", "see", "name=right/jpeg"]);
+        let image = "\"pixels\":[7,7,7],\"gains\":[0.0,0.5]";
+        assert!(seen.out.contains(image), "{backend}: {}", seen.out);
+        daemon.ctl(&["echo", "-n", "1", "camera/image/left/jpeg"]).expect_code(0);
+        // What it kept shares memory with its port: freed once.
+        daemon.ctl(&["unload", "viewer"]).expect_code(0);
+        daemon.ctl(&["kill"]).expect_code(0);
+        daemon.finish().0.expect_code(0);
+    }
+}
+
+#[test]
+fn a_name_that_would_break_an_address_is_told_to_the_codel() {
+    let made = tempfile::tempdir().unwrap();
+    let daemon = Daemon::start(&[&fixture("others", "camera", made.path())]);
+    for name in ["/left", "left/", "left//jpeg"] {
+        let refused = daemon.ctl(&["start", "--wait", "camera", "add", &format!("name={name}")]);
+        refused.expect_code(1).expect_err(&format!("{{\"code\":22,\"what\":\"{name}\"}}"));
+    }
+}
+
+/// genom3.md 5.4: helpers throw with errno, and without a detail.
+#[test]
+fn exceptions_are_thrown_with_errno_or_without_a_detail() {
+    let made = tempfile::tempdir().unwrap();
+    let daemon = Daemon::start(&[&fixture("others", "camera", made.path())]);
+    let failed = daemon.ctl(&["call", "camera", "fail", "detailed=true"]);
+    failed.expect_code(1).expect_err("::camera::e_sys {\"code\":2,\"what\":\"lens\"}");
+    let bare = daemon.ctl(&["call", "camera", "fail", "detailed=false"]);
+    bare.expect_code(1).expect_err("::camera::e_sys {\"code\":0,\"what\":\"\"}");
+    daemon.ctl(&["call", "camera", "idle"]).expect_code(0);
+}
