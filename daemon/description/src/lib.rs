@@ -13,6 +13,7 @@ pub mod model;
 pub mod navigate;
 pub mod parse;
 pub mod preprocess;
+mod ptoken;
 pub mod source;
 pub mod syntax;
 pub mod token;

@@ -7,7 +7,7 @@ use hyper::{Method, Request, Response, header};
 use hyper_util::rt::TokioIo;
 use serde_json::Value;
 
-use crate::args::Connection;
+use crate::connection::Connection;
 use crate::contexts;
 use crate::failure::{Failure, Refusal};
 use crate::sse::EventStream;

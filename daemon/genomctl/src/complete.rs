@@ -4,18 +4,29 @@
 //! The shell calls `genomctl` with the words typed; whatever fails, it completes nothing.
 
 use std::ffi::{OsStr, OsString};
+use std::sync::OnceLock;
 use std::time::Duration;
 
-use clap::{ArgMatches, CommandFactory as _, FromArgMatches as _};
+use clap::{ArgMatches, Command, FromArgMatches as _};
+use clap_complete::CompleteEnv;
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
 use serde_json::Value;
 
-use crate::args::{Cli, Connection};
+use crate::connection::Connection;
 use crate::names::url;
 use crate::session::Session;
 
 /// A daemon that does not answer must not hold up a shell.
 const PATIENCE: Duration = Duration::from_millis(500);
+
+/// The command line: its arguments are completed by this module, which cannot name it.
+static COMMAND: OnceLock<fn() -> Command> = OnceLock::new();
+
+/// Answers a shell that asks for completions, as the variable tells, and ends; otherwise nothing.
+pub(crate) fn answer(command: fn() -> Command, variable: &'static str) {
+    COMMAND.get_or_init(|| command);
+    CompleteEnv::with_factory(command).var(variable).complete();
+}
 
 /// What an argument names.
 #[derive(Clone, Copy, Debug)]
@@ -75,7 +86,7 @@ impl Line {
         let index = std::env::var("_CLAP_COMPLETE_INDEX").ok();
         let index = index.and_then(|index| index.parse().ok());
         let index = index.unwrap_or(words.len().saturating_sub(1)).min(words.len());
-        let command = Cli::command().ignore_errors(true);
+        let command = COMMAND.get()?().ignore_errors(true);
         let matches = command.try_get_matches_from(words.get(..index)?).ok()?;
         let connection = Connection::from_arg_matches(&matches).ok()?;
         Some(Self { matches, connection })

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::args::Connection;
+use crate::connection::Connection;
 use crate::failure::Failure;
 
 /// What the file holds.

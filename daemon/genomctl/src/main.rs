@@ -9,6 +9,7 @@ mod agreement;
 mod args;
 mod client;
 mod complete;
+mod connection;
 mod contexts;
 mod doctor;
 mod failure;
@@ -31,14 +32,13 @@ mod verbs;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser as _};
-use clap_complete::CompleteEnv;
 
 use crate::args::Cli;
 use crate::session::Session;
 
 fn main() -> ExitCode {
     // A shell asks: it gets its answer, and nothing else happens.
-    CompleteEnv::with_factory(Cli::command).var(verbs::COMPLETE).complete();
+    complete::answer(Cli::command, verbs::COMPLETE);
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -55,7 +55,7 @@ fn main() -> ExitCode {
         .enable_all()
         .build()
         .map_err(failure::Failure::Io)
-        .and_then(|runtime| runtime.block_on(verbs::run(cli.verb, &session)));
+        .and_then(|runtime| runtime.block_on(verbs::run(cli.verb, &session, Cli::command)));
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(json),

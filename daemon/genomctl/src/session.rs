@@ -7,8 +7,8 @@ use hyper::Method;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
-use crate::args::Connection;
 use crate::client::Client;
+use crate::connection::Connection;
 use crate::failure::Failure;
 use crate::table::Table;
 use crate::terminal::{Progress, Terminal};

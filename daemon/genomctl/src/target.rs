@@ -3,7 +3,6 @@
 use std::io;
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::Arc;
 
 use serde::Deserialize;
@@ -15,7 +14,7 @@ use tokio_rustls::rustls::pki_types::pem::PemObject as _;
 use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 
-use crate::args::Connection;
+use crate::connection::{Connection, Host, Tcp};
 use crate::failure::Failure;
 
 /// A daemon and the way to it.
@@ -41,90 +40,6 @@ struct Secret(String);
 impl std::fmt::Debug for Secret {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("...")
-    }
-}
-
-/// Where a daemon is, as typed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) enum Host {
-    /// At an address.
-    Tcp(Tcp),
-    /// Behind the daemon at the socket, which knows it by this name.
-    Zenoh(String),
-}
-
-impl FromStr for Host {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.strip_prefix("zenoh:") {
-            Some("") => Err("expected zenoh:NAME; `genomctl daemons` lists names".to_owned()),
-            Some(name) => Ok(Self::Zenoh(name.to_owned())),
-            None => text.parse().map(Self::Tcp),
-        }
-    }
-}
-
-impl std::fmt::Display for Host {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Tcp(tcp) => tcp.fmt(f),
-            Self::Zenoh(name) => write!(f, "zenoh:{name}"),
-        }
-    }
-}
-
-/// A name or an address, and a port.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Tcp {
-    /// `https://`, `http://` or nothing was said.
-    tls: Option<bool>,
-    name: String,
-    port: u16,
-}
-
-impl FromStr for Tcp {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (tls, rest) = match text.split_once("://") {
-            Some(("https", rest)) => (Some(true), rest),
-            Some(("http", rest)) => (Some(false), rest),
-            Some((scheme, _)) => return Err(format!("`{scheme}://` is neither http nor https")),
-            None => (None, text),
-        };
-        let parts = rest.trim_end_matches('/').rsplit_once(':');
-        let parsed = parts.and_then(|(name, port)| Some((name, port.parse().ok()?)));
-        match parsed {
-            Some((name, port)) if !name.is_empty() => {
-                let name = name.trim_start_matches('[').trim_end_matches(']').to_owned();
-                Ok(Self { tls, name, port })
-            }
-            _ => Err("expected ADDRESS:PORT, https://NAME:PORT or zenoh:NAME".to_owned()),
-        }
-    }
-}
-
-impl std::fmt::Display for Tcp {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.tls {
-            Some(true) => f.write_str("https://")?,
-            Some(false) => f.write_str("http://")?,
-            None => {}
-        }
-        if self.name.contains(':') {
-            write!(f, "[{}]:{}", self.name, self.port)
-        } else {
-            write!(f, "{}:{}", self.name, self.port)
-        }
-    }
-}
-
-impl Tcp {
-    /// Whether what is sent there stays on this machine.
-    fn is_here(&self) -> bool {
-        let address: Option<std::net::IpAddr> = self.name.parse().ok();
-        self.name == "localhost" || address.is_some_and(|address| address.is_loopback())
     }
 }
 
@@ -291,17 +206,6 @@ mod tests {
     fn target(host: &str, ca: Option<&str>) -> Result<Target, Failure> {
         let host = Some(host.parse().unwrap());
         Target::new(Connection { host, ca: ca.map(PathBuf::from), ..Connection::default() })
-    }
-
-    #[test]
-    fn hosts_are_read_as_they_are_written() {
-        for text in ["127.0.0.1:7300", "https://robot.local:7300", "http://[::1]:1", "zenoh:arm"] {
-            assert_eq!(text.parse::<Host>().unwrap().to_string(), text);
-        }
-        for wrong in ["robot", "ftp://robot:1", "https://:1", "robot:port", "robot:70000", "zenoh:"]
-        {
-            assert!(wrong.parse::<Host>().is_err(), "{wrong}");
-        }
     }
 
     #[test]

@@ -6,7 +6,8 @@ use genom_runtime::{Clock, VirtualClock};
 use tokio::sync::Semaphore;
 
 use crate::bus::{Bus, Change};
-use crate::config::{CallEntry, ClockKind, LoadRequest, Settings};
+use crate::cli::ClockKind;
+use crate::config::{CallEntry, LoadRequest, Settings};
 use crate::dates::Dates;
 use crate::deploy::keep::Declared;
 use crate::deploy::request::{self, RequestError};

@@ -14,7 +14,7 @@ use std::rc::Rc;
 
 use crate::diagnostic::Diagnostic;
 use crate::model::Span;
-use crate::preprocess::{Kind, PToken};
+use crate::ptoken::{Kind, PToken};
 use crate::token::{Pragma, Token, TokenKind};
 
 /// Makes tokens.

@@ -16,8 +16,6 @@ mod scanner;
 
 pub use options::Options;
 
-pub(crate) use scanner::{Kind, PToken, Text};
-
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -26,6 +24,7 @@ use std::sync::Arc;
 use crate::diagnostic::Diagnostic;
 use crate::lex::Lexer;
 use crate::model::Span;
+use crate::ptoken::{Kind, PToken, Text};
 use crate::source::{Files, Loaded, Memory, SourceMap};
 use crate::token::Token;
 

@@ -3,8 +3,6 @@
 use std::path::PathBuf;
 use std::{fs, io};
 
-use clap::CommandFactory as _;
-
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -17,13 +15,13 @@ pub(crate) struct Args {
     directory: PathBuf,
 }
 
-pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+pub(super) fn run(args: &Args, session: &Session, genomctl: clap::Command) -> Result<(), Failure> {
     let refused = |error: io::Error| {
         let message = format!("{}: {error}", args.directory.display());
         Failure::usage(message, "name a directory to write to")
     };
     fs::create_dir_all(&args.directory).map_err(refused)?;
-    clap_mangen::generate_to(crate::args::Cli::command(), &args.directory).map_err(refused)?;
+    clap_mangen::generate_to(genomctl, &args.directory).map_err(refused)?;
     let mut pages: Vec<_> = fs::read_dir(&args.directory)?
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
         .filter(|name| name.starts_with("genomctl") && name.ends_with(".1"))

@@ -109,8 +109,12 @@ pub(crate) enum Verb {
     Reference(reference::Args),
 }
 
-/// Does it.
-pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
+/// Does it; `command` is the whole command line, for verbs that describe it.
+pub(crate) async fn run(
+    verb: Verb,
+    session: &Session,
+    command: fn() -> clap::Command,
+) -> Result<(), Failure> {
     match verb {
         Verb::List(args) => list::run(args, session).await,
         Verb::Info(args) => info::run(args, session).await,
@@ -157,7 +161,7 @@ pub(crate) async fn run(verb: Verb, session: &Session) -> Result<(), Failure> {
         Verb::Ros2Package(args) => ros2_package::run(&args, session),
         Verb::Lsp(args) => lsp::run(&args),
         Verb::Completion(args) => completion::run(&args, session),
-        Verb::Man(args) => man::run(&args, session),
-        Verb::Reference(args) => reference::run(&args, session),
+        Verb::Man(args) => man::run(&args, session, command()),
+        Verb::Reference(args) => reference::run(&args, session, command()),
     }
 }

@@ -1,8 +1,5 @@
 //! `genomctl reference`: docs/cli.md, from the same definitions as `--help`.
 
-use clap::CommandFactory as _;
-
-use crate::args::Cli;
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -13,8 +10,8 @@ pub(crate) struct Args {}
 /// Columns of the page, whatever the terminal.
 const WIDTH: usize = 100;
 
-pub(super) fn run(_: &Args, session: &Session) -> Result<(), Failure> {
-    let cli = Cli::command().term_width(WIDTH);
+pub(super) fn run(_: &Args, session: &Session, genomctl: clap::Command) -> Result<(), Failure> {
+    let cli = genomctl.term_width(WIDTH);
     let mut verbs = String::new();
     let mut whole = cli.clone();
     for verb in cli.get_subcommands().filter(|verb| !verb.is_hide_set()) {

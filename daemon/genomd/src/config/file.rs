@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::error::{ConfigError, nearest_key};
 use super::rpc::Rpc;
-use super::{BackendNames, CallEntry, ClockKind, ConnectionEntry, LoadRequest, overrides};
-use crate::cli::Cli;
-use crate::nearest::nearest;
+use super::{BackendNames, CallEntry, ConnectionEntry, LoadRequest, overrides};
+use crate::cli::{Cli, ClockKind};
 use crate::registry;
 
 /// A configuration file; `configs/default.toml` shows every key with its default.
@@ -75,24 +75,6 @@ impl Default for Config {
             activity: Vec::new(),
         }
     }
-}
-
-/// A configuration file cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ConfigError {
-    /// Missing or unreadable.
-    #[error("{}: cannot be read: {source}", path.display())]
-    Read { path: PathBuf, source: std::io::Error },
-    /// A mistake in it.
-    #[error("{}:{line}: {message}{}", path.display(), suggestion(.nearest))]
-    Mistake { path: PathBuf, line: usize, message: String, nearest: Option<String> },
-    /// A mistake in `--set`.
-    #[error("--set {word}: {why}")]
-    Set { word: String, why: String },
-}
-
-fn suggestion(nearest: &Option<String>) -> String {
-    nearest.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
 }
 
 impl Config {
@@ -192,13 +174,6 @@ fn anchor(base: &Path, path: &mut PathBuf) {
     if path.is_relative() {
         *path = base.join(&*path);
     }
-}
-
-/// Serde says ``unknown field `x`, expected one of `a`, `b` ``: the nearest of what it expects.
-pub(super) fn nearest_key(message: &str) -> Option<String> {
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let unknown = message.starts_with("unknown field").then(|| quoted.next()).flatten()?;
-    nearest(unknown, quoted).map(str::to_owned)
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 mod backends;
 mod component;
 mod deployment;
+mod error;
 mod file;
 mod overrides;
 mod rpc;
@@ -16,33 +17,13 @@ use std::time::Duration;
 pub(crate) use backends::BackendNames;
 pub(crate) use component::LoadRequest;
 pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
-pub(crate) use file::{Config, ConfigError};
+pub(crate) use error::ConfigError;
+pub(crate) use file::Config;
 pub(crate) use rpc::{RpcSettings, Tls};
 pub(crate) use spot::Spot;
 
-use crate::cli::Cli;
+use crate::cli::{Cli, ClockKind};
 use crate::telemetry::Collector;
-
-/// Which time components live in.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Deserialize,
-    serde::Serialize,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum ClockKind {
-    /// The machine's monotonic clock.
-    #[default]
-    Monotonic,
-    /// One that stands still until a supervisor steps it: same inputs, same codel calls.
-    Virtual,
-}
 
 /// Everything decided before anything starts.
 #[derive(Clone, Debug)]

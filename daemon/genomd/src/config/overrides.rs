@@ -1,11 +1,15 @@
 //! What the command line sets of the configuration: `--set rpc.max_body=1024`.
 
+use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use super::{Config, ConfigError};
+use super::error::{ConfigError, nearest_key};
 
 /// Puts `key=value` words over a configuration's text.
-pub(super) fn set(text: &str, words: &[String]) -> Result<Config, ConfigError> {
+pub(super) fn set<Config: DeserializeOwned + Default>(
+    text: &str,
+    words: &[String],
+) -> Result<Config, ConfigError> {
     let refuse = |word: &str, why: String| ConfigError::Set { word: word.to_owned(), why };
     let mut table: Table =
         text.parse().map_err(|error: toml::de::Error| refuse("", error.message().to_owned()))?;
@@ -18,7 +22,7 @@ pub(super) fn set(text: &str, words: &[String]) -> Result<Config, ConfigError> {
         // After each, so that the mistaken one is named.
         config = table.clone().try_into().map_err(|error: toml::de::Error| {
             let message = error.message().trim().replace('\n', ", ");
-            let near = super::file::nearest_key(&message);
+            let near = nearest_key(&message);
             let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
             refuse(word, format!("{message}{near}"))
         })?;
@@ -49,13 +53,14 @@ fn put(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Config;
     use super::*;
 
     #[test]
     fn words_come_over_the_file_and_mistakes_name_the_word() {
         let text = "log = \"info\"\n[rpc]\nmax_body = 7\n";
         let words = ["rpc.max_streams=3", "log=debug", "backend = \"shm\""].map(str::to_owned);
-        let config = set(text, &words).unwrap();
+        let config: Config = set(text, &words).unwrap();
         assert_eq!((config.rpc.max_body, config.rpc.max_streams), (7, 3));
         assert_eq!((config.log.as_str(), config.backend.as_str()), ("debug", "shm"));
         for (word, told) in [
@@ -64,7 +69,7 @@ mod tests {
             ("log.level=3", "log is a string"),
             ("nothing", "KEY=VALUE"),
         ] {
-            let error = set(text, &[word.to_owned()]).unwrap_err().to_string();
+            let error = set::<Config>(text, &[word.to_owned()]).unwrap_err().to_string();
             assert!(error.contains(word) && error.contains(told), "{error}");
         }
     }
