@@ -9,7 +9,9 @@ use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::process::Command;
 
-use genom_tests::{Daemon, Finished, Home, Running, WATCHDOG, component, path, program, request};
+use genom_tests::{
+    Daemon, Finished, Home, Running, WATCHDOG, component, path, program, repository, request,
+};
 
 /// A `genomctl` that knows no daemon but by its arguments and the contexts of this directory.
 fn ctl(home: &Path, arguments: &[&str]) -> Finished {
@@ -191,7 +193,7 @@ fn contexts_name_daemons() {
 
 /// A root, a daemon's certificate for 127.0.0.1 and a client's, in files.
 fn certificates(home: &Path) {
-    use rcgen::{BasicConstraints, CertificateParams, IsCa, Issuer, KeyPair};
+    use rcgen::{BasicConstraints, CertificateParams, DnType, IsCa, Issuer, KeyPair};
     let mut root = CertificateParams::new(Vec::<String>::new()).unwrap();
     root.is_ca = IsCa::Ca(BasicConstraints::Unconstrained);
     let root_key = KeyPair::generate().unwrap();
@@ -200,7 +202,9 @@ fn certificates(home: &Path) {
     let issuer = Issuer::new(root, root_key);
     for (name, of) in [("robot", "127.0.0.1"), ("client", "client")] {
         let key = KeyPair::generate().unwrap();
-        let params = CertificateParams::new(vec![of.to_owned()]).unwrap();
+        let mut params = CertificateParams::new(vec![of.to_owned()]).unwrap();
+        // One that has the name of its root passes for that to some.
+        params.distinguished_name.push(DnType::CommonName, name);
         let pem = params.signed_by(&key, &issuer).unwrap().pem();
         std::fs::write(home.join(format!("{name}.key")), key.serialize_pem()).unwrap();
         std::fs::write(home.join(format!("{name}.pem")), &pem).unwrap();
@@ -263,4 +267,53 @@ fn certificates_that_cannot_be_used_are_named() {
     certificates(home.path());
     std::fs::copy(home.path().join("client.key"), home.path().join("robot.key")).unwrap();
     home.refused(&arguments).expect_code(2).expect_err("certificate and key of rpc.tls");
+}
+
+/// The tests of the Python client, with what lies in a daemon's home, against that daemon.
+#[track_caller]
+fn python_comes_in(daemon: &Daemon, tests: &str) {
+    let (package, home) = (repository().join("clients/python"), daemon.home().path());
+    let mut command = Command::new(std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()));
+    command
+        .current_dir(home)
+        .env_clear()
+        .env("PYTHONPATH", std::env::join_paths([package.join("src"), package]).unwrap())
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("XDG_CONFIG_HOME", home.join("config"))
+        .env("GENOM_HOST", format!("https://{}", address(daemon)))
+        .args(["-S", "-W", "error", "-m", "unittest", "--verbose", tests]);
+    let finished = Running::start(&mut command).finish();
+    finished.expect_code(0);
+    assert!(!finished.err.contains("Ran 0 tests"), "{}", finished.err);
+}
+
+#[test]
+fn python_reaches_a_daemon_by_tls_and_token_and_by_contexts() {
+    let home = tokens();
+    certificates(home.path());
+    let home = home.configured("[rpc.tls]\ncert = \"robot.pem\"\nkey = \"robot.key\"\n");
+    let demo = component("demo");
+    let arguments = ["--listen", "127.0.0.1:0", "--token-file", "tokens.toml"];
+    let daemon = home.start(&[&arguments[..], &[path(&demo.library)]].concat());
+    let host = format!("https://{}", address(&daemon));
+    let add =
+        ["context", "add", "robot", "--host", &host, "--ca", "ca.pem", "--token-file", "read"];
+    ctl(daemon.home().path(), &add).expect_code(0);
+    let other = ["context", "add", "it's \"spare\"", "--socket", "/nowhere/socket"];
+    ctl(daemon.home().path(), &other).expect_code(0);
+    ctl(daemon.home().path(), &["context", "use", "robot"]).expect_code(0);
+    python_comes_in(&daemon, "tests.test_access.Tokens");
+}
+
+#[test]
+fn python_comes_in_with_a_certificate() {
+    let home = Home::new();
+    certificates(home.path());
+    let home = home.configured(
+        "[rpc.tls]\ncert = \"robot.pem\"\nkey = \"robot.key\"\nclient_ca = \"ca.pem\"\n\
+         client_rights = [\"read\", \"call\"]\n",
+    );
+    let demo = component("demo");
+    let daemon = home.start(&["--listen", "127.0.0.1:0", path(&demo.library)]);
+    python_comes_in(&daemon, "tests.test_access.Certificates");
 }

@@ -1,8 +1,11 @@
-"""What the tests share: a component of its own for each test, and a watchdog."""
+"""What the tests share: a component of its own for each test, a watchdog, and another process."""
 
+import contextlib
 import faulthandler
 import itertools
+import multiprocessing
 import os
+import sys
 import unittest
 
 import genom
@@ -10,6 +13,42 @@ import genom
 # Nothing takes so long unless it hangs; then it is told where.
 WATCHDOG = 50.0
 _numbers = itertools.count()
+
+
+def echo(component, other, count):
+    """Another process: what comes on one port goes to the other."""
+    g = genom.connect()
+    commands = g.load(component).parameter.subscribe(fast=True)
+    states = g.load(other).parameter.publisher(fast=True)
+    states(-1.0)
+    while count > 0:
+        value = commands.wait(WATCHDOG)
+        # Not what was published before this process came.
+        if value >= 0.0:
+            states(value)
+            count -= 1
+
+
+@contextlib.contextmanager
+def process(work, *arguments):
+    """Another process, which ends well by itself."""
+    context = multiprocessing.get_context("spawn")
+    peer = context.Process(target=work, args=arguments, daemon=True)
+    peer.start()
+    yield
+    peer.join(WATCHDOG)
+    assert peer.exitcode == 0, peer.exitcode
+
+
+def p50_p99(spans):
+    """In microseconds, as text."""
+    spans = sorted(spans)
+    return " / ".join(f"{spans[len(spans) * part // 100] * 1e6:.0f}" for part in (50, 99))
+
+
+def tell(figure):
+    """A line for who runs the tests."""
+    print(figure, file=sys.stderr)
 
 
 class DemoCase(unittest.TestCase):
@@ -27,6 +66,24 @@ class DemoCase(unittest.TestCase):
         demo = self.g.load(os.environ["GENOM_DEMO"], "-i", name)
         self.addCleanup(genom.Component.unload, demo)
         return demo
+
+    @contextlib.contextmanager
+    def echoed(self, backend, count):
+        """A function that sends a value to another process, which sends it back; as often as
+        that. Values straight from port to port."""
+        other = self.load()
+        commands = self.demo.parameter.publisher(fast=True)
+        commands(-1.0)
+        other.parameter.connect(other.parameter.address(), backend=backend)
+        states = other.parameter.subscribe(fast=True)
+
+        def exchange(value):
+            commands(value)
+            self.assertEqual(states.wait(WATCHDOG), value)
+
+        with process(echo, self.demo.name, other.name, count):
+            self.assertEqual(states.wait(WATCHDOG), -1.0)
+            yield exchange
 
     def start_slow(self):
         """A motion that is under way and does not end by itself in time."""

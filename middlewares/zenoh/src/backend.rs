@@ -101,6 +101,9 @@ impl Zenoh {
         if !connect.is_empty() {
             meeting.push(("connect", connect.join(",")));
         }
+        if let Some(directory) = options.sole_meeting() {
+            meeting.push(("rendezvous", directory.display().to_string()));
+        }
         let core = Arc::new(Core {
             meeting,
             keys,

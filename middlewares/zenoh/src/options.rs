@@ -184,6 +184,13 @@ impl Options {
         Ok(config)
     }
 
+    /// The folder to meet in, when all that this session reaches is there: who meets them there
+    /// too misses nobody.
+    pub(crate) fn sole_meeting(&self) -> Option<&Path> {
+        let more = [&self.listen, &self.connect].iter().any(|endpoints| !endpoints.is_empty());
+        self.meeting().filter(|_| !more && self.set.is_empty() && self.mode == Mode::Peer)
+    }
+
     /// The folder to meet in. A client listens nowhere, and a file of the user's says all.
     pub(crate) fn meeting(&self) -> Option<&Path> {
         let meets = self.mode != Mode::Client && self.config_file.is_none();

@@ -20,6 +20,7 @@ from .component import Component
 from .errors import DaemonError, GenoMError, InputError, RefusalError
 from .events import EventStream
 from .port import Port, Publisher, Subscription
+from .rate import Rate
 
 __all__ = [
     "Activity",
@@ -31,6 +32,7 @@ __all__ = [
     "InputError",
     "Port",
     "Publisher",
+    "Rate",
     "RefusalError",
     "Status",
     "Subscription",

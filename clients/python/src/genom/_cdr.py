@@ -6,7 +6,7 @@ The daemon tells what a type is made of; values are as its JSON has them, as ove
 from __future__ import annotations
 
 import struct
-from typing import Any, Callable, Dict, List, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 
 _NUMBERS = {
     "boolean": "?", "octet": "B", "short": "h", "unsigned short": "H", "long": "i",
@@ -71,6 +71,9 @@ class Cdr:
                 merged[name] = self.merge(old[name], inner, types[name])
             return merged
         if kind == "array":
+            numbers = self._types[one["element"]]["kind"] in _NUMBERS
+            if numbers and not isinstance(new, dict) and len(new) == one["length"] and None not in new:
+                return list(new)
             given = new.items() if isinstance(new, dict) else enumerate(new)
             elements = list(old)
             for index, inner in given:
@@ -156,6 +159,7 @@ class Cdr:
                     element_of(out, value)
 
             return optional
+        bulk = _put_all(_NUMBERS.get(self._types[one["element"]]["kind"]))
         counted, most = kind == "sequence", one.get("bound") if kind == "sequence" else one["length"]
 
         def items(out: bytearray, value: Any) -> None:
@@ -163,6 +167,9 @@ class Cdr:
                 raise ValueError(f"{one['name']} takes {most} elements, {len(value)} were given")
             if counted:
                 length(out, len(value))
+            if bulk is not None:
+                bulk(out, value)
+                return
             for inner in value:
                 element(out, inner)
 
@@ -223,6 +230,7 @@ class Cdr:
             return union
         element = self._reader(one["element"], order)
         fixed = one.get("length")
+        bulk = _get_all(_NUMBERS.get(self._types[one["element"]]["kind"]), order)
 
         def items(data: bytes, pos: int) -> Tuple[Any, int]:
             count = fixed
@@ -230,6 +238,8 @@ class Cdr:
                 count, pos = length(data, pos)
             if count > len(data):
                 raise ValueError(f"{count} elements do not fit into the message")
+            if bulk is not None and kind != "optional":
+                return bulk(data, pos, count)
             values = []
             for _ in range(count):
                 value, pos = element(data, pos)
@@ -262,5 +272,32 @@ def _get(code: str, order: str) -> Read:
     def get(data: bytes, pos: int) -> Tuple[Any, int]:
         pos += -pos % size
         return unpack(data, pos)[0], pos + size
+
+    return get
+
+
+def _put_all(code: Optional[str]) -> Optional[Write]:
+    """Many numbers at once."""
+    if code is None:
+        return None
+    size = struct.calcsize("<" + code)
+
+    def put(out: bytearray, values: Any) -> None:
+        if len(values) > 0:
+            out.extend(b"\0" * (-(len(out) - 4) % size))
+            out.extend(struct.pack(f"<{len(values)}{code}", *values))
+
+    return put
+
+
+def _get_all(code: Optional[str], order: str) -> "Optional[Callable[[bytes, int, int], Tuple[Any, int]]]":
+    """Many numbers at once."""
+    if code is None:
+        return None
+    size = struct.calcsize("<" + code)
+
+    def get(data: bytes, pos: int, count: int) -> Tuple[Any, int]:
+        pos += -pos % size if count else 0
+        return list(struct.unpack_from(f"{order}{count}{code}", data, pos)), pos + count * size
 
     return get

@@ -8,27 +8,18 @@ import math
 import os
 import select
 import socket
+import ssl
 import threading
 import time
 import weakref
 from typing import Any, Dict, Optional, Tuple
 from urllib.parse import quote
 
+from ._target import Target
 from .errors import DaemonError, refusal
 
 # The daemon gives up a connection that sends no request for 10 s.
 _IDLE = 5.0
-
-
-def default_socket() -> str:
-    """Where a daemon of this user listens; genomctl has the same rule."""
-    named = os.environ.get("GENOMD_SOCKET")
-    if named:
-        return named
-    directory = os.environ.get("XDG_RUNTIME_DIR")
-    if directory:
-        return os.path.join(directory, "genomd.sock")
-    return f"/tmp/genomd-{os.getuid()}/genomd.sock"
 
 
 def url(*segments: str) -> str:
@@ -40,6 +31,10 @@ class _Connection(http.client.HTTPConnection):
     def __del__(self) -> None:
         # Threads come and go; what they leave is closed.
         self.close()
+
+
+class _TlsConnection(_Connection, http.client.HTTPSConnection):
+    pass
 
 
 class _UnixConnection(_Connection):
@@ -65,18 +60,19 @@ class _Idle(threading.local):
 class Transport:
     """Requests to one daemon; may be used from any thread."""
 
-    def __init__(
-        self, socket_path: Optional[str], host: Optional[Tuple[str, int]], token: Optional[str]
-    ) -> None:
-        self._socket = socket_path
-        self._host = host
+    def __init__(self, target: Target) -> None:
+        self._target = target
         self._headers = {"Content-Type": "application/json"}
-        if token is not None:
-            self._headers["Authorization"] = "Bearer " + token
+        if target.token is not None:
+            self._headers["Authorization"] = "Bearer " + target.token
+        if target.daemon is not None:
+            self._headers["Genomd-Daemon"] = target.daemon
         self._idle = _Idle()
         self._open: "weakref.WeakSet[http.client.HTTPConnection]" = weakref.WeakSet()
-        self.target = socket_path if host is None else f"{host[0]}:{host[1]}"
-        self.local = host is None
+        self.target = str(target)
+        self.host = f"[{target.name}]" if ":" in target.name else target.name
+        # Whether files and shared memory are the same ones here and there.
+        self.local = target.socket is not None and target.daemon is None
 
     def request(self, method: str, path: str, body: Any = None) -> Any:
         """Asks, and waits for the reply."""
@@ -124,10 +120,13 @@ class Transport:
 
     def _connection(self) -> http.client.HTTPConnection:
         connection: http.client.HTTPConnection
-        if self._host is None:
-            connection = _UnixConnection(str(self._socket))
+        to = self._target
+        if to.socket is not None:
+            connection = _UnixConnection(to.socket)
+        elif to.tls is not None:
+            connection = _TlsConnection(to.name, to.port, context=to.tls)
         else:
-            connection = _Connection(*self._host)
+            connection = _Connection(to.name, to.port)
         self._open.add(connection)
         return connection
 
@@ -168,6 +167,11 @@ class Transport:
                 None,
                 f"no genomd answers on {self.target}: {why.strerror}; start one with "
                 "`genomd LIBRARY...`, or name its socket: connect(socket=...)",
+            ) from why
+        except ssl.SSLError as why:
+            raise DaemonError(
+                "unreachable", None, f"{self.target}: {why}; is `ca` the root of its certificate, "
+                "and does it ask for a `cert`?"
             ) from why
         except (OSError, http.client.HTTPException) as why:
             raise self._lost() from why

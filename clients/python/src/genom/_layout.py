@@ -6,6 +6,7 @@ The daemon tells where everything lies; what ctypes makes of it must agree to th
 from __future__ import annotations
 
 import ctypes
+import struct
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
 _BASIC: Dict[str, Tuple[Any, str]] = {
@@ -20,6 +21,12 @@ _BASIC: Dict[str, Tuple[Any, str]] = {
     "unsigned long long": (ctypes.c_uint64, "u64"),
     "float": (ctypes.c_float, "f32"),
     "double": (ctypes.c_double, "f64"),
+}
+
+# As `struct` spells those that are only numbers.
+_CODES = {
+    "octet": "B", "short": "h", "unsigned short": "H", "long": "i", "unsigned long": "I",
+    "long long": "q", "unsigned long long": "Q", "float": "f", "double": "d",
 }
 
 Get = Callable[[int], Any]
@@ -143,7 +150,7 @@ class Codec:
                     return
                 if len(value) > length:
                     raise ValueError(f"{one['name']} has {length} elements, {len(value)} were given")
-                put(address, dict(enumerate(value)), length)
+                put(address, value, length)
 
             return lambda address: get(address, length), put_all
         if kind == "sequence":
@@ -172,10 +179,29 @@ class Codec:
         size = self._types[element]["size"]
         get_one, put_one = self._end(element)
 
-        def get(address: int, length: int) -> Any:
-            return [get_one(address + index * size) for index in range(length)]
+        kind = self._types[element]["kind"]
+        if kind in _BASIC and kind != "char":
+            made = self._ctype(element)
 
-        def put(address: int, values: Dict[int, Any], length: int) -> None:
+            def get(address: int, length: int) -> Any:
+                return (made * length).from_address(address)[:]
+
+        else:
+
+            def get(address: int, length: int) -> Any:
+                return [get_one(address + index * size) for index in range(length)]
+
+        def put(address: int, values: Any, length: int) -> None:
+            if not isinstance(values, dict):
+                if kind in _CODES and None not in values:
+                    # All at once, checked for their ranges.
+                    try:
+                        packed = struct.pack(f"={len(values)}{_CODES[kind]}", *values)
+                    except (struct.error, OverflowError) as why:
+                        raise ValueError(f"{self._types[element]['name']}: {why}") from why
+                    ctypes.memmove(address, packed, len(packed))
+                    return
+                values = dict(enumerate(values))
             for index, value in values.items():
                 if not 0 <= index < length:
                     raise ValueError(f"there is no element {index}, only {length}")
@@ -194,7 +220,7 @@ class Codec:
         def put(address: int, value: Any) -> None:
             if len(value) > maximum:
                 raise ValueError(f"{one['name']} takes {maximum} elements, {len(value)} were given")
-            put_items(address + at, dict(enumerate(value)), maximum)
+            put_items(address + at, value, maximum)
             ctypes.c_uint32.from_address(address).value = maximum
             ctypes.c_uint32.from_address(address + 4).value = len(value)
 

@@ -1,58 +1,47 @@
 """Ports straight over zenoh, with the package eclipse-zenoh and without the daemon.
 
-Samples come by callback: who waits for one sleeps until it is there.
+What zenoh's threads call is never a function of Python's, which costs tens of microseconds a
+sample: samples go into a ring of zenoh's own.
 """
 
 from __future__ import annotations
 
-import atexit
-import json
+import itertools
+import math
+import queue
+import secrets
 import struct
-import threading
 import time
-from collections import deque
-from typing import TYPE_CHECKING, Any, Deque, Dict, Optional
+from typing import TYPE_CHECKING, Any, Optional, Tuple
 
 import zenoh
 
 from ._cdr import Cdr
+from ._helper import helper
+from ._meeting import MATCHING, session
 from .errors import GenoMError, InputError, RefusalError
 from .port import Publisher, Subscription
 
 if TYPE_CHECKING:
     from .port import Port
 
-# A daemon that is there is matched in far less.
-_MATCHING = 5.0
-_sessions: Dict[str, Any] = {}
-_tokens = 0
-_lock = threading.Lock()
-
-
-def _session(meet: Dict[str, str]) -> Any:
-    """This process's session with the daemon's; made once."""
-    with _lock:
-        session = _sessions.get(meet["connect"])
-        if session is None or session.is_closed():
-            config = zenoh.Config()
-            # Whatever the daemon reaches is reached through it.
-            config.insert_json5("mode", '"client"')
-            config.insert_json5("connect/endpoints", json.dumps(meet["connect"].split(",")))
-            session = _sessions[meet["connect"]] = zenoh.open(config)
-    return session
+# Goes with what only wakes up who waits, and room for it in rings.
+_WAKE = b"genom: wake up"
+_WAKES = 2
+_tokens = itertools.count(1)
+# Writer and number of a sample.
+_MARK = struct.Struct("<QQ")
+# Questions go to every writer, and each answers for itself.
+_ALL = {
+    "target": zenoh.QueryTarget.ALL,
+    "consolidation": zenoh.ConsolidationMode.NONE,
+    "timeout": MATCHING,
+}
 
 
 def _direct(callback: Any) -> Any:
     """Called by zenoh's own thread: one of Python's would outlive the program's end."""
     return zenoh.handlers.Callback(callback, indirect=False)
-
-
-@atexit.register
-def _close() -> None:
-    with _lock:
-        for session in _sessions.values():
-            session.close()
-        _sessions.clear()
 
 
 class _End:
@@ -62,7 +51,8 @@ class _End:
         self.layout = port.layout()
         self.cdr = Cdr(self.layout)
         meet = port._client._meeting_point("zenoh")
-        self.session = _session(meet)
+        self.session = session(meet)
+        self._client = port._client
         self.prefix = meet.get("prefix", "")
         self.address = address
         self.key = self.prefix + address
@@ -73,22 +63,30 @@ class _End:
 
     def declare(self, kind: str) -> Any:
         """A token by which others see this end."""
-        global _tokens
-        with _lock:
-            _tokens += 1
-            number = _tokens
         top = self.layout["types"][0]
         size = f"{top['size']} bytes" if top["fixed"] else "variable size"
         types = _escape(f"{self.layout['type']} ({size}, digest {self.digest})")
-        session = self.session.info.zid()
-        token = f"{self.prefix}@genom/{kind}/{session}/{number}/{self.digest}/{types}/{self.address}"
+        number = f"{self.session.info.zid()}/{next(_tokens)}"
+        token = f"{self.prefix}@genom/{kind}/{number}/{self.digest}/{types}/{self.address}"
         return self.session.liveliness().declare_token(token)
 
-    def writers(self) -> int:
-        """Who shows to publish there."""
-        found = self.session.liveliness().get(f"{self.prefix}@genom/pub/**", timeout=_MATCHING)
+    def is_written(self) -> bool:
+        """Whether somebody shows to publish there: to the daemon, or to this session."""
+        for one in self._client._visible("zenoh"):
+            if one["kind"] == "publisher" and one["address"] == self.address:
+                return True
+        found = self.session.liveliness().get(f"{self.prefix}@genom/pub/**", timeout=MATCHING)
         keys = [str(reply.ok.key_expr) for reply in found if reply.ok is not None]
-        return sum(key.split("/", 6)[-1] == self.address for key in keys)
+        return any(key.split("/", 6)[-1] == self.address for key in keys)
+
+    def match(self, end: Any) -> bool:
+        """Waits until an end meets one of the other kind; not for ever."""
+        begin = time.monotonic()
+        while not end.matching_status.matching:
+            if time.monotonic() - begin > MATCHING:
+                return False
+            time.sleep(0.001)
+        return True
 
 
 class ZenohPublisher(Publisher):
@@ -99,7 +97,7 @@ class ZenohPublisher(Publisher):
     def __init__(self, port: "Port", element: Optional[str]) -> None:
         super().__init__(port, element)
         self._end = end = _End(port, port.address(element))
-        if end.writers():
+        if end.is_written():
             raise RefusalError(
                 "taken",
                 f"{end.address} takes no publisher: somebody publishes there",
@@ -107,16 +105,15 @@ class ZenohPublisher(Publisher):
             )
         self._token = end.declare("pub")
         self._value = end.cdr.zero()
-        self._message: Optional[bytes] = None
+        self._message: Optional[Tuple[bytes, bytes]] = None
+        self._writer = secrets.randbits(64) | 1
+        self._number = 0
         self._queryable = end.session.declare_queryable(end.key, _direct(self._answer))
         # What goes out first must arrive, too.
         self._publisher: Any = end.session.declare_publisher(end.key, encoding=end.encoding)
-        begin = time.monotonic()
-        while not self._publisher.matching_status.matching:
-            if time.monotonic() - begin > _MATCHING:
-                self._let_go()
-                raise RefusalError("not_fast", f"{end.address} is not read over zenoh")
-            time.sleep(0.001)
+        if not end.match(self._publisher):
+            self._let_go()
+            raise RefusalError("not_fast", f"{end.address} is not read over zenoh")
 
     def publish(self, value: Any) -> None:
         """Publishes a value: no call of the daemon."""
@@ -127,8 +124,11 @@ class ZenohPublisher(Publisher):
             raise InputError("bad_input", f"{self._end.address}: {why}") from why
         if self._publisher is None:
             raise GenoMError("ended", None, f"{self._end.address} is not fed any more")
-        self._value, self._message = merged, message
-        self._publisher.put(message)
+        self._number += 1
+        mark = _MARK.pack(self._writer, self._number)
+        # First for those who come, then for those who are there: nobody misses it.
+        self._value, self._message = merged, (message, mark)
+        self._publisher.put(message, attachment=mark)
 
     def close(self) -> None:
         """Takes the connection away and lets go of the address."""
@@ -144,11 +144,15 @@ class ZenohPublisher(Publisher):
     def _answer(self, query: Any) -> None:
         # Who comes late asks for the last value.
         if self._message is not None:
-            query.reply(self._end.key, self._message, encoding=self._end.encoding)
+            message, mark = self._message
+            query.reply(self._end.key, message, encoding=self._end.encoding, attachment=mark)
 
 
 class ZenohSubscription(Subscription):
-    """The reading end of a port, straight over zenoh."""
+    """The reading end of a port, straight over zenoh.
+
+    Samples wait in a ring of zenoh's, where its threads put them without Python's lock.
+    """
 
     fast = True
 
@@ -156,65 +160,134 @@ class ZenohSubscription(Subscription):
         self.port = port
         self._last = None
         self._end = end = _End(port, str(port._source(element)))
-        self._new: Deque[Any] = deque(maxlen=depth)  # type: ignore[assignment]
-        self._came = threading.Condition()
-        self._any = False
-        self._closed = False
-        self._subscriber = end.session.declare_subscriber(end.key, _direct(self._take_in))
-        # The answer comes when the subscription is known over there.
-        for reply in end.session.get(end.key, timeout=_MATCHING):
-            if reply.ok is not None:
-                with self._came:
-                    # What came meanwhile is newer, or the same.
-                    if not self._any:
-                        self._add(reply.ok.payload.to_bytes())
+        self._encoding = zenoh.Encoding(end.encoding)
+        # What writers say that are asked for the last value.
+        self._answers: "queue.SimpleQueue[Any]" = queue.SimpleQueue()
+        # The sample that was taken last, and the one before the last question.
+        self._known: Optional[Tuple[int, int]] = None
+        self._before: Optional[Tuple[int, int]] = None
+        session = end.session
+        ring = zenoh.handlers.RingChannel(depth + _WAKES)
+        self._subscriber = session.declare_subscriber(end.key, ring)
+        self._ring: Any = self._subscriber.handler
+        token = f"{end.prefix}@genom/pub/*/*/*/*/{end.address}"
+        heard = _direct(lambda sample: helper.soon(lambda: self._ask(sample.kind)))
+        self._watch = session.liveliness().declare_subscriber(token, heard, history=True)
+        # What is there already can be read at once.
+        asked = session.declare_querier(end.key, **_ALL)
+        if not end.is_written() or end.match(asked):
+            for reply in asked.get():
+                self._answers.put(reply)
+        asked.undeclare()
 
     def take(self) -> Any:
         """The oldest value not taken yet; None when there is none."""
-        with self._came:
-            self._check()
-            if not self._new:
-                return None
-            self._last = self._new.popleft()
-            return self._last
+        while True:
+            sample, asked = self._next(False), False
+            if sample is None:
+                try:
+                    sample, asked = self._answers.get_nowait().ok, True
+                except queue.Empty:
+                    return None
+            value = self._news(sample, asked)
+            if value is not None:
+                return value
 
     def wait(self, timeout: Optional[float] = None) -> Any:
         """The oldest value not taken yet, as soon as there is one; TimeoutError if none comes."""
-        with self._came:
-            if not self._came.wait_for(lambda: self._new or self._closed, timeout):
-                raise TimeoutError(f"no value on {self.port.address()} for {timeout} s")
-            self._check()
-            self._last = self._new.popleft()
-            return self._last
+        value = self.take()
+        if value is not None:
+            return value
+        end = math.inf if timeout is None else time.monotonic() + timeout
+        # It sleeps in zenoh, which knows no end of waiting: something else comes then.
+        with helper.after(timeout, self._wake):
+            while value is None:
+                value = self._news(self._next(True), False)
+                if value is None:
+                    value = self.take()
+                if value is None and time.monotonic() >= end:
+                    raise TimeoutError(f"no value on {self.port.address()} for {timeout} s")
+        return value
 
     def close(self) -> None:
         """Stops following."""
-        with self._came:
-            if self._closed:
-                return
-            self._closed = True
-            self._came.notify_all()
-        self._subscriber.undeclare()
+        if self._ring is not None:
+            self._ring = None
+            self._subscriber.undeclare()
+            self._watch.undeclare()
 
-    def _check(self) -> None:
-        if self._closed:
-            raise GenoMError("ended", None, f"{self.port.address()} is not followed any more")
-
-    def _take_in(self, sample: Any) -> None:
-        told = str(sample.encoding).rsplit("digest=", 1)
-        if len(told) == 2 and told[1] != self._end.digest:
-            return
-        with self._came:
-            self._add(sample.payload.to_bytes())
-
-    def _add(self, message: bytes) -> None:
+    def _next(self, wait: bool) -> Any:
+        ring = self._ring
         try:
-            value = self._end.cdr.decode(message)
-        except (ValueError, IndexError, struct.error):
+            if ring is not None:
+                return ring.recv() if wait else ring.try_recv()
+        except zenoh.ZError:
+            # Closed meanwhile, or the session was.
+            self._ring = None
+        raise GenoMError("ended", None, f"{self.port.address()} is not followed any more")
+
+    def _wake(self) -> None:
+        """Puts something into this process's rings that is no sample."""
+        here = zenoh.Locality.SESSION_LOCAL
+        try:
+            self._end.session.put(self._end.key, b"", attachment=_WAKE, allowed_destination=here)
+        except zenoh.ZError:
+            pass  # It has been closed, which wakes as well.
+
+    def _ask(self, kind: Any) -> None:
+        """A writer came: what it wrote before it knew this reader is asked for."""
+        if kind != zenoh.SampleKind.PUT or self._ring is None:
             return
-        self._any = True
-        self._new.append(value)
-        self._came.notify()
+        self._before = self._known
+        try:
+            for reply in self._end.session.get(self._end.key, **_ALL):
+                self._answers.put(reply)
+        except zenoh.ZError:
+            return  # It has been closed.
+        self._wake()
+
+    def _news(self, sample: Any, asked: bool) -> Any:
+        """The value of a sample; None for one that tells nothing new, or is none."""
+        if sample is None or not self._is_news(sample, asked):
+            return None
+        value = self._decoded(sample)
+        if value is not None:
+            self._last = value
+        return value
+
+    def _is_news(self, sample: Any, asked: bool) -> bool:
+        """Whether a sample is none that came before, or is older than one that did."""
+        mark, known = _mark(sample), self._known
+        if mark is None:
+            return False
+        if known is not None and mark[0] == known[0] and mark[0]:
+            news = mark[1] > known[1]
+        else:
+            # Of another writer than the last sample: an answer must not undo what came meanwhile.
+            news = not asked or known is None or (mark[0] != 0 and known == self._before)
+        if news:
+            self._known = mark
+        return news
+
+    def _decoded(self, sample: Any) -> Any:
+        """The value of a sample; None for what is not of this port's type."""
+        if sample.encoding != self._encoding:
+            told = str(sample.encoding).rsplit("digest=", 1)
+            if len(told) == 2 and told[1] != self._end.digest:
+                return None
+        try:
+            return self._end.cdr.decode(sample.payload.to_bytes())
+        except (ValueError, IndexError, struct.error):
+            return None
+
+
+def _mark(sample: Any) -> Optional[Tuple[int, int]]:
+    """Writer and number of a sample; zeros of a writer that marks nothing, none of a wake-up."""
+    told = sample.attachment
+    mark = b"" if told is None else told.to_bytes()
+    if len(mark) == 16:
+        return _MARK.unpack(mark)
+    return None if mark == _WAKE else (0, 0)
 
 
 def _escape(text: str) -> str:

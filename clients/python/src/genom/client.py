@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
-from ._http import Transport, default_socket, url
+from ._http import Transport, url
+from ._target import resolve
 from .component import Component
 from .errors import RefusalError
 from .events import EventStream
@@ -17,31 +18,24 @@ def connect(
     socket: Optional[str] = None,
     host: Optional[str] = None,
     token: Optional[str] = None,
+    token_file: Optional[str] = None,
+    ca: Optional[str] = None,
+    cert: Optional[str] = None,
+    context: Optional[str] = None,
 ) -> "Client":
     """Connects to a daemon: by default that of this user, as genomctl does.
 
-    ``socket`` is the path of its Unix socket, ``host`` is ``address:port`` of its TCP listener
-    (``genomd --listen``); ``target`` is one or the other. ``token`` goes with each request.
+    ``socket`` is the path of its Unix socket; ``host`` is ``127.0.0.1:7300`` (``genomd
+    --listen``), ``https://robot:7300`` on another machine, or ``zenoh:NAME``, one of those that the
+    daemon at the socket sees; ``target`` is one or the other. ``token``, or the one in
+    ``token_file``, says who asks. ``ca`` is the root of the daemon's certificate, ``cert`` your own
+    certificate and its key, in PEM files. ``context`` is a name that ``genomctl context`` keeps such
+    options under; the current one counts when nothing else says which daemon.
     """
-    if target is not None:
-        if "/" in target:
-            socket = target
-        else:
-            host = target
-    if socket is not None and host is not None:
-        raise TypeError("connect() takes a socket or a host, not both")
-    address = None if host is None else _address(host)
-    path = None if address else os.fspath(socket) if socket else default_socket()
-    client = Client(Transport(path, address, token))
+    given = resolve(target, socket, host, token, token_file, ca, cert, context)
+    client = Client(Transport(given))
     client.about()
     return client
-
-
-def _address(host: str) -> Tuple[str, int]:
-    name, colon, port = host.rpartition(":")
-    if not colon or not port.isdigit():
-        raise ValueError(f"`{host}` is no ADDRESS:PORT")
-    return name.strip("[]"), int(port)
 
 
 class Client:
@@ -167,7 +161,23 @@ class Client:
             self._meet = {one["name"]: one.get("meet", {}) for one in listed}
         if backend not in self._meet:
             raise RefusalError("unknown_backend", f"the daemon has no backend {backend}")
-        return self._meet[backend]
+        meet = self._meet[backend]
+        if backend == "zenoh" and not self._transport.local:
+            meet = self._from_afar(meet)
+        return meet
+
+    def _from_afar(self, meet: Dict[str, str]) -> Dict[str, str]:
+        """What of it leads from this machine to another one."""
+        host = self._transport.host
+        ends = [end for end in meet.get("connect", "").split(",") if not end.startswith("unixsock")]
+        ends = [end.replace("0.0.0.0", host).replace("[::]", host) for end in ends if end and host]
+        far = {"prefix": meet.get("prefix", "")}
+        return {**far, "connect": ",".join(ends)} if ends else far
+
+    def _visible(self, backend: str) -> List[Dict[str, str]]:
+        """What the daemon sees on a middleware."""
+        listed = self._transport.request("GET", "/middlewares?visible=true")["middlewares"]
+        return [end for one in listed if one["name"] == backend for end in one.get("endpoints", [])]
 
 
 def _options(
