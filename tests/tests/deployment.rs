@@ -198,7 +198,7 @@ fn an_apply_tells_what_it_waits_for() {
     let waits = pair().replace("\"paper/position\"", "\"later/position\"");
     let applying = daemon.spawn(&["apply", "--timeout", "60", &write(&daemon, &waits)]);
     let line = applying.error_line_where(|line| line.contains("waiting"));
-    assert_eq!(line.as_deref(), Some("waiting: reader/parameter reads later/position"));
+    assert_eq!(line.as_deref(), Some("waiting: connect reader/parameter to later/position"));
     // Its writer comes, in another daemon on the same middleware.
     let paper = component("demo-2010");
     let other = Home::with(daemon.home().memory());

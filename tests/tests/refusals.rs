@@ -107,7 +107,7 @@ fn wrong_inputs_are_named_and_change_nothing() {
     let post = |body| request(&socket, "POST", "/components/demo/services/set_speed", body);
     let reply = post(r#"{"velocity":[]}"#);
     assert_eq!((reply.status, reply.code()), (422, "bad_input"), "{reply:?}");
-    assert_eq!(reply.body["error"]["where"], "velocity");
+    assert_eq!(reply.body["error"]["where"], "/velocity");
     assert_eq!(post("{").status, 400);
     assert_eq!(post("[1]").status, 422);
     let reply =

@@ -1,7 +1,5 @@
 //! Names typed on the command line: `component/port`, and their spelling in a URL.
 
-use crate::failure::Failure;
-
 /// `component/name`, as typed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Path2 {
@@ -61,16 +59,6 @@ pub(crate) fn encode(text: &str) -> String {
         }
     }
     out
-}
-
-/// An activity as typed: its number, or the name of its service.
-pub(crate) fn activity_number(text: &str) -> Result<u64, Failure> {
-    text.parse().map_err(|_| {
-        Failure::usage(
-            format!("`{text}` is no activity number"),
-            "`genomctl activities COMPONENT` lists them",
-        )
-    })
 }
 
 #[cfg(test)]

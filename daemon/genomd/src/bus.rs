@@ -63,11 +63,21 @@ pub(crate) enum Change {
     /// An external event was fired.
     EventFired { component: String, name: String },
     /// A deployment takes a step.
-    DeploymentStep { step: String },
+    DeploymentStep { step: String, status: StepStatus },
     /// A connection of a deployment waits for its other side.
-    DeploymentWaits { what: String },
+    DeploymentWaits { step: String },
     /// The daemon stops.
     Stopping {},
+}
+
+/// How far a deployment is with a step.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum StepStatus {
+    /// It is being taken.
+    Begun,
+    /// It was taken.
+    Done,
 }
 
 /// Something told, and its number.

@@ -29,7 +29,7 @@ pub(crate) enum Description {
 pub(crate) enum LocateError {
     /// No library.
     #[error(
-        "no library for {}: there is neither {}; build the component, or name its directory \
+        "no library for {}: there is no {}; build the component, or name its directory \
          with --path or GENOM_PATH",
         .wanted.display(),
         list(.tried)

@@ -3,33 +3,17 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
+mod deployed;
 mod far;
 
-use std::fs;
 use std::path::Path;
-use std::process::Command;
 
-use genom_tests::{Daemon, Running, path, program, repository};
+use genom_tests::{Daemon, fixture};
 use serde_json::Value;
 
-/// Makes a component as its author does: header from the description, then a C compiler.
+/// Makes one of the components in a directory.
 fn make(name: &str, into: &Path) -> String {
-    let source = repository().join("tests/fixtures/adders");
-    let file = |extension: &str| format!("{name}.{extension}");
-    for description in ["adder.gen", &file("gen")] {
-        fs::copy(source.join(description), into.join(description)).unwrap();
-    }
-    let mut header = Command::new(program("genomctl"));
-    header.arg("header").arg(into.join(file("gen")));
-    let header = Running::start(&mut header).finish();
-    header.expect_code(0);
-    fs::write(into.join(format!("{name}_c_types.h")), &header.out).unwrap();
-    let mut compiler = Command::new("cc");
-    compiler.args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-g", "-fPIC", "-shared"]);
-    compiler.arg("-I").arg(repository().join("plugin-api/include")).arg("-I").arg(into);
-    compiler.arg(source.join(file("c"))).arg("-o").arg(into.join(file("so")));
-    Running::start(&mut compiler).finish().expect_code(0);
-    path(&into.join(file("gen"))).to_owned()
+    fixture("adders", name, into)
 }
 
 fn pair(backend: &str) -> (Daemon, tempfile::TempDir) {

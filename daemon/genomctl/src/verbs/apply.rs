@@ -1,13 +1,17 @@
 //! `genomctl apply`: brings the daemon to what a deployment file says.
 
-use std::io::{self, IsTerminal as _, Write as _};
+use std::io::{self, Write as _};
 use std::path::PathBuf;
+use std::time::Duration;
 
+use hyper::Method;
 use serde::Deserialize;
 use serde_json::{Map, Value};
+use tokio::time::{Instant, interval_at};
 
 use crate::failure::Failure;
 use crate::session::Session;
+use crate::terminal::Progress;
 
 /// Bring the daemon to what a deployment file says: load, connect, call, start.
 ///
@@ -50,32 +54,96 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     body.insert("timeout".into(), args.timeout.into());
     body.extend(args.daemon.map(|name| ("daemon".to_owned(), Value::from(name))));
     let body = Value::Object(body);
+    if args.dry_run {
+        return session.show(session.post("/deployment", &body).await?, render);
+    }
     // Open before anything is done, so that nothing is missed.
-    let told = if args.dry_run { None } else { Some(session.client.stream("/events").await?) };
-    let mut asked = std::pin::pin!(session.post("/deployment", &body));
-    let reply = match told {
-        None => asked.await?,
-        Some(mut told) => loop {
-            tokio::select! {
-                reply = &mut asked => break reply?,
-                Some(event) = told.next() => progress(&event.data),
-            }
-        },
+    let mut told = session.client.stream("/events").await?;
+    let mut asked =
+        std::pin::pin!(session.client.request(Method::POST, "/deployment", Some(&body)));
+    let mut ticks = interval_at(Instant::now() + LONG, LONG);
+    let mut at_work = AtWork::default();
+    let reply = loop {
+        tokio::select! {
+            biased;
+            Some(event) = told.next() => at_work.hear(&event.data),
+            reply = &mut asked => break reply?,
+            _ = ticks.tick() => at_work.look(),
+        }
     };
+    drop(at_work);
     session.show(reply, render)
 }
 
-/// What the daemon does meanwhile: what it waits for, and on a terminal each step.
-fn progress(data: &str) {
-    let Ok(change) = serde_json::from_str::<Value>(data) else { return };
-    let line = match (change["event"].as_str(), change["what"].as_str(), change["step"].as_str()) {
-        (Some("deployment_waits"), Some(what), _) => format!("waiting: {what}\n"),
-        (Some("deployment_step"), _, Some(step)) if io::stderr().is_terminal() => {
-            format!("{step}\n")
+/// What takes longer is told also where nobody looks.
+const LONG: Duration = Duration::from_secs(1);
+
+/// What the daemon does now and waits for, on standard error: one line written over on a
+/// terminal, else a line for each thing that takes long.
+#[derive(Debug, Default)]
+struct AtWork {
+    progress: Progress,
+    /// The step being taken, and since when.
+    step: Option<(String, Instant)>,
+    /// Connections that wait for their other sides.
+    waits: Vec<(String, Instant)>,
+    /// Whether the step was told.
+    told: bool,
+}
+
+impl AtWork {
+    /// Something changed in the daemon.
+    fn hear(&mut self, data: &str) {
+        let Ok(change) = serde_json::from_str::<Value>(data) else { return };
+        let Some(step) = change["step"].as_str() else { return };
+        match (change["event"].as_str(), change["status"].as_str()) {
+            (Some("deployment_waits"), _) => {
+                self.waits.push((step.to_owned(), Instant::now()));
+                if !self.progress.seen() {
+                    line(&format!("waiting: {step}"));
+                }
+            }
+            (Some("deployment_step"), Some("begun")) => {
+                self.step = Some((step.to_owned(), Instant::now()));
+                self.told = false;
+            }
+            (Some("deployment_step"), _) => {
+                self.waits.retain(|(waits, _)| waits != step);
+                self.step = None;
+            }
+            _ => return,
         }
-        _ => return,
-    };
-    let _ = io::stderr().lock().write_all(line.as_bytes());
+        self.show();
+    }
+
+    /// Time passed.
+    fn look(&mut self) {
+        let slow = self.step.as_ref().filter(|(_, since)| since.elapsed() >= LONG);
+        if let (Some((step, _)), false, false) = (slow, self.told, self.progress.seen()) {
+            line(&format!("taking long: {step}"));
+            self.told = true;
+        }
+        self.show();
+    }
+
+    fn show(&mut self) {
+        let text = match (&self.step, self.waits.as_slice()) {
+            (Some((step, since)), _) => format!("{step}, {} s", since.elapsed().as_secs()),
+            (None, [(step, since), others @ ..]) => {
+                let others = match others.len() {
+                    0 => String::new(),
+                    number => format!(" and {number} more"),
+                };
+                format!("waiting: {step}{others}, {} s", since.elapsed().as_secs())
+            }
+            (None, []) => return,
+        };
+        self.progress.show(&text);
+    }
+}
+
+fn line(text: &str) {
+    let _ = io::stderr().lock().write_all(format!("{text}\n").as_bytes());
 }
 
 fn render(reply: &Reply) -> String {

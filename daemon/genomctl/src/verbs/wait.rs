@@ -3,11 +3,12 @@
 use clap_complete::engine::ArgValueCompleter;
 use std::time::Instant;
 
+use serde::Deserialize;
 use serde_json::Value;
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::{activity_number, url};
+use crate::names::url;
 use crate::session::Session;
 use crate::terminal::Progress;
 use crate::verbs::outcome::{self, Outcome};
@@ -18,7 +19,7 @@ pub(crate) struct Args {
     /// Instance name of the component.
     #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
-    /// Number of the activity.
+    /// Number of the activity, or name of a service: then its latest.
     #[arg(add = ArgValueCompleter::from(Names::Activities))]
     activity: String,
     /// Give up after this many seconds.
@@ -26,8 +27,19 @@ pub(crate) struct Args {
     timeout: Option<f64>,
 }
 
+#[derive(Debug, Deserialize)]
+struct Found {
+    activity: u64,
+}
+
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let activity = activity_number(&args.activity)?;
+    let activity = match args.activity.parse() {
+        Ok(number) => number,
+        Err(_) => {
+            let url = url(["components", &args.component, "activities", &args.activity]);
+            session.read::<Found>(session.get(&url).await?)?.activity
+        }
+    };
     let what = format!("{} activity {activity}", args.component);
     let Some(seconds) = args.timeout else {
         let reply = until_ended(session, &args.component, activity, &what).await?;

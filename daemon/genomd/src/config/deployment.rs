@@ -8,20 +8,21 @@ use super::{Config, LoadRequest};
 use crate::wiring::place::Place;
 use crate::wiring::policy;
 
-/// A connection that is to be, and to be kept.
+/// A connection that is to be, and to be kept: an in port reads an out port, or a remote
+/// (`uses`) calls a service.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ConnectionEntry {
-    /// The in port: `component/port` or `component/port/element`.
+    /// The in port, `component/port` or `component/port/element`; or `component/remote`.
     #[serde(rename = "in", deserialize_with = "inport")]
     pub(crate) inport: String,
-    /// The out port, with a middleware before it or not.
+    /// The out port, or the service; with a middleware before it or not.
     #[serde(rename = "out", deserialize_with = "outport")]
     pub(crate) outport: String,
-    /// `latest`, `queue:N` or `ring:N`.
-    #[serde(default = "latest", deserialize_with = "policy_text")]
-    pub(crate) policy: String,
-    /// The middleware, when it is not left to the two ports.
+    /// `latest`, `queue:N` or `ring:N`; `latest` by default, none for a remote.
+    #[serde(default, deserialize_with = "policy_text", skip_serializing_if = "Option::is_none")]
+    pub(crate) policy: Option<String>,
+    /// The middleware, when it is not left to the two sides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) backend: Option<String>,
 }
@@ -60,10 +61,10 @@ pub(crate) struct Deployment {
 impl ConnectionEntry {
     /// The policy; it was checked when the entry was read.
     pub(crate) fn policy(&self) -> Policy {
-        policy::parse(&self.policy).unwrap_or_default()
+        self.policy.as_deref().and_then(policy::parse).unwrap_or_default()
     }
 
-    /// Instance that reads.
+    /// Instance that reads, or calls.
     pub(crate) fn reader(&self) -> &str {
         self.inport.split('/').next().unwrap_or_default()
     }
@@ -71,7 +72,7 @@ impl ConnectionEntry {
 
 impl std::fmt::Display for ConnectionEntry {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} reads {}", self.inport, self.outport)
+        write!(f, "{} to {}", self.inport, self.outport)
     }
 }
 
@@ -100,10 +101,6 @@ impl Deployment {
     }
 }
 
-fn latest() -> String {
-    "latest".to_owned()
-}
-
 fn no_inputs() -> Value {
     Value::Object(Map::new())
 }
@@ -126,10 +123,10 @@ fn outport<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
     Ok(text)
 }
 
-fn policy_text<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+fn policy_text<'de, D: Deserializer<'de>>(from: D) -> Result<Option<String>, D::Error> {
     let text = String::deserialize(from)?;
     match policy::parse(&text) {
-        Some(_) => Ok(text),
+        Some(_) => Ok(Some(text)),
         None => Err(de::Error::custom(policy::HELP)),
     }
 }

@@ -38,6 +38,11 @@ impl Spot {
         Self::entry("component", is)
     }
 
+    /// The entry of `[[component]]` of this name.
+    pub(crate) fn named(instance: &str) -> Self {
+        Self::entry("component", vec![("name", instance.to_owned())])
+    }
+
     /// An entry of `[[connection]]`.
     pub(crate) fn connection(entry: &ConnectionEntry) -> Self {
         Self::entry("connection", vec![("in", entry.inport.clone())])

@@ -4,15 +4,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::request::RequestError;
+use super::link::{self, Link};
+use super::undo::{Requested, Running, Undo, move_to, take_back};
 use super::{Step, request};
-use crate::bus::Change;
-use crate::config::{BackendNames, ConnectionEntry, Spot};
+use crate::bus::{Change, StepStatus};
+use crate::config::{ConnectionEntry, Spot};
 use crate::daemon::Daemon;
 use crate::hosting::Ending;
-use crate::wiring::connect::{self, ConnectError, ConnectRequest};
-use crate::wiring::switch::switch;
-use crate::wiring::{Connection, policy};
 
 /// How often the other side of a connection is looked for: discovery tells nobody.
 const LOOK: Duration = Duration::from_millis(20);
@@ -39,50 +37,25 @@ fn remaining(left: &[String]) -> String {
     format!("; all is as it was, but for: {}", left.join(", "))
 }
 
-/// How to take a step back.
-enum Undo {
-    Unload(String),
-    Move {
-        component: String,
-        port: Option<String>,
-        back: BackendNames,
-    },
-    Reconnect {
-        inport: String,
-        before: Option<Connection>,
-    },
-    Abort {
-        component: String,
-        activity: u64,
-    },
-    /// There is no way back.
-    Not(String),
-}
-
 /// Takes all steps, in order; connections wait for the other side at most this long each. Blocks.
 pub(crate) fn apply(
     daemon: &Arc<Daemon>,
     steps: &[Step],
     patience: Option<Duration>,
 ) -> Result<(), ApplyError> {
+    let ran = Running::now(daemon);
     let mut undo = Vec::new();
     let mut rest = steps;
     while let Some((step, after)) = rest.split_first() {
-        let connects = rest.iter().take_while(|step| matches!(step, Step::Connect(_))).count();
-        let taken = if connects > 0 {
+        let taken = if let Step::Connect(_) = step {
             // Together: one that waits holds up no other.
-            let (now, after) = rest.split_at(connects);
-            rest = after;
-            connect_all(daemon, now, patience, &mut undo)
+            let connects = rest.iter().map_while(Step::connection).collect::<Vec<_>>();
+            rest = &rest[connects.len()..];
+            connect_all(daemon, connects, patience, &mut undo)
         } else {
             rest = after;
-            daemon.bus.tell(&Change::DeploymentStep { step: step.to_string() });
-            take(daemon, step).map(|way_back| undo.extend(way_back)).map_err(|error| Refused {
-                step: step.to_string(),
-                why: error.why,
-                place: place(step).key(error.key),
-                timeout: false,
-            })
+            tell(daemon, step, StepStatus::Begun);
+            take(daemon, step, &ran, &mut undo).inspect(|()| tell(daemon, step, StepStatus::Done))
         };
         if let Err(Refused { step, why, place, timeout }) = taken {
             let left = take_back(daemon, undo);
@@ -92,26 +65,11 @@ pub(crate) fn apply(
     Ok(())
 }
 
-/// The entry of a step in the file.
-fn place(step: &Step) -> Spot {
-    match step {
-        Step::Load(request) => Spot::component(request),
-        Step::Connect(entry) => Spot::connection(entry),
-        Step::Call(entry) => Spot::request("call", entry),
-        Step::Start(entry) => Spot::request("activity", entry),
-        Step::Move { .. } | Step::Set(_) => Spot::default(),
-    }
+fn tell(daemon: &Daemon, step: &Step, status: StepStatus) {
+    daemon.bus.tell(&Change::DeploymentStep { step: step.to_string(), status });
 }
 
-/// The key of a connection that a refusal is about.
-fn key(error: &ConnectError) -> &'static str {
-    match error {
-        ConnectError::NoSuchInport { .. } => "in",
-        ConnectError::Backend(_) => "backend",
-        _ => "out",
-    }
-}
-
+/// A step that was refused.
 struct Refused {
     step: String,
     why: String,
@@ -119,149 +77,123 @@ struct Refused {
     timeout: bool,
 }
 
-/// Takes a step; the way back, when there is something to take back.
-fn take(daemon: &Arc<Daemon>, step: &Step) -> Result<Option<Undo>, RequestError> {
-    let plain = |why| RequestError { key: Vec::new(), why };
-    Ok(match step {
+impl Refused {
+    fn new<S: Into<String>>(
+        step: &Step,
+        key: impl IntoIterator<Item = S>,
+        why: impl Into<String>,
+    ) -> Self {
+        let place = match step {
+            Step::Load(request) => Spot::component(request),
+            Step::Move { component, .. } => Spot::named(component),
+            Step::Set(entry) => Spot::named(&entry.component),
+            Step::Connect(entry) => Spot::connection(entry),
+            Step::Call(entry) => Spot::request("call", entry),
+            Step::Start(entry) => Spot::request("activity", entry),
+        };
+        let place = place.key(key);
+        Self { step: step.to_string(), why: why.into(), place, timeout: false }
+    }
+}
+
+/// Takes a step; the way back comes to the others.
+fn take(
+    daemon: &Arc<Daemon>,
+    step: &Step,
+    ran: &Running,
+    undo: &mut Vec<Undo>,
+) -> Result<(), Refused> {
+    match step {
         Step::Load(request) => {
-            let hosted = daemon
-                .load(request)
-                .map_err(|error| RequestError { key: error.key(), why: error.to_string() })?;
-            Some(Undo::Unload(hosted.name.clone()))
+            let loaded = daemon.load(request);
+            let hosted =
+                loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
+            undo.push(Undo::Unload(hosted.name.clone()));
         }
         Step::Move { component, port, to } => {
-            let back = move_to(daemon, component, port.as_deref(), to).map_err(plain)?;
-            Some(Undo::Move { component: component.clone(), port: port.clone(), back })
+            let key = port.as_ref().map_or(vec!["backend"], |port| vec!["ports", port]);
+            let moved = move_to(daemon, component, port.as_deref(), to);
+            undo.push(Undo::Move(moved.map_err(|why| Refused::new(step, key, why))?));
         }
         Step::Set(entry) => {
-            request::send(daemon, entry)?;
-            Some(Undo::Not(step.to_string()))
-        }
-        Step::Connect(entry) => {
-            let before = present(daemon, entry);
-            let request = connect_request(entry);
-            connect::connect(daemon, &request).map_err(|error| RequestError {
-                key: vec![key(&error).to_owned()],
-                why: error.to_string(),
+            let before = Requested::before(daemon, entry, step.to_string(), ran);
+            request::send(daemon, entry).map_err(|error| {
+                // As the file has it: inputs stand under the service's name.
+                let members = error.key.into_iter().filter(|key| key != "inputs");
+                let key = ["attributes".to_owned(), entry.service.clone()];
+                Refused::new(step, key.into_iter().chain(members), error.why)
             })?;
-            Some(Undo::Reconnect { inport: entry.inport.clone(), before })
+            undo.push(Undo::Request(before));
         }
+        // Taken together, by `connect_all`.
+        Step::Connect(_) => {}
         Step::Call(entry) | Step::Start(entry) => {
-            let activity = request::send(daemon, entry)?;
+            let before = Requested::before(daemon, entry, step.to_string(), ran);
+            let activity = request::send(daemon, entry)
+                .map_err(|error| Refused::new(step, error.key, error.why))?;
             let hosted = daemon.components.get(&entry.component);
-            if let (Step::Call(_), Some(number), Some(hosted)) = (step, activity, &hosted) {
-                // Called, not started: what comes next may rely on its end.
-                let ended = hosted.activities.get(number).map(|activity| activity.wait());
-                if let Some(Some(Ending::Exception { name, .. })) = ended {
-                    return Err(plain(format!("it ended with {name}")));
+            match (step, activity, &hosted) {
+                (Step::Start(_), Some(number), _) => {
+                    undo.push(Undo::Request(before.started(number)));
                 }
+                (_, Some(number), Some(hosted)) => {
+                    undo.push(Undo::Request(before));
+                    // Called, not started: what comes next may rely on its end.
+                    let ended = hosted.activities.get(number).map(|activity| activity.wait());
+                    if let Some(Some(Ending::Exception { name, .. })) = ended {
+                        let why = format!("it ended with {name}");
+                        return Err(Refused::new(step, ["service"], why));
+                    }
+                }
+                _ => undo.push(Undo::Request(before)),
             }
             if let Some(hosted) = hosted {
                 hosted.done.deployed(&entry.service, entry.inputs.clone());
             }
-            match (step, activity) {
-                (Step::Start(_), Some(activity)) => {
-                    Some(Undo::Abort { component: entry.component.clone(), activity })
-                }
-                _ => Some(Undo::Not(step.to_string())),
-            }
         }
-    })
-}
-
-/// Moves a component or port; where it was before is given back.
-fn move_to(
-    daemon: &Arc<Daemon>,
-    component: &str,
-    port: Option<&str>,
-    to: &BackendNames,
-) -> Result<BackendNames, String> {
-    let Some(hosted) = daemon.components.get(component) else {
-        return Err(format!("{component} does not run"));
-    };
-    let bindings = &hosted.wiring.bindings;
-    let before = port.map_or_else(|| bindings.component(), |port| bindings.port(port));
-    let index =
-        port.and_then(|port| hosted.model().ports.iter().position(|known| known.name == port));
-    switch(daemon, &hosted, index, to).map_err(|error| error.to_string())?;
-    Ok(before)
-}
-
-/// The connection an in port has now.
-fn present(daemon: &Daemon, entry: &ConnectionEntry) -> Option<Connection> {
-    let hosted = daemon.components.get(entry.reader())?;
-    let all = hosted.wiring.connections();
-    all.into_iter().find(|present| present.inport.to_string() == entry.inport)
-}
-
-/// The request of an entry.
-pub(super) fn connect_request(entry: &ConnectionEntry) -> ConnectRequest {
-    ConnectRequest {
-        inport: entry.inport.clone(),
-        outport: entry.outport.clone(),
-        policy: entry.policy(),
-        backend: entry.backend.clone(),
-        wait: false,
-        patient: false,
     }
+    Ok(())
 }
 
 /// Makes connections, each as soon as its other side is there.
 fn connect_all(
     daemon: &Arc<Daemon>,
-    steps: &[Step],
+    mut waiting: Vec<&ConnectionEntry>,
     patience: Option<Duration>,
     undo: &mut Vec<Undo>,
 ) -> Result<(), Refused> {
     let begin = Instant::now();
-    let mut waiting: Vec<&ConnectionEntry> = steps
-        .iter()
-        .filter_map(|step| if let Step::Connect(entry) = step { Some(entry) } else { None })
-        .collect();
     let mut told = false;
     while !waiting.is_empty() {
         let mut absent = Vec::new();
         for entry in waiting {
-            let step = Step::Connect(entry.clone()).to_string();
-            let before = present(daemon, entry);
-            match connect::connect(daemon, &connect_request(entry)) {
-                Ok(_) => {
-                    daemon.bus.tell(&Change::DeploymentStep { step });
+            let step = Step::Connect(entry.clone());
+            let before = Link::present(daemon, &entry.inport);
+            match link::make(daemon, entry) {
+                Ok(()) => {
+                    tell(daemon, &step, StepStatus::Done);
                     undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
                 }
-                // A writer elsewhere comes when its daemon does; a slip of the pen waits in
-                // vain, and is told.
-                Err(ConnectError::NoSuchOutport { message, help, absent: true }) => {
-                    absent.push((entry, step, format!("{message}; {help}")));
-                }
-                Err(error) => {
-                    let help = error.help().map(|help| format!("; {help}")).unwrap_or_default();
-                    let place = Spot::connection(entry).key([key(&error)]);
-                    let why = format!("{error}{help}");
-                    return Err(Refused { step, why, place, timeout: false });
-                }
+                // The other side comes when its daemon does; a slip of the pen waits in vain,
+                // and is told.
+                Err(error) if error.absent => absent.push((entry, step, error.why)),
+                Err(error) => return Err(Refused::new(&step, [error.key], error.why)),
             }
         }
-        if let Some((entry, step, why)) = absent.first() {
-            let place = Spot::connection(entry).key(["out"]);
+        if let Some((_, step, why)) = absent.first() {
             if daemon.stopping() {
-                let why = "the daemon stops".to_owned();
-                return Err(Refused { step: step.clone(), why, place, timeout: false });
+                return Err(Refused::new(step, ["out"], "the daemon stops"));
             }
             if patience.is_some_and(|patience| begin.elapsed() >= patience) {
                 let after = begin.elapsed().as_secs_f64();
                 let why = format!("nothing after {after:.1} s: {why}");
-                return Err(Refused { step: step.clone(), why, place, timeout: true });
+                return Err(Refused { timeout: true, ..Refused::new(step, ["out"], why) });
             }
             if !told {
                 told = true;
-                for (entry, ..) in &absent {
-                    tracing::info!(
-                        "waiting for {}, which {} shall read",
-                        entry.outport,
-                        entry.inport
-                    );
-                    daemon.bus.tell(&Change::DeploymentWaits { what: entry.to_string() });
+                for (_, step, _) in &absent {
+                    tracing::info!("waiting to {step}");
+                    daemon.bus.tell(&Change::DeploymentWaits { step: step.to_string() });
                 }
             }
             std::thread::park_timeout(LOOK);
@@ -269,59 +201,4 @@ fn connect_all(
         waiting = absent.into_iter().map(|(entry, ..)| entry).collect();
     }
     Ok(())
-}
-
-/// Takes steps back, the last first; what could not be is named.
-fn take_back(daemon: &Arc<Daemon>, undo: Vec<Undo>) -> Vec<String> {
-    let mut left = Vec::new();
-    for one in undo.into_iter().rev() {
-        let undone = match one {
-            Undo::Unload(name) => {
-                // What was done to it goes with it.
-                left.retain(|what: &String| !what.contains(&format!("{name}/")));
-                daemon.unload(&name).map_err(|error| error.to_string())
-            }
-            Undo::Move { component, port, back } => {
-                move_to(daemon, &component, port.as_deref(), &back).map(drop)
-            }
-            Undo::Reconnect { inport, before } => reconnect(daemon, &inport, before),
-            Undo::Abort { component, activity } => {
-                if let Some(hosted) = daemon.components.get(&component) {
-                    hosted.abort(activity);
-                }
-                Ok(())
-            }
-            Undo::Not(what) => Err(what),
-        };
-        left.extend(undone.err());
-    }
-    left
-}
-
-fn reconnect(daemon: &Arc<Daemon>, inport: &str, before: Option<Connection>) -> Result<(), String> {
-    match before {
-        Some(before) => {
-            let request = ConnectRequest {
-                inport: inport.to_owned(),
-                outport: before.outport.to_string(),
-                policy: before.policy,
-                backend: before.fixed.then(|| before.backend.clone()),
-                wait: true,
-                patient: false,
-            };
-            connect::connect(daemon, &request).map(drop).map_err(|error| {
-                format!(
-                    "{inport} read {} ({}): {error}",
-                    before.outport,
-                    policy::text(before.policy)
-                )
-            })
-        }
-        None => {
-            if let Ok((hosted, port, element)) = connect::reader(daemon, inport) {
-                connect::disconnect(daemon, &hosted, port, element.as_deref());
-            }
-            Ok(())
-        }
-    }
 }

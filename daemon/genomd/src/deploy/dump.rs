@@ -4,17 +4,19 @@ use std::collections::BTreeMap;
 
 use genom_description::model::ServiceKind;
 
-use crate::config::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest};
+use super::link::Link;
+use crate::config::{BackendNames, CallEntry, Deployment, LoadRequest};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
-use crate::wiring::{Connection, policy};
 
 /// What runs and how it is wired; applied on a fresh daemon it gives the same.
 pub(crate) fn dump(daemon: &Daemon) -> Deployment {
     let mut all = Deployment::default();
     for hosted in daemon.components.all() {
         all.component.push(component(&hosted));
-        all.connection.extend(hosted.wiring.connections().iter().map(connection));
+        let ports = hosted.wiring.connections().into_iter().map(Link::Port);
+        let remotes = hosted.wiring.remotes().into_iter().map(Link::Remote);
+        all.connection.extend(ports.chain(remotes).map(|link| link.entry()));
         let entry = |service: &str, inputs| CallEntry {
             component: hosted.name.clone(),
             service: service.to_owned(),
@@ -47,20 +49,16 @@ fn component(hosted: &Hosted) -> LoadRequest {
     let ports: BTreeMap<String, BackendNames> = bindings.ports();
     LoadRequest {
         library: hosted.library.clone(),
+        gen_file: hosted
+            .request
+            .gen_file
+            .as_ref()
+            .map(|file| std::path::absolute(file).unwrap_or_else(|_| file.clone())),
         name: Some(hosted.name.clone()),
         backend: Some(bindings.component()),
         ports,
         attributes: hosted.done.attributes(),
         after: Vec::new(),
         ..hosted.request.clone()
-    }
-}
-
-fn connection(made: &Connection) -> ConnectionEntry {
-    ConnectionEntry {
-        inport: made.inport.to_string(),
-        outport: made.outport.to_string(),
-        policy: policy::text(made.policy),
-        backend: made.fixed.then(|| made.backend.clone()),
     }
 }

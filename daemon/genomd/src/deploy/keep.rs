@@ -3,15 +3,14 @@
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
 
-use super::apply::connect_request;
+use super::link::{self, Link};
 use crate::config::ConnectionEntry;
 use crate::daemon::Daemon;
-use crate::wiring::connect;
 
 /// How often missing connections are looked after.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// The connections that deployments declared, one an in port.
+/// The connections that deployments declared, one an in port or remote.
 #[derive(Debug, Default)]
 pub(crate) struct Declared {
     entries: Mutex<Vec<ConnectionEntry>>,
@@ -26,7 +25,7 @@ impl Declared {
         });
     }
 
-    /// Somebody disconnected or connected this in port otherwise: that holds.
+    /// Somebody disconnected or connected this in port or remote otherwise: that holds.
     pub(crate) fn forget(&self, inport: &str) {
         self.with(|entries| entries.retain(|entry| entry.inport != inport));
     }
@@ -59,16 +58,15 @@ fn look(daemon: &Weak<Daemon>) -> bool {
         return false;
     }
     for entry in daemon.declared.all() {
-        let Ok((reader, port, element)) = connect::reader(&daemon, &entry.inport) else {
-            continue;
-        };
-        if reader.wiring.connection(port, element.as_deref()).is_some() {
-            // Subscriptions survive their writer: the middleware finds it when it is back.
+        // Subscriptions and remotes survive their other side: it is found when it is back.
+        if daemon.components.get(entry.reader()).is_none()
+            || Link::present(&daemon, &entry.inport).is_some()
+        {
             continue;
         }
-        match connect::connect(&daemon, &connect_request(&entry)) {
-            Ok(_) => tracing::info!("{entry} again"),
-            Err(error) => tracing::debug!("{entry}: {error}"),
+        match link::make(&daemon, &entry) {
+            Ok(()) => tracing::info!("connected {entry} again"),
+            Err(error) => tracing::debug!("connect {entry}: {}", error.why),
         }
     }
     true

@@ -3,8 +3,10 @@
 pub(crate) mod apply;
 pub(crate) mod dump;
 pub(crate) mod keep;
+mod link;
 pub(crate) mod plan;
 pub(crate) mod request;
+mod undo;
 
 use std::fmt;
 
@@ -19,12 +21,19 @@ pub(crate) enum Step {
     Move { component: String, port: Option<String>, to: BackendNames },
     /// An attribute is to have other inputs.
     Set(CallEntry),
-    /// An in port is to be connected.
+    /// An in port or a remote is to be connected.
     Connect(ConnectionEntry),
     /// A service is to be called.
     Call(CallEntry),
     /// An activity is to be started.
     Start(CallEntry),
+}
+
+impl Step {
+    /// The connection it makes, if it makes one.
+    fn connection(&self) -> Option<&ConnectionEntry> {
+        if let Step::Connect(entry) = self { Some(entry) } else { None }
+    }
 }
 
 impl fmt::Display for Step {
@@ -42,7 +51,7 @@ impl fmt::Display for Step {
                 write!(f, "move {component}/{port} to {to}")
             }
             Step::Set(entry) => call(f, "set", entry),
-            Step::Connect(entry) => write!(f, "connect {} to {}", entry.inport, entry.outport),
+            Step::Connect(entry) => write!(f, "connect {entry}"),
             Step::Call(entry) => call(f, "call", entry),
             Step::Start(entry) => call(f, "start", entry),
         }

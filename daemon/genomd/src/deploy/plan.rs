@@ -3,12 +3,11 @@
 use serde_json::Value;
 
 use super::Step;
-use crate::config::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot};
+use super::link::Link;
+use crate::config::{BackendNames, CallEntry, Deployment, LoadRequest, Spot};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::nearest::suggest;
-use crate::wiring::place::Place;
-use crate::wiring::policy;
 
 /// The deployment contradicts itself or what runs; nothing was changed.
 #[derive(Debug, thiserror::Error)]
@@ -63,7 +62,8 @@ pub(crate) fn plan(daemon: &Daemon, wanted: &Deployment) -> Result<Vec<Step>, Pl
     for connection in &wanted.connection {
         let place = Spot::connection(connection).key(["in"]);
         check(format!("in = \"{}\"", connection.inport), connection.reader(), place)?;
-        if !connected(daemon, connection) {
+        let present = Link::present(daemon, &connection.inport);
+        if !present.is_some_and(|present| present.is(connection)) {
             steps.push(Step::Connect(connection.clone()));
         }
     }
@@ -159,19 +159,6 @@ fn adapt(
 fn full(hosted: &Hosted, service: &str, inputs: &Value) -> Option<Value> {
     let index = hosted.plan().service(service)?;
     hosted.input(index, inputs).ok().map(|record| record.to_json())
-}
-
-/// Whether a connection is there as it is wanted.
-fn connected(daemon: &Daemon, wanted: &ConnectionEntry) -> bool {
-    let Ok(place) = Place::parse(&wanted.outport) else { return false };
-    let backend = wanted.backend.as_ref().or(place.backend.as_ref());
-    let Some(hosted) = daemon.components.get(wanted.reader()) else { return false };
-    hosted.wiring.connections().iter().any(|present| {
-        present.inport.to_string() == wanted.inport
-            && present.outport == place.address
-            && policy::text(present.policy) == wanted.policy
-            && backend.is_none_or(|backend| *backend == present.backend)
-    })
 }
 
 /// Whether a deployment had this called already, in this life of the component, or the activity

@@ -113,6 +113,12 @@ impl Activity {
         tokio::runtime::Handle::try_current().ok()?.block_on(self.ended())
     }
 
+    /// The same, no longer than this.
+    pub(crate) fn wait_at_most(&self, time: Duration) -> Option<Ending> {
+        let runtime = tokio::runtime::Handle::try_current().ok()?;
+        runtime.block_on(async { tokio::time::timeout(time, self.ended()).await.ok()? })
+    }
+
     /// As a reply; `state` of an activity that runs.
     pub(crate) fn look(&self, state: Option<String>) -> Look {
         let ending = self.ending();

@@ -53,6 +53,24 @@ impl Done {
         self.with(|state| state.activities.get(&number).cloned())
     }
 
+    /// A deployment took back what it set: the attribute counts as it did before.
+    pub(crate) fn attribute_back(&self, service: &str, before: Option<Value>) {
+        self.with(|state| match before {
+            Some(inputs) => state.attributes.insert(service.to_owned(), inputs),
+            None => state.attributes.remove(service),
+        });
+    }
+
+    /// A deployment was taken back: this was not called for it.
+    pub(crate) fn not_deployed(&self, service: &str, inputs: &Value) {
+        self.with(|state| {
+            let all = &mut state.deployed;
+            if let Some(at) = all.iter().rposition(|one| one.0 == service && one.1 == *inputs) {
+                all.remove(at);
+            }
+        });
+    }
+
     /// What a deployment called or started, in order.
     pub(crate) fn all_deployed(&self) -> Vec<(String, Value)> {
         self.with(|state| state.deployed.clone())

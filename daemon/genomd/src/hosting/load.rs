@@ -109,7 +109,9 @@ pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Ho
     let specification = Arc::new(analysis.specification);
     let plan = Arc::new(Plan::new(&specification, index)?);
     let component = open(&located, &analysis.sources, &plan)?;
-    let hosted = Hosted::start(daemon, request, name, located.library, plan, component)?;
+    // A dump is read elsewhere: it says where the library is, not how one gets there from here.
+    let library = std::path::absolute(&located.library).unwrap_or(located.library);
+    let hosted = Hosted::start(daemon, request, name, library, plan, component)?;
     reservation.keep(Arc::clone(&hosted));
     if hosted.killed.is_up() {
         unload_killed(&Arc::downgrade(daemon), &hosted.name);

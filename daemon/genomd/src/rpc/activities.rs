@@ -59,7 +59,7 @@ pub(crate) async fn list(
     Ok(Json(Activities { activities }))
 }
 
-/// Look at an activity, or wait for its end.
+/// Look at an activity, or wait for its end: by its number, or the latest of a service, by name.
 ///
 /// What has ended stays readable for `rpc.keep_results` seconds of the daemon's configuration.
 #[utoipa::path(
@@ -76,7 +76,14 @@ pub(crate) async fn look(
     Parameters(parameters): Parameters<LookParameters>,
 ) -> Result<Json<Look>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    let activity = find(&hosted, &activity)?;
+    let activity = match activity.parse::<u64>() {
+        Ok(_) => find(&hosted, &activity)?,
+        Err(_) => of_service(&hosted, &activity)?.pop().ok_or_else(|| {
+            let message = format!("no {component}/{activity} runs, nor did lately");
+            RpcError::new(StatusCode::NOT_FOUND, "no_such_activity", message)
+                .help(format!("`genomctl info {component} {activity}` tells what it is"))
+        })?,
+    };
     if let Some(seconds) = parameters.wait {
         let wait = Duration::try_from_secs_f64(seconds.min(LONGEST_WAIT)).map_err(|_| {
             RpcError::bad_input(format!("wait: {seconds} is no number of seconds")).place("wait")
@@ -122,8 +129,10 @@ pub(crate) async fn abort(
 fn find(hosted: &Hosted, number: &str) -> Result<Arc<Activity>, RpcError> {
     number.parse().ok().and_then(|number| hosted.activities.get(number)).ok_or_else(|| {
         let message = format!("{} has no activity `{number}`", hosted.name);
-        RpcError::new(StatusCode::NOT_FOUND, "no_such_activity", message)
-            .help("it never was, or it ended long ago: GET .../activities lists them")
+        RpcError::new(StatusCode::NOT_FOUND, "no_such_activity", message).help(format!(
+            "it never was, or it ended long ago: `genomctl activities {}` lists them",
+            hosted.name
+        ))
     })
 }
 

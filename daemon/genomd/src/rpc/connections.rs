@@ -144,8 +144,12 @@ async fn connect_remote(
         let message = format!("{remote} is a remote: it takes a service, and no policy");
         return Err(RpcError::bad_input(message).place("/policy"));
     }
-    let request = RemoteRequest { remote, service, backend, wait };
-    let work = move || remote::connect(&daemon, &request);
+    let request = RemoteRequest { remote, service, backend, wait, patient: true };
+    let work = move || {
+        let connection = remote::connect(&daemon, &request)?;
+        daemon.declared.forget(&request.remote);
+        Ok(connection)
+    };
     match tokio::task::spawn_blocking(work).await {
         Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(remote_made(&connection)))),
         Ok(Err(error)) => {
@@ -207,7 +211,11 @@ async fn take_away(
     let hosted = components::find(&daemon, &component)?;
     let address = hosted.address(&port, element.as_deref());
     let work = if let Some((caller, index)) = remote::named(&daemon, &address.to_string()) {
-        tokio::task::spawn_blocking(move || remote::disconnect(&daemon, &caller, index))
+        let declared = address.to_string();
+        tokio::task::spawn_blocking(move || {
+            daemon.declared.forget(&declared);
+            remote::disconnect(&daemon, &caller, index)
+        })
     } else {
         let index = ports::find(&hosted, &port)?;
         tokio::task::spawn_blocking(move || {

@@ -80,6 +80,13 @@ impl RpcError {
         self.status
     }
 
+    /// A place in a value of the body, as `goal.x[2]`.
+    pub(crate) fn inside(self, path: &str) -> Self {
+        let steps = path.split(['.', '[', ']']).filter(|step| !step.is_empty());
+        let pointer: String = steps.flat_map(|step| ["/", step]).collect();
+        self.place(pointer)
+    }
+
     pub(crate) fn place(mut self, place: impl Into<String>) -> Self {
         self.reason.place = Some(place.into());
         self

@@ -17,6 +17,7 @@ use crate::bus::Numbered;
 use crate::daemon::Daemon;
 use crate::logs;
 use crate::nearest::suggest;
+use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Parameters;
 use crate::rpc::stream;
@@ -84,14 +85,21 @@ pub(crate) struct Logs {
     tag = "logs",
     security(("token" = ["read"])),
     params(LogParameters),
-    responses((status = 200, body = Logs), (status = 422))
+    responses((status = 200, body = Logs), (status = 404), (status = 422))
 )]
 pub(crate) async fn list(
+    State(daemon): State<Arc<Daemon>>,
     Parameters(parameters): Parameters<LogParameters>,
 ) -> Result<Json<Logs>, RpcError> {
     let LogParameters { level, component, last } = parameters;
     let wanted = Wanted::new(level.as_deref(), component)?;
     let (all, _) = logs::past().listen(Some(0));
+    // What a component left stays readable when it is gone; of one that never was there is none.
+    if let Some(name) = &wanted.component
+        && !all.iter().any(|entry| entry.data["component"] == *name.as_str())
+    {
+        components::find(&daemon, name)?;
+    }
     let entries = latest(all, &wanted, last);
     let logs = entries.iter().map(|entry| Value::clone(&entry.data)).collect();
     Ok(Json(Logs { logs }))

@@ -197,7 +197,7 @@ pub(super) fn not_published(error: &FeedError) -> RpcError {
         FeedError::OutPort(_) => RpcError::conflict("out_port", message),
         FeedError::Connected { inport, .. } => RpcError::conflict("connected", message)
             .help(format!("`genomctl disconnect {inport}` first, to feed it from here")),
-        FeedError::Value(error) => RpcError::bad_input(message).place(error.path.clone()),
+        FeedError::Value(error) => RpcError::bad_input(message).inside(&error.path),
         FeedError::Message(_) => RpcError::bad_input(message),
         FeedError::Open(OpenError::Taken { .. }) => RpcError::conflict("taken", message)
             .help("another program publishes there: stop it first"),

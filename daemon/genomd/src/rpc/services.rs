@@ -122,7 +122,7 @@ pub(crate) async fn call(
     }
     let input = hosted.input(index, &inputs).map_err(|error| {
         RpcError::bad_input(error.to_string())
-            .place(error.path.clone())
+            .inside(&error.path)
             .help(format!("`genomctl info {component} {service}` shows the inputs"))
     })?;
     let answer = hosted.request(index, input).await;

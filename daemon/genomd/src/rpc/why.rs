@@ -103,8 +103,13 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
                     out.push(finding(what, "start its component; the connection is still there"));
                 } else if samples == 0 {
                     let what = format!("{address} read nothing from {} yet", made.outport);
-                    let fix =
-                        format!("`genomctl why {}`, and see that a codel reads it", made.outport);
+                    // Fed from outside, it reads from itself.
+                    let fix = if made.outport == address {
+                        "see that a codel reads it: `genomctl activities` shows what runs"
+                            .to_owned()
+                    } else {
+                        format!("`genomctl why {}`, and see that a codel reads it", made.outport)
+                    };
                     out.push(finding(what, fix));
                 }
             }

@@ -45,6 +45,8 @@ pub(crate) struct RemoteConnection {
     pub(crate) service: Address,
     /// The middleware it is called through; none within the daemon.
     pub(crate) backend: Option<String>,
+    /// Whether the backend was asked for by name.
+    pub(crate) fixed: bool,
 }
 
 /// A port by its index, or an element of a multiple one.
@@ -87,6 +89,11 @@ impl Wires {
         self.with(|state| {
             state.connections.values().map(|(connection, _)| connection.clone()).collect()
         })
+    }
+
+    /// The service behind a remote.
+    pub(crate) fn remote(&self, remote: usize) -> Option<RemoteConnection> {
+        self.with(|state| state.remotes.get(&remote).cloned())
     }
 
     /// All remotes that are connected, by remote.

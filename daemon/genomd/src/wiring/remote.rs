@@ -31,6 +31,8 @@ pub(crate) struct RemoteRequest {
     pub(crate) backend: Option<String>,
     /// Connect to a service that is not there yet.
     pub(crate) wait: bool,
+    /// Look for it as long as it may take to become visible on a network.
+    pub(crate) patient: bool,
 }
 
 /// A remote could not be connected; what was there before still is.
@@ -41,7 +43,13 @@ pub(crate) enum RemoteError {
     NoSuchRemote { typed: String, help: String },
     /// No such service.
     #[error("no_such_service: there is no service `{typed}`{place}; {help}")]
-    NoSuchService { typed: String, place: String, help: String },
+    NoSuchService {
+        typed: String,
+        place: String,
+        help: String,
+        /// It may come later.
+        absent: bool,
+    },
     /// The service takes or gives something else.
     #[error("{remote} calls {ours}, {service} is {theirs}: make the two .gen interfaces equal")]
     Differs { remote: String, ours: String, service: String, theirs: String },
@@ -63,6 +71,7 @@ pub(crate) fn connect(
         typed: request.service.clone(),
         place: String::new(),
         help: help.to_owned(),
+        absent: false,
     };
     let place = Place::parse(&request.service).map_err(|error| match error {
         PlaceError::Backend(error) => RemoteError::Backend(error),
@@ -74,6 +83,7 @@ pub(crate) fn connect(
         }
         (one, other) => one.clone().or(other.clone()),
     };
+    let fixed = asked.is_some();
     let own = daemon.components.get(&place.address.instance);
     let (call, backend): (Box<dyn RemoteCall>, _) = match (asked, own) {
         (None, Some(provider)) => {
@@ -87,8 +97,9 @@ pub(crate) fn connect(
     };
     caller.bind_remote(remote, Some(call));
     let name = &caller.model().remotes[remote].name;
+    let remote_name = caller.address(name, None);
     let connection =
-        RemoteConnection { remote: caller.address(name, None), service: place.address, backend };
+        RemoteConnection { remote: remote_name, service: place.address, backend, fixed };
     caller.wiring.remote_connected(remote, connection.clone());
     daemon.bus.tell(&Change::RemoteConnected {
         remote: connection.remote.to_string(),
@@ -112,6 +123,7 @@ fn near(
             typed: request.service.clone(),
             place: " in this daemon".to_owned(),
             help: suggest(&at.name, services.iter().map(|one| one.name.as_str())),
+            absent: false,
         });
     };
     let ours = &caller.model().remotes[remote];
@@ -190,6 +202,7 @@ fn reaching(
             typed: request.service.clone(),
             place: format!(": no such component in this daemon, and {bindings} calls no other"),
             help: suggest(&at.instance, names),
+            absent: false,
         });
     }
     Ok(all)
@@ -203,7 +216,8 @@ fn choose(
 ) -> Result<Arc<dyn Middleware>, RemoteError> {
     let wanted = at.to_string();
     let network = all.iter().any(|middleware| middleware.capabilities().cross_host);
-    let end = Instant::now() + if network && !request.wait { NETWORK } else { ZERO };
+    let look = network && request.patient && !request.wait;
+    let end = Instant::now() + if look { NETWORK } else { ZERO };
     loop {
         let mut visible = BTreeSet::new();
         for middleware in all {
@@ -228,6 +242,7 @@ fn choose(
                         "{}; one that comes later is waited for with --wait",
                         suggest(&wanted, visible.iter().map(String::as_str))
                     ),
+                    absent: true,
                 })
             }
         };

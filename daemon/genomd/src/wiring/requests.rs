@@ -56,7 +56,11 @@ impl Wiring for SupervisorWiring {
             wait: false,
             patient: true,
         };
-        connect(&daemon, &request).map(drop).map_err(|error| match error {
+        let made = connect(&daemon, &request);
+        if made.is_ok() {
+            daemon.declared.forget(&request.inport);
+        }
+        made.map(drop).map_err(|error| match error {
             ConnectError::NoSuchInport { .. } => WiringError::NoSuchInport(local.to_owned()),
             ConnectError::NoSuchOutport { .. } => WiringError::NoSuchOutport(remote.to_owned()),
             error => WiringError::PortIo(error.to_string()),
@@ -72,8 +76,14 @@ impl Wiring for SupervisorWiring {
             service: remote.to_owned(),
             backend: None,
             wait: false,
+            patient: true,
         };
-        remote::connect(&daemon, &request).map(drop).map_err(|error| match error {
+        let made = remote::connect(&daemon, &request);
+        if made.is_ok() {
+            // What somebody asks for now holds, whatever a deployment declared.
+            daemon.declared.forget(&request.remote);
+        }
+        made.map(drop).map_err(|error| match error {
             RemoteError::NoSuchRemote { .. } => WiringError::NoSuchRemote(local.to_owned()),
             RemoteError::NoSuchService { .. } => WiringError::NoSuchService(remote.to_owned()),
             error => WiringError::RemoteIo(error.to_string()),
