@@ -9,8 +9,10 @@
 )]
 
 use std::io::{Read as _, Write as _};
+use std::process::Command;
 
-use genom_tests::{Daemon, component, connect, path};
+use genom_components::python;
+use genom_tests::{Daemon, Running, component, connect, path};
 
 fn metrics(daemon: &Daemon) -> String {
     let mut stream = connect(&daemon.home().socket());
@@ -46,13 +48,42 @@ fn components_tasks_codels_ports_and_connections_are_counted() {
     ] {
         assert!(value(&page, sample) >= 1.0, "{sample}");
     }
-    // Every sample belongs to a family that says what it is.
-    let mut family = String::new();
-    for line in page.lines() {
-        match line.strip_prefix("# TYPE ") {
-            Some(told) => family = told.split(' ').next().unwrap().to_owned(),
-            None if line.starts_with('#') => {}
-            None => assert!(line.starts_with(&family), "{line} in family {family}"),
-        }
-    }
+    told_as_prometheus_reads(&page);
+}
+
+/// What `promtool check metrics` looks at, asked of Prometheus' own parser for Python.
+const CHECK: &str = r#"
+import sys
+from prometheus_client.parser import text_string_to_metric_families
+
+names, seen = set(), set()
+for family in text_string_to_metric_families(open(sys.argv[1]).read()):
+    assert family.name not in names, f"{family.name} comes twice"
+    names.add(family.name)
+    assert family.documentation, f"{family.name} has no help"
+    assert family.type in ("counter", "gauge", "summary"), f"{family.name}: {family.type}"
+    assert family.samples, f"{family.name} is empty"
+    for sample in family.samples:
+        key = (sample.name, tuple(sorted(sample.labels.items())))
+        assert key not in seen, f"{key} comes twice"
+        seen.add(key)
+        ends = {"counter": ["_total"], "summary": ["", "_sum", "_count"]}.get(family.type, [""])
+        assert sample.name in [family.name + end for end in ends], sample.name
+        assert not sample.name.endswith(("_ns", "_ms")), f"{sample.name}: base units"
+        assert family.type == "gauge" or sample.value >= 0, f"{key}: {sample.value}"
+print(len(names))
+"#;
+
+#[track_caller]
+fn told_as_prometheus_reads(page: &str) {
+    let python = python::environment(&["prometheus_client==0.22.1"])
+        .unwrap_or_else(|error| panic!("{error}"));
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("metrics.txt");
+    std::fs::write(&file, page).unwrap();
+    let mut command = Command::new(python);
+    command.env_clear().args(["-c", CHECK]).arg(file);
+    let checked = Running::start(&mut command).finish();
+    checked.expect_code(0);
+    assert!(checked.out.trim().parse::<u32>().unwrap() >= 10, "{} families", checked.out);
 }

@@ -166,3 +166,20 @@ fn a_long_wait_is_seen_on_a_terminal_and_leaves_no_trace_elsewhere() {
     finished.expect_code(0).expect_out("done\n");
     assert_eq!(finished.err, "");
 }
+
+#[test]
+fn a_deployment_is_seen_to_wait_and_to_go_on() {
+    let demo = component("demo");
+    let paper = component("demo-2010");
+    let daemon = Daemon::start(&["--backend", "shm", path(&demo.library)]);
+    let file = daemon.home().path().join("robot.toml");
+    let text = "[[connection]]\nin = \"demo/parameter\"\nout = \"later/position\"\n";
+    std::fs::write(&file, text).unwrap();
+    let genomctl = program("genomctl");
+    let load = [path(&genomctl), "load", path(&paper.description), "--name", "later"];
+    let step = "connect demo/parameter to later/position";
+    let steps = json!([
+        {"wait": format!("waiting: {step}, ")}, {"run": load}, {"wait": format!("done   {step}")},
+    ]);
+    on_terminal(&daemon, 80, &[], steps, &["apply", path(&file)]).expect_code(0);
+}

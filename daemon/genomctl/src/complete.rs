@@ -157,7 +157,7 @@ impl Line {
                 events.map(|event| (text(event), None)).collect()
             }
             Names::Ports | Names::Inports | Names::Outports | Names::Connected => {
-                let mut reply = get("/ports".into()).await?;
+                let mut reply = get("/ports?values=false".into()).await?;
                 if let Some(ports) = reply["ports"].as_array_mut() {
                     ports.retain(|port| match names {
                         Names::Inports => port["direction"] == "in",
@@ -170,7 +170,7 @@ impl Line {
             }
             Names::Movable => {
                 let components = get("/components".into()).await?;
-                let ports = get("/ports".into()).await?;
+                let ports = get("/ports?values=false".into()).await?;
                 let mut all = list(&components["components"], "name", "component");
                 all.extend(list(&ports["ports"], "address", "type"));
                 all

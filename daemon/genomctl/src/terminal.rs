@@ -17,6 +17,7 @@ impl Terminal {
         let is_terminal = io::stdout().is_terminal();
         let size = is_terminal.then(crossterm::terminal::size);
         let width = size.and_then(Result::ok).map(|(width, _)| usize::from(width));
+        let width = width.filter(|width| *width > 0);
         Self { width, colour: is_terminal && colours_welcome() }
     }
 }
@@ -85,7 +86,9 @@ impl Progress {
     /// Writes the line over; nothing when nobody looks.
     pub(crate) fn show(&mut self, text: &str) {
         if self.seen() {
-            let width = crossterm::terminal::size().map_or(80, |(width, _)| usize::from(width));
+            // Some pseudo-terminals say that they have no columns.
+            let size = crossterm::terminal::size().ok().filter(|(width, _)| *width > 0);
+            let width = size.map_or(80, |(width, _)| usize::from(width));
             let text: String = text.chars().take(width.saturating_sub(1)).collect();
             let _ = write!(io::stderr().lock(), "\r\x1b[2K{text}");
             let _ = io::stderr().lock().flush();

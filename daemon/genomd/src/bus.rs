@@ -159,6 +159,8 @@ impl Numbers {
     ) -> (Vec<Numbered>, broadcast::Receiver<Numbered>) {
         let past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
         let missed = after.map_or_else(Vec::new, |after| {
+            // A number that never was is of a daemon before this one: all of this one is news.
+            let after = if after > past.last { 0 } else { after };
             past.kept.iter().filter(|change| change.id > after).cloned().collect()
         });
         (missed, self.live.subscribe())
@@ -182,5 +184,7 @@ mod tests {
         assert_eq!(next.id, 4);
         assert_eq!(next.data.to_string(), r#"{"event":"disconnected","in":"a/b"}"#);
         assert!(bus.listen(None).0.is_empty());
+        // It heard a daemon that is no more.
+        assert_eq!(bus.listen(Some(77)).0.len(), 4);
     }
 }

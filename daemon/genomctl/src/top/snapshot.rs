@@ -99,7 +99,7 @@ impl Snapshot {
             listed["components"][rank]["log"] = log["activities"].take();
         }
         activities.sort_by_key(|(_, one)| one.status != "running");
-        let mut ports = session.get("/ports").await?;
+        let mut ports = session.get("/ports?values=false").await?;
         let taken = Instant::now();
         Ok(Self {
             daemon: session.client.target(),

@@ -11,7 +11,8 @@ use crate::terminal::{Terminal, Tone};
 
 /// Print what the daemon logged lately, of all components or of one.
 ///
-/// What `genomd --log` leaves out is not there.
+/// What `genomd --log` leaves out is not there, nor is what codels print themselves: that goes
+/// straight to genomd's own standard output and error, so that no codel waits for a reader.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of a component: only what is about it.

@@ -137,7 +137,7 @@ async fn choose(
             port.parse().map_err(|why: String| Failure::usage(why, "the port is the second"))?;
         asked.insert(topic.to_owned(), port);
     }
-    let known = session.get("/ports").await?;
+    let known = session.get("/ports?values=false").await?;
     let mut targets = BTreeMap::new();
     let mut found: Vec<String> = Vec::new();
     for (number, channel) in recording.channels() {

@@ -41,6 +41,15 @@ pub(crate) struct ValueParameters {
     element: Option<String>,
 }
 
+/// `?values=BOOLEAN`
+#[derive(Debug, Default, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct ListParameters {
+    /// Whether to tell last values, which may be large; as usual.
+    values: Option<bool>,
+}
+
 /// `?rate=HERTZ&element=ID`
 #[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
@@ -111,11 +120,16 @@ pub(crate) struct Published {
     path = "/ports",
     tag = "ports",
     security(("token" = ["read"])),
+    params(ListParameters),
     responses((status = 200, body = Ports))
 )]
-pub(crate) async fn all(State(daemon): State<Arc<Daemon>>) -> Json<Ports> {
+pub(crate) async fn all(
+    State(daemon): State<Arc<Daemon>>,
+    Parameters(parameters): Parameters<ListParameters>,
+) -> Json<Ports> {
     let components = daemon.components.all();
-    Json(Ports { ports: components.iter().flat_map(|hosted| described(hosted)).collect() })
+    let described = |hosted: &Arc<Hosted>| described(hosted, &parameters);
+    Json(Ports { ports: components.iter().flat_map(described).collect() })
 }
 
 /// List the ports of a component.
@@ -124,14 +138,16 @@ pub(crate) async fn all(State(daemon): State<Arc<Daemon>>) -> Json<Ports> {
     path = "/components/{component}/ports",
     tag = "ports",
     security(("token" = ["read"])),
+    params(ListParameters),
     responses((status = 200, body = Ports), (status = 404))
 )]
 pub(crate) async fn of_component(
     State(daemon): State<Arc<Daemon>>,
     Path(component): Path<String>,
+    Parameters(parameters): Parameters<ListParameters>,
 ) -> Result<Json<Ports>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    Ok(Json(Ports { ports: described(&hosted) }))
+    Ok(Json(Ports { ports: described(&hosted, &parameters) }))
 }
 
 /// Tell a port and its last value.
@@ -151,7 +167,8 @@ pub(crate) async fn value(
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &port)?;
     let element = element(&hosted, index, parameters.element)?;
-    Ok(Json(one(&hosted, index, element.as_deref())))
+    let value = hosted.port_value(index, element.as_deref());
+    Ok(Json(Port { value, ..one(&hosted, index, element.as_deref()) }))
 }
 
 /// Publish a value to an in port.
@@ -357,18 +374,24 @@ pub(super) fn elements(hosted: &Hosted, port: usize) -> Vec<Option<String>> {
     }
 }
 
-fn described(hosted: &Hosted) -> Vec<Port> {
+fn described(hosted: &Hosted, parameters: &ListParameters) -> Vec<Port> {
+    let values = parameters.values.unwrap_or(true);
+    let one = |index, element: Option<&str>| {
+        let value = values.then(|| hosted.port_value(index, element)).flatten();
+        Port { value, ..one(hosted, index, element) }
+    };
     let mut out = Vec::new();
     for index in 0..hosted.model().ports.len() {
         let elements = elements(hosted, index);
         if elements.is_empty() {
-            out.push(one(hosted, index, None));
+            out.push(one(index, None));
         }
-        out.extend(elements.iter().map(|id| one(hosted, index, id.as_deref())));
+        out.extend(elements.iter().map(|id| one(index, id.as_deref())));
     }
     out
 }
 
+/// A port without its value.
 fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
     let port = &hosted.model().ports[index];
     let connection = hosted.wiring.connection(index, element);
@@ -382,6 +405,6 @@ fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
         connected: connection.map(|connection| connection.outport.to_string()),
         backend: hosted.wiring.bindings.port(&port.name),
         traffic: hosted.wiring.gauge(index, element).map(|gauge| gauge.counts()),
-        value: hosted.port_value(index, element),
+        value: None,
     }
 }

@@ -14,7 +14,7 @@ use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::rpc::error::RpcError;
 use crate::rpc::{components, ports};
-use crate::wiring::connect;
+use crate::wiring::{connect, remote};
 
 /// What keeps data from flowing.
 #[derive(Debug, Serialize, ToSchema)]
@@ -30,7 +30,7 @@ pub(crate) struct Finding {
     fix: String,
 }
 
-/// Tell why no data flows through a port.
+/// Tell why no data flows through a port, or why a remote calls nothing.
 #[utoipa::path(
     get,
     path = "/components/{component}/ports/{port}/why",
@@ -43,9 +43,13 @@ pub(crate) async fn explain(
     Path((component, port)): Path<(String, String)>,
 ) -> Result<Json<Findings>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    let index = ports::find(&hosted, &port)?;
+    let remote = hosted.model().remotes.iter().position(|remote| remote.name == port);
+    let index = remote.map_or_else(|| ports::find(&hosted, &port), Ok)?;
     // Discovery may have to ask other processes.
-    let work = move || Json(Findings { findings: findings(&daemon, &hosted, index) });
+    let work = move || {
+        let tell = if remote.is_some() { of_remote } else { findings };
+        Json(Findings { findings: tell(&daemon, &hosted, index) })
+    };
     tokio::task::spawn_blocking(work).await.map_err(|error| RpcError::internal(error.to_string()))
 }
 
@@ -122,6 +126,33 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
     }
     stopped_tasks(hosted, &mut out);
     out
+}
+
+/// The same of a remote: no service, or one that is not there.
+fn of_remote(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
+    let address = hosted.address(&hosted.model().remotes[remote].name, None);
+    let Some(made) = hosted.wiring.remote(remote) else {
+        let fix = format!("`genomctl connect {address} COMPONENT/SERVICE`");
+        return vec![finding(format!("{address} is not connected"), fix)];
+    };
+    let (there, place) = match &made.backend {
+        None => {
+            let provider = daemon.components.get(&made.service.instance);
+            let serves =
+                provider.is_some_and(|one| one.plan().service(&made.service.name).is_some());
+            (serves, "in this daemon".to_owned())
+        }
+        Some(backend) => {
+            let on = daemon.backends.get(backend);
+            let serves = on.is_ok_and(|on| remote::serves(on.as_ref(), &made.service));
+            (serves, format!("on {backend}"))
+        }
+    };
+    if there {
+        return Vec::new();
+    }
+    let what = format!("nobody provides {} {place}", made.service);
+    vec![finding(what, "start its component; the connection is still there")]
 }
 
 /// An out port that was not written for so long does not flow, when nothing runs.

@@ -249,6 +249,11 @@ fn choose(
     }
 }
 
+/// Whether somebody announces this service on a middleware.
+pub(crate) fn serves(middleware: &dyn Middleware, service: &Address) -> bool {
+    services(middleware, service).is_ok_and(|all| all.contains(&service.to_string()))
+}
+
 /// Addresses of the services visible now.
 fn services(middleware: &dyn Middleware, at: &Address) -> Result<BTreeSet<String>, RemoteError> {
     let endpoints = middleware.discover().map_err(|error| {
