@@ -13,7 +13,7 @@ use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
 use serde_json::Value;
 
 use crate::connection::Connection;
-use crate::names::url;
+use crate::names::{Path2, url};
 use crate::session::Session;
 
 /// A daemon that does not answer must not hold up a shell.
@@ -47,9 +47,11 @@ pub(crate) enum Names {
     Ports,
     /// In ports.
     Inports,
-    /// Out ports.
+    /// In ports and remotes: what can be connected.
+    Readers,
+    /// Out ports; or services, when a remote was typed before.
     Outports,
-    /// In ports that are connected.
+    /// In ports and remotes that are connected.
     Connected,
     /// Components and ports.
     Movable,
@@ -92,10 +94,23 @@ impl Line {
         Some(Self { matches, connection })
     }
 
+    /// The address typed for an argument of the verb.
+    fn typed_path(&self, argument: &str) -> Option<String> {
+        let (_, verb) = self.matches.subcommand()?;
+        verb.try_get_one::<Path2>(argument).ok()?.map(ToString::to_string)
+    }
+
     /// What was typed for an argument of the verb.
     fn typed(&self, argument: &str) -> Option<String> {
         let (_, verb) = self.matches.subcommand()?;
         verb.try_get_one::<String>(argument).ok()?.cloned()
+    }
+
+    /// Whether the word before names a remote.
+    async fn remote_typed(&self, session: &Session) -> bool {
+        let Some(typed) = self.typed_path("inport") else { return false };
+        let remotes = remotes(session).await.unwrap_or_default();
+        remotes.iter().any(|(address, _)| *address == typed)
     }
 
     fn ask(&self, names: Names) -> Vec<Candidate> {
@@ -156,17 +171,24 @@ impl Line {
                 let events = reply["events"].as_array()?.iter();
                 events.map(|event| (text(event), None)).collect()
             }
-            Names::Ports | Names::Inports | Names::Outports | Names::Connected => {
+            Names::Connected => {
+                list(&get("/connections".into()).await?["connections"], "in", "out")
+            }
+            Names::Outports if self.remote_typed(session).await => services(session).await?,
+            Names::Ports | Names::Inports | Names::Readers | Names::Outports => {
                 let mut reply = get("/ports?values=false".into()).await?;
                 if let Some(ports) = reply["ports"].as_array_mut() {
                     ports.retain(|port| match names {
-                        Names::Inports => port["direction"] == "in",
+                        Names::Inports | Names::Readers => port["direction"] == "in",
                         Names::Outports => port["direction"] == "out",
-                        Names::Connected => port["connected"].is_string(),
                         _ => true,
                     });
                 }
-                list(&reply["ports"], "address", "type")
+                let mut all = list(&reply["ports"], "address", "type");
+                if let Names::Readers = names {
+                    all.extend(remotes(session).await?);
+                }
+                all
             }
             Names::Movable => {
                 let components = get("/components".into()).await?;
@@ -180,6 +202,34 @@ impl Line {
             }
         })
     }
+}
+
+/// Remotes of all components.
+async fn remotes(session: &Session) -> Option<Vec<Candidate>> {
+    let reply = session.get("/components").await.ok()?;
+    let mut all = Vec::new();
+    for component in reply["components"].as_array()? {
+        for remote in component["remotes"].as_array().into_iter().flatten() {
+            let address = format!("{}/{}", text(&component["name"]), text(remote));
+            all.push((address, Some("remote".to_owned())));
+        }
+    }
+    Some(all)
+}
+
+/// Services of all components, but for those that every component has.
+async fn services(session: &Session) -> Option<Vec<Candidate>> {
+    let reply = session.get("/components").await.ok()?;
+    let mut all = Vec::new();
+    for component in reply["components"].as_array()? {
+        let name = text(&component["name"]);
+        let described = session.get(&url(["components", name.as_str()])).await.ok()?;
+        let own = described["services"].as_array()?.iter().filter(|one| one["standard"] != true);
+        let own: Value = own.cloned().collect();
+        let own = list(&own, "name", "doc").into_iter();
+        all.extend(own.map(|(service, doc)| (format!("{name}/{service}"), doc)));
+    }
+    Some(all)
 }
 
 /// Names and a word about each, from a list of objects.

@@ -7,8 +7,9 @@ mod deployed;
 mod far;
 
 use std::path::Path;
+use std::process::Command;
 
-use genom_tests::{Daemon, fixture};
+use genom_tests::{Daemon, Running, fixture, program};
 use serde_json::Value;
 
 /// Makes one of the components in a directory.
@@ -62,4 +63,31 @@ fn a_remote_is_connected_to_its_like_only() {
     daemon.ctl(&["call", "caller", "ask", "a=20", "b=22"]).expect_out("sum = 42\n");
     let listed = daemon.json(&["connections"]);
     assert_eq!(listed["connections"][0]["kind"], "service", "{listed}");
+}
+
+/// What a shell is offered for the last word.
+fn offered(daemon: &Daemon, words: &[&str]) -> String {
+    let mut command = Command::new(program("genomctl"));
+    command.env_clear().env("GENOMD_SOCKET", daemon.home().socket());
+    command.env("GENOMCTL_COMPLETE", "fish").args(["--", "genomctl"]).args(words);
+    Running::start(&mut command).finish().out
+}
+
+#[test]
+fn remotes_are_completed_and_it_is_told_why_they_call_nothing() {
+    let (daemon, _files) = pair("local");
+    assert_eq!(offered(&daemon, &["connect", "caller/a"]), "caller/add\tremote\n");
+    let services = offered(&daemon, &["connect", "caller/add", "provider/a"]);
+    assert!(services.starts_with("provider/add"), "{services}");
+    let why = |told: &str| {
+        daemon.ctl(&["why", "caller/add"]).expect_code(0).expect_out(told);
+    };
+    why("caller/add is not connected\n  \
+         fix: `genomctl connect caller/add COMPONENT/SERVICE`\n");
+    daemon.ctl(&["connect", "caller/add", "provider/add"]).expect_code(0);
+    why("data flows: nothing is wrong\n");
+    assert!(offered(&daemon, &["disconnect", "caller/"]).starts_with("caller/add"));
+    daemon.ctl(&["unload", "provider"]).expect_code(0);
+    why("nobody provides provider/add in this daemon\n  \
+         fix: start its component; the connection is still there\n");
 }

@@ -14,7 +14,7 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT; or a remote.
-    #[arg(add = ArgValueCompleter::from(Names::Inports))]
+    #[arg(add = ArgValueCompleter::from(Names::Readers))]
     inport: Path2,
     /// The out port that feeds it, or the service that a remote calls; a middleware may stand
     /// before it: shm:robot/position.

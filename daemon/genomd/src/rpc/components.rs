@@ -58,6 +58,9 @@ pub(crate) struct Summary {
     library: PathBuf,
     /// Activities that run.
     activities: usize,
+    /// Services of others that its codels call, by name: what can be connected to one.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    remotes: Vec<String>,
 }
 
 /// A component is gone.
@@ -178,6 +181,7 @@ fn summary(hosted: &Hosted) -> Summary {
         port_backends: bindings.ports(),
         library: hosted.library.clone(),
         activities: hosted.activities.running(),
+        remotes: hosted.model().remotes.iter().map(|remote| remote.name.clone()).collect(),
     }
 }
 
