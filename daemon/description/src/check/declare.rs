@@ -31,6 +31,7 @@ impl Checker {
             Idl::Exceptions(list) => list.iter().for_each(|dcl| self.exception(dcl)),
             Idl::Constructed(constructed) => _ = self.constructed(constructed),
             Idl::Forward { union, name } => self.forward(*union, name),
+            Idl::Pragma(pragma, span) => self.pragma(pragma, *span),
         }
     }
 

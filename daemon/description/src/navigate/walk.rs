@@ -114,6 +114,7 @@ impl Walker<'_> {
                 let symbol = self.symbol(scope, name, K::Native);
                 self.table.add(Some(Space::Scope), symbol);
             }
+            Idl::Pragma(..) => {}
             Idl::Exceptions(list) => {
                 for exception in list {
                     let symbol = self.symbol(scope, &exception.name, K::Exception);

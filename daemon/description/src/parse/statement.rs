@@ -256,7 +256,12 @@ impl Parser<'_> {
         self.expect("{")?;
         let level = self.braces;
         let mut statements = Vec::new();
-        while !self.eat("}") {
+        loop {
+            let pragmas = std::mem::take(&mut self.pragmas);
+            statements.extend(pragmas.into_iter().map(|(p, span)| Idl::Pragma(p, span)));
+            if self.eat("}") {
+                break;
+            }
             if self.at_end() {
                 let _ = self.unclosed::<()>(&name);
                 return Ok(Idl::Module { name, statements });

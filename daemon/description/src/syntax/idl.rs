@@ -1,5 +1,6 @@
 //! Types, constants, expressions and initialisers (genom3.md 2.4 to 2.6).
 
+use crate::token::Pragma;
 use super::{Name, Path, Text};
 use crate::model::Span;
 
@@ -30,6 +31,8 @@ pub enum Idl {
         /// Its name.
         name: Name,
     },
+    /// A pragma within a module, whose names are those of the module.
+    Pragma(Pragma, Span),
 }
 
 /// `const T n = e;`

@@ -117,6 +117,15 @@ fn types_and_services_masquerade() {
         let [one] = &analysis.specification.masquerades[..] else { panic!("{pragma}") };
         assert_eq!((one.name.to_string().as_str(), one.ty.is_some()), (name, is_type));
     }
+    // genom3.md 1.3: the type must resolve where the pragma stands; components of others have it
+    // in the module, below the typedef that it means.
+    let text = "module sensor {\n  struct raw { octet byte; };\n  typedef raw Image;\n\
+        #pragma masquerade ros Image sensor_msgs/Image\n  module more {\n\
+        #pragma masquerade ros2 raw sensor_msgs/msg/Raw\n  };\n};\n";
+    let analysis = genom_description::read_text("sensor.idl", text, &Default::default());
+    assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
+    let told: Vec<_> = analysis.specification.masquerades.iter().map(|m| &*m.data).collect();
+    assert_eq!(told, ["sensor_msgs/Image", "sensor_msgs/msg/Raw"]);
     for pragma in ["c::pose std_srvs/srv/SetBool", "c::enabel a/srv/B", "d::x a/action/B"] {
         let analysis = read(pragma);
         let codes: Vec<_> = analysis.diagnostics.iter().map(|said| said.code).collect();
