@@ -64,3 +64,20 @@ fn exceptions_are_thrown_with_errno_or_without_a_detail() {
     bare.expect_code(1).expect_err("::camera::e_sys {\"code\":0,\"what\":\"\"}");
     daemon.ctl(&["call", "camera", "idle"]).expect_code(0);
 }
+
+/// Codels of mobile bases leave a thread behind, with the address of the IDS.
+#[test]
+fn a_thread_that_a_codel_left_behind_does_not_take_the_daemon_along() {
+    let made = tempfile::tempdir().unwrap();
+    let reader = fixture("others", "reader", made.path());
+    let daemon = Daemon::start(&[&reader]);
+    for _ in 0..3 {
+        daemon.ctl(&["call", "reader", "count"]).expect_code(0);
+        daemon.ctl(&["unload", "reader"]).expect_code(0);
+        let told = daemon.process().error_line_where(|line| line.contains("threads run on"));
+        assert!(told.is_some(), "the daemon ended");
+        daemon.ctl(&["load", &reader]).expect_code(0);
+    }
+    daemon.ctl(&["kill"]).expect_code(0);
+    daemon.finish().0.expect_code(0);
+}

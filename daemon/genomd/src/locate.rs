@@ -116,7 +116,7 @@ fn find_description(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
 
 /// The library of a description or name, in the same directory.
 fn beside(wanted: &Path) -> Option<PathBuf> {
-    candidates(wanted).into_iter().find_map(existing)
+    candidates(wanted).into_iter().find_map(existing).or_else(|| project_library(wanted))
 }
 
 /// The library of a description or name on the component path: in a directory of it, or in the
@@ -137,6 +137,29 @@ fn candidates(wanted: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
+/// The library of a GenoM3 project (genom3.md 5.9), seen from its description: in its tree, where
+/// libtool leaves it, or installed.
+fn project_library(description: &Path) -> Option<PathBuf> {
+    let file = format!("lib{}_codels.so", description.file_stem()?.to_string_lossy());
+    let tree = description.with_file_name("codels").join(".libs");
+    let installed = description.ancestors().nth(4).map(|prefix| prefix.join("lib"));
+    [Some(tree), installed].into_iter().flatten().find_map(|place| existing(place.join(&file)))
+}
+
+/// The description of a GenoM3 project, seen from its library, in the same two places.
+fn project_description(library: &Path) -> Option<PathBuf> {
+    let file = format!("{}.gen", component_name(library));
+    if !library.file_name()?.to_string_lossy().contains("_codels") {
+        return None;
+    }
+    let share = Path::new("share/idl").join(component_name(library)).join(&file);
+    let up = |levels: usize| library.ancestors().nth(levels);
+    let tree = up(3).map(|tree| tree.join(&file));
+    // Two levels where libraries lie in a directory for the machine.
+    let installed = [up(2), up(3)].into_iter().flatten().map(|prefix| prefix.join(&share));
+    tree.into_iter().chain(installed).find_map(existing)
+}
+
 fn description_of(library: &Path) -> Result<Description, LocateError> {
     let beside = library.with_file_name(format!("{}.gen", component_name(library)));
     if let Some(EmbeddedDescription { text, name }) = embedded_description(library)? {
@@ -144,7 +167,7 @@ fn description_of(library: &Path) -> Result<Description, LocateError> {
         let name = name.map_or_else(|| beside.clone(), |name| library.with_file_name(name));
         return Ok(Description::Embedded { name, text });
     }
-    match existing(beside.clone()) {
+    match existing(beside.clone()).or_else(|| project_description(library)) {
         Some(file) => Ok(Description::File(file)),
         None => Err(LocateError::NoDescription { library: library.to_owned(), beside }),
     }
@@ -189,6 +212,33 @@ mod tests {
         assert_eq!(found.description, Description::File(at("demo.gen")));
         let found = locate(&request(at("x/arm.gen")), &[at("lib")]).unwrap();
         assert_eq!(found.library, at("lib/arm/arm.so"));
+    }
+
+    #[test]
+    fn projects_of_genom3_are_found_in_their_tree_and_installed() {
+        let (built, installed) = ("src/codels/.libs/libarm_codels.so", "lib/libarm_codels.so");
+        let here = scratch(&[
+            "src/arm.gen",
+            built,
+            "opt/share/idl/arm/arm.gen",
+            &format!("opt/{installed}"),
+            "usr/share/idl/leg/leg.gen",
+            "usr/lib/machine/libleg_codels-1.2.so",
+        ]);
+        let at = |name: &str| here.path().join(name);
+        let at_opt = format!("opt/{installed}");
+        for (description, library) in
+            [("src/arm.gen", built), ("opt/share/idl/arm/arm.gen", &at_opt)]
+        {
+            let from_description = locate(&request(at(description)), &[]).unwrap();
+            assert_eq!(from_description.library, at(library));
+        }
+        let leg = ("usr/share/idl/leg/leg.gen", "usr/lib/machine/libleg_codels-1.2.so");
+        for (description, library) in
+            [("src/arm.gen", built), ("opt/share/idl/arm/arm.gen", &at_opt), leg]
+        {
+            assert_eq!(project_description(&at(library)), Some(at(description)));
+        }
     }
 
     #[test]

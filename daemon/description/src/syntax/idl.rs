@@ -1,8 +1,8 @@
 //! Types, constants, expressions and initialisers (genom3.md 2.4 to 2.6).
 
-use crate::token::Pragma;
 use super::{Name, Path, Text};
 use crate::model::Span;
+use crate::token::Pragma;
 
 /// A statement that may stand anywhere: in a module, a component or at top level.
 #[derive(Clone, Debug)]

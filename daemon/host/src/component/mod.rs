@@ -80,12 +80,16 @@ struct Inner {
 }
 
 impl Drop for Inner {
-    /// Codels assign IDS and ports to one another, pointers included: each is freed once.
+    /// Codels assign IDS and ports to one another, pointers included: each is freed once. They
+    /// leave threads behind, which know the IDS: these stay with them.
     fn drop(&mut self) {
         let mut seen = HashSet::new();
         self.ports.give_up_shared(&mut seen);
         if let Some(Ids { memory: Memory::C(record), .. }) = &mut self.ids {
             record.give_up_shared(&mut seen);
+        }
+        if self.library.is_outlived() {
+            std::mem::forget(self.ids.take());
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use object::read::elf::{ElfFile, FileHeader, ProgramHeader};
-use object::{Endianness, Object, ObjectSegment, ObjectSymbol, elf};
+use object::{Endianness, Object, ObjectSection, ObjectSegment, ObjectSymbol, elf};
 
 use super::OpenError;
 
@@ -114,6 +114,14 @@ fn extent(bytes: &[u8]) -> object::Result<u64> {
         word(segment.p_offset(endian)).saturating_add(word(segment.p_filesz(endian)))
     });
     Ok(ends.max().unwrap_or(0))
+}
+
+/// Address and number of the functions that run when the library is closed. The first one is the
+/// compiler's: it destroys objects of C++, once, however often it is called.
+pub(super) fn finishers(bytes: &[u8]) -> Option<(u64, u64)> {
+    let file = object::File::parse(bytes).ok()?;
+    let section = file.section_by_name(".fini_array")?;
+    Some((section.address(), section.size() / size_of::<usize>() as u64))
 }
 
 /// Whether the file needs a library whose name begins so.

@@ -6,6 +6,8 @@ mod copy;
 mod elf;
 mod error;
 mod linker;
+mod outlive;
+mod threads;
 
 pub use elf::{EmbeddedDescription, embedded_description};
 pub use error::OpenError;
@@ -45,6 +47,8 @@ pub struct Library {
     bytes: Vec<u8>,
     /// Its own parts in memory, not those of libraries it needs.
     mappings: Vec<Mapping>,
+    /// Address and number of its finishing functions, in the file.
+    finishers: Option<(u64, u64)>,
 }
 
 impl Library {
@@ -72,7 +76,8 @@ impl Library {
         match Handle::open(copy.path()) {
             Ok(handle) => {
                 let mappings = own(copy.path());
-                Ok(Self { handle, _copy: Some(copy), path, bytes, mappings })
+                let finishers = elf::finishers(&bytes);
+                Ok(Self { handle, _copy: Some(copy), path, bytes, mappings, finishers })
             }
             // A temporary directory mounted `noexec`.
             Err(said) if said.contains("failed to map segment") => Self::open_beside(path, bytes),
@@ -92,7 +97,10 @@ impl Library {
             load(&path.canonicalize().unwrap_or_else(|_| path.clone()))
         });
         match loaded {
-            Ok((handle, mappings)) => Ok(Self { handle, _copy: None, path, bytes, mappings }),
+            Ok((handle, mappings)) => {
+                let finishers = elf::finishers(&bytes);
+                Ok(Self { handle, _copy: None, path, bytes, mappings, finishers })
+            }
             Err(said) => Err(OpenError::from_linker(path, &said)),
         }
     }
