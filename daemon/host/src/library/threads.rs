@@ -36,7 +36,7 @@ fn stack(syscall: &std::path::Path) -> Option<Range<usize>> {
             let end = maps.lines().filter_map(range).find(|range| range.contains(&top))?.end;
             return Some(top..end.min(top + DEEPEST));
         }
-        thread::sleep(Duration::from_millis(1));
+        thread::park_timeout(Duration::from_millis(1));
     }
     None
 }
@@ -62,7 +62,7 @@ fn holds(memory: &File, stack: &Range<usize>, code: &[Range<usize>]) -> bool {
         return false;
     }
     let words = bytes.chunks_exact(8).filter_map(|word| <[u8; 8]>::try_from(word).ok());
-    words.map(|word| usize::from_ne_bytes(word)).any(|at| code.iter().any(|own| own.contains(&at)))
+    words.map(usize::from_ne_bytes).any(|at| code.iter().any(|own| own.contains(&at)))
 }
 
 #[cfg(test)]
