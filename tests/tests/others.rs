@@ -3,7 +3,9 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
-use genom_tests::{Daemon, Finished, fixture};
+use std::fs;
+
+use genom_tests::{Daemon, Finished, Home, fixture, path};
 use serde_json::{Value, json};
 
 /// What an activity said that waits until it is done.
@@ -80,4 +82,31 @@ fn a_thread_that_a_codel_left_behind_does_not_take_the_daemon_along() {
     }
     daemon.ctl(&["kill"]).expect_code(0);
     daemon.finish().0.expect_code(0);
+}
+
+/// genom3.md 5.9: in its tree, where libtool leaves the library, and installed under a prefix.
+#[test]
+fn a_project_of_genom3_is_found_from_its_library_and_from_its_description() {
+    let made = tempfile::tempdir().unwrap();
+    let built = fixture("others", "reader", made.path());
+    let home = Home::new();
+    for (library, description) in [
+        ("tree/codels/.libs/libreader_codels.so", "tree/reader.gen"),
+        ("prefix/lib/libreader_codels.so", "prefix/share/idl/reader/reader.gen"),
+        (
+            "machine/lib/x86_64-linux-gnu/libreader_codels-1.2.so",
+            "machine/share/idl/reader/reader.gen",
+        ),
+    ] {
+        let (library, description) = (made.path().join(library), made.path().join(description));
+        for (from, to) in [(built.replace(".gen", ".so"), &library), (built.clone(), &description)]
+        {
+            fs::create_dir_all(to.parent().unwrap()).unwrap();
+            fs::copy(from, to).unwrap();
+        }
+        home.refused(&["--check", path(&library)]).expect_code(0);
+        if !library.starts_with(made.path().join("machine")) {
+            home.refused(&["--check", path(&description)]).expect_code(0);
+        }
+    }
 }

@@ -215,33 +215,6 @@ mod tests {
     }
 
     #[test]
-    fn projects_of_genom3_are_found_in_their_tree_and_installed() {
-        let (built, installed) = ("src/codels/.libs/libarm_codels.so", "lib/libarm_codels.so");
-        let here = scratch(&[
-            "src/arm.gen",
-            built,
-            "opt/share/idl/arm/arm.gen",
-            &format!("opt/{installed}"),
-            "usr/share/idl/leg/leg.gen",
-            "usr/lib/machine/libleg_codels-1.2.so",
-        ]);
-        let at = |name: &str| here.path().join(name);
-        let at_opt = format!("opt/{installed}");
-        for (description, library) in
-            [("src/arm.gen", built), ("opt/share/idl/arm/arm.gen", &at_opt)]
-        {
-            let from_description = locate(&request(at(description)), &[]).unwrap();
-            assert_eq!(from_description.library, at(library));
-        }
-        let leg = ("usr/share/idl/leg/leg.gen", "usr/lib/machine/libleg_codels-1.2.so");
-        for (description, library) in
-            [("src/arm.gen", built), ("opt/share/idl/arm/arm.gen", &at_opt), leg]
-        {
-            assert_eq!(project_description(&at(library)), Some(at(description)));
-        }
-    }
-
-    #[test]
     fn what_is_missing_is_told_with_the_places_tried() {
         let scratch = scratch(&["demo.gen"]);
         let told = locate(&request(scratch.path().join("demo.gen")), &[]).unwrap_err().to_string();
