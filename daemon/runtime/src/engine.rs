@@ -1,5 +1,6 @@
 //! What the threads of an instance have in common.
 
+use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
@@ -7,11 +8,10 @@ use genom_description::model::Owner;
 
 use crate::api::Wiring;
 use crate::body::Frame;
-use crate::control::state_port::StateClock;
 use crate::control::window::Window;
 use crate::control::{Control, Stage};
-use crate::driven::DrivenTask;
 use crate::shared::Shared;
+use crate::task::driven::DrivenTask;
 use crate::task::run::Status;
 use crate::watcher::Watcher;
 
@@ -39,7 +39,8 @@ pub(crate) struct Engine {
     spare: Mutex<Vec<Vec<Box<dyn Frame>>>>,
     /// Tasks of an instance on a virtual clock.
     pub(crate) driven: Option<Mutex<Vec<DrivenTask>>>,
-    pub(crate) state_clock: StateClock,
+    /// Date of the last value of the state port.
+    pub(crate) state_written: AtomicU64,
     /// By task: its lately past. Held while the state port is written.
     pub(crate) recent: Mutex<Vec<Window>>,
     /// Held by whoever excludes everything.
@@ -114,7 +115,7 @@ impl Engine {
             quiet: Condvar::new(),
             spare: Mutex::new((0..services).map(|_| Vec::new()).collect()),
             driven: driven.map(Mutex::new),
-            state_clock: StateClock::default(),
+            state_written: AtomicU64::default(),
             recent: Mutex::new(tasks),
             everything: Mutex::new(()),
             threads: Mutex::new(Vec::new()),

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::UsageError;
 use crate::cli::Cli;
-use crate::rpc::access::Right;
+use crate::rpc::rights::Right;
 
 /// Section `[rpc]`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -27,6 +27,7 @@ mod ports;
 mod recordings;
 pub(crate) mod relay;
 mod replay;
+pub(crate) mod rights;
 pub(crate) mod serve;
 mod services;
 mod stall;

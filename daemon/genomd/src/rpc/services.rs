@@ -12,10 +12,10 @@ use utoipa::{IntoParams, ToSchema};
 
 use crate::daemon::Daemon;
 use crate::hosting::{Answer, Ending, Hosted, Look, Told};
-use crate::rpc::access::{Holder, Right};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{Body, Parameters};
+use crate::rpc::rights::{Holder, Right};
 
 /// `?wait=true`
 #[derive(Debug, Default, Deserialize, IntoParams)]

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use subtle::{Choice, ConstantTimeEq as _};
 
-use crate::rpc::access::{Holder, Right};
+use crate::rpc::rights::{Holder, Right};
 
 /// A shorter token could be guessed.
 const SHORTEST: usize = 32;

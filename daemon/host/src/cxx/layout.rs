@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use genom_types::{DataType, Kind, TypeId};
 
-use super::shim;
+use super::facts;
 
 /// A type and everything inside it, laid out both ways. Cloning costs one reference count.
 #[derive(Clone, Debug)]
@@ -67,7 +67,7 @@ impl CxxType {
     /// # Errors
     /// Why C++ has no such type, in a sentence.
     pub(crate) fn new(c: &DataType) -> Result<Self, String> {
-        let (string, flags) = shim::sizes().ok_or(
+        let (string, flags) = facts::sizes().ok_or(
             "the C++ library this daemon was built with keeps std::vector in a way it does not \
              know: lang \"c++\" needs libstdc++",
         )?;

@@ -5,6 +5,7 @@
 //! works on, are filled from them and fill them where requests and ports begin and end.
 
 mod exceptions;
+mod facts;
 mod functions;
 mod layout;
 mod object;

@@ -2,16 +2,12 @@
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
-use std::sync::OnceLock;
 
 use genom_types::Record;
 
 use super::layout::CxxType;
 
 unsafe extern "C" {
-    fn genom_host_cxx_layout_holds() -> c_int;
-    fn genom_host_string_size() -> usize;
-    fn genom_host_flags_size() -> usize;
     pub(super) fn genom_host_string_make(at: *mut u8);
     pub(super) fn genom_host_string_drop(at: *mut u8);
     pub(super) fn genom_host_string_set(at: *mut u8, text: *const u8, length: usize);
@@ -54,17 +50,6 @@ pub(super) struct Methods {
     pub(super) data:
         unsafe extern "C" fn(*const c_void, *const c_char, *mut *const Raise) -> *const c_void,
     pub(super) act: unsafe extern "C" fn(*const c_void, c_int, *const c_char) -> *const Raise,
-}
-
-/// Bytes of `std::string` and of `std::vector<bool>`; `None` when the C++ library of this host
-/// keeps a `std::vector` otherwise than this code reads it.
-pub(super) fn sizes() -> Option<(usize, usize)> {
-    static SIZES: OnceLock<Option<(usize, usize)>> = OnceLock::new();
-    // SAFETY: these functions have no precondition.
-    *SIZES.get_or_init(|| unsafe {
-        (genom_host_cxx_layout_holds() != 0)
-            .then(|| (genom_host_string_size(), genom_host_flags_size()))
-    })
 }
 
 /// The C++ declaration behind a mangled name.

@@ -1,6 +1,6 @@
 //! The port `genom_state` (genom3.md 4.8).
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 
 use genom_description::model::Task;
 use genom_types::Record;
@@ -13,17 +13,11 @@ use crate::shared::TaskShared;
 /// How often it is written at least.
 pub(crate) const PERIOD_NS: u64 = 1_000_000_000;
 
-/// Date of the last value written.
-#[derive(Debug, Default)]
-pub(crate) struct StateClock {
-    pub(crate) last: AtomicU64,
-}
-
 impl Engine {
     /// Publishes the state of the component, if it has the port.
     pub(crate) fn write_state(&self) {
         let plan = &self.shared.plan;
-        self.state_clock.last.store(self.shared.clock.now(), Ordering::Relaxed);
+        self.state_written.store(self.shared.clock.now(), Ordering::Relaxed);
         let Some(port) = plan.state_port() else { return };
         let Some(ty) = plan.port_type(port) else { return };
         let mut record = Record::new(ty);
@@ -38,7 +32,7 @@ impl Engine {
 
     /// When it has to be written again.
     pub(crate) fn state_due(&self) -> u64 {
-        self.state_clock.last.load(Ordering::Relaxed) + PERIOD_NS
+        self.state_written.load(Ordering::Relaxed) + PERIOD_NS
     }
 
     /// Writes it when the last value is old.

@@ -3,6 +3,7 @@
 pub(crate) mod core;
 #[cfg(test)]
 mod core_tests;
+pub(crate) mod driven;
 pub(crate) mod run;
 pub(crate) mod runner;
 pub(crate) mod scheduling;

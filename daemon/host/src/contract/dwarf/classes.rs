@@ -6,7 +6,7 @@ use genom_description::tools;
 use genom_types::{DataType, Kind, TypeId};
 
 use super::compare::{Comparison, Outcome, Part};
-use super::info::At;
+use super::node::At;
 use super::node::{Composite, Node};
 use crate::cxx::CxxType;
 

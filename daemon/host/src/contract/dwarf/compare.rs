@@ -9,8 +9,8 @@ use genom_runtime::plan::Plan;
 use genom_types::{DataType, Kind, TypeId, TypeTable};
 use gimli::DwAte;
 
-use super::info::{At, DebugInfo};
-use super::node::{Composite, Function, Member, Node};
+use super::info::DebugInfo;
+use super::node::{At, Composite, Function, Member, Node};
 use crate::ffi::{Class, Scalar};
 
 /// One comparison of a library with a plan.

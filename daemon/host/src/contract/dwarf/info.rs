@@ -4,21 +4,14 @@ use std::collections::HashMap;
 
 use gimli::{
     AttributeValue, DebuggingInformationEntry, DwTag, Dwarf, EndianSlice, EntriesTreeNode,
-    RunTimeEndian, Unit, UnitOffset,
+    RunTimeEndian, Unit,
 };
 
-use super::node::{Composite, Function, Member, Node};
+use super::node::{At, Composite, Function, Member, Node};
 use super::sections::Sections;
 
 type Reader<'a> = EndianSlice<'a, RunTimeEndian>;
 type Entry<'a> = DebuggingInformationEntry<Reader<'a>>;
-
-/// The place of a type: rank of its unit, and offset there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct At {
-    unit: usize,
-    offset: UnitOffset,
-}
 
 /// What was looked for and is there.
 pub(super) struct Found<'n> {

@@ -1,8 +1,13 @@
 //! C types as debug information tells them, one step at a time.
 
-use gimli::DwAte;
+use gimli::{DwAte, UnitOffset};
 
-use super::info::At;
+/// The place of a type: rank of its unit, and offset there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct At {
+    pub(super) unit: usize,
+    pub(super) offset: UnitOffset,
+}
 
 /// A C type. Types inside are places to look at next; `None` there is `void`.
 #[derive(Clone, Debug)]
