@@ -68,6 +68,12 @@ impl Lines {
         }
     }
 
+    /// The next line it says, if it has said one already.
+    #[must_use]
+    pub fn heard(&self) -> Option<String> {
+        self.lines.try_recv().ok()
+    }
+
     /// It says this line next.
     ///
     /// # Panics

@@ -66,6 +66,25 @@ pub(crate) fn known() -> &'static [Known] {
     ]
 }
 
+/// The sections of a configuration file that middlewares read: for a look at them beforehand,
+/// while the file's lines are known.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(crate) struct Sections {
+    #[allow(dead_code, reason = "read to see that it can be")]
+    backends: EachSection,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+#[allow(dead_code, reason = "read to see that they can be")]
+struct EachSection {
+    local: Option<NoOptions>,
+    shm: Option<ShmOptions>,
+    zenoh: Option<ZenohOptions>,
+    ros2: Option<Ros2Options>,
+}
+
 /// `[backends.local]`
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

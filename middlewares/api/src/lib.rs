@@ -14,6 +14,7 @@ pub mod error;
 pub mod index_ring;
 pub mod mailbox;
 pub mod port;
+pub mod quality;
 pub mod relay;
 pub mod reply;
 pub mod service;
@@ -24,6 +25,7 @@ pub use error::{CallError, DiscoverError, OpenError, PublishError, ReadError};
 pub use port::{
     Capabilities, Endpoint, EndpointKind, Middleware, Policy, Publisher, Reading, Subscription,
 };
+pub use quality::{Obstacle, Quality};
 pub use relay::{AskError, OnRequest, Relay};
 pub use service::{
     ActivityId, Client, Outcome, Replies, Running, Served, ServiceHandler, ServiceKind, ServiceType,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use genom_types::{DataType, Record};
 
 use crate::service::{Client, Served, ServiceHandler, ServiceType};
-use crate::{Address, DiscoverError, OpenError, PublishError, ReadError, Relay};
+use crate::{Address, DiscoverError, Obstacle, OpenError, PublishError, Quality, ReadError, Relay};
 
 /// What a reader wants of the samples it has not read yet.
 ///
@@ -134,6 +134,48 @@ pub trait Middleware: Send + Sync {
         ty: &DataType,
         policy: Policy,
     ) -> Result<Box<dyn Subscription>, OpenError>;
+
+    /// As [`publisher`](Middleware::publisher), of this quality where the middleware has a choice.
+    ///
+    /// # Errors
+    /// As there.
+    fn publisher_of(
+        &self,
+        at: &Address,
+        ty: &DataType,
+        quality: &Quality,
+    ) -> Result<Box<dyn Publisher>, OpenError> {
+        let _ = quality;
+        self.publisher(at, ty)
+    }
+
+    /// As [`subscription`](Middleware::subscription), of this quality where the middleware has a
+    /// choice.
+    ///
+    /// # Errors
+    /// As there.
+    fn subscription_of(
+        &self,
+        at: &Address,
+        ty: &DataType,
+        policy: Policy,
+        quality: &Quality,
+    ) -> Result<Box<dyn Subscription>, OpenError> {
+        let _ = quality;
+        self.subscription(at, ty, policy)
+    }
+
+    /// How [`discover`](Middleware::discover) spells an address: with the namespace of this side in
+    /// front, where there is one.
+    fn spelled(&self, at: &Address) -> String {
+        at.to_string()
+    }
+
+    /// What keeps our ends at an address and others from meeting, though both are there.
+    fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
+        let _ = at;
+        Vec::new()
+    }
 
     /// Serves a service until the result is dropped. A backend without services refuses.
     ///

@@ -7,8 +7,8 @@ use std::time::Duration;
 use genom_middleware::describe::type_of_port;
 use genom_middleware::mailbox::{Full, Mailbox};
 use genom_middleware::{
-    Address, Capabilities, Client, DiscoverError, Endpoint, EndpointKind, Middleware, OpenError,
-    Policy, Publisher, Served, ServiceHandler, ServiceType, Subscription,
+    Address, Capabilities, Client, DiscoverError, Endpoint, EndpointKind, Middleware, Obstacle,
+    OpenError, Policy, Publisher, Quality, Served, ServiceHandler, ServiceType, Subscription,
 };
 use genom_types::{DataType, Record};
 use rustdds::bytes::Bytes;
@@ -18,8 +18,8 @@ use rustdds::{
 };
 
 use crate::farewell::Farewell;
-use crate::feed::{Feed, FeedHandle, FeedSink, Feeds, Inbox};
-use crate::graph::{Found, Graph, Wanted};
+use crate::feed::{Feed, FeedHandle, Feeds, Inbox};
+use crate::graph::{Found, Graph, Made, Wanted};
 use crate::info::{self, Ends};
 use crate::masquerades::Masquerades;
 use crate::meetings;
@@ -28,6 +28,7 @@ use crate::options::{Options, OptionsError};
 use crate::ports::{Ros2Publisher, Ros2Subscription};
 use crate::post::Matches;
 use crate::process::Process;
+use crate::quality::{self, Ours, Wish};
 use crate::receiver::{Inlet, Sample, Sink};
 use crate::sender::{Announce, Orders, Outlet, Worker};
 use crate::services::Services;
@@ -73,7 +74,7 @@ pub(crate) struct Core {
     pub(crate) matches: Arc<Matches>,
     pub(crate) services: Services,
     pub(crate) graph: Arc<Graph>,
-    pub(crate) dds: Dds,
+    pub(crate) dds: Arc<Dds>,
     _farewell: Farewell,
     pub(crate) options: Options,
     pub(crate) masquerades: Masquerades,
@@ -91,6 +92,7 @@ struct Told {
     ends: Writer,
     nodes: Writer,
     graph: Arc<Graph>,
+    feeds: Arc<Feeds>,
     namespace: String,
     participant: info::Gid,
     process: Process,
@@ -111,6 +113,10 @@ impl Announce for Told {
     fn settle(&self, longest: Duration) {
         // Those that are gone without a word are not waited for any longer.
         let _ = self.ends.wait_for_acknowledgments(longest);
+    }
+
+    fn complain(&self) {
+        self.feeds.complain();
     }
 }
 
@@ -212,6 +218,7 @@ impl Core {
             digest: ty.digest().to_owned(),
             topic: format!("rt/{}", self.path(at)),
             dds_type: message.to_dds(""),
+            hash: self.masquerades.hash(ty),
             node: match kind {
                 // The address is that of the writer; who reads is not known here.
                 EndpointKind::Subscription => format!("genomd_{}", std::process::id()),
@@ -225,16 +232,51 @@ impl Core {
     }
 
     /// The reader of a topic, made unless there is one.
-    fn feed(&self, wanted: &Wanted, ty: &DataType) -> Result<Arc<FeedHandle>, String> {
-        self.feeds.get(&wanted.topic, || {
-            let qos = wire::qos(self.options.qos.reliable, false, samples_of(ty));
+    fn feed(
+        &self,
+        wanted: &Wanted,
+        ty: &DataType,
+        quality: &Quality,
+    ) -> Result<Arc<FeedHandle>, String> {
+        let wish = Wish::new(quality, &self.options.qos);
+        self.feeds.get(&wanted.topic, wish, || {
             let ourselves = self.dds.participant.guid();
-            let feed = Arc::new(Feed::new(wanted, Arc::clone(&self.graph), ourselves));
-            let reader = self.dds.reader(&wanted.topic, &wanted.dds_type, &qos)?;
-            let guid = reader.guid();
-            let token = self.inlet.add(reader, Box::new(FeedSink(Arc::clone(&feed))));
-            Ok(FeedHandle { feed, token, guid, inlet: Arc::clone(&self.inlet) })
+            let feed = Feed::new(wanted, Arc::clone(&self.graph), ourselves);
+            let by = (&self.inlet, self.orders(), &self.dds);
+            FeedHandle::open(feed, (wish, samples_of(ty)), by)
         })
+    }
+
+    /// What keeps an end of others on a topic from meeting ours, or all of them.
+    fn obstacles(&self, at: &Address, topic: &str) -> Vec<Obstacle> {
+        obstacles(&self.graph, &self.feeds, at, topic)
+    }
+}
+
+fn obstacles(graph: &Graph, feeds: &Feeds, at: &Address, topic: &str) -> Vec<Obstacle> {
+    let mut all = Vec::new();
+    if let Some((ours, offers)) = graph.writer(topic) {
+        for (_, reader) in graph.others(topic, false) {
+            all.extend(quality::other_structure(at, Ours::Writer, ours.hash.as_deref(), &reader));
+            all.extend(quality::obstacle(at, Ours::Writer, &offers, &reader.qos));
+        }
+    }
+    for handle in feeds.of(topic) {
+        let (asks, hash) = (handle.qos(), handle.feed.hash.as_deref());
+        for (_, writer) in graph.others(topic, true) {
+            all.extend(quality::other_structure(at, Ours::Reader, hash, &writer));
+            all.extend(quality::obstacle(at, Ours::Reader, &writer.qos, &asks));
+        }
+    }
+    all.dedup();
+    all
+}
+
+/// Says what keeps an end that came from meeting ours.
+fn tell_obstacles(graph: &Graph, feeds: &Feeds, topic: &str) {
+    let Some(name) = topic.strip_prefix("rt/") else { return };
+    for Obstacle { what, fix } in obstacles(graph, feeds, &Address::new("", name), topic) {
+        tracing::warn!("{what}: {fix}");
     }
 }
 
@@ -255,10 +297,25 @@ fn depth_of(ty: &DataType, wanted: usize) -> usize {
 }
 
 fn found(end: EndpointDescription, writer: bool) -> (rustdds::GUID, Found) {
-    (end.guid, Found { topic: end.topic_name, dds_type: end.type_name, writer })
+    (end.guid, Found::new(end, writer))
 }
 
 impl Ros2 {
+    /// Keeps the sending thread from its work until the result is dropped: for tests of what
+    /// real-time callers feel of a stalled network.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn stall(&self) -> impl Send + use<> {
+        let (release, held) = std::sync::mpsc::channel::<()>();
+        let (begun, begins) = std::sync::mpsc::channel();
+        self.core.orders().submit(move || {
+            let _ = begun.send(());
+            let _ = held.recv();
+        });
+        let _ = begins.recv();
+        release
+    }
+
     /// Joins a domain.
     ///
     /// # Errors
@@ -266,14 +323,16 @@ impl Ros2 {
     pub fn open(options: &Options) -> Result<Arc<Self>, ParticipantError> {
         options.check()?;
         let failed = |why| ParticipantError::Dds { domain: options.domain, why };
-        let dds = Dds::open(options).map_err(failed)?;
+        let dds = Arc::new(Dds::open(options).map_err(failed)?);
         let graph = Arc::new(Graph::default());
         let told_qos = wire::qos(true, true, 256);
         let writer = |(topic, ty)| dds.writer(topic, ty, &told_qos).map_err(failed);
+        let feeds = Arc::new(Feeds::default());
         let told = Told {
             ends: writer(info::ENDS)?,
             nodes: writer(info::NODES)?,
             graph: Arc::clone(&graph),
+            feeds: Arc::clone(&feeds),
             namespace: options.namespace.clone(),
             participant: dds.participant.guid().to_bytes(),
             process: Process::this(),
@@ -282,17 +341,24 @@ impl Ros2 {
         let worker = Worker::start(Box::new(told), Arc::clone(&matches))?;
         let ourselves = dds.participant.guid();
         let (known, orders) = (Arc::clone(&graph), worker.orders.clone());
-        let feeds = Arc::new(Feeds::default());
         let hearing = Arc::clone(&feeds);
         let news = move |event| match event {
             Event::WriterDetected { writer } if writer.guid.prefix != ourselves.prefix => {
                 let (guid, found) = found(writer, true);
-                known.found(guid, found);
+                let topic = found.topic.clone();
+                let new = known.found(guid, found);
+                hearing.follow(&topic);
                 hearing.settle();
+                if new {
+                    tell_obstacles(&known, &hearing, &topic);
+                }
             }
             Event::ReaderDetected { reader } if reader.guid.prefix != ourselves.prefix => {
                 let (guid, found) = found(reader, false);
-                known.found(guid, found);
+                let topic = found.topic.clone();
+                if known.found(guid, found) {
+                    tell_obstacles(&known, &hearing, &topic);
+                }
             }
             Event::WriterLost { guid, .. } => known.lost(&guid),
             Event::ReaderLost { guid, .. } => {
@@ -350,12 +416,30 @@ impl Middleware for Ros2 {
     }
 
     fn publisher(&self, at: &Address, ty: &DataType) -> Result<Box<dyn Publisher>, OpenError> {
+        self.publisher_of(at, ty, &Quality::default())
+    }
+
+    fn subscription(
+        &self,
+        at: &Address,
+        ty: &DataType,
+        policy: Policy,
+    ) -> Result<Box<dyn Subscription>, OpenError> {
+        self.subscription_of(at, ty, policy, &Quality::default())
+    }
+
+    fn publisher_of(
+        &self,
+        at: &Address,
+        ty: &DataType,
+        quality: &Quality,
+    ) -> Result<Box<dyn Publisher>, OpenError> {
         let core = &self.core;
         ty.prepare();
         let wanted = core.port(EndpointKind::Publisher, at, ty)?;
         let claim = core.graph.claim(at, wanted, core.announcer())?;
         let Wanted { topic, dds_type, .. } = claim.wanted();
-        let qos = &core.options.qos;
+        let qos = quality::offered(quality, &core.options.qos);
         let of_writer = wire::qos(qos.reliable, qos.transient_local, samples_of(ty));
         let writer = core.dds.writer(topic, dds_type, &of_writer);
         let writer = writer.map_err(|why| core.failed(at, why))?;
@@ -370,7 +454,8 @@ impl Middleware for Ros2 {
             refused: AtomicU64::new(0),
         });
         core.orders().add(writer, topic.clone(), Arc::clone(&outlet), Arc::clone(&core.feeds));
-        claim.made(vec![guid.to_bytes()], Vec::new());
+        let (writers, readers) = (vec![guid.to_bytes()], Vec::new());
+        claim.made(Made { writers, readers, offers: Some(of_writer) });
         Ok(Box::new(Ros2Publisher {
             ty: ty.clone(),
             outlet,
@@ -380,29 +465,41 @@ impl Middleware for Ros2 {
         }))
     }
 
-    fn subscription(
+    fn subscription_of(
         &self,
         at: &Address,
         ty: &DataType,
         policy: Policy,
+        quality: &Quality,
     ) -> Result<Box<dyn Subscription>, OpenError> {
         let core = &self.core;
         ty.prepare();
         let wanted = core.port(EndpointKind::Subscription, at, ty)?;
         let claim = core.graph.claim(at, wanted, core.announcer())?;
-        let feed = core.feed(claim.wanted(), ty).map_err(|why| core.failed(at, why))?;
+        let feed = core.feed(claim.wanted(), ty, quality).map_err(|why| core.failed(at, why))?;
         let inbox = Arc::new(Inbox::new(policy, room_for(ty)));
         feed.feed.add(&inbox);
         core.orders().offer(Arc::clone(&feed.feed));
-        claim.made(Vec::new(), vec![feed.guid.to_bytes()]);
+        feed.guid(|guid| {
+            let (writers, readers) = (Vec::new(), vec![guid.to_bytes()]);
+            claim.made(Made { writers, readers, offers: None });
+        });
         Ok(Box::new(Ros2Subscription {
             scratch: Record::new(ty),
             inbox,
             read: false,
             _feed: feed,
             _claim: claim,
-            _core: Arc::clone(core),
+            core: Arc::clone(core),
         }))
+    }
+
+    fn spelled(&self, at: &Address) -> String {
+        self.core.full(at)
+    }
+
+    fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
+        self.core.obstacles(at, &format!("rt/{}", self.core.path(at)))
     }
 
     fn serve(

@@ -11,6 +11,7 @@ use rustdds::{GUID, RTPSEntity, SequenceNumber, Timestamp, WriteOptions, WriteOp
 
 use crate::backend::Dds;
 use crate::body::Fields;
+use crate::complaints::Complaints;
 use crate::options::ServiceMapping;
 use crate::post::{Matches, Post, Prefix, Target, prefix};
 use crate::receiver::{Inlet, Sample, Sink};
@@ -77,6 +78,7 @@ struct Requests {
     since: Timestamp,
     ourselves: Prefix,
     on_request: OnRequest,
+    bad: Complaints,
 }
 
 impl Sink for Requests {
@@ -86,10 +88,18 @@ impl Sink for Requests {
             return;
         }
         let Some((identity, half, number, body)) = self.open(sample) else {
-            tracing::warn!("a request without header was left out: other service mapping?");
+            if let Some(requests) = self.bad.add() {
+                tracing::warn!(requests, "left out, without header: other service mapping?");
+            }
             return;
         };
         (self.on_request)(RequestId { asker, identity, half, number }, asker, &body);
+    }
+
+    fn garbled(&mut self) {
+        if let Some(requests) = self.bad.add() {
+            tracing::warn!(requests, "left out: not plain CDR");
+        }
     }
 }
 
@@ -156,7 +166,8 @@ impl ServerEnd {
         let since = Timestamp::now();
         let reader = dds.reader(&names.request_topic(), &names.request, &qos)?;
         let guid = reader.guid();
-        let sink = Requests { mapping: maker.mapping, since, ourselves, on_request };
+        let bad = Complaints::default();
+        let sink = Requests { mapping: maker.mapping, since, ourselves, on_request, bad };
         let token = maker.inlet.add(reader, Box::new(sink));
         Ok(Self { maker: maker.clone(), replies, token, reader: guid })
     }

@@ -3,8 +3,10 @@
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, Weak};
+use std::time::{Duration, Instant};
 
 use genom_middleware::describe::types_of_service;
+use genom_middleware::reply::pair;
 use genom_middleware::{
     ActivityId, Address, CallError, Client, Outcome, Replies, Running, ServiceHandler, ServiceType,
 };
@@ -24,6 +26,9 @@ use crate::server::lock;
 /// Feedback that comes before its goal was accepted; more is given up.
 const EARLY: usize = 64;
 
+/// For so long after it was opened, the first call waits for a service to become known.
+pub(crate) const ACQUAINTANCE: Duration = Duration::from_secs(2);
+
 /// Goals sent by this process so far.
 static GOALS: AtomicU64 = AtomicU64::new(0);
 
@@ -41,6 +46,8 @@ pub(crate) struct Ros2Client {
     pub(crate) style: Style,
     pub(crate) wanted: Wanted,
     pub(crate) way: Way,
+    /// Until then a service that is not known yet may be about to be.
+    pub(crate) acquainted: Instant,
     pub(crate) core: Arc<Core>,
 }
 
@@ -124,7 +131,30 @@ impl Client for Ros2Client {
         input: &Record,
         replies: Box<dyn Replies>,
     ) -> Result<Box<dyn Running>, CallError> {
-        let reader = match self.core.graph.service(&self.wanted) {
+        self.send(input, replies, self.acquainted)
+    }
+
+    fn call(&mut self, input: &Record, timeout: Duration) -> Result<Outcome, CallError> {
+        let (replies, reply) = pair();
+        let begun = Instant::now();
+        let end = begun.checked_add(timeout).unwrap_or(self.acquainted).min(self.acquainted);
+        let _running = self.send(input, Box::new(replies), end)?;
+        reply.wait(timeout.saturating_sub(begun.elapsed())).map_err(|error| match error {
+            CallError::Timeout(_) => CallError::Timeout(timeout),
+            error => error,
+        })
+    }
+}
+
+impl Ros2Client {
+    /// Sends a request; until `end` a service that is not known yet is waited for.
+    fn send(
+        &self,
+        input: &Record,
+        replies: Box<dyn Replies>,
+        end: Instant,
+    ) -> Result<Box<dyn Running>, CallError> {
+        let reader = match self.core.graph.service(&self.wanted, end) {
             Service::There(reader) => reader,
             Service::Nobody => return Err(CallError::Nobody { address: self.at.clone() }),
             Service::Differs(theirs) => return Err(self.mismatch(theirs)),

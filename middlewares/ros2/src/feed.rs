@@ -1,7 +1,8 @@
 //! What arrives on one topic, for all in ports of this daemon that read it.
 //!
-//! There is one DDS reader per topic and daemon: DDS caches samples by topic, and a second reader
-//! would get old ones. An in port that comes later gets the last value from here.
+//! There is one DDS reader per topic, daemon and wish of quality: DDS caches samples by topic, and
+//! a second reader would get old ones. An in port that comes later gets the last value from here.
+//! The reader is made anew when writers come that offer something else (`quality`).
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -11,13 +12,15 @@ use std::time::{Duration, Instant};
 use genom_middleware::Policy;
 use genom_middleware::mailbox::{Full, Mailbox};
 use rustdds::mio1::Token;
-use rustdds::{GUID, Timestamp};
+use rustdds::{GUID, QosPolicies, Timestamp};
 
+use crate::backend::Dds;
+use crate::complaints::Complaints;
 use crate::graph::{Graph, Verdict, Wanted};
+use crate::quality::{Asks, Wish};
 use crate::receiver::{Inlet, Sample, Sink};
-
-/// At most one line about bad samples in this time.
-const BETWEEN_LINES: Duration = Duration::from_secs(1);
+use crate::sender::Orders;
+use crate::wire;
 
 /// A reader starts with the last value; but DDS brings at first what was written while it
 /// connected. Of what arrives together within this time, only the newest counts.
@@ -34,6 +37,8 @@ pub(crate) struct Inbox {
     counts_lost: bool,
     /// Samples that could not be decoded.
     pub(crate) undecodable: AtomicU64,
+    /// Samples of another type.
+    refused: AtomicU64,
 }
 
 impl Inbox {
@@ -47,13 +52,15 @@ impl Inbox {
             mailbox: Mailbox::new(depth, size, full),
             counts_lost,
             undecodable: AtomicU64::new(0),
+            refused: AtomicU64::new(0),
         }
     }
 
     /// Samples lost to the reader.
     pub(crate) fn lost(&self) -> u64 {
         let given_up = if self.counts_lost { self.mailbox.lost() } else { 0 };
-        given_up + self.undecodable.load(Ordering::Relaxed)
+        let bad = [&self.undecodable, &self.refused].map(|count| count.load(Ordering::Relaxed));
+        given_up + bad.iter().sum::<u64>()
     }
 
     fn put(&self, message: &[u8]) {
@@ -71,12 +78,16 @@ impl Inbox {
 pub(crate) struct Feed {
     pub(crate) topic: String,
     dds_type: String,
+    /// By which ROS nodes know the type.
+    pub(crate) hash: Option<String>,
     digest: String,
     graph: Arc<Graph>,
     /// This daemon: its own samples come another way.
     ourselves: GUID,
     /// What was received before is of an earlier reader of the topic.
     since: Timestamp,
+    /// Samples of another type.
+    refused: Complaints,
     state: Mutex<State>,
 }
 
@@ -86,14 +97,16 @@ struct State {
     /// Writer and message that came last.
     last: Option<(GUID, Vec<u8>)>,
     writers: HashMap<GUID, Known>,
-    bad: u64,
-    line: Option<Instant>,
+    /// Undecodable samples that were told.
+    told: u64,
 }
 
 /// What is known of a writer.
 struct Known {
     /// Time of its last sample, as it says.
     stamp: Option<Timestamp>,
+    /// Its number: a reader that is made anew gets samples again that DDS still holds.
+    number: i64,
     verdict: Verdict,
     /// Version of the graph the verdict is of.
     version: u64,
@@ -106,9 +119,82 @@ struct Known {
 /// Keeps a topic read. The last one to go ends the DDS reader.
 pub(crate) struct FeedHandle {
     pub(crate) feed: Arc<Feed>,
-    pub(crate) token: Token,
-    pub(crate) guid: GUID,
-    pub(crate) inlet: Arc<Inlet>,
+    wish: Wish,
+    /// Samples that may wait for the receiving thread.
+    cached: i32,
+    token: Token,
+    reader: Mutex<Present>,
+    inlet: Arc<Inlet>,
+    orders: Orders,
+    dds: Arc<Dds>,
+}
+
+/// The DDS reader there is now.
+#[derive(Clone, Copy, Debug)]
+struct Present {
+    guid: GUID,
+    asks: Asks,
+}
+
+impl FeedHandle {
+    pub(crate) fn open(
+        feed: Feed,
+        (wish, cached): (Wish, i32),
+        (inlet, orders, dds): (&Arc<Inlet>, &Orders, &Arc<Dds>),
+    ) -> Result<Self, String> {
+        let asks = feed.asks(wish);
+        let qos = wire::qos(asks.reliable, asks.transient_local, cached);
+        let reader = dds.reader(&feed.topic, &feed.dds_type, &qos)?;
+        let guid = reader.guid();
+        let feed = Arc::new(feed);
+        Ok(Self {
+            token: inlet.add(reader, Box::new(FeedSink(Arc::clone(&feed)))),
+            feed,
+            wish,
+            cached,
+            reader: Mutex::new(Present { guid, asks }),
+            inlet: Arc::clone(inlet),
+            orders: orders.clone(),
+            dds: Arc::clone(dds),
+        })
+    }
+
+    fn present(&self) -> MutexGuard<'_, Present> {
+        self.reader.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What the reader asks for.
+    pub(crate) fn qos(&self) -> QosPolicies {
+        let Asks { reliable, transient_local } = self.present().asks;
+        wire::qos(reliable, transient_local, self.cached)
+    }
+
+    /// Tells the id of the reader, which stays until `told` returns.
+    pub(crate) fn guid(&self, told: impl FnOnce(GUID)) {
+        told(self.present().guid);
+    }
+
+    /// Asks for what the writers offer that are there now. What comes meanwhile on the old reader
+    /// is not lost: the new one finds it, too.
+    fn follow(&self) {
+        let asks = self.feed.asks(self.wish);
+        let mut present = self.present();
+        if present.asks == asks {
+            return;
+        }
+        let (topic, ty) = (&self.feed.topic, &self.feed.dds_type);
+        let qos = wire::qos(asks.reliable, asks.transient_local, self.cached);
+        match self.dds.reader(topic, ty, &qos) {
+            Ok(reader) => {
+                let old = std::mem::replace(&mut *present, Present { guid: reader.guid(), asks });
+                self.feed.graph.renamed(old.guid, reader.guid());
+                self.inlet.exchange(self.token, reader);
+                self.orders.announce();
+                tracing::info!(%topic, ?asks, "the in port follows the quality of its writers");
+            }
+            Err(why) => tracing::warn!(%topic, %why, "a reader cannot be made anew"),
+        }
+    }
 }
 
 impl Drop for FeedHandle {
@@ -122,12 +208,18 @@ impl Feed {
         Self {
             topic: wanted.topic.clone(),
             dds_type: wanted.dds_type.clone(),
+            hash: wanted.hash.clone(),
             digest: wanted.digest.clone(),
             graph,
             ourselves,
             since: Timestamp::now(),
+            refused: Complaints::default(),
             state: Mutex::default(),
         }
+    }
+
+    fn asks(&self, wish: Wish) -> Asks {
+        wish.asks(&self.ourselves, &self.graph.others(&self.topic, true))
     }
 
     /// A sample of this daemon's own out port.
@@ -159,12 +251,22 @@ impl Feed {
         state.inboxes.push(Arc::downgrade(inbox));
     }
 
-    fn report(&self, state: &mut State, why: &str) {
-        state.bad += 1;
-        if state.line.is_none_or(|line| line.elapsed() > BETWEEN_LINES) {
-            state.line = Some(Instant::now());
-            tracing::warn!(topic = %self.topic, samples = state.bad, "refused: {why}");
+    /// Counts a sample of another type, and tells it now and then.
+    fn refuse(&self, state: &State) {
+        state.live().for_each(|inbox| _ = inbox.refused.fetch_add(1, Ordering::Relaxed));
+        if let Some(samples) = self.refused.add() {
+            tracing::warn!(topic = %self.topic, samples, "refused: a writer of another type");
         }
+    }
+
+    /// Tells of samples that readers could not decode, if there are more of them.
+    pub(crate) fn complain(&self) {
+        let mut state = self.lock();
+        let samples = state.live().map(|inbox| inbox.undecodable.load(Ordering::Relaxed)).sum();
+        if samples > state.told {
+            tracing::warn!(topic = %self.topic, samples, "samples cannot be decoded");
+        }
+        state.told = samples;
     }
 }
 
@@ -183,9 +285,8 @@ impl State {
         last.extend_from_slice(message);
     }
 
-    fn count_refused(&self) {
-        let inboxes = self.inboxes.iter().filter_map(Weak::upgrade);
-        inboxes.for_each(|inbox| _ = inbox.undecodable.fetch_add(1, Ordering::Relaxed));
+    fn live(&self) -> impl Iterator<Item = Arc<Inbox>> {
+        self.inboxes.iter().filter_map(Weak::upgrade)
     }
 }
 
@@ -211,14 +312,11 @@ impl Feed {
             if verdict == Verdict::Right {
                 state.deliver(writer, &held);
             } else {
-                state.count_refused();
-                self.report(&mut state, OTHER_TYPE);
+                self.refuse(&state);
             }
         }
     }
 }
-
-const OTHER_TYPE: &str = "a writer of another type";
 
 /// The receiving thread's end.
 pub(crate) struct FeedSink(pub(crate) Arc<Feed>);
@@ -237,16 +335,18 @@ impl Sink for FeedSink {
         }
         let known = state.writers.entry(sample.writer).or_insert(Known {
             stamp: None,
+            number: 0,
             verdict: Verdict::Unknown,
             version,
             held: None,
             since: Instant::now(),
         });
         // A new reader is sent the last value besides: it may come twice.
-        if sample.stamp.is_some() && known.stamp == sample.stamp {
+        if sample.number <= known.number || (sample.stamp.is_some() && known.stamp == sample.stamp)
+        {
             return;
         }
-        known.stamp = sample.stamp;
+        (known.stamp, known.number) = (sample.stamp, sample.number);
         if known.verdict == Verdict::Unknown || known.since.elapsed() < ACQUAINTANCE {
             let held = known.held.get_or_insert_default();
             held.clear();
@@ -260,8 +360,7 @@ impl Sink for FeedSink {
             known.version = version;
         }
         if known.verdict == Verdict::Wrong {
-            state.count_refused();
-            feed.report(&mut state, OTHER_TYPE);
+            feed.refuse(&state);
         } else {
             state.deliver(sample.writer, sample.message);
         }
@@ -272,18 +371,17 @@ impl Sink for FeedSink {
     }
 
     fn garbled(&mut self) {
-        let mut state = self.0.lock();
-        state.count_refused();
-        self.0.report(&mut state, "not plain CDR");
+        // Nothing can be decoded from nothing: the reader is told.
+        self.0.lock().live().for_each(|inbox| inbox.put(&[]));
     }
 }
 
-/// The topics this daemon reads.
+/// The topics this daemon reads, each with what is wished of the reader.
 #[derive(Default)]
-pub(crate) struct Feeds(Mutex<HashMap<String, Weak<FeedHandle>>>);
+pub(crate) struct Feeds(Mutex<HashMap<String, Vec<Weak<FeedHandle>>>>);
 
 impl Feeds {
-    fn lock(&self) -> MutexGuard<'_, HashMap<String, Weak<FeedHandle>>> {
+    fn lock(&self) -> MutexGuard<'_, HashMap<String, Vec<Weak<FeedHandle>>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -291,28 +389,47 @@ impl Feeds {
     pub(crate) fn get(
         &self,
         topic: &str,
+        wish: Wish,
         make: impl FnOnce() -> Result<FeedHandle, String>,
     ) -> Result<Arc<FeedHandle>, String> {
         let mut feeds = self.lock();
-        if let Some(feed) = feeds.get(topic).and_then(Weak::upgrade) {
+        // Kept until the lock is gone: the last one to let go of a feed may be this.
+        let there: Vec<_> =
+            feeds.get(topic).into_iter().flatten().filter_map(Weak::upgrade).collect();
+        if let Some(feed) = there.iter().find(|feed| feed.wish == wish) {
+            let feed = Arc::clone(feed);
+            drop(feeds);
             return Ok(feed);
         }
-        feeds.retain(|_, feed| feed.strong_count() > 0);
+        feeds.retain(|_, all| {
+            all.retain(|feed| feed.strong_count() > 0);
+            !all.is_empty()
+        });
         let handle = Arc::new(make()?);
-        feeds.insert(topic.to_owned(), Arc::downgrade(&handle));
+        feeds.entry(topic.to_owned()).or_default().push(Arc::downgrade(&handle));
+        drop(feeds);
         Ok(handle)
     }
 
-    /// The feed of a topic, if it is read.
-    pub(crate) fn find(&self, topic: &str) -> Option<Arc<Feed>> {
-        // Out of the lock before it goes: the last one to let go of a feed may be this.
-        let handle = self.lock().get(topic).and_then(Weak::upgrade);
-        handle.map(|handle| Arc::clone(&handle.feed))
+    /// The feeds of a topic: none if it is not read.
+    pub(crate) fn of(&self, topic: &str) -> Vec<Arc<FeedHandle>> {
+        self.lock().get(topic).into_iter().flatten().filter_map(Weak::upgrade).collect()
+    }
+
+    /// Writers of a topic have come.
+    pub(crate) fn follow(&self, topic: &str) {
+        self.of(topic).iter().for_each(|handle| handle.follow());
+    }
+
+    /// Readers could not decode something.
+    pub(crate) fn complain(&self) {
+        let feeds: Vec<_> = self.lock().values().flatten().filter_map(Weak::upgrade).collect();
+        feeds.iter().for_each(|handle| handle.feed.complain());
     }
 
     /// There is news of writers.
     pub(crate) fn settle(&self) {
-        let feeds: Vec<_> = self.lock().values().filter_map(Weak::upgrade).collect();
+        let feeds: Vec<_> = self.lock().values().flatten().filter_map(Weak::upgrade).collect();
         feeds.iter().for_each(|handle| handle.feed.settle());
     }
 }

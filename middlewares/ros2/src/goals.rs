@@ -12,6 +12,7 @@ use rustdds::bytes::Bytes;
 use crate::backend::Core;
 use crate::body::{self, CANCELED, Fields, INTERRUPTED, SUCCEEDED, Style};
 use crate::channel::{RequestId, ServerEnd};
+use crate::complaints::Complaints;
 use crate::graph::Claim;
 use crate::post::{Post, Prefix, Target};
 use crate::sender::Orders;
@@ -47,6 +48,7 @@ pub(crate) struct ActionServer {
     pub(crate) orders: Orders,
     pub(crate) ends: OnceLock<Ends>,
     goals: Mutex<Goals>,
+    bad: Complaints,
 }
 
 #[derive(Default)]
@@ -89,13 +91,20 @@ impl ActionServer {
         orders: Orders,
     ) -> Arc<Self> {
         let (ends, goals) = (OnceLock::new(), Mutex::default());
-        Arc::new(Self { ty, style, handler, orders, ends, goals })
+        Arc::new(Self { ty, style, handler, orders, ends, goals, bad: Complaints::default() })
     }
 
     /// Somebody sends a goal.
     pub(crate) fn send_goal(self: &Arc<Self>, by: RequestId, asker: Prefix, message: &[u8]) {
-        let Some(mut fields) = Fields::of(message) else { return };
-        let Some(id) = fields.bytes::<16>() else { return };
+        let Some((fields, id)) = Fields::of(message).and_then(|mut fields| {
+            let id = fields.bytes::<16>()?;
+            Some((fields, id))
+        }) else {
+            if let Some(goals) = self.bad.add() {
+                tracing::warn!(goals, "left out: without an id");
+            }
+            return;
+        };
         let mut goals = lock(&self.goals);
         let input = fields.record(&self.ty.input);
         let input = match input {
@@ -103,7 +112,9 @@ impl ActionServer {
             refused => {
                 drop(goals);
                 let why = refused.err().map(|error| error.to_string());
-                tracing::warn!(why, "a goal was refused: undecodable, or its id is in use");
+                if let Some(goals) = self.bad.add() {
+                    tracing::warn!(why, goals, "refused: undecodable, or their id is in use");
+                }
                 return self.answer_goal(by, false, now());
             }
         };

@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use genom_middleware::{Address, Endpoint, EndpointKind, OpenError};
 use genom_rosidl::TypeName;
-use rustdds::GUID;
+use rustdds::{EndpointDescription, GUID, QosPolicies};
 
 use crate::info::{self, End, Ends, Gid, Node, Nodes};
 use crate::process::Process;
@@ -27,6 +27,8 @@ pub(crate) struct Wanted {
     /// DDS name of the topic (of a service, of its requests) and of its type.
     pub(crate) topic: String,
     pub(crate) dds_type: String,
+    /// By which ROS nodes know the message of a port.
+    pub(crate) hash: Option<String>,
     /// The node it belongs to: the instance.
     pub(crate) node: String,
 }
@@ -34,9 +36,24 @@ pub(crate) struct Wanted {
 #[derive(Debug)]
 struct Own {
     wanted: Wanted,
-    /// DDS writers and readers, the one that stands for it first; known once they are made.
-    writers: OnceLock<Vec<Gid>>,
-    readers: OnceLock<Vec<Gid>>,
+    /// Known once they are made. Locked within the state, for an instant.
+    made: Mutex<Option<Made>>,
+}
+
+/// What an end of ours is in DDS.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Made {
+    /// The one that stands for the end first, of these or those.
+    pub(crate) writers: Vec<Gid>,
+    pub(crate) readers: Vec<Gid>,
+    /// What the writer of an out port offers.
+    pub(crate) offers: Option<QosPolicies>,
+}
+
+impl Own {
+    fn made(&self) -> MutexGuard<'_, Option<Made>> {
+        self.made.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 /// What DDS tells of an end of others.
@@ -45,6 +62,21 @@ pub(crate) struct Found {
     pub(crate) topic: String,
     pub(crate) dds_type: String,
     pub(crate) writer: bool,
+    /// What it offers, or asks for.
+    pub(crate) qos: QosPolicies,
+    /// By which ROS nodes know the message, where it is told.
+    pub(crate) hash: Option<String>,
+}
+
+impl Found {
+    /// The end that DDS describes.
+    pub(crate) fn new(end: EndpointDescription, writer: bool) -> Self {
+        // REP-2016: `typehash=RIHS01_...;` among other words, after the length of all.
+        let text = String::from_utf8_lossy(&end.user_data);
+        let hash = text.split_once("typehash=").and_then(|(_, rest)| rest.split(';').next());
+        let hash = hash.map(str::to_owned);
+        Self { topic: end.topic_name, dds_type: end.type_name, writer, qos: end.qos, hash }
+    }
 }
 
 #[derive(Debug, Default)]
@@ -133,7 +165,7 @@ impl Graph {
             let waited = self.changed.wait_timeout(state, left);
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
-        let own = Arc::new(Own { wanted, writers: OnceLock::new(), readers: OnceLock::new() });
+        let own = Arc::new(Own { wanted, made: Mutex::default() });
         let number = state.next;
         state.next += 1;
         state.own.insert(number, Arc::clone(&own));
@@ -157,10 +189,11 @@ impl Graph {
         Belonging { graph: Arc::clone(self), number, announce }
     }
 
-    /// DDS found an end of others.
-    pub(crate) fn found(&self, guid: GUID, found: Found) {
-        self.lock().found.insert(guid, found);
+    /// DDS found an end of others; whether it was not known yet.
+    pub(crate) fn found(&self, guid: GUID, found: Found) -> bool {
+        let known = self.lock().found.insert(guid, found);
         self.touch();
+        known.is_none()
     }
 
     /// DDS lost an end of others.
@@ -190,7 +223,8 @@ impl Graph {
     pub(crate) fn writes(&self, writer: &GUID, digest: &str, dds_type: &str) -> Verdict {
         let state = self.lock();
         let gid = writer.to_bytes();
-        let own = |own: &&Arc<Own>| own.writers.get().is_some_and(|all| all.contains(&gid));
+        let own =
+            |own: &&Arc<Own>| own.made().as_ref().is_some_and(|made| made.writers.contains(&gid));
         if let Some(own) = state.own.values().find(own) {
             return Verdict::of(own.wanted.digest == digest);
         }
@@ -203,32 +237,47 @@ impl Graph {
         }
     }
 
-    /// Whether a service is there, and its types where they are known to differ.
-    pub(crate) fn service(&self, wanted: &Wanted) -> Service {
+    /// Whether a service is there, and its types where they are known to differ. Until `end` one
+    /// that is not there is waited for: others become known little by little.
+    pub(crate) fn service(&self, wanted: &Wanted, end: Instant) -> Service {
+        let mut state = self.lock();
+        loop {
+            let found = state.service(wanted);
+            let left = end.saturating_duration_since(Instant::now());
+            if found != Service::Nobody || left.is_zero() {
+                return found;
+            }
+            let waited = self.changed.wait_timeout(state, left);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+    /// A reader of ours was made anew, with another id.
+    pub(crate) fn renamed(&self, old: GUID, new: GUID) {
         let state = self.lock();
-        let own = state
-            .own
-            .values()
-            .map(|own| &own.wanted)
-            .find(|own| own.kind == EndpointKind::Service && own.address == wanted.address);
-        if let Some(own) = own {
-            return Service::of(&own.digest, &own.types, wanted, None);
+        let (old, new) = (old.to_bytes(), new.to_bytes());
+        for own in state.own.values() {
+            let mut made = own.made();
+            let readers = made.iter_mut().flat_map(|made| &mut made.readers);
+            readers.filter(|gid| **gid == old).for_each(|gid| *gid = new);
         }
-        let mut there = None;
-        for (guid, other) in state.found.iter().filter(|(_, other)| other.topic == wanted.topic) {
-            if other.writer || state.is_dead(guid) {
-                continue;
-            }
-            match state.told_of(guid) {
-                Some(end) => return Service::of(&end.digest, &end.types, wanted, Some(*guid)),
-                None if state.is_daemon(guid) => {}
-                None if other.dds_type != wanted.dds_type => {
-                    return Service::Differs(TypeName::from_dds(&other.dds_type));
-                }
-                None => there = Some(*guid),
-            }
-        }
-        there.map_or(Service::Nobody, |guid| Service::There(Some(guid)))
+        drop(state);
+        self.touch();
+    }
+
+    /// Ends of others on a topic, with what they offer or ask for: writers or readers.
+    pub(crate) fn others(&self, topic: &str, writers: bool) -> Vec<(GUID, Found)> {
+        let state = self.lock();
+        let all = state.found.iter().filter(|(guid, found)| {
+            found.topic == topic && found.writer == writers && !state.is_dead(guid)
+        });
+        all.map(|(guid, found)| (*guid, found.clone())).collect()
+    }
+
+    /// Our out port on a topic, and what it offers.
+    pub(crate) fn writer(&self, topic: &str) -> Option<(Wanted, QosPolicies)> {
+        let state = self.lock();
+        let mut own = state.own.values().filter(|own| own.wanted.topic == topic);
+        own.find_map(|own| Some((own.wanted.clone(), own.made().as_ref()?.offers.clone()?)))
     }
 
     pub(crate) fn list(&self) -> Vec<Endpoint> {
@@ -274,9 +323,7 @@ impl Graph {
             });
         };
         for own in state.own.values() {
-            let (Some(writers), Some(readers)) = (own.writers.get(), own.readers.get()) else {
-                continue;
-            };
+            let Some(Made { writers, readers, .. }) = own.made().clone() else { continue };
             let wanted = &own.wanted;
             let first = match wanted.kind {
                 EndpointKind::Publisher => writers.first(),
@@ -295,7 +342,7 @@ impl Graph {
                     digest: wanted.digest.clone(),
                 });
             }
-            put(&wanted.node, writers, readers);
+            put(&wanted.node, &writers, &readers);
         }
         for other in state.others.values() {
             put(&other.node, &other.writers, &other.readers);
@@ -365,6 +412,32 @@ fn foreign(found: &Found) -> Option<Endpoint> {
 }
 
 impl State {
+    fn service(&self, wanted: &Wanted) -> Service {
+        let own = self
+            .own
+            .values()
+            .map(|own| &own.wanted)
+            .find(|own| own.kind == EndpointKind::Service && own.address == wanted.address);
+        if let Some(own) = own {
+            return Service::of(&own.digest, &own.types, wanted, None);
+        }
+        let mut there = None;
+        for (guid, other) in self.found.iter().filter(|(_, other)| other.topic == wanted.topic) {
+            if other.writer || self.is_dead(guid) {
+                continue;
+            }
+            match self.told_of(guid) {
+                Some(end) => return Service::of(&end.digest, &end.types, wanted, Some(*guid)),
+                None if self.is_daemon(guid) => {}
+                None if other.dds_type != wanted.dds_type => {
+                    return Service::Differs(TypeName::from_dds(&other.dds_type));
+                }
+                None => there = Some(*guid),
+            }
+        }
+        there.map_or(Service::Nobody, |guid| Service::There(Some(guid)))
+    }
+
     fn told_of(&self, guid: &GUID) -> Option<&End> {
         self.told.values().find_map(|(_, ends)| ends.get(guid))
     }
@@ -426,9 +499,8 @@ impl Claim {
     }
 
     /// The DDS writers and readers of the end are made: others are told.
-    pub(crate) fn made(&self, writers: Vec<Gid>, readers: Vec<Gid>) {
-        // Once only, by the one who opens the end.
-        let _ = (self.own.writers.set(writers), self.own.readers.set(readers));
+    pub(crate) fn made(&self, made: Made) {
+        *self.own.made() = Some(made);
         self.graph.touch();
         (self.announce)();
     }

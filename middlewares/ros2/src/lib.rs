@@ -6,11 +6,13 @@
 //! `demo::msg::dds_::State_`); basic types are those of `std_msgs` (`double` is
 //! `std_msgs/msg/Float64`); a type may go under the name of a ROS type of equal structure.
 //!
-//! **Samples.** CDR as [`genom_types::cdr`] says. Out ports are reliable and volatile; each
-//! reader that connects is sent the last value, whatever it asked for (a best-effort reader of
-//! another make may miss it: DDS does not tell when it is ready). Transient local, which would
-//! say so in DDS's own words, is an option: RustDDS keeps all samples of several seconds for it
-//! and hands them all to those who come.
+//! **Samples.** CDR as [`genom_types::cdr`] says. Out ports are reliable and volatile unless the
+//! configuration says otherwise of them; each reader that connects is sent the last value,
+//! whatever it asked for (a best-effort reader of another make may miss it: DDS does not tell when
+//! it is ready). Transient local, which would say so in DDS's own words, is an option: RustDDS
+//! keeps all samples of several seconds for it and hands them all to those who come. An in port
+//! asks for what all writers of its topic offer. Ends that are there and do not fit are told
+//! (`quality`).
 //!
 //! **Services.** `<component>/srv/<Service>`: the request has the input's members, the response
 //! `string genom_exception` (empty if none), `string genom_detail` (JSON) and the output's members.
@@ -29,9 +31,13 @@
 //!
 //! **Who is there.** DDS's discovery names topics and types; daemons tell each other besides, on
 //! the topic `genom_discovery_info`, the full types and digests of their ends: types of one name
-//! that differ are refused. Of ROS nodes only the name of the type is known.
+//! that differ are refused. Of ROS nodes the name of the type is known, and since ROS 2 Iron its
+//! hash, which `genomctl why` compares. ROS nodes are not told the hash of ours: it travels as
+//! USER_DATA of an end, which RustDDS 0.15 reads and never sends; ROS connects without it, and
+//! shows the type without hash (`ros2 topic info --verbose`).
 //! ROS nodes see at once that a node is gone; topics and services that are closed they show until
-//! the daemon ends (`farewell` says why).
+//! the daemon ends (`farewell` says why). A daemon that is killed they show for 50 seconds more:
+//! the lease that RustDDS announces for all its participants.
 
 #![forbid(unsafe_code)]
 
@@ -39,6 +45,7 @@ mod backend;
 mod body;
 mod channel;
 mod client;
+mod complaints;
 mod farewell;
 mod feed;
 mod goals;
@@ -52,6 +59,7 @@ mod parameters;
 mod ports;
 mod post;
 mod process;
+mod quality;
 mod receiver;
 mod sender;
 mod server;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::{PoisonError, RwLock};
 
 use genom_middleware::{ServiceKind, ServiceType};
-use genom_rosidl::{Library, Manner, Ours, TypeName};
+use genom_rosidl::{Interface, Library, Manner, Mapper, Ours, TypeName};
 use genom_types::DataType;
 
 use crate::names;
@@ -54,6 +54,20 @@ impl Masquerades {
             Ok(()) => Ok(foreign.clone()),
             Err(error) => Err(error.to_string()),
         }
+    }
+
+    /// The hash that ROS nodes know the message of a port by, as far as all in it is known.
+    pub(crate) fn hash(&self, ty: &DataType) -> Option<String> {
+        let mut mapper = Mapper::new(ty.table(), self.all());
+        let name = mapper.port(ty.id()).ok()?;
+        let all = mapper.finish();
+        let of_name = |name: &TypeName| all.iter().find(|one| one.name() == name).cloned();
+        let whole = of_name(&name).or_else(|| self.library.find(&name).ok())?;
+        let find = |name: &TypeName| match of_name(name) {
+            Some(Interface::Message(message)) => Some(message),
+            _ => self.library.message(name).ok(),
+        };
+        genom_rosidl::hash(&whole, &find).ok()
     }
 
     /// The foreign type of a service, if it has one.

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use rustdds::{GUID, WriteOptionsBuilder};
 
+use crate::quality::same_make;
 use crate::wire::{Payload, Writer};
 
 /// Longest and shortest time between two looks at what is acknowledged.
@@ -74,9 +75,4 @@ impl Meetings {
             .map(|meeting| (meeting.writer, meeting.reader))
             .collect()
     }
-}
-
-/// Ids begin with the number of the maker of the DDS library (RTPS 2.5, 9.3.1.5).
-fn same_make(writer: &GUID, reader: &GUID) -> bool {
-    writer.to_bytes().first_chunk::<2>() == reader.to_bytes().first_chunk::<2>()
 }

@@ -59,7 +59,7 @@ pub(crate) struct Ros2Subscription {
     pub(crate) read: bool,
     pub(crate) _feed: Arc<FeedHandle>,
     pub(crate) _claim: Claim,
-    pub(crate) _core: Arc<Core>,
+    pub(crate) core: Arc<Core>,
 }
 
 impl Subscription for Ros2Subscription {
@@ -75,6 +75,7 @@ impl Subscription for Ros2Subscription {
             None => Ok(Reading::Never),
             Some(false) => {
                 self.inbox.undecodable.fetch_add(1, Ordering::Relaxed);
+                self.core.orders().complain();
                 Err(ReadError::Serialization)
             }
             Some(true) => {

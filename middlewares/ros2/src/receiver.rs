@@ -54,6 +54,8 @@ pub(crate) type News = Box<dyn FnMut(DomainParticipantStatusEvent) + Send>;
 
 enum Order {
     Add(Token, Box<Reader>, Box<dyn Sink>),
+    /// The sink gets the samples of another reader from now on.
+    Exchange(Token, Box<Reader>),
     Remove(Token, Sender<()>),
     Stop,
 }
@@ -102,6 +104,11 @@ impl Inlet {
         let token = Token(self.next.fetch_add(1, Ordering::Relaxed));
         self.order(Order::Add(token, Box::new(reader), sink));
         token
+    }
+
+    /// Gives a sink the samples of another reader, and ends the one it had.
+    pub(crate) fn exchange(&self, token: Token, reader: Reader) {
+        self.order(Order::Exchange(token, Box::new(reader)));
     }
 
     /// Ends a reader. Its sink hears nothing any more when this returns, except on the thread.
@@ -155,6 +162,13 @@ impl Work {
                 match self.orders.try_recv() {
                     Ok(Order::Add(token, reader, sink)) => {
                         ready.extend(self.add(token, reader, sink))
+                    }
+                    Ok(Order::Exchange(token, reader)) => {
+                        // What the old one still has, the new one finds as well.
+                        if let Some((mut old, sink)) = self.readers.remove(&token) {
+                            let _ = self.poll.registry().deregister(&mut *old);
+                            ready.extend(self.add(token, reader, sink));
+                        }
                     }
                     Ok(Order::Remove(token, done)) => {
                         if let Some((mut reader, _sink)) = self.readers.remove(&token) {

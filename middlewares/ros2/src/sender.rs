@@ -16,6 +16,7 @@ use genom_middleware::spares::Spares;
 use rustdds::bytes::Bytes;
 use rustdds::{GUID, RTPSEntity, Timestamp, WriteOptionsBuilder};
 
+use crate::complaints::BETWEEN_LINES;
 use crate::feed::{Feed, Feeds};
 use crate::meetings::{self, Meetings};
 use crate::post::Matches;
@@ -40,6 +41,9 @@ pub(crate) trait Announce: Send {
 
     /// Waits a while until others know.
     fn settle(&self, longest: Duration);
+
+    /// Tells the log of samples that could not be decoded.
+    fn complain(&self);
 }
 
 /// Something to do on the thread.
@@ -93,6 +97,8 @@ pub(crate) struct Orders {
     bell: Arc<Bell>,
     /// Whether there is something to announce.
     news: Arc<AtomicBool>,
+    /// Whether in ports could not decode something.
+    complaints: Arc<AtomicBool>,
     thread: ThreadId,
 }
 
@@ -107,6 +113,7 @@ impl Worker {
         let (sender, receiver) = channel();
         let bell = Arc::new(Bell::default());
         let news = Arc::new(AtomicBool::new(false));
+        let complaints = Arc::new(AtomicBool::new(false));
         let mut work = Work {
             receiver,
             bell: Arc::clone(&bell),
@@ -116,10 +123,12 @@ impl Worker {
             announce,
             news: Arc::clone(&news),
             announced: None,
+            complaints: Arc::clone(&complaints),
+            complained: None,
         };
         let thread =
             thread::Builder::new().name("ros2-sender".to_owned()).spawn(move || work.go_on())?;
-        let orders = Orders { sender, bell, news, thread: thread.thread().id() };
+        let orders = Orders { sender, bell, news, complaints, thread: thread.thread().id() };
         Ok(Self { orders, thread: Some(thread) })
     }
 }
@@ -147,6 +156,12 @@ impl Orders {
     /// Has others told of a change, soon.
     pub(crate) fn announce(&self) {
         self.news.store(true, Ordering::Release);
+        self.bell.ring();
+    }
+
+    /// Has it told that an in port could not decode something. Wait-free.
+    pub(crate) fn complain(&self) {
+        self.complaints.store(true, Ordering::Release);
         self.bell.ring();
     }
 
@@ -228,8 +243,8 @@ impl Line {
     fn send(&mut self) -> bool {
         let writer = self.writer.guid();
         let Some(message) = self.spares.take(&self.outlet.mailbox) else { return false };
-        if let Some(feed) = self.feeds.find(&self.topic) {
-            feed.hear(writer, message.as_ref());
+        for handle in self.feeds.of(&self.topic) {
+            handle.feed.hear(writer, message.as_ref());
         }
         let message = Bytes::from_owner(message);
         let payload = message.slice(HEADER.min(message.len())..);
@@ -267,6 +282,8 @@ struct Work {
     announce: Box<dyn Announce>,
     news: Arc<AtomicBool>,
     announced: Option<Instant>,
+    complaints: Arc<AtomicBool>,
+    complained: Option<Instant>,
 }
 
 impl Work {
@@ -288,6 +305,21 @@ impl Work {
         BETWEEN
     }
 
+    /// Tells of bad samples when a line is due, and says how long none will be.
+    fn until_complaint(&mut self) -> Duration {
+        if !self.complaints.load(Ordering::Acquire) {
+            return LONG;
+        }
+        let since = self.complained.map_or(BETWEEN_LINES, |complained| complained.elapsed());
+        if since < BETWEEN_LINES {
+            return BETWEEN_LINES.saturating_sub(since);
+        }
+        self.complained = Some(Instant::now());
+        self.complaints.store(false, Ordering::SeqCst);
+        self.announce.complain();
+        LONG
+    }
+
     /// A reader is ready: it gets what waits for it, or the last value of the port.
     fn met(&self, writer: GUID, reader: GUID) {
         match self.matches.matched(writer, reader) {
@@ -307,7 +339,7 @@ impl Work {
 
     fn go_on(&mut self) {
         loop {
-            let longest = self.until_announcement();
+            let longest = self.until_announcement().min(self.until_complaint());
             let longest = self.meetings.pause().map_or(longest, |pause| pause.min(longest));
             self.bell.wait(longest);
             while let Ok(order) = self.receiver.try_recv() {

@@ -10,6 +10,7 @@ use genom_middleware::{
 use crate::backend::Core;
 use crate::body::{self, Fields, Style};
 use crate::channel::{RequestId, ServerEnd};
+use crate::complaints::Complaints;
 use crate::graph::Claim;
 use crate::parameters::Part;
 use crate::post::Post;
@@ -30,6 +31,7 @@ pub(crate) struct Server {
     pub(crate) end: OnceLock<ServerEnd>,
     /// Requests under way: their callers are told when the service leaves.
     pending: Mutex<Vec<Weak<Request>>>,
+    bad: Complaints,
 }
 
 struct Request {
@@ -45,7 +47,7 @@ impl Server {
         handler: Arc<dyn ServiceHandler>,
     ) -> Arc<Self> {
         let (end, pending) = (OnceLock::new(), Mutex::default());
-        Arc::new(Self { ty, style, handler, end, pending })
+        Arc::new(Self { ty, style, handler, end, pending, bad: Complaints::default() })
     }
 
     pub(crate) fn request(self: &Arc<Self>, id: RequestId, message: &[u8]) {
@@ -60,7 +62,9 @@ impl Server {
                 self.handler.request(input, Box::new(ToCaller(request)));
             }
             Some(Err(error)) => {
-                tracing::warn!(%error, "a request cannot be decoded");
+                if let Some(requests) = self.bad.add() {
+                    tracing::warn!(%error, requests, "requests cannot be decoded");
+                }
                 request.end(&Outcome::Lost(CallError::Serialization(error.to_string())));
             }
             None => {}

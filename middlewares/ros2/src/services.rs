@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
+use std::time::Instant;
 
 use genom_middleware::describe::types_of_service;
 use genom_middleware::{
@@ -13,9 +14,9 @@ use rustdds::{GUID, RTPSEntity, Timestamp};
 use crate::backend::Core;
 use crate::body::Style;
 use crate::channel::{ClientEnd, Maker, Names, ServerEnd};
-use crate::client::{ActionEnd, Feedback, Ros2Client, Runs, Way};
+use crate::client::{ACQUAINTANCE, ActionEnd, Feedback, Ros2Client, Runs, Way};
 use crate::goals::{ActionServer, Ends, Ros2Action};
-use crate::graph::{Claim, Service, Wanted};
+use crate::graph::{Claim, Made, Service, Wanted};
 use crate::names;
 use crate::parameters::Parameters;
 use crate::post::Post;
@@ -92,6 +93,7 @@ impl Core {
             types: types_of_service(ty),
             digest: digest_of(ty),
             topic: format!("rq/{path}{suffix}Request"),
+            hash: None,
             dds_type: ros.to_dds(&format!("{part}_Request")),
             node: names::token(&at.instance),
         };
@@ -150,7 +152,11 @@ impl Core {
         };
         let names = plan.names("", "");
         let end = ServerEnd::open(&self.dds, &self.maker(), &names, Box::new(on_request))?;
-        claim.made(gids(&[end.writer()]), gids(&[end.reader]));
+        claim.made(Made {
+            writers: gids(&[end.writer()]),
+            readers: gids(&[end.reader]),
+            offers: None,
+        });
         let _ = server.end.set(end);
         let core = Arc::clone(self);
         Ok(Box::new(Ros2Served { server, claim: Some(claim), parameter, core }))
@@ -187,16 +193,17 @@ impl Core {
         let topic = format!("rt/{}/_action/status", plan.path);
         let name = TypeName::new("action_msgs", "msg", "GoalStatusArray").to_dds("");
         let status = dds.writer(&topic, &name, &wire::qos(true, true, CACHED))?;
-        claim.made(
-            gids(&[
+        claim.made(Made {
+            writers: gids(&[
                 send_goal.writer(),
                 get_result.writer(),
                 cancel_goal.writer(),
                 feedback.guid(),
                 status.guid(),
             ]),
-            gids(&[send_goal.reader, get_result.reader, cancel_goal.reader]),
-        );
+            readers: gids(&[send_goal.reader, get_result.reader, cancel_goal.reader]),
+            offers: None,
+        });
         let status = Arc::new(Mutex::new(status));
         let ends = Ends { send_goal, get_result, cancel_goal, feedback, status };
         let _ = server.ends.set(ends);
@@ -210,7 +217,7 @@ impl Core {
         ty: &ServiceType,
     ) -> Result<Box<dyn Client>, OpenError> {
         let plan = self.plan(at, ty)?;
-        if let Service::Differs(theirs) = self.graph.service(&plan.wanted) {
+        if let Service::Differs(theirs) = self.graph.service(&plan.wanted, Instant::now()) {
             let ours = types_of_service(ty);
             return Err(OpenError::TypeMismatch { address: at.clone(), ours, theirs });
         }
@@ -226,7 +233,8 @@ impl Core {
         };
         let way = way.map_err(|why| self.failed(at, why))?;
         let (at, ty, style, core) = (at.clone(), ty.clone(), plan.style, Arc::clone(self));
-        Ok(Box::new(Ros2Client { at, ty, style, wanted: plan.wanted, way, core }))
+        let acquainted = Instant::now() + ACQUAINTANCE;
+        Ok(Box::new(Ros2Client { at, ty, style, wanted: plan.wanted, way, acquainted, core }))
     }
 
     fn action(&self, plan: &Plan) -> Result<ActionEnd, String> {

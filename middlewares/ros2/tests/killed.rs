@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use genom_middleware::conformance::eventually;
 use genom_middleware::conformance::samples::{number, numbered, state};
-use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy, Reading};
+use genom_middleware::{Address, Endpoint, EndpointKind, Middleware, OpenError, Policy, Reading};
 use genom_ros2::ServiceMapping;
 use genom_types::Record;
 use world::Domain;
@@ -30,7 +30,9 @@ fn the_address_of_a_killed_daemon_is_free_and_its_reader_goes_on() {
     writer.wait().unwrap();
     let mut next = ros2.publisher(&at, &state()).expect("the address is free");
     let seen = ros2.discover().unwrap();
-    let writers = seen.iter().filter(|end| end.kind == EndpointKind::Publisher).count();
+    let here =
+        |end: &&Endpoint| end.kind == EndpointKind::Publisher && end.address == at.to_string();
+    let writers = seen.iter().filter(here).count();
     assert_eq!(writers, 1, "the killed one is not listed: {seen:?}");
     next.publish(&numbered(10)).unwrap();
     eventually("the next writer is read", || reader.read(&mut got).unwrap() == Reading::New);

@@ -9,10 +9,9 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use genom_components::peer::Peer;
-use genom_middleware::conformance::eventually;
 use genom_middleware::{
-    ActivityId, Address, CallError, Client, Middleware, OpenError, Outcome, Replies,
-    ServiceHandler, ServiceKind, ServiceType,
+    ActivityId, Address, Client, Middleware, OpenError, Outcome, Replies, ServiceHandler,
+    ServiceKind, ServiceType,
 };
 use genom_ros2::{Options, Ros2, ServiceMapping};
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
@@ -232,19 +231,8 @@ fn daemons_call_each_other_under_these_names_too() {
     }
 }
 
-/// Calls a service, as soon as all is known of it: while daemons tell each other what their ends
-/// are, a call is refused before it is sent.
 fn call(client: &mut dyn Client, input: &Record) -> Outcome {
-    let mut outcome = None;
-    eventually("the service is there", || {
-        match client.call(input, Duration::from_secs(60)) {
-            Ok(ended) => outcome = Some(ended),
-            Err(CallError::Nobody { .. }) => {}
-            Err(error) => panic!("{error}"),
-        }
-        outcome.is_some()
-    });
-    outcome.unwrap()
+    client.call(input, Duration::from_secs(60)).unwrap()
 }
 
 #[test]

@@ -1,6 +1,7 @@
 """A DDS peer of another make: reads and writes the topic /demo/position as a ROS 2 node would.
 
-Arguments: the domain, and `read`, `write` or `call`. One line out for each thing done.
+Arguments: the domain, `read`, `write` or `call`, and what is to be other than usual of the quality:
+`best_effort`, `transient_local`. One line out for each thing done.
 """
 
 import os
@@ -73,7 +74,12 @@ def say(line):
 
 PLAIN = Policy.DataRepresentation(use_cdrv0_representation=True)
 QOS = Qos(
-    Policy.Reliability.Reliable(duration(seconds=1)),
+    Policy.Reliability.BestEffort
+    if "best_effort" in sys.argv
+    else Policy.Reliability.Reliable(duration(seconds=1)),
+    Policy.Durability.TransientLocal
+    if "transient_local" in sys.argv
+    else Policy.Durability.Volatile,
     Policy.History.KeepLast(100),
     PLAIN,
 )
@@ -97,7 +103,8 @@ def read():
 
 
 def write():
-    kinds = {"put": State, "short": Short}
+    # `early`: whether anybody is there to read or not.
+    kinds = {"put": State, "early": State, "short": Short}
     writers = {}
     for line in sys.stdin:
         verb, n = line.split()
@@ -105,9 +112,9 @@ def write():
             writers.clear()
             topic = Topic(participant, "rt/demo/position", kinds[verb])
             writers[verb] = DataWriter(participant, topic, qos=QOS)
-            while not writers[verb].get_matched_subscriptions():
+            while verb != "early" and not writers[verb].get_matched_subscriptions():
                 pass_time()
-        writers[verb].write(state(int(n)) if verb == "put" else Short(count=int(n)))
+        writers[verb].write(Short(count=int(n)) if verb == "short" else state(int(n)))
         say("done")
 
 

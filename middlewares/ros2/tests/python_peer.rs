@@ -9,7 +9,6 @@
 
 mod world;
 
-use std::process::Command;
 use std::sync::Arc;
 
 use genom_components::peer::Lines;
@@ -26,13 +25,7 @@ use world::Domain;
 
 /// Starts `peer.py` in a domain.
 fn start(domain: &Domain, what: &str) -> Lines {
-    let python = genom_components::python::environment(&["cyclonedds==11.0.1"])
-        .unwrap_or_else(|error| panic!("the peer in Python cannot be had: {error}"));
-    let mut command = Command::new(python);
-    command
-        .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py"))
-        .args([domain.options().domain.to_string().as_str(), what]);
-    Lines::start(&mut command)
+    domain.peer(&[what])
 }
 
 fn position() -> Address {

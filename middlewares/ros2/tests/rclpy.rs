@@ -79,11 +79,41 @@ fn a_ros_node_reads_a_port_as_a_message_of_its_own() {
     }
     let topics = peer.ask(&json!(["topics"]));
     assert_eq!(topics["/demo/pose"], json!(["geometry_msgs/msg/Pose"]));
+    assert_eq!(ros2.obstacles(&at), [], "the hashes of the types are the same");
     drop(writer);
     peer.ask(&json!(["no node", "demo", "/"]));
     // And when all is closed, of nothing else either.
     drop(ros2);
     peer.ask(&json!(["no writer", "/demo/pose"]));
+}
+
+#[test]
+fn a_node_that_means_another_structure_by_the_name_of_a_type_is_told_of() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let ros2 = domain.open();
+    let mut table = TypeTable::default();
+    let member = Member { name: "heading".to_owned(), ty: table.add(Kind::Double) };
+    let name = ScopedName::new(["geometry_msgs", "pose"]);
+    let id = table.add(Kind::Struct { name, members: vec![member] });
+    let ty = DataType::new(&Arc::new(table), id).unwrap();
+    let at = Address::new("demo", "pose");
+    let _writer = ros2.publisher(&at, &ty).unwrap();
+    let mut peer = peer(&domain);
+    peer.ask(&json!(["read", "/demo/pose", "geometry_msgs/msg/Pose"]));
+    let mut told = Vec::new();
+    eventually("it is told", || {
+        told = ros2.obstacles(&at);
+        !told.is_empty()
+    });
+    let what = &told[0].what;
+    assert!(
+        what.starts_with(
+            "a reader of demo/pose on ros2 means another structure by geometry_msgs/msg/Pose: \
+             RIHS01_"
+        ),
+        "{what}"
+    );
+    assert_eq!(told.len(), 1);
 }
 
 #[test]

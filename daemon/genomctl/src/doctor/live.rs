@@ -89,12 +89,31 @@ async fn daemon(session: &Session) -> Vec<Finding> {
     found
 }
 
-/// Tasks that miss ticks.
+/// Ends of a component's ports that do not meet others, though both are there.
+async fn unmet(session: &Session, component: &str) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let path = crate::names::url(["components", component]);
+    let Ok(told) = session.get(&path).await else { return found };
+    let ports = told["ports"].as_array().map(Vec::as_slice).unwrap_or_default();
+    for port in ports.iter().filter_map(|port| port["name"].as_str()) {
+        let path = crate::names::url(["components", component, "ports", port, "why"]);
+        let Ok(told) = session.get(&path).await else { continue };
+        let told = told["findings"].as_array().map(Vec::as_slice).unwrap_or_default();
+        for one in told.iter().filter(|one| one["unmet"] == true) {
+            let text = |key: &str| one[key].as_str().unwrap_or_default().to_owned();
+            found.push(Finding::problem("ports", text("what"), text("fix")));
+        }
+    }
+    found
+}
+
+/// Tasks that miss ticks, and ports that do not meet.
 async fn tasks(session: &Session) -> Vec<Finding> {
     let mut found = Vec::new();
     let Ok(listed) = session.get("/components").await else { return found };
     let names = listed["components"].as_array().map(Vec::as_slice).unwrap_or_default();
     for name in names.iter().filter_map(|one| one["name"].as_str()) {
+        found.extend(unmet(session, name).await);
         let path = crate::names::url(["components", name, "tasks"]);
         let Ok(told) = session.get(&path).await else { continue };
         let tasks = told["tasks"].as_array().map(Vec::as_slice).unwrap_or_default();

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::BackendNames;
+use super::{BackendNames, QosEntry};
 
 /// A component to load.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, ToSchema)]
@@ -37,6 +37,9 @@ pub(crate) struct LoadRequest {
     /// Middlewares of single ports.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) ports: BTreeMap<String, BackendNames>,
+    /// Quality of service of its ports.
+    #[serde(default, skip_serializing_if = "QosEntry::is_empty")]
+    pub(crate) qos: QosEntry,
     /// Changes to what the description says of tasks.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub(crate) tasks: BTreeMap<String, TaskEntry>,

@@ -135,16 +135,11 @@ impl Config {
 
     /// Reads a text; `path` is for messages.
     pub(crate) fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
-        toml::from_str(text).map_err(|error| {
-            let start = error.span().map_or(0, |span| span.start).min(text.len());
-            let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
-            let message = error.message().trim().replace('\n', ", ");
-            let nearest = nearest_key(&message);
-            ConfigError::Mistake { path: path.to_owned(), line, message, nearest }
-        })
+        toml::from_str(text).map_err(|error| mistake(path, text, &error))
     }
 
-    /// Refuses names of middlewares that are none, with the line where they stand.
+    /// Refuses names of middlewares that are none, and options they have not, with the line where
+    /// they stand.
     pub(crate) fn check(&self, path: &Path, text: &str) -> Result<(), ConfigError> {
         let of_components = self.component.iter().flat_map(|component| {
             let named = component.backend.iter().chain(component.ports.values());
@@ -160,8 +155,18 @@ impl Config {
                 return Err(ConfigError::Mistake { path, line, message, nearest: None });
             }
         }
-        Ok(())
+        toml::from_str::<registry::Sections>(text)
+            .map_err(|error| mistake(path, text, &error))
+            .map(drop)
     }
+}
+
+fn mistake(path: &Path, text: &str, error: &toml::de::Error) -> ConfigError {
+    let start = error.span().map_or(0, |span| span.start).min(text.len());
+    let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
+    let message = error.message().trim().replace('\n', ", ");
+    let nearest = nearest_key(&message);
+    ConfigError::Mistake { path: path.to_owned(), line, message, nearest }
 }
 
 /// Whether a line that is no comment holds this word.
@@ -197,6 +202,21 @@ mod tests {
     fn a_wrong_type_names_file_and_line() {
         let told = mistake("\nbackend = 3\n");
         assert!(told.starts_with("robot.toml:2: invalid type: integer `3`"), "{told}");
+    }
+
+    #[test]
+    fn options_of_middlewares_and_quality_of_ports_are_checked_where_they_stand() {
+        let refused = |text: &str| {
+            let path = Path::new("robot.toml");
+            Config::parse(path, text).and_then(|config| config.check(path, text)).unwrap_err()
+        };
+        let told = refused("\n[backends.ros2]\ndomian = 7\n").to_string();
+        assert!(told.starts_with("robot.toml:3: unknown field `domian`"), "{told}");
+        assert!(told.ends_with("did you mean `domain`?"), "{told}");
+        let entry = "[[component]]\nlibrary = \"demo\"\n[component.qos.ports.pose]\n";
+        let told = refused(&format!("{entry}depth = 3\nreliable = \"best-effort\"\n")).to_string();
+        assert!(told.starts_with("robot.toml:5: `reliable` is true or false"), "{told}");
+        assert!(told.ends_with("did you mean `reliable = false`?"), "{told}");
     }
 
     #[test]

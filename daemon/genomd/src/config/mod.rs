@@ -6,6 +6,7 @@ mod deployment;
 mod error;
 mod file;
 mod overrides;
+mod qos;
 mod rpc;
 mod spot;
 
@@ -19,6 +20,7 @@ pub(crate) use component::LoadRequest;
 pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
 pub(crate) use error::ConfigError;
 pub(crate) use file::Config;
+pub(crate) use qos::QosEntry;
 pub(crate) use rpc::{RpcSettings, Tls};
 pub(crate) use spot::Spot;
 

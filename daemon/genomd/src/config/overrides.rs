@@ -20,7 +20,11 @@ pub(super) fn set<Config: DeserializeOwned + Default>(
         };
         put(&mut table, key.trim(), parse(value.trim())).map_err(|why| refuse(word, why))?;
         // After each, so that the mistaken one is named.
-        config = table.clone().try_into().map_err(|error: toml::de::Error| {
+        let read = table.clone().try_into();
+        let read = read.and_then(|config: Config| {
+            table.clone().try_into::<crate::registry::Sections>().map(|_| config)
+        });
+        config = read.map_err(|error: toml::de::Error| {
             let message = error.message().trim().replace('\n', ", ");
             let near = nearest_key(&message);
             let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();

@@ -130,6 +130,9 @@ fn adapt(
     if hosted.request.tasks != request.tasks {
         return other("other settings of tasks");
     }
+    if hosted.request.qos != request.qos {
+        return other("another quality of service of ports");
+    }
     let default = || BackendNames::one(daemon.settings.backend.as_str());
     let to = request.backend.clone().unwrap_or_else(default);
     let bindings = &hosted.wiring.bindings;

@@ -84,7 +84,7 @@ impl Hosted {
     ) -> Result<Arc<Self>, LoadError> {
         let default = || BackendNames::one(daemon.settings.backend.as_str());
         let backend = request.backend.clone().unwrap_or_else(default);
-        let bindings = Bindings::new(backend.clone(), request.ports.clone());
+        let bindings = Bindings::new(backend.clone(), request.ports.clone(), request.qos.clone());
         let (wiring, killed) = (Arc::new(Wires::new(bindings)), Flag::new());
         let bound = |source| LoadError::Bind { name: name.clone(), source };
         publish::bind(daemon, &component, &plan, &name, &wiring).map_err(bound)?;

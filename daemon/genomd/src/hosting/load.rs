@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use genom_description::diagnostic::Severity;
 use genom_description::diagnostic::render::human;
-use genom_description::model::{Component as Model, ServiceKind, Specification};
+use genom_description::model::{Component as Model, PortDirection, ServiceKind, Specification};
 use genom_description::source::SourceMap;
 use genom_description::{Analysis, Options, preprocess, read, read_text};
 use genom_host::{Component, Library};
@@ -65,6 +65,9 @@ pub(crate) enum LoadError {
     /// The request names a port, task or service that the component has not.
     #[error("{name} has no {what} `{typed}`; {help}")]
     NoSuch { name: String, what: &'static str, typed: String, help: String },
+    /// What the request says of the quality of a port cannot be.
+    #[error("{name}/{port}: {why}")]
+    Qos { name: String, port: String, why: String },
     /// A start codel failed (genom3.md 7.2).
     #[error("{name} does not start: {why}")]
     Start { name: String, why: String },
@@ -76,6 +79,7 @@ impl LoadError {
         match self {
             LoadError::Attribute { key, .. } => key.clone(),
             LoadError::NoSuch { what, typed, .. } => vec![format!("{what}s"), typed.clone()],
+            LoadError::Qos { port, .. } => ["qos", "ports", port].map(str::to_owned).to_vec(),
             LoadError::Backend(_) => vec!["backend".to_owned()],
             LoadError::Override { .. } => vec!["tasks".to_owned()],
             LoadError::Name(_) | LoadError::Taken(_) => vec!["name".to_owned()],
@@ -159,6 +163,28 @@ fn check_names(request: &LoadRequest, model: &Model, instance: &str) -> Result<(
     };
     for port in request.ports.keys() {
         check("port", port, model.ports.iter().map(|port| port.name.as_str()).collect())?;
+    }
+    for (port, qos) in &request.qos.ports {
+        let known = model.ports.iter().find(|known| known.name == *port);
+        let refused = |why: &str| LoadError::Qos {
+            name: instance.to_owned(),
+            port: port.clone(),
+            why: why.to_owned(),
+        };
+        match known {
+            None => {
+                let ports = model.ports.iter().map(|port| port.name.as_str());
+                let help = suggest(port, ports);
+                return Err(refused(&format!("it has no such port; {help}")));
+            }
+            Some(known) if known.direction == PortDirection::In && qos.depth.is_some() => {
+                return Err(refused(
+                    "`depth` is for out ports: what waits to be read is up to the connection's \
+                     policy, for instance ring:5",
+                ));
+            }
+            Some(_) => {}
+        }
     }
     for task in request.tasks.keys() {
         check("task", task, model.tasks.iter().map(|task| task.name.as_str()).collect())?;

@@ -7,6 +7,7 @@ use axum::extract::{Path, State};
 use genom_description::model::{
     CodelParameter, Direction, PortDirection, Service, ServiceKind, Source,
 };
+use genom_middleware::{Address, Obstacle};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -28,6 +29,9 @@ pub(crate) struct Findings {
 pub(crate) struct Finding {
     what: String,
     fix: String,
+    /// Whether both ends are there and still do not meet: a mistake, whatever the port is for.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    unmet: bool,
 }
 
 /// Tell why no data flows through a port, or why a remote calls nothing.
@@ -54,7 +58,7 @@ pub(crate) async fn explain(
 }
 
 fn finding(what: impl Into<String>, fix: impl Into<String>) -> Finding {
-    Finding { what: what.into(), fix: fix.into() }
+    Finding { what: what.into(), fix: fix.into(), unmet: false }
 }
 
 fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
@@ -119,6 +123,7 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
             }
             _ => {}
         }
+        out.extend(unmet(daemon, hosted, port, element.as_deref()));
         if let Some(failed) = counts.map(|counts| counts.failed).filter(|failed| *failed > 0) {
             let what = format!("{failed} writes or reads of {address} failed");
             out.push(finding(what, "look at the exceptions of its codels and at the log"));
@@ -153,6 +158,27 @@ fn of_remote(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
     }
     let what = format!("nobody provides {} {place}", made.service);
     vec![finding(what, "start its component; the connection is still there")]
+}
+
+/// Ends that are there and do not meet, on the middlewares in use.
+fn unmet(daemon: &Daemon, hosted: &Hosted, port: usize, element: Option<&str>) -> Vec<Finding> {
+    let name = &hosted.model().ports[port].name;
+    let on = |backend: &str, address: &Address| {
+        let middleware = daemon.backends.opened(backend);
+        middleware.map(|middleware| middleware.obstacles(address)).unwrap_or_default()
+    };
+    let obstacles = match hosted.wiring.connection(port, element) {
+        Some(made) => on(&made.backend, &made.outport),
+        None if hosted.model().ports[port].direction == PortDirection::In => Vec::new(),
+        None => {
+            let address = hosted.address(name, element);
+            let names = hosted.wiring.bindings.port(name);
+            names.names().iter().flat_map(|backend| on(backend, &address)).collect()
+        }
+    };
+    let fix = |fix: String| fix.replace("PORT]", &format!("{name}]"));
+    let unmet = |one: Obstacle| Finding { unmet: true, ..finding(one.what, fix(one.fix)) };
+    obstacles.into_iter().map(unmet).collect()
 }
 
 /// An out port that was not written for so long does not flow, when nothing runs.

@@ -1,14 +1,17 @@
-//! Which middlewares a component's ports and services are on.
+//! Which middlewares a component's ports and services are on, and in what quality.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::config::BackendNames;
+use genom_middleware::Quality;
+
+use crate::config::{BackendNames, QosEntry};
 
 /// The middlewares of one component: its own, and those of ports that have others.
 #[derive(Debug)]
 pub(crate) struct Bindings {
     state: Mutex<State>,
+    qos: QosEntry,
     /// Held while the component moves: one move at a time.
     turn: Mutex<()>,
 }
@@ -20,8 +23,17 @@ struct State {
 }
 
 impl Bindings {
-    pub(crate) fn new(component: BackendNames, ports: BTreeMap<String, BackendNames>) -> Self {
-        Self { state: Mutex::new(State { component, ports }), turn: Mutex::default() }
+    pub(crate) fn new(
+        component: BackendNames,
+        ports: BTreeMap<String, BackendNames>,
+        qos: QosEntry,
+    ) -> Self {
+        Self { state: Mutex::new(State { component, ports }), qos, turn: Mutex::default() }
+    }
+
+    /// What is asked of a port, wherever it is.
+    pub(crate) fn quality(&self, port: &str) -> Quality {
+        self.qos.of(port)
     }
 
     /// Those of services, and of ports that have no others.

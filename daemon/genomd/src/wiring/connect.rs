@@ -174,7 +174,8 @@ pub(super) fn attach(
         let (backend, why) = (middleware.name().to_owned(), "it has no type".to_owned());
         return Err(OpenError::Failed { backend, address: inport, why });
     };
-    let subscription = middleware.subscription(&outport, ty, policy)?;
+    let quality = hosted.wiring.bindings.quality(&hosted.model().ports[port].name);
+    let subscription = middleware.subscription_of(&outport, ty, policy, &quality)?;
     let tap = Tap::new(subscription, &daemon.clock, ty);
     let backend = middleware.name().to_owned();
     let connection = Connection { inport: inport.clone(), outport, backend, policy, fixed };
@@ -221,7 +222,7 @@ fn choose(
 
 /// Whether somebody announces this out port on a middleware.
 pub(crate) fn publishes(middleware: &dyn Middleware, outport: &Address) -> bool {
-    let wanted = outport.to_string();
+    let wanted = middleware.spelled(outport);
     middleware.discover().is_ok_and(|endpoints| {
         endpoints
             .iter()
@@ -370,7 +371,7 @@ fn check_remote(
         );
         return Err(ConnectError::outport(message, "load both on another backend"));
     }
-    let wanted = outport.to_string();
+    let wanted = middleware.spelled(outport);
     let end = Instant::now()
         + if patient && middleware.capabilities().cross_host { NETWORK } else { ZERO };
     let visible = loop {

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Weak};
 
 use genom_description::model::PortDirection;
-use genom_middleware::{Address, OpenError, Publisher};
+use genom_middleware::{Address, OpenError, Publisher, Quality};
 use genom_runtime::body::{Body, Opener};
 use genom_runtime::plan::Plan;
 use genom_types::DataType;
@@ -25,17 +25,18 @@ pub(crate) enum BindError {
     Open(#[from] Box<OpenError>),
 }
 
-/// Opens an address on each of these middlewares.
+/// Opens an address on each of these middlewares, in this quality.
 pub(super) fn open(
     daemon: &Daemon,
     names: &BackendNames,
     address: &Address,
     ty: &DataType,
+    quality: &Quality,
 ) -> Result<Ends, BindError> {
     let mut ends = Vec::with_capacity(names.names().len());
     for name in names.names() {
         let middleware = daemon.backends.get(name)?;
-        let publisher = middleware.publisher(address, ty).map_err(Box::new)?;
+        let publisher = middleware.publisher_of(address, ty, quality).map_err(Box::new)?;
         ends.push((name.clone(), publisher));
     }
     Ok(ends)
@@ -55,7 +56,9 @@ pub(crate) fn bind(
             && let Some(ty) = plan.port_type(index)
         {
             let address = Address::new(instance, port.name.as_str());
-            let ends = open(daemon, &wires.bindings.port(&port.name), &address, ty)?;
+            let (names, quality) =
+                (wires.bindings.port(&port.name), wires.bindings.quality(&port.name));
+            let ends = open(daemon, &names, &address, ty, &quality)?;
             let fan = Fan::new(ends, &daemon.clock, ty);
             body.bind_out(index, None, Some(fan.publisher()));
             wires.opened(index, None, fan.clone());
@@ -95,7 +98,9 @@ impl Opener for ElementOpener {
         }
         let address = Address::new(self.instance.as_str(), format!("{name}/{element}"));
         let names = self.wires.bindings.port(name);
-        let ends = open(&daemon, &names, &address, ty).map_err(|error| error.to_string())?;
+        let quality = self.wires.bindings.quality(name);
+        let ends = open(&daemon, &names, &address, ty, &quality);
+        let ends = ends.map_err(|error| error.to_string())?;
         let fan = Fan::new(ends, &daemon.clock, ty);
         let publisher = fan.publisher();
         self.wires.opened(port, Some(element), fan.clone());

@@ -222,7 +222,7 @@ fn choose(
         let mut visible = BTreeSet::new();
         for middleware in all {
             let services = services(middleware.as_ref(), at)?;
-            if services.contains(&wanted) {
+            if services.contains(&middleware.spelled(at)) {
                 return Ok(Arc::clone(middleware));
             }
             visible.extend(services);

@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use genom_middleware::{Address, OpenError, Publisher, Subscription};
+use genom_middleware::{Address, OpenError, Publisher, Quality, Subscription};
 use genom_types::Record;
 
 use super::fan::Fan;
@@ -54,11 +54,13 @@ pub(crate) fn switch(
         let name = &hosted.model().ports[index].name;
         let address = hosted.address(name, element.as_deref());
         let present = hosted.wiring.bindings.port(name);
+        let quality = hosted.wiring.bindings.quality(name);
         let value = hosted.port_value(index, element.as_deref());
         let Some(ty) = hosted.port_type(index) else { continue };
         let mut opened = BTreeMap::new();
         for name in to.names().iter().filter(|name| !present.has(name)) {
-            let new = publish::open(daemon, &BackendNames::one(name.as_str()), &address, ty)?;
+            let one = BackendNames::one(name.as_str());
+            let new = publish::open(daemon, &one, &address, ty, &quality)?;
             for (name, mut publisher) in new {
                 // Late readers on the new middleware see the last value at once.
                 let mut record = Record::new(ty);
@@ -138,7 +140,9 @@ fn follow(
             }
             let Some(ty) = reader.port_type(key.0) else { continue };
             let middleware = daemon.backends.get(to.first())?;
-            let end = middleware.subscription(address, ty, connection.policy).map_err(boxed)?;
+            let quality = quality_of(&reader, key.0);
+            let end = middleware.subscription_of(address, ty, connection.policy, &quality);
+            let end = end.map_err(boxed)?;
             let component = Some(Arc::clone(&reader));
             all.push(NewFeed { key, tap, backend: to.first().to_owned(), end, component });
         }
@@ -168,11 +172,16 @@ fn own_feeds(
         if !connect::publishes(middleware.as_ref(), &connection.outport) {
             continue;
         }
-        let end =
-            middleware.subscription(&connection.outport, ty, connection.policy).map_err(boxed)?;
+        let (from, quality) = (&connection.outport, quality_of(hosted, key.0));
+        let end = middleware.subscription_of(from, ty, connection.policy, &quality);
+        let end = end.map_err(boxed)?;
         all.push(NewFeed { key, tap, backend: to.first().to_owned(), end, component: None });
     }
     Ok(all)
+}
+
+fn quality_of(hosted: &Hosted, port: usize) -> Quality {
+    hosted.wiring.bindings.quality(&hosted.model().ports[port].name)
 }
 
 fn boxed(error: OpenError) -> BindError {

@@ -3,8 +3,10 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "test code")]
 
 use std::fs::{File, TryLockError};
+use std::process::Command;
 use std::sync::Arc;
 
+use genom_components::peer::Lines;
 use genom_middleware::Middleware;
 use genom_middleware::conformance::World;
 use genom_ros2::{Options, Ros2, ServiceMapping};
@@ -36,6 +38,17 @@ impl Domain {
 
     pub(crate) fn options(&self) -> Options {
         Options { domain: self.number, services: self.services, ..Options::default() }
+    }
+
+    /// A DDS peer of another make: `peer.py` with these arguments.
+    #[allow(dead_code, reason = "not all tests have one")]
+    pub(crate) fn peer(&self, arguments: &[&str]) -> Lines {
+        let python = genom_components::python::environment(&["cyclonedds==11.0.1"])
+            .unwrap_or_else(|error| panic!("the peer in Python cannot be had: {error}"));
+        let mut command = Command::new(python);
+        command.arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peer.py"));
+        command.arg(self.number.to_string()).args(arguments);
+        Lines::start(&mut command)
     }
 
     pub(crate) fn open(&self) -> Arc<Ros2> {

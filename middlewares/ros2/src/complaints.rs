@@ -1,0 +1,48 @@
+//! What others send and nobody can use: counted, and told in one line a second at most.
+
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// At most one line in this time.
+pub(crate) const BETWEEN_LINES: Duration = Duration::from_secs(1);
+
+/// Counts mistakes of one kind.
+#[derive(Debug, Default)]
+pub(crate) struct Complaints(Mutex<State>);
+
+#[derive(Debug, Default)]
+struct State {
+    count: u64,
+    line: Option<Instant>,
+}
+
+impl Complaints {
+    /// One more; how many there were so far, if that is to be told now.
+    pub(crate) fn add(&self) -> Option<u64> {
+        self.add_at(Instant::now())
+    }
+
+    fn add_at(&self, now: Instant) -> Option<u64> {
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        state.count += 1;
+        let due =
+            state.line.is_none_or(|line| now.saturating_duration_since(line) >= BETWEEN_LINES);
+        due.then(|| {
+            state.line = Some(now);
+            state.count
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flood_is_counted_and_told_once_in_a_while() {
+        let (complaints, start) = (Complaints::default(), Instant::now());
+        let told: Vec<u64> =
+            (0..2500).filter_map(|n| complaints.add_at(start + Duration::from_millis(n))).collect();
+        assert_eq!(told, [1, 1001, 2001]);
+    }
+}

@@ -1,0 +1,200 @@
+//! Quality of service of single ends: what is offered, what is asked for, and what does not fit.
+//!
+//! What a port's configuration says is fixed. Of the rest, a reader follows the writers there
+//! are: it asks for no more than all of them offer, so that none is refused.
+
+use genom_middleware::{Address, Obstacle, Quality};
+use genom_rosidl::TypeName;
+use rustdds::{GUID, QosPolicies, policy};
+
+use crate::graph::Found;
+use crate::options::Qos;
+
+/// What a reader asks its writers for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Asks {
+    pub(crate) reliable: bool,
+    pub(crate) transient_local: bool,
+}
+
+/// What is said of a reader; the rest it takes as it comes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Wish {
+    pub(crate) reliable: Option<bool>,
+    pub(crate) transient_local: Option<bool>,
+}
+
+impl Wish {
+    pub(crate) fn new(of_port: &Quality, default: &Qos) -> Self {
+        Self {
+            // A reader that asks for best effort meets every writer: there is nothing to follow.
+            reliable: of_port.reliable.or((!default.reliable).then_some(false)),
+            transient_local: of_port.transient_local,
+        }
+    }
+
+    /// What to ask for, with these writers there.
+    ///
+    /// The last values of daemons come without asking, and of RustDDS's writers all samples would
+    /// come that they still hold.
+    pub(crate) fn asks(self, ourselves: &GUID, writers: &[(GUID, Found)]) -> Asks {
+        let latched = |(guid, found): &(GUID, Found)| {
+            let durability = found.qos.durability().unwrap_or(policy::Durability::Volatile);
+            durability >= policy::Durability::TransientLocal && !same_make(guid, ourselves)
+        };
+        Asks {
+            reliable: self
+                .reliable
+                .unwrap_or_else(|| writers.iter().all(|(_, found)| is_reliable(&found.qos))),
+            transient_local: self
+                .transient_local
+                .unwrap_or_else(|| !writers.is_empty() && writers.iter().all(latched)),
+        }
+    }
+}
+
+/// What an out port offers.
+pub(crate) fn offered(of_port: &Quality, default: &Qos) -> Qos {
+    Qos {
+        reliable: of_port.reliable.unwrap_or(default.reliable),
+        depth: of_port.depth.unwrap_or(default.depth),
+        transient_local: of_port.transient_local.unwrap_or(default.transient_local),
+    }
+}
+
+/// Ids begin with the number of the maker of the DDS library (RTPS 2.5, 9.3.1.5).
+pub(crate) fn same_make(one: &GUID, other: &GUID) -> bool {
+    one.to_bytes().first_chunk::<2>() == other.to_bytes().first_chunk::<2>()
+}
+
+/// A writer that does not say is reliable (DDS 1.4, 2.2.3).
+fn is_reliable(writer: &QosPolicies) -> bool {
+    !matches!(writer.reliability(), Some(policy::Reliability::BestEffort))
+}
+
+/// Which side is ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ours {
+    Writer,
+    Reader,
+}
+
+/// What keeps a writer and a reader of a topic from meeting, if anything does.
+pub(crate) fn obstacle(
+    at: &Address,
+    ours: Ours,
+    offered: &QosPolicies,
+    requested: &QosPolicies,
+) -> Option<Obstacle> {
+    let which = offered.compliance_failure_wrt(requested)?;
+    let reliability = requested.is_reliable() && !is_reliable(offered);
+    let kept = |qos: &QosPolicies| {
+        qos.durability().unwrap_or(policy::Durability::Volatile)
+            >= policy::Durability::TransientLocal
+    };
+    let durability = !kept(offered) && kept(requested);
+    let mut differs = Vec::new();
+    let mut keys = Vec::new();
+    if reliability {
+        differs.push(("reliable", "best effort"));
+        keys.push(if ours == Ours::Writer { "reliable = true" } else { "reliable = false" });
+    }
+    if durability {
+        differs.push(("transient local", "volatile"));
+        let of_writer = ours == Ours::Writer;
+        keys.push(if of_writer { "transient_local = true" } else { "transient_local = false" });
+    }
+    if differs.is_empty() {
+        let what = format!(
+            "a {} of {at} on ros2 does not connect: its policy {which:?} does not fit",
+            if ours == Ours::Writer { "reader" } else { "writer" },
+        );
+        return Some(Obstacle { what, fix: format!("have it set another {which:?}") });
+    }
+    let asked = differs.iter().map(|(asked, _)| *asked).collect::<Vec<_>>().join(" and ");
+    let given = differs.iter().map(|(_, given)| *given).collect::<Vec<_>>().join(" and ");
+    let keys = keys.join(" and ");
+    Some(match ours {
+        Ours::Writer => Obstacle {
+            what: format!("a reader of {at} on ros2 asks for {asked}, and the port offers {given}"),
+            fix: format!(
+                "`{keys}` in [component.qos.ports.PORT], or have the reader ask for {given}"
+            ),
+        },
+        Ours::Reader => Obstacle {
+            what: format!(
+                "a writer of {at} on ros2 offers {given}, and the in port asks for {asked}"
+            ),
+            fix: format!("leave that out of [component.qos.ports.PORT], or say `{keys}` there"),
+        },
+    })
+}
+
+/// Ends of one type by name whose structures differ, as far as both tell the hash of theirs. DDS
+/// connects them; what they understand of each other is chance.
+pub(crate) fn other_structure(
+    at: &Address,
+    ours: Ours,
+    hash: Option<&str>,
+    theirs: &Found,
+) -> Option<Obstacle> {
+    let (hash, other) = (hash?, theirs.hash.as_deref()?);
+    (hash != other).then(|| Obstacle {
+        what: format!(
+            "a {} of {at} on ros2 means another structure by {}: {other}, and the port {hash}",
+            if ours == Ours::Writer { "reader" } else { "writer" },
+            TypeName::from_dds(&theirs.dds_type),
+        ),
+        fix: "make the two types equal: `genomctl ros2-package` writes that of the port".to_owned(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire;
+
+    const AT: (&str, &str) = ("demo", "scan");
+    const FREE: Wish = Wish { reliable: None, transient_local: None };
+
+    fn writer(reliable: bool, transient_local: bool) -> (GUID, Found) {
+        let qos = wire::qos(reliable, transient_local, 1);
+        let (topic, dds_type, hash) = (String::new(), String::new(), None);
+        let found = Found { topic, dds_type, writer: true, qos, hash };
+        (GUID::from_bytes([1; 16]), found)
+    }
+
+    fn asks(wish: Wish, writers: &[(GUID, Found)]) -> (bool, bool) {
+        let asks = wish.asks(&GUID::from_bytes([2; 16]), writers);
+        (asks.reliable, asks.transient_local)
+    }
+
+    #[test]
+    fn a_reader_asks_for_no_more_than_all_writers_offer_unless_it_is_told_to() {
+        assert_eq!(asks(FREE, &[]), (true, false));
+        assert_eq!(asks(FREE, &[writer(true, true)]), (true, true));
+        assert_eq!(asks(FREE, &[writer(true, true), writer(false, false)]), (false, false));
+        let told = Wish { reliable: Some(true), transient_local: Some(false) };
+        assert_eq!(asks(told, &[writer(false, true)]), (true, false));
+        // The writer is of our own make.
+        let same = FREE.asks(&GUID::from_bytes([1; 16]), &[writer(true, true)]);
+        assert!(!same.transient_local);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_told_with_the_key_that_changes_it() {
+        let at = Address::new(AT.0, AT.1);
+        let (best_effort, reliable) = (wire::qos(false, false, 1), wire::qos(true, true, 1));
+        let told = obstacle(&at, Ours::Writer, &best_effort, &reliable).unwrap();
+        assert_eq!(
+            told.what,
+            "a reader of demo/scan on ros2 asks for reliable and transient local, and the port \
+             offers best effort and volatile"
+        );
+        assert!(told.fix.contains("`reliable = true and transient_local = true`"), "{told:?}");
+        let told = obstacle(&at, Ours::Reader, &wire::qos(false, true, 1), &reliable).unwrap();
+        assert!(told.what.contains("offers best effort, and the in port asks for reliable"));
+        assert!(told.fix.contains("`reliable = false`"), "{told:?}");
+        assert_eq!(obstacle(&at, Ours::Reader, &reliable, &best_effort), None);
+    }
+}

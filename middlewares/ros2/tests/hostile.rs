@@ -1,0 +1,385 @@
+//! Peers that send nonsense: a DDS writer of raw bytes, under the names of ROS.
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
+
+mod world;
+
+use std::convert::Infallible;
+use std::marker::PhantomData;
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use genom_middleware::conformance::eventually;
+use genom_middleware::conformance::samples::{note, note_of, number, numbered, state};
+use genom_middleware::{
+    ActivityId, Address, Middleware, Outcome, Policy, ReadError, Reading, Replies, ServiceHandler,
+    ServiceKind, ServiceType, Subscription,
+};
+use genom_ros2::ServiceMapping;
+use genom_types::{DataType, Kind, Label, Member, Record, ScopedName, TypeTable, UnionMember};
+use rustdds::bytes::Bytes;
+use rustdds::no_key::{DataWriter, SerializerAdapter};
+use rustdds::{
+    DomainParticipant, DomainParticipantBuilder, DomainParticipantStatusEvent,
+    DomainParticipantStatusListener, QosPolicyBuilder, RTPSEntity as _, RepresentationIdentifier,
+    StatusEvented as _, TopicKind, policy,
+};
+use serde_json::json;
+use world::Domain;
+
+/// How a payload is said to be encoded.
+trait Encoding {
+    const IS: RepresentationIdentifier;
+}
+
+struct Plain;
+struct Parameters;
+struct Newer;
+struct Text;
+
+impl Encoding for Plain {
+    const IS: RepresentationIdentifier = RepresentationIdentifier::CDR_LE;
+}
+impl Encoding for Parameters {
+    const IS: RepresentationIdentifier = RepresentationIdentifier::PL_CDR_LE;
+}
+impl Encoding for Newer {
+    const IS: RepresentationIdentifier = RepresentationIdentifier::CDR2_LE;
+}
+impl Encoding for Text {
+    const IS: RepresentationIdentifier = RepresentationIdentifier::XML;
+}
+
+/// Bytes after the encapsulation header, whatever they are.
+struct Raw<E>(Vec<u8>, PhantomData<E>);
+
+struct AsIs<E>(PhantomData<E>);
+
+impl<E: Encoding> SerializerAdapter<Raw<E>> for AsIs<E> {
+    type Error = Infallible;
+
+    fn output_encoding() -> RepresentationIdentifier {
+        E::IS
+    }
+
+    fn to_bytes(raw: &Raw<E>) -> Result<Bytes, Infallible> {
+        Ok(Bytes::from(raw.0.clone()))
+    }
+}
+
+struct Peer {
+    participant: DomainParticipant,
+    publisher: rustdds::Publisher,
+    news: DomainParticipantStatusListener,
+}
+
+struct Writer<E: Encoding>(DataWriter<Raw<E>, AsIs<E>>);
+
+impl Peer {
+    fn new(domain: &Domain) -> Self {
+        let participant = DomainParticipantBuilder::new(domain.options().domain)
+            .with_only_networks([IpAddr::from([127, 0, 0, 1])])
+            .build()
+            .unwrap();
+        let qos = QosPolicyBuilder::new().build();
+        let publisher = participant.create_publisher(&qos).unwrap();
+        let news = participant.status_listener();
+        Self { participant, publisher, news }
+    }
+
+    /// What this writer writes from now on arrives.
+    fn connected<E: Encoding>(&self, writer: &Writer<E>) {
+        let ours = |event| {
+            matches!(event, DomainParticipantStatusEvent::RemoteReaderMatched { local_writer, .. }
+                if local_writer == writer.0.guid())
+        };
+        eventually("a reader is connected", || self.news.try_recv_status().is_some_and(ours));
+    }
+
+    fn writer<E: Encoding>(&self, topic: &str, ty: &str) -> Writer<E> {
+        let qos = QosPolicyBuilder::new()
+            .reliable(rustdds::Duration::from_secs(10))
+            .history(policy::History::KeepLast { depth: 2000 })
+            .build();
+        let topic = self
+            .participant
+            .create_topic(topic.to_owned(), ty.to_owned(), &qos, TopicKind::NoKey)
+            .unwrap();
+        let writer = self.publisher.create_datawriter_no_key(&topic, Some(qos)).unwrap();
+        Writer(writer)
+    }
+}
+
+impl<E: Encoding> Writer<E> {
+    fn write(&self, payload: Vec<u8>) {
+        assert!(self.0.write(Raw(payload, PhantomData), None).is_ok());
+    }
+}
+
+/// Numbers that look random and are the same each time.
+struct Noise(u64);
+
+impl Noise {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        usize::try_from(self.next() % end as u64).unwrap()
+    }
+
+    /// A payload with some bytes changed, a length or number made huge, and often cut.
+    fn spoil(&mut self, good: &[u8]) -> Vec<u8> {
+        let mut bad = good.to_vec();
+        for _ in 0..self.below(4) {
+            let at = self.below(bad.len());
+            bad[at] = self.next().to_le_bytes()[0];
+        }
+        if self.next().is_multiple_of(3) && bad.len() >= 4 {
+            let at = self.below(bad.len() / 4) * 4;
+            bad[at..at + 4].copy_from_slice(&[0xff, 0xff, 0xff, 0x7f]);
+        }
+        if self.next().is_multiple_of(2) {
+            bad.truncate(self.below(bad.len()));
+        }
+        bad
+    }
+}
+
+const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// The payload of a value.
+fn payload(value: &Record) -> Vec<u8> {
+    let mut message = Vec::new();
+    value.encode_message(&mut message).unwrap();
+    message.split_off(4)
+}
+
+/// Waits until the reader has something to say of what was sent.
+fn outcome(reader: &mut dyn Subscription, got: &mut Record) -> Result<(), ReadError> {
+    let mut outcome = Ok(());
+    eventually("it is read or refused", || match reader.read(got) {
+        Ok(reading) => reading == Reading::New,
+        Err(error) => {
+            outcome = Err(error);
+            true
+        }
+    });
+    outcome
+}
+
+/// An in port that a raw writer feeds.
+struct Victim {
+    reader: Box<dyn Subscription>,
+    got: Record,
+    good: Vec<u8>,
+    refused: u64,
+}
+
+impl Victim {
+    fn new(ros2: &dyn Middleware, value: &Record) -> Self {
+        let (at, ty) = (Address::new("demo", "position"), value.ty());
+        Self {
+            reader: ros2.subscription(&at, ty, Policy::Queue(4)).unwrap(),
+            got: Record::new(ty),
+            good: payload(value),
+            refused: 0,
+        }
+    }
+
+    /// Gets a message; each is read, or refused as such and counted.
+    fn suffers<E: Encoding>(&mut self, writer: &Writer<E>, message: Vec<u8>) -> bool {
+        writer.write(message);
+        let outcome = outcome(&mut *self.reader, &mut self.got);
+        assert!(matches!(outcome, Ok(()) | Err(ReadError::Serialization)), "{outcome:?}");
+        self.refused += u64::from(outcome.is_err());
+        assert_eq!(self.reader.dropped(), self.refused);
+        outcome.is_ok()
+    }
+}
+
+fn is_fuzzed(value: &Record, dds_type: &str) {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let (ros2, peer) = (domain.open(), Peer::new(&domain));
+    let mut victim = Victim::new(&*ros2, value);
+    let writer = peer.writer::<Plain>("rt/demo/position", dds_type);
+    peer.connected(&writer);
+    let (good, mut noise) = (victim.good.clone(), Noise(SEED));
+    assert!(victim.suffers(&writer, good.clone()), "a good one is read");
+    assert!(!victim.suffers(&writer, Vec::new()), "one of no bytes is not");
+    for _ in 0..1500 {
+        victim.suffers(&writer, noise.spoil(&good));
+    }
+    assert!(victim.refused > 300, "most of it is nonsense: {}", victim.refused);
+    assert!(victim.suffers(&writer, good), "after all that a good one is read");
+    assert_eq!(victim.got.to_json(), value.to_json());
+}
+
+#[test]
+fn nonsense_of_a_fixed_type_is_refused_and_counted() {
+    is_fuzzed(&numbered(7), "demo::msg::dds_::State_");
+}
+
+#[test]
+fn nonsense_of_strings_and_sequences_is_refused_and_counted() {
+    let mut value = Record::new(&note());
+    value.merge_json(&note_of(6)).unwrap();
+    is_fuzzed(&value, "demo::msg::dds_::Note_");
+}
+
+/// `::demo::command`: a mode and a union over it, with one optional member.
+fn command() -> DataType {
+    let mut table = TypeTable::default();
+    let name = |name: &str| ScopedName::new(["demo", name]);
+    let enumerators = ["halt", "turn", "tell"].map(str::to_owned).to_vec();
+    let mode = table.add(Kind::Enum { name: name("mode"), enumerators });
+    let double = table.add(Kind::Double);
+    let text = table.add(Kind::String { bound: Some(16) });
+    let maybe = table.add(Kind::Optional { element: double });
+    let member =
+        |name: &str, ty, label| UnionMember { name: name.to_owned(), ty, labels: vec![label] };
+    let what = table.add(Kind::Union {
+        name: name("what"),
+        discriminant: mode,
+        members: vec![
+            member("angle", maybe, Label::Value(1)),
+            member("text", text, Label::Value(2)),
+        ],
+    });
+    let member = |name: &str, ty| Member { name: name.to_owned(), ty };
+    let members = vec![member("mode", mode), member("what", what)];
+    let id = table.add(Kind::Struct { name: name("command"), members });
+    DataType::new(&Arc::new(table), id).unwrap()
+}
+
+#[test]
+fn nonsense_of_enums_unions_and_optionals_is_refused_and_counted() {
+    let mut value = Record::new(&command());
+    value
+        .merge_json(&json!({"mode": "tell", "what": {"d": "tell", "u": {"text": "bonjour"}}}))
+        .unwrap();
+    is_fuzzed(&value, "demo::msg::dds_::Command_");
+}
+
+#[test]
+fn wrong_discriminators_lengths_and_texts_are_refused_one_by_one() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let (ros2, peer) = (domain.open(), Peer::new(&domain));
+    let mut value = Record::new(&command());
+    value
+        .merge_json(&json!({"mode": "tell", "what": {"d": "tell", "u": {"text": "bonjour"}}}))
+        .unwrap();
+    let mut victim = Victim::new(&*ros2, &value);
+    let writer = peer.writer::<Plain>("rt/demo/position", "demo::msg::dds_::Command_");
+    peer.connected(&writer);
+    let good = victim.good.clone();
+    // Mode, discriminant, how many angles, how many texts, length of the text, text.
+    let text = good.len() - "bonjour\0".len();
+    for (what, at, word) in [
+        ("an enumerator beyond the last", 0, 3u32),
+        ("a negative one", 0, u32::MAX),
+        ("a discriminant beyond the last", 4, 99),
+        ("a text longer than the message", text - 4, 9),
+        ("a text longer than all memory", text - 4, u32::MAX),
+        ("a text that is no UTF-8", text, 0xffff_ffff),
+        ("two values of an optional", text - 8, 2),
+        ("all values there can be", text - 8, u32::MAX),
+    ] {
+        let mut bad = good.clone();
+        bad[at..at + 4].copy_from_slice(&word.to_le_bytes());
+        assert!(!victim.suffers(&writer, bad), "{what}");
+    }
+    // Messages go in words: what is cut within the last one is filled up with zeros.
+    for end in 0..=good.len() - 4 {
+        assert!(!victim.suffers(&writer, good[..end].to_vec()), "{end} bytes are too few");
+    }
+    assert!(victim.suffers(&writer, good));
+}
+
+#[test]
+fn samples_in_another_encapsulation_are_refused_and_counted() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let (ros2, peer) = (domain.open(), Peer::new(&domain));
+    let mut victim = Victim::new(&*ros2, &numbered(7));
+    fn all<E: Encoding>(victim: &mut Victim, peer: &Peer) -> Vec<bool> {
+        let writer = peer.writer::<E>("rt/demo/position", "demo::msg::dds_::State_");
+        peer.connected(&writer);
+        let good = victim.good.clone();
+        [good, Vec::new()].map(|message| victim.suffers(&writer, message)).to_vec()
+    }
+    assert_eq!(all::<Parameters>(&mut victim, &peer), [false, false]);
+    assert_eq!(all::<Newer>(&mut victim, &peer), [false, false]);
+    assert_eq!(all::<Text>(&mut victim, &peer), [false, false]);
+    assert_eq!(all::<Plain>(&mut victim, &peer), [true, false]);
+    assert_eq!(number(&victim.got), 7);
+}
+
+/// Counts what it is asked; does nothing else.
+#[derive(Default)]
+struct Listener {
+    heard: AtomicU64,
+    last: AtomicU64,
+}
+
+impl ServiceHandler for Listener {
+    fn request(&self, input: Record, mut replies: Box<dyn Replies>) {
+        // A good message with a few bytes changed is one of a state that means nothing.
+        let count = input.to_json()["count"].as_u64().unwrap();
+        let heard = self.heard.fetch_add(1, Ordering::SeqCst) + 1;
+        self.last.store(count, Ordering::SeqCst);
+        replies.accepted(ActivityId(heard));
+        replies.finish(Outcome::Success(numbered(1)));
+    }
+
+    fn cancel(&self, _: ActivityId) {}
+}
+
+const LAST: u64 = 4242;
+
+/// Serves a service, has it asked nonsense under these names, then something sensible.
+fn survives(kind: ServiceKind, topic: &str, dds_type: &str, before: &[u8]) {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let (ros2, peer, other) = (domain.open(), Peer::new(&domain), domain.open());
+    let ty = ServiceType { kind, input: state(), output: state() };
+    let at = Address::new("demo", "goto");
+    let handler = Arc::<Listener>::default();
+    let _served = ros2.serve(&at, &ty, handler.clone()).unwrap();
+    let writer = peer.writer::<Plain>(topic, dds_type);
+    peer.connected(&writer);
+    let (good, mut noise) = ([before, &payload(&numbered(7))].concat(), Noise(SEED));
+    writer.write(Vec::new());
+    for _ in 0..1000 {
+        writer.write(noise.spoil(&good));
+    }
+    // They come in order: when the last one is heard, all were.
+    let mut id = before.to_vec();
+    id.iter_mut().for_each(|byte| *byte = 0xaa);
+    writer.write([&id, &payload(&numbered(LAST))[..]].concat());
+    eventually("the last one is heard", || handler.last.load(Ordering::SeqCst) == LAST);
+    assert!(handler.heard.load(Ordering::SeqCst) < 800, "what is nonsense is not handed on");
+    let mut client = other.client(&at, &ty).unwrap();
+    match client.call(&numbered(9), Duration::from_secs(60)) {
+        Ok(Outcome::Success(output)) => assert_eq!(number(&output), 1),
+        other => panic!("it serves no more: {other:?}"),
+    }
+}
+
+#[test]
+fn a_service_survives_requests_that_are_nonsense() {
+    survives(ServiceKind::Function, "rq/demo/gotoRequest", "demo::srv::dds_::Goto_Request_", &[]);
+}
+
+#[test]
+fn an_action_survives_goals_that_are_nonsense() {
+    survives(
+        ServiceKind::Activity,
+        "rq/demo/goto/_action/send_goalRequest",
+        "demo::action::dds_::Goto_SendGoal_Request_",
+        &[7; 16],
+    );
+}

@@ -1,0 +1,65 @@
+//! What real-time threads feel of ROS 2: nothing.
+
+mod world;
+
+use genom_allocations as allocations;
+use genom_middleware::conformance::eventually;
+use genom_middleware::conformance::samples::{number, numbered, set_number, state};
+use genom_middleware::{Address, Middleware, Policy, Reading};
+use genom_ros2::ServiceMapping;
+use genom_types::Record;
+use world::Domain;
+
+fn position() -> Address {
+    Address::new("demo", "position")
+}
+
+#[test]
+fn writing_and_reading_fixed_types_allocates_nothing() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let (a, b) = (domain.open(), domain.open());
+    let mut writer = a.publisher(&position(), &state()).unwrap();
+    let mut reader = b.subscription(&position(), &state(), Policy::Latest).unwrap();
+    let (mut sent, mut got) = (numbered(0), Record::new(&state()));
+    let mut counted = 0;
+    for n in 1..200 {
+        set_number(&mut sent, n);
+        let before = allocations::count();
+        writer.publish(&sent).unwrap();
+        counted += allocations::count() - before;
+        eventually("the sample arrives", || {
+            let before = allocations::count();
+            let reading = reader.read(&mut got).unwrap();
+            counted += allocations::count() - before;
+            reading == Reading::New && number(&got) == n
+        });
+        // The first round makes what the thread itself needs.
+        if n == 1 {
+            counted = 0;
+        }
+    }
+    assert_eq!(counted, 0);
+}
+
+#[test]
+fn a_stalled_network_holds_up_no_writer_and_the_newest_sample_arrives() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let (a, b) = (domain.open(), domain.open());
+    let mut writer = a.publisher(&position(), &state()).unwrap();
+    let mut reader = b.subscription(&position(), &state(), Policy::Ring(64)).unwrap();
+    let mut got = Record::new(&state());
+    writer.publish(&numbered(1)).unwrap();
+    eventually("they are connected", || reader.read(&mut got).unwrap() == Reading::New);
+
+    let stalled = a.stall();
+    // Returns although nothing is sent: else the test hangs here.
+    for n in 2..=1000 {
+        writer.publish(&numbered(n)).unwrap();
+    }
+    assert!(writer.dropped() > 900, "{} samples are given up", writer.dropped());
+    drop(stalled);
+    eventually("the newest arrives", || {
+        reader.read(&mut got).unwrap() == Reading::New && number(&got) == 1000
+    });
+    assert_eq!(writer.dropped() + 1 + 16, 1000, "as many were kept as may wait");
+}
