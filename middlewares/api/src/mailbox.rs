@@ -22,9 +22,9 @@ pub enum Full {
 
 /// One producer and one consumer at a time; each of them is asked for by the caller.
 #[derive(Debug)]
-pub struct Mailbox {
+pub struct Mailbox<T = Vec<u8>> {
     /// Two more than the ring holds: one in the producer's hands, one in the consumer's.
-    slots: Box<[Slot]>,
+    slots: Box<[Slot<T>]>,
     ring: IndexRing,
     full: Full,
     lost: AtomicU64,
@@ -33,10 +33,10 @@ pub struct Mailbox {
 }
 
 #[derive(Debug)]
-struct Slot {
+struct Slot<T> {
     /// Never contended: a slot belongs to the producer while free, then to who took its index.
     /// The lock is there so that this needs no unsafe code.
-    message: Mutex<Vec<u8>>,
+    message: Mutex<T>,
     used: AtomicBool,
 }
 
@@ -53,9 +53,41 @@ impl Mailbox {
     /// A mailbox of `depth` messages, each with room for `size` bytes beforehand.
     #[must_use]
     pub fn new(depth: usize, size: usize, full: Full) -> Self {
+        Self::with(depth, full, || Vec::with_capacity(size))
+    }
+
+    /// Adds a message that `fill` writes into an empty buffer. Wait-free; nothing is allocated
+    /// when the buffer is large enough.
+    ///
+    /// # Errors
+    /// What `fill` says; nothing was added then.
+    pub fn put<E>(
+        &self,
+        fill: impl FnOnce(&mut Vec<u8>) -> Result<(), E>,
+    ) -> Result<(), PutError<E>> {
+        self.put_by(|message| {
+            message.clear();
+            fill(message)
+        })
+    }
+
+    /// Exchanges the oldest message for an empty buffer; whether there was one.
+    pub fn exchange(&self, buffer: &mut Vec<u8>) -> bool {
+        let Some(index) = self.ring.pop() else { return false };
+        let Some(slot) = self.slots.get(index) else { return false };
+        let taken =
+            slot.message.try_lock().map(|mut message| std::mem::swap(&mut *message, buffer));
+        self.release(index);
+        taken.is_ok()
+    }
+}
+
+impl<T> Mailbox<T> {
+    /// A mailbox of `depth` messages, with what `make` makes in the places of messages to come.
+    #[must_use]
+    pub fn with(depth: usize, full: Full, make: impl Fn() -> T) -> Self {
         let depth = depth.clamp(1, MAX_DEPTH);
-        let slot =
-            || Slot { message: Mutex::new(Vec::with_capacity(size)), used: AtomicBool::new(false) };
+        let slot = || Slot { message: Mutex::new(make()), used: AtomicBool::new(false) };
         Self {
             slots: (0..depth + 2).map(|_| slot()).collect(),
             ring: IndexRing::new(depth),
@@ -71,15 +103,14 @@ impl Mailbox {
         self.lost.load(Ordering::Relaxed)
     }
 
-    /// Adds a message that `fill` writes into an empty buffer. Wait-free; nothing is allocated
-    /// when the buffer is large enough.
+    /// Adds a message that `fill` makes of an old one, and gives what `fill` gives. Wait-free.
     ///
     /// # Errors
     /// What `fill` says; nothing was added then.
-    pub fn put<E>(
+    pub fn put_by<R, E>(
         &self,
-        fill: impl FnOnce(&mut Vec<u8>) -> Result<(), E>,
-    ) -> Result<(), PutError<E>> {
+        fill: impl FnOnce(&mut T) -> Result<R, E>,
+    ) -> Result<R, PutError<E>> {
         let count = self.slots.len();
         let start = self.hint.load(Ordering::Relaxed) as usize;
         let free = (0..count).map(|i| (start + i) % count).find_map(|index| {
@@ -88,8 +119,7 @@ impl Mailbox {
         });
         let (index, slot) = free.ok_or(PutError::Busy)?;
         let mut message = slot.message.try_lock().map_err(|_| PutError::Busy)?;
-        message.clear();
-        fill(&mut message).map_err(PutError::Fill)?;
+        let given = fill(&mut message).map_err(PutError::Fill)?;
         drop(message);
         slot.used.store(true, Ordering::Release);
         self.hint.store((index + 1) as u64, Ordering::Relaxed);
@@ -101,26 +131,16 @@ impl Mailbox {
             self.release(gone);
             self.lost.fetch_add(1, Ordering::Relaxed);
         }
-        Ok(())
+        Ok(given)
     }
 
     /// Gives the oldest message to `see`, if there is one.
-    pub fn take<R>(&self, see: impl FnOnce(&[u8]) -> R) -> Option<R> {
+    pub fn take<R>(&self, see: impl FnOnce(&T) -> R) -> Option<R> {
         let index = self.ring.pop()?;
         let slot = self.slots.get(index)?;
         let seen = slot.message.try_lock().ok().map(|message| see(&message));
         self.release(index);
         seen
-    }
-
-    /// Exchanges the oldest message for an empty buffer; whether there was one.
-    pub fn exchange(&self, buffer: &mut Vec<u8>) -> bool {
-        let Some(index) = self.ring.pop() else { return false };
-        let Some(slot) = self.slots.get(index) else { return false };
-        let taken =
-            slot.message.try_lock().map(|mut message| std::mem::swap(&mut *message, buffer));
-        self.release(index);
-        taken.is_ok()
     }
 
     fn release(&self, index: usize) {

@@ -128,7 +128,7 @@ struct Hear {
 }
 
 impl Sink for Hear {
-    fn arrive(&mut self, sample: &Sample<'_>) {
+    fn arrive(&mut self, sample: Sample<'_>) {
         if sample.writer.prefix == self.ourselves.prefix {
             return;
         }
@@ -477,7 +477,7 @@ impl Middleware for Ros2 {
         let wanted = core.port(EndpointKind::Subscription, at, ty)?;
         let claim = core.graph.claim(at, wanted, core.announcer())?;
         let feed = core.feed(claim.wanted(), ty, quality).map_err(|why| core.failed(at, why))?;
-        let inbox = Arc::new(Inbox::new(policy, room_for(ty)));
+        let inbox = Arc::new(Inbox::new(policy));
         feed.feed.add(&inbox);
         core.orders().offer(Arc::clone(&feed.feed));
         feed.guid(|guid| {

@@ -82,12 +82,12 @@ struct Requests {
 }
 
 impl Sink for Requests {
-    fn arrive(&mut self, sample: &Sample<'_>) {
+    fn arrive(&mut self, sample: Sample<'_>) {
         let asker = prefix(&sample.writer);
         if sample.received < self.since || asker == self.ourselves {
             return;
         }
-        let Some((identity, half, number, body)) = self.open(sample) else {
+        let Some((identity, half, number, body)) = self.open(&sample) else {
             if let Some(requests) = self.bad.add() {
                 tracing::warn!(requests, "left out, without header: other service mapping?");
             }
@@ -280,7 +280,7 @@ struct Answers {
 }
 
 impl Sink for Answers {
-    fn arrive(&mut self, sample: &Sample<'_>) {
+    fn arrive(&mut self, sample: Sample<'_>) {
         if sample.received < self.since {
             return;
         }

@@ -101,7 +101,7 @@ pub(crate) struct Feedback {
 }
 
 impl Sink for Feedback {
-    fn arrive(&mut self, sample: &Sample<'_>) {
+    fn arrive(&mut self, sample: Sample<'_>) {
         if sample.received < self.since {
             return;
         }

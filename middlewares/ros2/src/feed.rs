@@ -29,10 +29,16 @@ const ACQUAINTANCE: Duration = Duration::from_millis(100);
 /// Writers that are remembered, though they may be gone.
 const MANY: usize = 64;
 
+/// A message that all in ports of a topic share: none of them copies it.
+pub(crate) type Message = Arc<Vec<u8>>;
+
+/// Messages that nobody holds any more and that are kept, for their memory.
+const SPARES: usize = 4;
+
 /// Samples of one in port that wait to be read.
 #[derive(Debug)]
 pub(crate) struct Inbox {
-    pub(crate) mailbox: Mailbox,
+    pub(crate) mailbox: Mailbox<Message>,
     /// Whether samples that gave way are losses: not for `latest`.
     counts_lost: bool,
     /// Samples that could not be decoded.
@@ -42,14 +48,14 @@ pub(crate) struct Inbox {
 }
 
 impl Inbox {
-    pub(crate) fn new(policy: Policy, size: usize) -> Self {
+    pub(crate) fn new(policy: Policy) -> Self {
         let (depth, full, counts_lost) = match policy {
             Policy::Latest => (1, Full::Oldest, false),
             Policy::Queue(depth) => (depth, Full::Newest, true),
             Policy::Ring(depth) => (depth, Full::Oldest, true),
         };
         Self {
-            mailbox: Mailbox::new(depth, size, full),
+            mailbox: Mailbox::with(depth, full, Message::default),
             counts_lost,
             undecodable: AtomicU64::new(0),
             refused: AtomicU64::new(0),
@@ -63,14 +69,16 @@ impl Inbox {
         given_up + bad.iter().sum::<u64>()
     }
 
-    fn put(&self, message: &[u8]) {
-        let put = self.mailbox.put(|buffer| {
-            buffer.extend_from_slice(message);
-            Ok::<_, std::convert::Infallible>(())
-        });
-        if put.is_err() {
+    /// Adds a message; gives the one back whose place it takes.
+    fn put(&self, message: &Message) -> Option<Message> {
+        let exchange = |place: &mut Message| {
+            Ok::<_, std::convert::Infallible>(std::mem::replace(place, Arc::clone(message)))
+        };
+        let old = self.mailbox.put_by(exchange).ok();
+        if old.is_none() {
             self.undecodable.fetch_add(1, Ordering::Relaxed);
         }
+        old
     }
 }
 
@@ -95,7 +103,9 @@ pub(crate) struct Feed {
 struct State {
     inboxes: Vec<Weak<Inbox>>,
     /// Writer and message that came last.
-    last: Option<(GUID, Vec<u8>)>,
+    last: Option<(GUID, Message)>,
+    /// See [`SPARES`].
+    spares: Vec<Message>,
     writers: HashMap<GUID, Known>,
     /// Undecodable samples that were told.
     told: u64,
@@ -111,7 +121,7 @@ struct Known {
     /// Version of the graph the verdict is of.
     version: u64,
     /// Its newest sample of those that arrived together, while it is new or not known yet.
-    held: Option<Vec<u8>>,
+    held: Option<Message>,
     /// When it was first heard of.
     since: Instant,
 }
@@ -224,13 +234,16 @@ impl Feed {
 
     /// A sample of this daemon's own out port.
     pub(crate) fn hear(&self, writer: GUID, message: &[u8]) {
-        self.lock().deliver(writer, message);
+        let mut state = self.lock();
+        let message = state.copy(message);
+        state.deliver(writer, message);
     }
 
     /// The last value of this daemon's own out port, unless it came already.
     pub(crate) fn hear_first(&self, writer: GUID, message: &[u8]) {
         let mut state = self.lock();
         if state.last.is_none() {
+            let message = state.copy(message);
             state.deliver(writer, message);
         }
     }
@@ -271,22 +284,45 @@ impl Feed {
 }
 
 impl State {
-    fn deliver(&mut self, writer: GUID, message: &[u8]) {
-        self.inboxes.retain(|inbox| {
+    fn deliver(&mut self, writer: GUID, message: Message) {
+        let Self { inboxes, spares, .. } = self;
+        inboxes.retain(|inbox| {
             let inbox = inbox.upgrade();
             inbox.is_some_and(|inbox| {
-                inbox.put(message);
+                inbox.put(&message).into_iter().for_each(|old| keep(spares, old));
                 true
             })
         });
-        let (by, last) = self.last.get_or_insert_with(|| (writer, Vec::new()));
-        *by = writer;
-        last.clear();
-        last.extend_from_slice(message);
+        if let Some((_, old)) = self.last.replace((writer, message)) {
+            keep(&mut self.spares, old);
+        }
+    }
+
+    /// A message of these bytes.
+    fn copy(&mut self, bytes: &[u8]) -> Message {
+        let mut message = self.spares.pop().unwrap_or_default();
+        let buffer = Arc::make_mut(&mut message);
+        buffer.clear();
+        buffer.extend_from_slice(bytes);
+        message
+    }
+
+    /// A message of these bytes, which are exchanged for a buffer to be used again.
+    fn own(&mut self, bytes: &mut Vec<u8>) -> Message {
+        let mut message = self.spares.pop().unwrap_or_default();
+        std::mem::swap(Arc::make_mut(&mut message), bytes);
+        message
     }
 
     fn live(&self) -> impl Iterator<Item = Arc<Inbox>> {
         self.inboxes.iter().filter_map(Weak::upgrade)
+    }
+}
+
+/// Keeps a message for its memory, if nobody else holds it.
+fn keep(spares: &mut Vec<Message>, mut old: Message) {
+    if spares.len() < SPARES && Arc::get_mut(&mut old).is_some() {
+        spares.push(old);
     }
 }
 
@@ -310,7 +346,7 @@ impl Feed {
         }
         for (writer, verdict, held) in settled {
             if verdict == Verdict::Right {
-                state.deliver(writer, &held);
+                state.deliver(writer, held);
             } else {
                 self.refuse(&state);
             }
@@ -322,7 +358,7 @@ impl Feed {
 pub(crate) struct FeedSink(pub(crate) Arc<Feed>);
 
 impl Sink for FeedSink {
-    fn arrive(&mut self, sample: &Sample<'_>) {
+    fn arrive(&mut self, sample: Sample<'_>) {
         let feed = &*self.0;
         if sample.received < feed.since || sample.writer.prefix == feed.ourselves.prefix {
             return;
@@ -348,9 +384,10 @@ impl Sink for FeedSink {
         }
         (known.stamp, known.number) = (sample.stamp, sample.number);
         if known.verdict == Verdict::Unknown || known.since.elapsed() < ACQUAINTANCE {
-            let held = known.held.get_or_insert_default();
-            held.clear();
-            held.extend_from_slice(sample.message);
+            let message = state.own(sample.message);
+            let known = state.writers.get_mut(&sample.writer);
+            let old = known.and_then(|known| known.held.replace(message));
+            old.into_iter().for_each(|old| keep(&mut state.spares, old));
             return;
         }
         // What was held is older than this, and arrived together with it.
@@ -362,7 +399,8 @@ impl Sink for FeedSink {
         if known.verdict == Verdict::Wrong {
             feed.refuse(&state);
         } else {
-            state.deliver(sample.writer, sample.message);
+            let message = state.own(sample.message);
+            state.deliver(sample.writer, message);
         }
     }
 
@@ -372,7 +410,7 @@ impl Sink for FeedSink {
 
     fn garbled(&mut self) {
         // Nothing can be decoded from nothing: the reader is told.
-        self.0.lock().live().for_each(|inbox| inbox.put(&[]));
+        self.0.lock().live().for_each(|inbox| _ = inbox.put(&Message::default()));
     }
 }
 

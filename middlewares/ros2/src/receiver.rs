@@ -26,8 +26,8 @@ const TURN: usize = 64;
 /// A sample as it arrived.
 #[derive(Debug)]
 pub(crate) struct Sample<'a> {
-    /// Header and payload.
-    pub(crate) message: &'a [u8],
+    /// Header and payload, in a buffer that may be exchanged for another.
+    pub(crate) message: &'a mut Vec<u8>,
     pub(crate) writer: GUID,
     pub(crate) number: i64,
     /// When it was written, as the writer says.
@@ -40,7 +40,7 @@ pub(crate) struct Sample<'a> {
 
 /// Takes the samples of one reader.
 pub(crate) trait Sink: Send {
-    fn arrive(&mut self, sample: &Sample<'_>);
+    fn arrive(&mut self, sample: Sample<'_>);
 
     /// All that was there has been taken, for now.
     fn pause(&mut self) {}
@@ -210,8 +210,8 @@ impl Work {
         reader.drain_read_notifications();
         for _ in 0..TURN {
             match reader.try_take_one_with(CopyTo(&self.buffer)) {
-                Ok(Some(taken)) => sink.arrive(&Sample {
-                    message: &self.buffer.borrow(),
+                Ok(Some(taken)) => sink.arrive(Sample {
+                    message: &mut self.buffer.borrow_mut(),
                     writer: taken.writer_guid,
                     number: i64::from(taken.sequence_number),
                     stamp: taken.source_timestamp(),
