@@ -5,11 +5,12 @@
 mod world;
 
 use std::convert::Infallible;
+use std::fmt::Debug;
 use std::marker::PhantomData;
 use std::net::IpAddr;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 use genom_middleware::conformance::eventually;
 use genom_middleware::conformance::samples::{note, note_of, number, numbered, state};
@@ -27,6 +28,9 @@ use rustdds::{
     StatusEvented as _, TopicKind, policy,
 };
 use serde_json::json;
+use tracing::field::{Field, Visit};
+use tracing::span::{Attributes, Id, Record as Fields};
+use tracing::{Event, Level, Metadata};
 use world::Domain;
 
 /// How a payload is said to be encoded.
@@ -183,9 +187,13 @@ struct Victim {
 
 impl Victim {
     fn new(ros2: &dyn Middleware, value: &Record) -> Self {
-        let (at, ty) = (Address::new("demo", "position"), value.ty());
+        Self::at(ros2, &Address::new("demo", "position"), value)
+    }
+
+    fn at(ros2: &dyn Middleware, at: &Address, value: &Record) -> Self {
+        let ty = value.ty();
         Self {
-            reader: ros2.subscription(&at, ty, Policy::Queue(4)).unwrap(),
+            reader: ros2.subscription(at, ty, Policy::Queue(4)).unwrap(),
             got: Record::new(ty),
             good: payload(value),
             refused: 0,
@@ -317,6 +325,80 @@ fn samples_in_another_encapsulation_are_refused_and_counted() {
     assert_eq!(all::<Text>(&mut victim, &peer), [false, false]);
     assert_eq!(all::<Plain>(&mut victim, &peer), [true, false]);
     assert_eq!(number(&victim.got), 7);
+}
+
+/// What the log says of undecodable samples of [`NOISY`]: how many there were so far, by line.
+#[derive(Default)]
+struct Log(Mutex<Vec<u64>>);
+
+const NOISY: &str = "rt/demo/noisy";
+
+/// The members of one line.
+#[derive(Default)]
+struct Line {
+    topic: String,
+    samples: u64,
+}
+
+impl Visit for Line {
+    fn record_u64(&mut self, field: &Field, value: u64) {
+        if field.name() == "samples" {
+            self.samples = value;
+        }
+    }
+
+    fn record_debug(&mut self, field: &Field, value: &dyn Debug) {
+        if field.name() == "topic" {
+            self.topic = format!("{value:?}");
+        }
+    }
+}
+
+impl tracing::Subscriber for Log {
+    fn enabled(&self, metadata: &Metadata<'_>) -> bool {
+        *metadata.level() <= Level::WARN && metadata.target().starts_with("genom_ros2")
+    }
+
+    fn new_span(&self, _: &Attributes<'_>) -> Id {
+        Id::from_u64(1)
+    }
+
+    fn record(&self, _: &Id, _: &Fields<'_>) {}
+
+    fn record_follows_from(&self, _: &Id, _: &Id) {}
+
+    fn event(&self, event: &Event<'_>) {
+        let mut line = Line::default();
+        event.record(&mut line);
+        if line.topic == NOISY {
+            self.0.lock().unwrap().push(line.samples);
+        }
+    }
+
+    fn enter(&self, _: &Id) {}
+
+    fn exit(&self, _: &Id) {}
+}
+
+#[test]
+fn the_log_tells_of_all_bad_samples_in_one_line_a_second() {
+    let log = Arc::<Log>::default();
+    tracing::subscriber::set_global_default(Arc::clone(&log)).unwrap();
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let (ros2, peer) = (domain.open(), Peer::new(&domain));
+    let mut victim = Victim::at(&*ros2, &Address::new("demo", "noisy"), &numbered(7));
+    let writer = peer.writer::<Plain>(NOISY, "demo::msg::dds_::State_");
+    peer.connected(&writer);
+    let begun = Instant::now();
+    for _ in 0..400 {
+        assert!(!victim.suffers(&writer, vec![1, 2, 3]));
+    }
+    let lines = || log.0.lock().unwrap().clone();
+    eventually("the last one is told of", || lines().last() == Some(&400));
+    let (lines, seconds) = (lines(), begun.elapsed().as_secs_f64());
+    assert!(lines.is_sorted(), "{lines:?}");
+    // The first comes at once.
+    assert!(lines.len() as f64 <= seconds + 1.0, "{lines:?} in {seconds} s");
 }
 
 /// Counts what it is asked; does nothing else.

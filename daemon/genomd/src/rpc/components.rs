@@ -207,6 +207,9 @@ fn refused(error: &LoadError) -> RpcError {
                 "ports"
             }
         )),
+        LoadError::Qos { port, .. } => {
+            RpcError::bad_input(message).place(format!("/qos/ports/{port}"))
+        }
         LoadError::Stopping => RpcError::conflict("stopping", message),
         _ => RpcError::new(StatusCode::UNPROCESSABLE_ENTITY, "not_loadable", message)
             .place("/library"),
