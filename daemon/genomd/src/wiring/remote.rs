@@ -251,7 +251,7 @@ fn choose(
 
 /// Whether somebody announces this service on a middleware.
 pub(crate) fn serves(middleware: &dyn Middleware, service: &Address) -> bool {
-    services(middleware, service).is_ok_and(|all| all.contains(&service.to_string()))
+    services(middleware, service).is_ok_and(|all| all.contains(&middleware.spelled(service)))
 }
 
 /// Addresses of the services visible now.
