@@ -14,12 +14,13 @@
 ``help(demo.goto)`` tells what the component's description says of a service.
 """
 
+from ._ends import Publisher, Subscription
 from .activity import Activity, Status
 from .client import Client, connect
 from .component import Component
 from .errors import DaemonError, GenoMError, InputError, RefusalError
 from .events import EventStream
-from .port import Port, Publisher, Subscription
+from .port import Port
 from .rate import Rate
 
 __all__ = [

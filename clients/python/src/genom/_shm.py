@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import ctypes
 import threading
-from typing import TYPE_CHECKING, Any, Dict, Optional, Tuple
+from typing import Any, Dict, Optional, Tuple
 
 import iceoryx2 as iox2
 
+from ._ends import Publisher, Subscription, look_until
 from ._layout import Codec
+from ._place import Place
 from .errors import GenoMError, InputError, RefusalError
-from .port import Publisher, Subscription, look_until
-
-if TYPE_CHECKING:
-    from .port import Port
 
 _DIGEST = iox2.AttributeKey.new("genom.digest")
 _nodes: Dict[Tuple[Tuple[str, str], ...], Any] = {}
@@ -37,7 +35,7 @@ def _node(meet: Dict[str, str]) -> Any:
     return node
 
 
-def _open(port: "Port", address: str) -> Tuple[Any, Codec]:
+def _open(port: Place, address: str) -> Tuple[Any, Codec]:
     """The service of a port, which the daemon has made, and its type."""
     layout = port.layout()
     codec = Codec(layout)
@@ -59,7 +57,7 @@ class ShmPublisher(Publisher):
 
     fast = True
 
-    def __init__(self, port: "Port", element: Optional[str]) -> None:
+    def __init__(self, port: Place, element: Optional[str]) -> None:
         super().__init__(port, element)
         self._service, self._codec = _open(port, port.address(element))
         try:
@@ -97,7 +95,7 @@ class ShmSubscription(Subscription):
 
     fast = True
 
-    def __init__(self, port: "Port", element: Optional[str], depth: int) -> None:
+    def __init__(self, port: Place, element: Optional[str], depth: int) -> None:
         self.port = port
         self._last = None
         self._service, self._codec = _open(port, str(port._source(element)))

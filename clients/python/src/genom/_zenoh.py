@@ -12,18 +12,16 @@ import queue
 import secrets
 import struct
 import time
-from typing import TYPE_CHECKING, Any, Optional, Tuple
+from typing import Any, Optional, Tuple
 
 import zenoh
 
 from ._cdr import Cdr
+from ._ends import Publisher, Subscription
 from ._helper import helper
 from ._meeting import MATCHING, session
+from ._place import Place
 from .errors import GenoMError, InputError, RefusalError
-from .port import Publisher, Subscription
-
-if TYPE_CHECKING:
-    from .port import Port
 
 # Goes with what only wakes up who waits, and room for it in rings.
 _WAKE = b"genom: wake up"
@@ -47,7 +45,7 @@ def _direct(callback: Any) -> Any:
 class _End:
     """What both ends of a port have."""
 
-    def __init__(self, port: "Port", address: str) -> None:
+    def __init__(self, port: Place, address: str) -> None:
         self.layout = port.layout()
         self.cdr = Cdr(self.layout)
         meet = port._client._meeting_point("zenoh")
@@ -94,7 +92,7 @@ class ZenohPublisher(Publisher):
 
     fast = True
 
-    def __init__(self, port: "Port", element: Optional[str]) -> None:
+    def __init__(self, port: Place, element: Optional[str]) -> None:
         super().__init__(port, element)
         self._end = end = _End(port, port.address(element))
         if end.is_written():
@@ -156,7 +154,7 @@ class ZenohSubscription(Subscription):
 
     fast = True
 
-    def __init__(self, port: "Port", element: Optional[str], depth: int) -> None:
+    def __init__(self, port: Place, element: Optional[str], depth: int) -> None:
         self.port = port
         self._last = None
         self._end = end = _End(port, str(port._source(element)))

@@ -5,13 +5,11 @@ from __future__ import annotations
 import enum
 import threading
 import time
-from typing import TYPE_CHECKING, Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, Optional
 
+from ._daemon import Part
 from ._http import url
 from .errors import GenoMError, exception
-
-if TYPE_CHECKING:
-    from .component import Component
 
 # One request is held so long; waiting for longer takes several.
 _PATIENCE = 30.0
@@ -31,7 +29,7 @@ class Status(str, enum.Enum):
 class Activity:
     """A request of a service. Several threads may wait for it."""
 
-    def __init__(self, component: "Component", service: str) -> None:
+    def __init__(self, component: Part, service: str) -> None:
         self.component = component
         self.service = service
         self._lock = threading.Lock()

@@ -5,10 +5,10 @@ from __future__ import annotations
 import os
 from typing import Any, Callable, Dict, List, Optional, Tuple
 
+from ._daemon import Daemon
 from ._http import Transport, url
 from ._target import resolve
 from .component import Component
-from .errors import RefusalError
 from .events import EventStream
 
 
@@ -38,22 +38,12 @@ def connect(
     return client
 
 
-class Client:
+class Client(Daemon):
     """One daemon. Its components are made into objects by `load`."""
 
     def __init__(self, transport: Transport) -> None:
-        self._transport = transport
-        self._meet: Optional[Dict[str, Dict[str, str]]] = None
+        super().__init__(transport)
         self._paths: List[str] = []
-
-    def about(self) -> Dict[str, Any]:
-        """What the daemon is: version, process, default backend."""
-        return dict(self._transport.request("GET", "/"))
-
-    def components(self) -> List[str]:
-        """Instance names of the components that run."""
-        listed = self._transport.request("GET", "/components")["components"]
-        return [one["name"] for one in listed]
 
     def component(self, name: str) -> Component:
         """A component that runs, by its instance name."""
@@ -83,15 +73,6 @@ class Client:
                 body[key] = self._file(value) if key == "gen" else value
         loaded = self._transport.request("POST", "/components", body)
         return self.component(loaded["name"])
-
-    def connect_port(self, inport: str, outport: str, **options: Any) -> Dict[str, Any]:
-        """Connects an in port to an out port, both ``component/port``.
-
-        ``policy`` is ``latest``, ``queue:N`` or ``ring:N``; ``wait=True`` connects to a port that
-        comes later.
-        """
-        body = {"in": inport, "out": outport, **options}
-        return dict(self._transport.request("POST", "/connections", body))
 
     def events(
         self,
@@ -153,32 +134,6 @@ class Client:
             if os.path.isfile(candidate):
                 return os.path.abspath(candidate)
         return name
-
-    def _meeting_point(self, backend: str) -> Dict[str, str]:
-        """What a program must be told to meet the daemon on a middleware."""
-        if self._meet is None:
-            listed = self._transport.request("GET", "/middlewares")["middlewares"]
-            self._meet = {one["name"]: one.get("meet", {}) for one in listed}
-        if backend not in self._meet:
-            raise RefusalError("unknown_backend", f"the daemon has no backend {backend}")
-        meet = self._meet[backend]
-        if backend == "zenoh" and not self._transport.local:
-            meet = self._from_afar(meet)
-        return meet
-
-    def _from_afar(self, meet: Dict[str, str]) -> Dict[str, str]:
-        """What of it leads from this machine to another one."""
-        host = self._transport.host
-        ends = [end for end in meet.get("connect", "").split(",") if not end.startswith("unixsock")]
-        ends = [end.replace("0.0.0.0", host).replace("[::]", host) for end in ends if end and host]
-        far = {"prefix": meet.get("prefix", "")}
-        return {**far, "connect": ",".join(ends)} if ends else far
-
-    def _visible(self, backend: str) -> List[Dict[str, str]]:
-        """What the daemon sees on a middleware."""
-        listed = self._transport.request("GET", "/middlewares?visible=true")["middlewares"]
-        return [end for one in listed if one["name"] == backend for end in one.get("endpoints", [])]
-
 
 def _options(
     options: Tuple[str, ...], name: Optional[str], backend: Optional[str]

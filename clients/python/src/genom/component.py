@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Callable, Dict, List, Mapping, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Tuple
 
 from . import _signature
+from ._daemon import Daemon, Part
 from ._http import url
 from .activity import Activity
 from .errors import exception_class
 from .port import Port, port_of
 
-if TYPE_CHECKING:
-    from .client import Client
 
-
-class Component:
+class Component(Part):
     """A component that runs. Its services, ports, events and exceptions are its attributes.
 
     A service wins over a port of its name, both win over the methods below: these are then found
     as ``genom.Component.unload(component)``, services in ``component('name')``.
     """
 
-    def __init__(self, client: "Client", description: Dict[str, Any]) -> None:
-        self._client = client
-        self._name: str = description["name"]
+    def __init__(self, daemon: Daemon, description: Dict[str, Any]) -> None:
+        super().__init__(daemon, description["name"])
         self._description = description
         self._services = {one["name"]: one for one in description["services"]}
         self._ports = {
-            one["name"]: port_of(client, self._name, one, description["backend"])
+            one["name"]: port_of(daemon, self._name, one, description["backend"])
             for one in description["ports"]
         }
         if description.get("doc"):

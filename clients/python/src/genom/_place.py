@@ -1,0 +1,73 @@
+"""A port as the daemon has it: its address, type, value and connection."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, Optional
+
+from ._daemon import Daemon
+from ._http import url
+
+
+class Place:
+    """A port of a component, read and written through the daemon."""
+
+    def __init__(
+        self, daemon: Daemon, component: str, description: Dict[str, Any], backend: str
+    ) -> None:
+        self._client = daemon
+        self._component = component
+        self._description = description
+        self._backend = backend
+        self._layout: Optional[Dict[str, Any]] = None
+        self.name: str = description["name"]
+        self.direction: str = description["direction"]
+        self.type: str = description["type"]
+
+    def read(self, element: Optional[str] = None) -> Any:
+        """The last value; None when there was none. ``element`` is one of a multiple port."""
+        return self._get(element).get("value")
+
+    def connected(self, element: Optional[str] = None) -> Optional[str]:
+        """The address that an in port reads, if it is connected."""
+        found = self._get(element).get("connected")
+        return None if found is None else str(found)
+
+    def connect(self, outport: str, **options: Any) -> Dict[str, Any]:
+        """Connects this in port to ``component/port``; options as of `Client.connect_port`."""
+        return self._client.connect_port(self.address(), outport, **options)
+
+    def disconnect(self, element: Optional[str] = None) -> None:
+        """Disconnects this in port."""
+        path = ["connections", self._component, self.name]
+        path += [] if element is None else [element]
+        self._client._transport.request("DELETE", url(*path))
+
+    def publish(self, value: Any, element: Optional[str] = None) -> Any:
+        """Publishes one value to this in port, through the daemon; returns the whole value."""
+        path = self._path(element)
+        return self._client._transport.request("POST", path, value)["value"]
+
+    def address(self, element: Optional[str] = None) -> str:
+        """``component/port``, or ``component/port/element``."""
+        return "/".join([self._component, self.name] + ([] if element is None else [element]))
+
+    def __repr__(self) -> str:
+        return f"<{self.direction} port {self.address()}: {self.type}>"
+
+    def _path(self, element: Optional[str], *more: str) -> str:
+        path = url("components", self._component, "ports", self.name, *more)
+        return path if element is None else path + "?element=" + url(element)[1:]
+
+    def _get(self, element: Optional[str]) -> Dict[str, Any]:
+        return dict(self._client._transport.request("GET", self._path(element)))
+
+    def _source(self, element: Optional[str]) -> Optional[str]:
+        """Where the values come from: an out port's own address."""
+        return self.address(element) if self.direction == "out" else self.connected(element)
+
+    def layout(self) -> Dict[str, Any]:
+        """The port's type as it lies in memory."""
+        if self._layout is None:
+            path = url("components", self._component, "ports", self.name, "type")
+            self._layout = dict(self._client._transport.request("GET", path))
+        return self._layout
