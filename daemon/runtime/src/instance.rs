@@ -5,7 +5,6 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 
-use genom_description::model::{Component, Owner};
 use genom_types::Record;
 use serde_json::Value;
 
@@ -13,7 +12,7 @@ use crate::api::Reply;
 use crate::body::Body;
 use crate::engine::{ActivityStatus, Engine, NoSuchActivity, lock};
 use crate::options::Options;
-use crate::plan::Plan;
+use crate::plan::{Plan, owner_name};
 use crate::shutdown::ShutdownError;
 use crate::start::StartError;
 use crate::statistics::{CodelStatistics, Statistics, TaskStatistics};
@@ -184,15 +183,5 @@ impl Drop for Instance {
 impl fmt::Debug for Instance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Instance({})", self.name())
-    }
-}
-
-/// Task or service that a codel belongs to.
-pub(crate) fn owner_name(model: &Component, owner: Owner) -> &str {
-    match owner {
-        Owner::Task(task) => model.tasks.get(task).map_or("", |task| task.name.as_str()),
-        Owner::Service(service) => {
-            model.services.get(service).map_or("", |service| service.name.as_str())
-        }
     }
 }

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use crate::api::{Outcome, Progress};
 use crate::control::{Afterwards, Control, Phase, interrupted};
 use crate::engine::{Engine, lock};
+use crate::plan::owner_name;
 
 /// Why an instance did not shut down in time. It serves nothing any more; threads that hang are
 /// left behind with the memory they use, and other instances go on.
@@ -141,7 +142,7 @@ impl Engine {
         let model = self.shared.plan.component();
         let name = |codel: usize| {
             let codel = &model.codels[codel];
-            format!("{}: {}", crate::instance::owner_name(model, codel.owner), codel.name)
+            format!("{}: {}", owner_name(model, codel.owner), codel.name)
         };
         let contexts = 0..=self.shared.outside_context();
         let codels = contexts.filter_map(|context| self.shared.current(context)).map(name);

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use genom_middleware::describe::{type_of_port, types_of_service};
 use genom_middleware::{
@@ -12,6 +12,7 @@ use genom_middleware::{
 use genom_types::DataType;
 
 use crate::exchange::{Exchange, MAX_DEPTH};
+use crate::opened::{Opened, Port, lock};
 use crate::ports::{LocalPublisher, LocalSubscription};
 use crate::services::{LocalClient, LocalServed, Services};
 
@@ -20,24 +21,6 @@ use crate::services::{LocalClient, LocalServed, Services};
 pub struct Local {
     ports: Arc<Mutex<HashMap<Address, Port>>>,
     services: Arc<Services>,
-}
-
-struct Port {
-    exchange: Arc<Exchange>,
-    /// Open ends; the port is forgotten with the last one.
-    writers: usize,
-    readers: usize,
-}
-
-/// Keeps an end of a port in the list while it is open.
-pub(crate) struct Opened {
-    ports: Arc<Mutex<HashMap<Address, Port>>>,
-    at: Address,
-    kind: EndpointKind,
-}
-
-fn lock(ports: &Mutex<HashMap<Address, Port>>) -> MutexGuard<'_, HashMap<Address, Port>> {
-    ports.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Local {
@@ -72,20 +55,6 @@ impl Local {
         let end = end(port).ok_or_else(|| OpenError::Taken { address: at.clone() })?;
         drop(ports);
         Ok((end, Opened { ports: Arc::clone(&self.ports), at: at.clone(), kind }))
-    }
-}
-
-impl Drop for Opened {
-    fn drop(&mut self) {
-        let mut ports = lock(&self.ports);
-        let Entry::Occupied(mut port) = ports.entry(self.at.clone()) else { return };
-        match self.kind {
-            EndpointKind::Publisher => port.get_mut().writers -= 1,
-            _ => port.get_mut().readers -= 1,
-        }
-        if port.get().writers + port.get().readers == 0 {
-            port.remove();
-        }
     }
 }
 

@@ -8,6 +8,7 @@
 mod backend;
 mod exchange;
 mod lane;
+mod opened;
 mod ports;
 mod services;
 

@@ -3,8 +3,8 @@
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
 use genom_types::Record;
 
-use crate::backend::Opened;
 use crate::exchange::{Reader, Writer};
+use crate::opened::Opened;
 
 /// An out port. Fields are dropped in order: the address is free once the writer is gone.
 pub(crate) struct LocalPublisher {

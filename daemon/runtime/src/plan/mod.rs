@@ -6,6 +6,7 @@ mod conflict;
 mod event;
 mod machine;
 mod node;
+mod owner;
 mod service;
 
 use std::collections::HashMap;
@@ -19,6 +20,7 @@ use crate::body::EventId;
 pub use event::{Event, EventSet, Meaning};
 pub use machine::{Machine, Transition};
 pub use node::Nodes;
+pub(crate) use owner::owner_name;
 pub use service::{Builtin, ServicePlan};
 
 /// Requests served side by side at most, however many services there are: each needs a thread
