@@ -3,10 +3,8 @@
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-use genom_types::Record;
-
 use crate::CallError;
-use crate::service::{ActivityId, Client, Outcome, Replies};
+use crate::service::{ActivityId, Outcome, Replies};
 
 /// What came back, in order.
 #[derive(Debug)]
@@ -32,18 +30,6 @@ pub struct ReplyReceiver(Receiver<Reply>);
 pub fn pair() -> (ReplySender, ReplyReceiver) {
     let (sender, receiver) = channel();
     (ReplySender(sender), ReplyReceiver(receiver))
-}
-
-impl dyn Client + '_ {
-    /// Sends a request and waits until it ended, at most `timeout`.
-    ///
-    /// # Errors
-    /// As [`request`](Client::request), or nothing came back in time.
-    pub fn call(&mut self, input: &Record, timeout: Duration) -> Result<Outcome, CallError> {
-        let (replies, reply) = pair();
-        let _running = self.request(input, Box::new(replies))?;
-        reply.wait(timeout)
-    }
 }
 
 // A caller that no longer waits is no error of the service.

@@ -6,6 +6,7 @@
 //! one process hands it straight through.
 
 use std::fmt;
+use std::time::Duration;
 
 use genom_types::{DataType, Record};
 use serde_json::Value;
@@ -100,6 +101,16 @@ pub trait Client: Send {
         input: &Record,
         replies: Box<dyn Replies>,
     ) -> Result<Box<dyn Running>, CallError>;
+
+    /// Sends a request and waits until it ended, at most `timeout`.
+    ///
+    /// # Errors
+    /// As [`request`](Client::request), or nothing came back in time.
+    fn call(&mut self, input: &Record, timeout: Duration) -> Result<Outcome, CallError> {
+        let (replies, reply) = crate::reply::pair();
+        let _running = self.request(input, Box::new(replies))?;
+        reply.wait(timeout)
+    }
 }
 
 /// A request under way. Dropping it changes nothing: the service runs on.
