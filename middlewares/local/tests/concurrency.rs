@@ -1,0 +1,73 @@
+//! Readers that come and go while a writer writes values that own memory.
+//!
+//! Nothing but the exchange orders them, so that ThreadSanitizer and Miri see what it promises
+//! (`docs/proofs.md`).
+
+#![allow(clippy::unwrap_used)]
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use genom_local::Local;
+use genom_middleware::conformance::samples::note;
+use genom_middleware::{Address, Middleware, Policy, Reading};
+use genom_types::Record;
+use serde_json::{Value, json};
+
+/// Samples written; Miri is some thousand times slower.
+const LAST: u64 = if cfg!(miri) { 40 } else { 20_000 };
+
+/// A value of many allocations, all of which say which one it is.
+fn value(n: u64) -> Value {
+    let row = vec![n & 0xffff; (n % 5) as usize];
+    json!({ "text": format!("sample {n}"), "rows": [row, row] })
+}
+
+/// Which value it is; it must be a whole one.
+fn number(record: &Record) -> u64 {
+    let found = record.to_json();
+    let text = found["text"].as_str().unwrap();
+    let n = text.strip_prefix("sample ").unwrap().parse().unwrap();
+    assert_eq!(found, value(n), "the sample is torn");
+    n
+}
+
+#[test]
+fn readers_that_come_and_go_see_whole_values_in_order() {
+    let local = Local::new();
+    let at = Address::new("demo", "notes");
+    let mut writer = local.publisher(&at, &note()).unwrap();
+    let ended = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        for policy in [Policy::Latest, Policy::Queue(3), Policy::Ring(3)] {
+            let (local, at, ended) = (&local, &at, &ended);
+            scope.spawn(move || {
+                let mut record = Record::new(&note());
+                let mut newest = 0;
+                while !ended.load(Ordering::Acquire) {
+                    let mut reader = local.subscription(at, &note(), policy).unwrap();
+                    let mut previous = 0;
+                    for _ in 0..8 {
+                        if reader.read(&mut record).unwrap() == Reading::New {
+                            let n = number(&record);
+                            assert!(n > previous, "{n} after {previous}");
+                            previous = n;
+                        }
+                    }
+                    newest = newest.max(previous);
+                    std::thread::yield_now();
+                }
+                // One that comes after the last sample finds it.
+                let mut reader = local.subscription(at, &note(), policy).unwrap();
+                assert_eq!(reader.read(&mut record), Ok(Reading::New));
+                assert!(number(&record) == LAST && newest <= LAST);
+            });
+        }
+        let mut record = Record::new(&note());
+        for n in 1..=LAST {
+            record.merge_json(&value(n)).unwrap();
+            writer.publish(&record).unwrap();
+        }
+        ended.store(true, Ordering::Release);
+    });
+    drop(writer);
+}
