@@ -7,8 +7,10 @@
 #![allow(clippy::panic, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
 use std::fs;
+use std::time::{Duration, Instant};
 
-use genom_tests::{Daemon, Home, component, path};
+use genom_tests::{Daemon, Home, WATCHDOG, component, path};
+use serde_json::Value;
 
 /// Value of a field of a `status` file of the system.
 fn field(status: &str, name: &str) -> String {
@@ -118,4 +120,44 @@ fn the_state_port_tells_when_the_library_was_built() {
     let date = daemon.port("demo", "genom_state")["value"]["date"].as_str().unwrap().to_owned();
     let is_date = date.len() == 20 && date.starts_with("20") && date.ends_with('Z');
     assert!(is_date, "{date}");
+}
+
+/// Figures of the demo's task.
+fn figures(daemon: &Daemon) -> Value {
+    daemon.json(&["stats", "demo"])["tasks"][0].clone()
+}
+
+#[test]
+fn ticks_missed_while_the_system_gave_no_processor_are_counted() {
+    // genom3.md 7.4: what comes beyond the one latched tick is lost, also when the task slept
+    // through it.
+    let daemon = Daemon::demo("local");
+    let overruns = |figures: &Value| figures["overruns"].as_u64().unwrap();
+    let passes = |figures: &Value| figures["lateness"]["count"].as_u64().unwrap();
+    let before = figures(&daemon);
+    let begin = Instant::now();
+    let process = daemon.process().id().to_string();
+    daemon.process().signal("STOP");
+    while !field(&status(&process), "State").starts_with('T') {
+        assert!(begin.elapsed() < WATCHDOG, "it does not stop");
+        std::thread::yield_now();
+    }
+    let stopped = Instant::now();
+    while stopped.elapsed() < Duration::from_millis(100) {
+        std::thread::park_timeout(Duration::from_millis(10));
+    }
+    let period = Duration::from_nanos(before["period_ns"].as_u64().unwrap());
+    let ticks = stopped.elapsed().as_nanos() / period.as_nanos();
+    daemon.process().signal("CONT");
+    // The pass after the stop is counted when two more have been made than were until now.
+    let first = figures(&daemon);
+    let after = loop {
+        let after = figures(&daemon);
+        if passes(&after) >= passes(&first) + 2 {
+            break after;
+        }
+        assert!(begin.elapsed() < WATCHDOG, "the task stands still: {after}");
+    };
+    let missed = u128::from(overruns(&after) - overruns(&before));
+    assert!(missed + 1 >= ticks, "{missed} of {ticks} ticks are counted as missed");
 }

@@ -151,7 +151,7 @@ pub(crate) struct TaskFigures {
     pub(crate) cycles: Histogram,
     /// From the date of a tick to the task's start.
     pub(crate) lateness: Histogram,
-    /// Ticks that came while the task was still at work.
+    /// Ticks that came while the task was still at work, or slept beyond the one before.
     pub(crate) overruns: Counter,
 }
 
@@ -179,7 +179,7 @@ pub struct TaskStatistics {
     pub cycles: Durations,
     /// Time from a tick's date to the start of work.
     pub lateness: Durations,
-    /// Ticks that came while the task was still at work.
+    /// Ticks that came while the task was still at work, or slept beyond the one before.
     pub overruns: u64,
 }
 

@@ -28,7 +28,7 @@ pub enum Change {
         /// Name of the exception it ended with; `None` for success.
         exception: Option<String>,
     },
-    /// Ticks came while a task was still at work.
+    /// Ticks came while a task was still at work, or slept beyond the one before.
     Overrun {
         /// The task.
         task: usize,

@@ -202,8 +202,9 @@ fn a_codel_longer_than_its_period_latches_one_tick() {
     keeper.let_one_pass();
     // The latched tick comes at once; a burst would need the gate ten times.
     keeper.wait();
-    let ticks = overran.recv_timeout(LONG).unwrap();
-    assert!(ticks >= 9, "{ticks}");
+    // A busy machine may have let the task sleep through some before.
+    let ticks = std::iter::from_fn(|| overran.recv_timeout(LONG).ok()).find(|ticks| *ticks >= 9);
+    let ticks = ticks.expect("nine ticks that came while it was at work");
     assert_eq!(calls.load(Ordering::SeqCst), 3);
     drop(keeper);
     instance.shutdown(LONG).unwrap();

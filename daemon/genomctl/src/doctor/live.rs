@@ -120,7 +120,9 @@ async fn tasks(session: &Session) -> Vec<Finding> {
         for task in tasks.iter().filter(|task| task["overruns"].as_u64() > Some(0)) {
             let task_name = task["name"].as_str().unwrap_or_default();
             let what = format!("task {task_name} of {name} missed {} ticks", task["overruns"]);
-            let fix = format!("`genomctl stats {name}`; a longer period, or shorter codels");
+            let fix = format!(
+                "`genomctl stats {name}`; a longer period, shorter codels, or a real-time priority"
+            );
             found.push(Finding::note("tasks", what, fix));
         }
     }

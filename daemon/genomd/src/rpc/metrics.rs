@@ -38,7 +38,7 @@ fn describe(page: &mut Page, hosted: &Hosted) {
     let statistics = hosted.figures();
     for task in &statistics.tasks {
         let labels = [own[0], ("task", task.name.as_str())];
-        let help = "Ticks that came while the task was still at work.";
+        let help = "Ticks that came while the task was at work, or slept beyond the one before.";
         page.add("genom_task_overruns_total", COUNTER, help, &labels, count(task.overruns));
         page.durations("genom_task_work_seconds", "Time at work, by tick.", &labels, &task.cycles);
         let help = "From the date of a tick to the start of work.";

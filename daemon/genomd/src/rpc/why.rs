@@ -216,7 +216,9 @@ fn stopped_tasks(hosted: &Hosted, out: &mut Vec<Finding>) {
         let what = format!("task {} of {name} missed {} ticks", task.name, task.overruns);
         out.push(finding(
             what,
-            format!("`genomctl stats {name}`; a longer period, or shorter codels"),
+            format!(
+                "`genomctl stats {name}`; a longer period, shorter codels, or a real-time priority"
+            ),
         ));
     }
 }

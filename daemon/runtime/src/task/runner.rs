@@ -101,7 +101,7 @@ impl Runner {
         }
     }
 
-    /// Tells watchers of ticks that came while the task was still at work.
+    /// Tells watchers of ticks that were missed.
     pub(crate) fn overran(&mut self, ticks: u64) {
         self.shared.tasks[self.task].figures.overruns.add(ticks);
         let notice = Notice::Overrun { task: self.task, ticks };

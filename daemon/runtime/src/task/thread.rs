@@ -56,13 +56,18 @@ fn periodic(runner: &mut Runner, timing: Timing) {
         tick = true;
         let end = runner.end();
         me.figures.cycles.record(end.saturating_sub(began));
-        if end >= next {
+        let at_work = end >= next;
+        if at_work {
             // The tick is latched: one pass at once, no burst of those that were missed.
-            runner.overran(1 + (end - next) / timing.period);
             began = end;
         } else {
             wait(me, next, end);
             began = shared.clock.now();
+        }
+        // Those that came while the task slept too long are missed as well.
+        let missed = u64::from(at_work) + timing.since(next, began);
+        if missed > 0 {
+            runner.overran(missed);
         }
         now = began;
         me.figures.lateness.record(began.saturating_sub(next));

@@ -22,6 +22,11 @@ impl Timing {
             None => self.base,
         }
     }
+
+    /// Ticks after the one at `tick`, until `date`.
+    pub(crate) fn since(&self, tick: u64, date: u64) -> u64 {
+        date.saturating_sub(tick) / self.period
+    }
 }
 
 #[cfg(test)]
@@ -35,5 +40,13 @@ mod tests {
         assert_eq!(timing.after(103), 113);
         assert_eq!(timing.after(112), 113);
         assert_eq!(timing.after(0), 103);
+    }
+    #[test]
+    fn ticks_that_came_after_one_are_counted_up_to_a_date() {
+        let timing = Timing::new(100, 10, 3);
+        // One is served at 103 or a little later: none is missed. One that ends early has none.
+        assert_eq!([103, 112, 95].map(|date| timing.since(103, date)), [0, 0, 0]);
+        // Served at 113 or 152 only: those at 113, or at 113, 123, 133 and 143, are missed.
+        assert_eq!([113, 122, 152].map(|date| timing.since(103, date)), [1, 1, 4]);
     }
 }
