@@ -253,6 +253,8 @@ fn members_of_the_ids_are_passed_in_place() {
 
 #[test]
 fn inout_parameters_are_seen_among_the_outputs_and_locals_start_empty() {
+    // genom3.md 7.3.4, 7.5: `in` is seen in the inputs, `inout` and `out` in the outputs, which are
+    // filled from the inputs first; locals are made for each run, and all is zero (7.9).
     let mut gen_ = Gen::new();
     let long = gen_.ty(Kind::Long);
     let service = gen_.service(
@@ -292,28 +294,30 @@ fn inout_parameters_are_seen_among_the_outputs_and_locals_start_empty() {
 
 #[test]
 fn an_attribute_stores_into_the_ids_and_fetches_from_there() {
-    // genom3.md 7.3.6: `in` sets, `out` gets, `inout` sets then reads back; copies are deep.
+    // genom3.md 7.3.6: `in` sets, `out` gets, `inout` sets then reads back; copies are deep. What
+    // validation makes of an `in` is stored, what it makes of an `inout` is lost.
     let mut gen_ = Gen::new();
     let text = gen_.string(None);
     let long = gen_.ty(Kind::Long);
-    gen_.ids(&[("a", text), ("b", long)]);
-    let set =
-        gen_.service(ServiceKind::Attribute, "set", &[(In, "a", text), (InOut, "b", long)], &[]);
-    let get =
-        gen_.service(ServiceKind::Attribute, "get", &[(Out, "a", text), (Out, "b", long)], &[]);
+    gen_.ids(&[("a", text), ("b", long), ("c", long)]);
+    let given = [(In, "a", text), (InOut, "b", long), (In, "c", long)];
+    let set = gen_.service(ServiceKind::Attribute, "set", &given, &[]);
+    let told = [(Out, "a", text), (Out, "b", long), (Out, "c", long)];
+    let get = gen_.service(ServiceKind::Attribute, "get", &told, &[]);
     for service in [set, get] {
-        gen_.target(service, 0, &[PathStep::Member(0)]);
-        gen_.target(service, 1, &[PathStep::Member(1)]);
+        (0..3).for_each(|member| gen_.target(service, member, &[PathStep::Member(member)]));
     }
+    let parameter = |index| Source::Parameter { index, path: vec![] };
     let check = gen_.codel(
         Owner::Service(set),
         "check",
-        &[(InOut, "b", long, Source::Parameter { index: 1, path: vec![] })],
+        &[(InOut, "b", long, parameter(1)), (InOut, "c", long, parameter(2))],
     );
     let c = "#include <stdint.h>\n#include <genom3/c/context.h>
-        genom_event check(int32_t *b, const genom_context self) { *b = 99; return 0; }";
+        genom_event check(int32_t *b, int32_t *c, const genom_context self)
+        { *b = 99; *c += 1; return 0; }";
     let loaded = load(gen_, c);
-    let mut frame = loaded.begin(set, json!({ "a": "text", "b": 3 }));
+    let mut frame = loaded.begin(set, json!({ "a": "text", "b": 3, "c": 6 }));
     loaded.call(&mut *frame, check);
     frame.store();
     frame.fetch();
@@ -321,7 +325,7 @@ fn an_attribute_stores_into_the_ids_and_fetches_from_there() {
     drop(frame);
     let mut frame = loaded.begin(get, json!({}));
     frame.fetch();
-    assert_eq!(frame.output().to_json(), json!({ "a": "text", "b": 3 }));
+    assert_eq!(frame.output().to_json(), json!({ "a": "text", "b": 3, "c": 7 }));
 }
 
 /// Component with a codel of `count` doubles, longs and texts in turn, and their sum.

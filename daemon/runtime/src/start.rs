@@ -202,7 +202,11 @@ impl Engine {
                 Ok(())
             }
             Err(source) => {
-                self.lock().alive -= 1;
+                let mut control = self.lock();
+                control.alive -= 1;
+                // Nobody will run its permanent activity: nobody is to wait for its end.
+                control.entries.retain(|entry| entry.task != rank);
+                drop(control);
                 Err(StartError::NoThread {
                     instance: self.name.clone(),
                     task: task.name.clone(),

@@ -9,8 +9,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use genom_runtime::{
-    ActivityPhase, Change, Clock, Instance, Outcome, Plan, PlanError, Progress, TaskOptions,
-    VirtualClock, Watcher,
+    ActivityPhase, Change, Clock, Instance, Outcome, Plan, PlanError, Progress, StartError,
+    TaskOptions, VirtualClock, Watcher,
 };
 use genom_types::Record;
 use support::closures::{Closures, Codel, LONG, next, request};
@@ -233,4 +233,53 @@ fn an_instance_that_is_dropped_ends_its_threads() {
     assert!(next(&job).starts_with("::genom::"), "the client is told");
     // The threads held the body; they have ended.
     assert_eq!(Arc::strong_count(&body), 1);
+}
+
+#[test]
+fn a_task_has_the_stack_that_its_description_gives_it() {
+    // genom3.md 7.4: 8 MB unless it says otherwise, which the codel here would overflow.
+    let body = Closures::new(
+        "component test {
+           task t { stack 64 M; };
+           activity deep() { task t; codel<start> dig() yield ether; };
+         };",
+        &[("dig", {
+            Arc::new(|| {
+                let room = std::hint::black_box([1u8; 12 << 20]);
+                if room.iter().step_by(4096).all(|byte| *byte == 1) { "ether" } else { "start" }
+            })
+        })],
+    );
+    let instance = body.start();
+    let deep = request(&instance, "deep");
+    assert_eq!((next(&deep), next(&deep)), ("accepted 2".into(), "done".into()));
+    instance.shutdown(LONG).unwrap();
+}
+
+#[test]
+fn a_task_that_gets_no_thread_undoes_the_start() {
+    // genom3.md 7.2.3: no machine has such a stack. What was started before is stopped.
+    let (stopped, stops) = std::sync::mpsc::channel();
+    let stopped = std::sync::Mutex::new(stopped);
+    let body = Closures::new(
+        "component test {
+           task a { codel<start> a1() yield pause::start; codel<stop> a_stop() yield ether; };
+           task b { stack 2000000000 M; };
+         };",
+        &[
+            ("a1", codel("pause::start")),
+            (
+                "a_stop",
+                Arc::new(move || {
+                    stopped.lock().unwrap().send(()).unwrap();
+                    "ether"
+                }),
+            ),
+        ],
+    );
+    let error = body.try_start().unwrap_err();
+    assert!(matches!(error, StartError::NoThread { .. }), "{error:?}");
+    assert_eq!(error.to_string(), "task b of test has no thread");
+    assert_eq!(stops.try_iter().count(), 1);
+    assert_eq!(Arc::strong_count(&body), 1, "nothing is left");
 }

@@ -32,12 +32,15 @@ macro_rules! scenarios {
 }
 
 scenarios! {
+    a_codel_may_serve_several_states_with_one_list_of_yields
     a_component_without_task_serves_attributes_and_functions
     a_function_interrupts_after_its_codels_and_does_not_wait
     a_function_runs_its_codels_in_order_until_one_fails
     a_pause_in_a_periodic_task_lasts_until_the_next_tick
     a_pause_in_an_aperiodic_task_lasts_until_something_happens
     a_permanent_activity_that_fails_takes_the_component_with_it
+    a_request_that_fails_validation_frees_its_slot_and_interrupts_nothing
+    a_request_that_fails_wakes_the_tasks_as_well
     a_sleeping_place_waits_for_an_external_event_or_stop
     a_start_codel_that_fails_undoes_the_start
     a_stop_cannot_be_stopped_again
@@ -49,6 +52,8 @@ scenarios! {
     activities_of_several_tasks_run_on_their_own
     after_and_before_look_at_what_ran_successfully
     an_activity_stopped_before_it_started_never_starts
+    an_activity_waits_for_those_it_interrupts_in_other_tasks
+    an_attribute_interrupts_without_waiting_and_counts_as_run
     an_attribute_validates_then_stores_then_fetches
     an_external_event_adds_a_place_while_others_stay_active
     an_interrupting_activity_waits_until_the_interrupted_one_has_ended
@@ -58,7 +63,9 @@ scenarios! {
     inputs_that_are_missing_take_the_defaults_of_the_gen
     nothing_is_served_after_a_shutdown
     of_two_pending_that_interrupt_each_other_the_newest_wins
+    order_is_checked_when_a_request_comes_and_not_again
     pauses_and_continuations_mix_within_a_tick
+    permanent_activities_are_not_interrupted_and_leave_their_task_when_they_end
     permanent_activities_start_in_order_before_requests
     several_instances_of_one_activity_run_at_once
     shutdown_stops_activities_then_tasks_in_reverse_order
@@ -69,6 +76,7 @@ scenarios! {
     the_2011_paper_runs_as_the_2010_one_does
     the_newest_of_several_waiting_for_a_stop_wins
     two_places_that_meet_become_one
+    what_a_port_returns_is_an_exception_its_service_must_declare
 }
 
 #[test]

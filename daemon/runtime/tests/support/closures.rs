@@ -9,7 +9,7 @@ use genom_description::model::Owner;
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, EventId, Frame, Opener, RemoteCall, Returned};
 use genom_runtime::{
-    Instance, Options, Outcome, Plan, Progress, Wiring, WiringError, input_record,
+    Instance, Options, Outcome, Plan, Progress, StartError, Wiring, WiringError, input_record,
 };
 use genom_types::Record;
 use serde_json::{Value, json};
@@ -51,12 +51,20 @@ impl Closures {
         self.start_with(|_| {})
     }
 
+    pub(crate) fn try_start(self: &Arc<Self>) -> Result<Instance, StartError> {
+        self.try_start_with(Options::new("test", Arc::new(Nobody)))
+    }
+
     #[track_caller]
     pub(crate) fn start_with(self: &Arc<Self>, change: impl FnOnce(&mut Options)) -> Instance {
         let mut options = Options::new("test", Arc::new(Nobody));
         change(&mut options);
+        self.try_start_with(options).unwrap()
+    }
+
+    fn try_start_with(self: &Arc<Self>, options: Options) -> Result<Instance, StartError> {
         let body: Arc<dyn Body> = Arc::<Self>::clone(self);
-        Instance::start(Arc::clone(&self.plan), body, options).unwrap()
+        Instance::start(Arc::clone(&self.plan), body, options)
     }
 }
 
