@@ -115,6 +115,44 @@ fn a_library_finds_another_by_origin() {
     assert_eq!(hidden.count(), 0, "the copy beside the original loses its name at once");
 }
 
+/// The library that another test names, opened in its own way.
+const NAMED: &str = "GENOM_TEST_LIBRARY";
+
+#[test]
+fn a_library_that_another_test_names_opens() {
+    let scratch = Scratch::new();
+    let named = std::env::var_os(NAMED).map(std::path::PathBuf::from);
+    let path = named.unwrap_or_else(|| scratch.library("demo.so", "int f(void) { return 1; }"));
+    Library::open(&path).unwrap();
+}
+
+#[test]
+fn a_library_opens_where_the_temporary_directory_is_mounted_noexec() {
+    // In a namespace of its own, where the system lets us have one; what is done then is also
+    // tested without (`library::tests`).
+    let scratch = Scratch::new();
+    let path = scratch.library("demo.so", "int f(void) { return 1; }");
+    let temporary = scratch.path().join("temporary");
+    std::fs::create_dir(&temporary).unwrap();
+    let mount = "mount -t tmpfs -o noexec none \"$TMPDIR\" || exit 77; exec \"$@\"";
+    let mut inside = std::process::Command::new("unshare");
+    inside.args(["--user", "--map-root-user", "--mount", "sh", "-c", mount, "sh"]);
+    inside.arg(std::env::current_exe().unwrap());
+    inside.args(["--exact", "a_library_that_another_test_names_opens", "--nocapture"]);
+    inside.env("TMPDIR", &temporary).env(NAMED, &path);
+    let output = inside.output().unwrap();
+    let said = format!(
+        "{}{}",
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr)
+    );
+    if said.contains("running 1 test") {
+        assert!(output.status.success(), "{said}");
+    } else {
+        println!("no namespace with a file system of its own here: {said}");
+    }
+}
+
 #[test]
 fn an_embedded_description_is_read_without_running_constructors() {
     let scratch = Scratch::new();

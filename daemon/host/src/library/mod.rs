@@ -31,6 +31,9 @@ const SYSTEM: &[&str] = &[
     "ld-",
 ];
 
+/// Opens a file, or says as the dynamic linker does why not.
+type Linker = fn(&Path) -> Result<Handle, String>;
+
 /// The parts of `file` in memory.
 fn own(file: &Path) -> Vec<Mapping> {
     let name = file.to_string_lossy();
@@ -60,34 +63,41 @@ impl Library {
     /// # Errors
     /// When the file is missing, no shared object of this machine, truncated, or not linkable.
     pub fn open(path: &Path) -> Result<Self, OpenError> {
+        Self::open_by(path, Handle::open)
+    }
+
+    /// As [`open`](Self::open), by this linker.
+    fn open_by(path: &Path, link: Linker) -> Result<Self, OpenError> {
         let bytes = elf::read(path)?;
         elf::check(path, &bytes)?;
         let path = path.to_owned();
         if elf::uses_origin(&bytes) {
-            return Self::open_beside(path, bytes);
+            return Self::open_beside(path, bytes, link);
         }
         let copy = match PrivateCopy::new(&path, &bytes) {
             Ok(copy) => copy,
             Err(why) => {
                 tracing::warn!("{}: no copy in the temporary directory: {why}", path.display());
-                return Self::open_beside(path, bytes);
+                return Self::open_beside(path, bytes, link);
             }
         };
-        match Handle::open(copy.path()) {
+        match link(copy.path()) {
             Ok(handle) => {
                 let mappings = own(copy.path());
                 let finishers = elf::finishers(&bytes);
                 Ok(Self { handle, _copy: Some(copy), path, bytes, mappings, finishers })
             }
             // A temporary directory mounted `noexec`.
-            Err(said) if said.contains("failed to map segment") => Self::open_beside(path, bytes),
+            Err(said) if said.contains("failed to map segment") => {
+                Self::open_beside(path, bytes, link)
+            }
             Err(said) => Err(OpenError::from_linker(path, &said)),
         }
     }
 
     /// Loads a copy made beside the original, or else the original.
-    fn open_beside(path: PathBuf, bytes: Vec<u8>) -> Result<Self, OpenError> {
-        let load = |file: &Path| Handle::open(file).map(|handle| (handle, own(file)));
+    fn open_beside(path: PathBuf, bytes: Vec<u8>, link: Linker) -> Result<Self, OpenError> {
+        let load = |file: &Path| link(file).map(|handle| (handle, own(file)));
         let loaded = copy::beside(&path, &bytes, load).unwrap_or_else(|why| {
             tracing::warn!(
                 "{}: loaded in place, no copy beside it: {why}; once rebuilt it needs a restart \
@@ -170,5 +180,43 @@ impl Library {
     /// Whether the byte at `address` lies in this library's memory that nothing writes.
     pub(crate) fn is_constant(&self, address: usize) -> bool {
         self.mappings.iter().any(|own| !own.writable && own.range.contains(&address))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::process::Command;
+
+    use super::*;
+
+    /// A temporary directory mounted `noexec`, as the linker of glibc tells it.
+    fn nothing_runs_in_temporary(file: &Path) -> Result<Handle, String> {
+        if file.parent().unwrap().file_name().unwrap().to_string_lossy().starts_with("genomd-") {
+            return Err("failed to map segment from shared object".to_owned());
+        }
+        Handle::open(file)
+    }
+
+    fn nothing_runs_anywhere(_: &Path) -> Result<Handle, String> {
+        Err("failed to map segment from shared object".to_owned())
+    }
+
+    #[test]
+    fn where_the_temporary_directory_runs_nothing_the_copy_is_made_beside_the_library() {
+        let scratch = tempfile::tempdir().unwrap();
+        let (source, path) = (scratch.path().join("f.c"), scratch.path().join("demo.so"));
+        std::fs::write(&source, "int f(void) { return 1; }").unwrap();
+        let mut compiler = Command::new("cc");
+        compiler.args(["-shared", "-fPIC", "-o"]).arg(&path).arg(&source);
+        assert!(compiler.status().unwrap().success());
+        let library = Library::open_by(&path, nothing_runs_in_temporary).unwrap();
+        let own = library.mappings.first().expect("its parts are known");
+        assert!(own.file.contains("/.demo.so.genomd-"), "{own:?}");
+        assert!(library.own_symbol("f").is_some());
+        // A second load is of a file of its own as well.
+        let other = Library::open_by(&path, nothing_runs_in_temporary).unwrap();
+        assert_ne!(library.own_symbol("f"), other.own_symbol("f"));
+        let refused = Library::open_by(&path, nothing_runs_anywhere).unwrap_err().to_string();
+        assert!(refused.contains("failed to map segment"), "{refused}");
     }
 }
