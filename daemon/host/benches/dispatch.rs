@@ -1,8 +1,12 @@
 //! One codel called three ways, same run, same function: directly, through libffi, and as the
 //! runtime dispatches it (exclusion entered and left, arguments in place, event known, transition
-//! found). Prints the median of each, and what it costs above a direct call.
+//! found). Prints the median of each, and what it costs above a direct call; and the dispatch of
+//! the same codel of a component in C++.
 
 #![allow(missing_docs, unsafe_code, clippy::unwrap_used, clippy::print_stdout)]
+
+#[path = "../tests/support/mod.rs"]
+mod support;
 
 use std::ffi::{c_char, c_void};
 use std::hint::black_box;
@@ -13,10 +17,11 @@ use std::time::Instant;
 use genom_description::model::Owner;
 use genom_host::{Component, Library};
 use genom_runtime::Plan;
-use genom_runtime::body::{Body, Returned};
+use genom_runtime::body::{Body, Frame, Returned};
 use genom_runtime::exclusion::Exclusion;
 use genom_types::Record;
 use libffi::middle::{Arg, Cif, CodePtr, Type};
+use serde_json::json;
 
 const GEN: &str = "component demo {
     struct state { double position; double velocity; };
@@ -47,6 +52,17 @@ const char *servo(double goal, double velocity, bool halted, demo_state *current
 }
 "#;
 
+const CXX: &str = "
+genom::event servo(double goal, double velocity, bool halted, demo::state &current,
+                   demo::parameter &, demo::position &)
+{
+  if (halted) return demo::ether;
+  current.velocity = velocity;
+  current.position += (goal - current.position) * 1e-3;
+  return demo::pause::start;
+}
+";
+
 type Servo = unsafe extern "C" fn(
     f64,
     f64,
@@ -72,6 +88,15 @@ fn time(mut call: impl FnMut()) -> f64 {
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
+}
+
+/// Runs a codel as a task does, but for the clock.
+fn dispatch(plan: &Plan, exclusion: &Exclusion, frame: &mut dyn Frame, codel: usize) {
+    let permit = exclusion.enter(0, codel);
+    let returned = frame.call(codel, 0);
+    drop(permit);
+    let Returned::Event(event) = returned else { return };
+    black_box(plan.transitions(codel).get(usize::from(event.0)));
 }
 
 fn main() {
@@ -114,7 +139,14 @@ fn main() {
         Arg::new(&values.4),
     ];
 
-    let mut rounds: [Vec<f64>; 4] = Default::default();
+    let text = GEN.replacen('{', "{ lang \"c++\";", 1);
+    let cpp = support::cxx::load(&support::cxx::compile(&text, CXX, &["-O2"]), &text);
+    let mut cpp_frame = cpp.begin("goto", json!({ "goal": 1.0 }));
+    let cpp_codel = cpp.plan.component().services[goto].codels[0];
+    let cpp_exclusion = Exclusion::new(cpp.plan.nodes(), cpp.plan.contexts());
+    assert!(matches!(cpp_frame.call(cpp_codel, 0), Returned::Event(_)));
+
+    let mut rounds: [Vec<f64>; 5] = Default::default();
     for _ in 0..ROUNDS {
         rounds[0].push(time(|| {
             let servo = black_box(servo);
@@ -129,15 +161,10 @@ fn main() {
         rounds[2].push(time(|| {
             black_box(frame.call(codel, 0));
         }));
-        rounds[3].push(time(|| {
-            let permit = exclusion.enter(0, codel);
-            let returned = frame.call(codel, 0);
-            drop(permit);
-            let Returned::Event(event) = returned else { return };
-            black_box(plan.transitions(codel).get(usize::from(event.0)));
-        }));
+        rounds[3].push(time(|| dispatch(&plan, &exclusion, &mut *frame, codel)));
+        rounds[4].push(time(|| dispatch(&cpp.plan, &cpp_exclusion, &mut *cpp_frame, cpp_codel)));
     }
-    let names = ["direct C call", "libffi call", "codel call", "codel dispatch"];
+    let names = ["direct C call", "libffi call", "codel call", "codel dispatch", "in C++"];
     let medians = rounds.map(median);
     for (name, ns) in names.iter().zip(medians) {
         println!("{name:16} {ns:6.1} ns  {:6.1} ns above direct", ns - medians[0]);
