@@ -14,7 +14,7 @@ use genom_types::Record;
 use serde_json::{Value, json};
 
 /// Samples written; Miri is some thousand times slower.
-const LAST: u64 = if cfg!(miri) { 40 } else { 20_000 };
+const LAST: u64 = if cfg!(miri) { 10 } else { 20_000 };
 
 /// A value of many allocations, all of which say which one it is.
 fn value(n: u64) -> Value {
