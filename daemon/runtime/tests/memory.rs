@@ -13,7 +13,7 @@ use genom_runtime::exclusion::Exclusion;
 use genom_runtime::plan::Nodes;
 
 /// Rounds of each context; Miri is some thousand times slower.
-const ROUNDS: u64 = if cfg!(miri) { 4 } else { 400 };
+const ROUNDS: u64 = if cfg!(miri) { 2 } else { 400 };
 
 /// Memory that a pair of nodes shares: words that are equal whenever nobody is at work.
 struct Cell {
@@ -65,7 +65,7 @@ fn check(nodes: &Nodes, contexts: usize) {
             });
         }
         scope.spawn(|| {
-            for _ in 0..ROUNDS / 4 {
+            for _ in 0..ROUNDS.div_ceil(4) {
                 let _permit = exclusion.enter_all(contexts);
                 memory.count(|_| true);
             }
@@ -73,7 +73,7 @@ fn check(nodes: &Nodes, contexts: usize) {
     });
     for cell in memory.0 {
         let nodes = if cell.pair.0 == cell.pair.1 { 1 } else { 2 };
-        assert_eq!(cell.words.into_inner(), [nodes * ROUNDS + ROUNDS / 4; 4], "{:?}", cell.pair);
+        assert_eq!(cell.words.into_inner(), [nodes * ROUNDS + ROUNDS.div_ceil(4); 4], "{:?}", cell.pair);
     }
 }
 
@@ -87,8 +87,10 @@ fn what_a_codel_writes_is_seen_by_the_next_that_conflicts() {
 #[test]
 fn what_a_codel_writes_is_seen_in_components_of_many_codels() {
     // More nodes than a word has bits, so that contexts announce what they run.
-    let pairs: Vec<(usize, usize)> =
-        (0..70).flat_map(|a| [(a, (a + 1) % 70), (a, (a + 35) % 70)]).collect();
+    let pairs = (0..70).step_by(2).map(|a| (a, a + 1));
+    // Miri takes long to compile a relation.
+    let more = (0..70).filter(|_| !cfg!(miri)).map(|a| (a, (a + 35) % 70));
+    let pairs: Vec<(usize, usize)> = pairs.chain(more).collect();
     check(&Nodes::of_pairs(70, &pairs), 3);
 }
 
