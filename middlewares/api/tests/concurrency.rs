@@ -98,7 +98,7 @@ fn every_message_of_a_mailbox_arrives_whole_in_order_or_is_counted_as_lost() {
                     assert_eq!(rest, vec![n as u8; (n % 8) as usize]);
                     n
                 };
-                while let Some(n) = mailbox.take(whole) {
+                while let Some(n) = mailbox.take(|message| whole(message)) {
                     assert!(n > previous, "{n} after {previous}");
                     (previous, taken) = (n, taken + 1);
                 }
