@@ -73,7 +73,12 @@ fn check(nodes: &Nodes, contexts: usize) {
     });
     for cell in memory.0 {
         let nodes = if cell.pair.0 == cell.pair.1 { 1 } else { 2 };
-        assert_eq!(cell.words.into_inner(), [nodes * ROUNDS + ROUNDS.div_ceil(4); 4], "{:?}", cell.pair);
+        assert_eq!(
+            cell.words.into_inner(),
+            [nodes * ROUNDS + ROUNDS.div_ceil(4); 4],
+            "{:?}",
+            cell.pair
+        );
     }
 }
 
