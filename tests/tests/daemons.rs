@@ -61,7 +61,38 @@ fn a_daemon_is_supervised_through_another_one() {
     // What is refused there is refused here, in the same words.
     let refused = far(&["call", "demo", "goto", "gaol=1"]);
     refused.expect_code(1).expect_err("did you mean `goal`?");
-    far(&["echo", "demo/position"]).expect_code(1).expect_err("streams are not passed on");
+}
+
+#[test]
+fn streams_of_another_daemon_are_followed_through_this_one() {
+    let (robot, desk) = fleet();
+    let token = robot.home().path().join("driver");
+    let far = |arguments: &[&str]| {
+        desk.spawn(&[&["--host", "zenoh:robot", "--token-file", path(&token)], arguments].concat())
+    };
+    // It was written once at least, when the activity ended.
+    robot.ctl(&["start", "--wait", "demo", "goto", "goal=0.01"]).expect_code(0);
+    let echo = far(&["--json", "echo", "demo/position"]);
+    echo.line_where(|line| line.contains("0.01"));
+    // It goes on: what happens only now comes too.
+    robot.ctl(&["start", "--wait", "demo", "goto", "goal=0.02"]).expect_code(0);
+    echo.line_where(|line| line.contains("0.02"));
+    echo.signal("INT");
+    echo.finish().expect_code(0);
+    // A recording is bytes, not text, and ends when it is asked to.
+    let file = robot.home().path().join("far.mcap");
+    let record = far(&["record", "-o", path(&file), "demo/position"]);
+    record.error_line_where(|line| line.contains("recording to")).expect("it starts");
+    robot.ctl(&["start", "--wait", "demo", "goto", "goal=0.03"]).expect_code(0);
+    record.signal("INT");
+    record.finish().expect_code(0);
+    let recorded = std::fs::read(&file).unwrap();
+    assert!(recorded.starts_with(b"\x89MCAP0\r\n") && recorded.ends_with(b"\x89MCAP0\r\n"));
+    // The robot stops: who follows it is told.
+    let echo = far(&["echo", "demo/position"]);
+    echo.line_where(|line| line.contains("0.03"));
+    robot.stop("TERM").0.expect_code(0);
+    assert_ne!(echo.finish().code, Some(0));
 }
 
 #[test]

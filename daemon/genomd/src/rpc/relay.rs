@@ -2,28 +2,40 @@
 //! supervised from one daemon, and no robot opens a TCP port.
 //!
 //! A request with the header `Genomd-Daemon: NAME` goes to that daemon, with its token, and is
-//! answered there as if it had come by TCP. Streams are not passed on.
+//! answered there as if it had come by TCP. A reply without an end, such as server-sent events, is
+//! fetched piece by piece (`streams`).
 
+mod message;
+mod streams;
+
+use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Json;
 use axum::Router;
-use axum::body::{Body, to_bytes};
-use axum::extract::{Request, State};
-use axum::http::{HeaderValue, StatusCode, header};
+use axum::body::{Body, Bytes, to_bytes};
+use axum::extract::State;
+use axum::http::{HeaderValue, Request, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use genom_middleware::{AskError, Middleware};
+use hyper::body::Body as _;
 use hyper::service::Service as _;
 use hyper_util::service::TowerToHyperService;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+use tokio::sync::{OwnedSemaphorePermit, mpsc};
+use tokio_stream::StreamExt as _;
+use tokio_stream::wrappers::ReceiverStream;
 use utoipa::ToSchema;
 
+use self::message::{Answer, Question};
+use self::streams::Streams;
 use crate::daemon::Daemon;
 use crate::registry;
 use crate::rpc::access::Door;
 use crate::rpc::error::RpcError;
+use crate::rpc::stream;
 use crate::rpc::tokens::Tokens;
 
 /// Names the daemon that a request is meant for.
@@ -38,24 +50,11 @@ const WAIT: Duration = Duration::from_secs(3700);
 /// Greatest answer that is passed on.
 const MOST: usize = 16 << 20;
 
-/// A request on its way.
-#[derive(Debug, Deserialize, Serialize)]
-struct Passed {
-    method: String,
-    /// Path and query.
-    path: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    authorization: Option<String>,
-    body: String,
-}
+/// A reader that takes nothing of a stream for so long is given up.
+const SLOWEST_READER: Duration = Duration::from_secs(10);
 
-/// Its answer.
-#[derive(Debug, Deserialize, Serialize)]
-struct Answered {
-    status: u16,
-    content_type: String,
-    body: String,
-}
+/// Pieces of a stream that wait for the reader.
+const WAITING: usize = 4;
 
 /// Daemons that are visible.
 #[derive(Debug, Serialize, ToSchema)]
@@ -106,7 +105,7 @@ fn relays(daemon: &Daemon) -> Vec<(&'static str, Arc<dyn Middleware>)> {
 /// Passes on what is meant for another daemon.
 pub(super) async fn pass_on(
     State(daemon): State<Arc<Daemon>>,
-    request: Request,
+    request: Request<Body>,
     next: Next,
 ) -> Response {
     let Some(name) = request.headers().get(HEADER) else { return next.run(request).await };
@@ -120,21 +119,55 @@ pub(super) async fn pass_on(
     }
 }
 
-async fn ask(daemon: Arc<Daemon>, name: String, request: Request) -> Result<Response, RpcError> {
+async fn ask(
+    daemon: Arc<Daemon>,
+    name: String,
+    request: Request<Body>,
+) -> Result<Response, RpcError> {
     let (parts, body) = request.into_parts();
     let body = to_bytes(body, daemon.settings.rpc.max_body);
     let body = body.await.map_err(|_| RpcError::too_large())?;
     let path = parts.uri.path_and_query().map_or("/", |path| path.as_str()).to_owned();
     let waits = path.contains("wait=") || path == "/deployment";
-    let authorization = parts.headers.get(header::AUTHORIZATION);
-    let passed = Passed {
+    let given = |key| {
+        let value = parts.headers.get(key).and_then(|given: &HeaderValue| given.to_str().ok());
+        value.map(str::to_owned)
+    };
+    let question = Question::Request(message::Request {
         method: parts.method.to_string(),
         path,
-        authorization: authorization.and_then(|given| given.to_str().ok()).map(str::to_owned),
-        body: String::from_utf8_lossy(&body).into_owned(),
+        authorization: given("authorization"),
+        last_event_id: given("last-event-id"),
+    });
+    let patience = if waits { WAIT } else { ANSWER };
+    let (answer, body) = question_to(&daemon, &name, &question, &body, patience).await?;
+    let body = match answer.stream {
+        None => Body::from(body),
+        Some(stream) => {
+            let slot = stream::slot(&daemon)?;
+            let (sender, pieces) = mpsc::channel(WAITING);
+            tokio::spawn(fetch(daemon, name, stream, sender, slot));
+            Body::from_stream(ReceiverStream::new(pieces).map(Ok::<_, Infallible>))
+        }
     };
-    let bytes =
-        serde_json::to_vec(&passed).map_err(|error| RpcError::internal(error.to_string()))?;
+    let mut response = Response::new(body);
+    *response.status_mut() = StatusCode::from_u16(answer.status).unwrap_or(StatusCode::BAD_GATEWAY);
+    if let Ok(kind) = HeaderValue::from_str(&answer.content_type) {
+        response.headers_mut().insert(header::CONTENT_TYPE, kind);
+    }
+    Ok(response)
+}
+
+/// Asks another daemon.
+async fn question_to(
+    daemon: &Arc<Daemon>,
+    name: &str,
+    question: &Question,
+    body: &[u8],
+    patience: Duration,
+) -> Result<(Answer, Vec<u8>), RpcError> {
+    let bytes = message::encode(question, body);
+    let (daemon, name) = (Arc::clone(daemon), name.to_owned());
     let work = move || {
         let relays = relays(&daemon);
         let Some(relay) = relays.iter().find_map(|(_, open)| open.relay()) else {
@@ -142,8 +175,7 @@ async fn ask(daemon: Arc<Daemon>, name: String, request: Request) -> Result<Resp
             return Err(RpcError::conflict("no_relay", message)
                 .help("start it with `--backend zenoh`, or load a component there"));
         };
-        let answer = relay.ask(&name, &bytes, if waits { WAIT } else { ANSWER });
-        answer.map_err(|error| {
+        relay.ask(&name, &bytes, patience).map_err(|error| {
             let message = error.to_string();
             match error {
                 AskError::Unknown { .. } => {
@@ -158,16 +190,40 @@ async fn ask(daemon: Arc<Daemon>, name: String, request: Request) -> Result<Resp
     let answer = tokio::task::spawn_blocking(work)
         .await
         .map_err(|error| RpcError::internal(error.to_string()))??;
-    let answer: Answered = serde_json::from_slice(&answer).map_err(|error| {
+    let (answer, body) = message::decode(&answer).map_err(|error| {
         let message = format!("the other daemon's answer is not understood: {error}");
         RpcError::new(StatusCode::BAD_GATEWAY, "daemon_silent", message)
     })?;
-    let mut response = Response::new(Body::from(answer.body));
-    *response.status_mut() = StatusCode::from_u16(answer.status).unwrap_or(StatusCode::BAD_GATEWAY);
-    if let Ok(kind) = HeaderValue::from_str(&answer.content_type) {
-        response.headers_mut().insert(header::CONTENT_TYPE, kind);
+    Ok((answer, body.to_vec()))
+}
+
+/// Fetches a stream of another daemon's for a reader here, as long as both are there.
+async fn fetch(
+    daemon: Arc<Daemon>,
+    name: String,
+    stream: String,
+    reader: mpsc::Sender<Bytes>,
+    _slot: OwnedSemaphorePermit,
+) {
+    let more = Question::More(stream.clone());
+    loop {
+        let answer = tokio::select! {
+            () = daemon.closed.raised() => return,
+            () = reader.closed() => break,
+            answer = question_to(&daemon, &name, &more, &[], ANSWER) => answer,
+        };
+        let Ok((answer, piece)) = answer else { return };
+        let sent = piece.is_empty()
+            || reader.send_timeout(Bytes::from(piece), SLOWEST_READER).await.is_ok();
+        if answer.stream.is_none() {
+            return;
+        }
+        if !sent {
+            break;
+        }
     }
-    Ok(response)
+    // Should that get lost, the other daemon closes it when nobody has asked for some time.
+    let _ = question_to(&daemon, &name, &Question::End(stream), &[], ANSWER).await;
 }
 
 /// Shows this daemon on a middleware that passes requests on, and answers those to it.
@@ -181,13 +237,15 @@ pub(crate) fn announce(
     // Whoever comes this way may be anybody on the network: the tokens say who.
     let door = Door::Guarded { tokens: Arc::clone(tokens), certified: Vec::new() };
     let router = super::router(Arc::clone(daemon), door);
+    let streams = Arc::new(Streams::default());
     for name in names(daemon) {
         let (router, runtime) = (router.clone(), runtime.clone());
+        let streams = Arc::clone(&streams);
         let requests = move |bytes: Vec<u8>, answer: Box<dyn FnOnce(Vec<u8>) + Send>| {
-            let router = router.clone();
+            let (router, streams) = (router.clone(), Arc::clone(&streams));
             runtime.spawn(async move {
-                let answered = reply(router, &bytes).await;
-                answer(serde_json::to_vec(&answered).unwrap_or_default());
+                let (head, body) = reply(router, &streams, &bytes).await;
+                answer(message::encode(&head, &body));
             });
         };
         match relay.announce(&name, Box::new(requests)) {
@@ -206,43 +264,55 @@ fn names(daemon: &Daemon) -> Vec<String> {
     vec![name.clone(), format!("{name}-{}", std::process::id())]
 }
 
-async fn reply(router: Router, bytes: &[u8]) -> Answered {
-    let refused = |message: &str| RpcError::new(StatusCode::BAD_REQUEST, "malformed", message);
-    let response = match serde_json::from_slice::<Passed>(bytes) {
-        Err(error) => refused(&error.to_string()).into_response(),
-        Ok(passed) => {
-            let mut request = Request::builder().method(passed.method.as_str()).uri(passed.path);
-            if let Some(authorization) = passed.authorization {
-                request = request.header(header::AUTHORIZATION, authorization);
-            }
-            match request.body(Body::from(passed.body)) {
-                Err(error) => refused(&error.to_string()).into_response(),
-                Ok(request) => match TowerToHyperService::new(router).call(request).await {
-                    Ok(response) => response,
-                    Err(never) => match never {},
-                },
-            }
+async fn reply(router: Router, streams: &Arc<Streams>, bytes: &[u8]) -> (Answer, Vec<u8>) {
+    let refused = |why: String| RpcError::new(StatusCode::BAD_REQUEST, "malformed", why);
+    let response = match message::decode(bytes) {
+        Err(error) => refused(error.to_string()).into_response(),
+        Ok((Question::More(stream), _)) => {
+            let (piece, more) = streams.more(&stream).await;
+            let stream = more.then_some(stream);
+            return (Answer { status: 200, stream, ..Answer::default() }, piece);
         }
+        Ok((Question::End(stream), _)) => {
+            streams.end(&stream);
+            return (Answer { status: 200, ..Answer::default() }, Vec::new());
+        }
+        Ok((Question::Request(passed), body)) => match request(passed, body) {
+            Err(error) => refused(error.to_string()).into_response(),
+            Ok(request) => match TowerToHyperService::new(router).call(request).await {
+                Ok(response) => response,
+                Err(never) => match never {},
+            },
+        },
     };
     let kind = response.headers().get(header::CONTENT_TYPE);
     let content_type = kind.and_then(|kind| kind.to_str().ok()).unwrap_or_default().to_owned();
-    let response = if content_type.starts_with("text/event-stream") {
-        let message = "streams are not passed on between daemons";
-        RpcError::new(StatusCode::NOT_IMPLEMENTED, "no_stream", message)
-            .help("ask for values instead, or reach the daemon by TCP")
-            .into_response()
-    } else {
-        response
-    };
     let status = response.status().as_u16();
-    match to_bytes(response.into_body(), MOST).await {
-        Ok(body) => {
-            Answered { status, content_type, body: String::from_utf8_lossy(&body).into_owned() }
-        }
-        Err(error) => Answered {
-            status: StatusCode::BAD_GATEWAY.as_u16(),
-            content_type: "text/plain".to_owned(),
-            body: error.to_string(),
-        },
+    let failed = |why: String| {
+        let content_type = "text/plain".to_owned();
+        let status = StatusCode::BAD_GATEWAY.as_u16();
+        (Answer { status, content_type, stream: None }, why.into_bytes())
+    };
+    let body = response.into_body();
+    if body.size_hint().exact().is_none() {
+        return match streams.add(body) {
+            Ok(stream) => (Answer { status, content_type, stream: Some(stream) }, Vec::new()),
+            Err(error) => failed(error.to_string()),
+        };
     }
+    match to_bytes(body, MOST).await {
+        Ok(body) => (Answer { status, content_type, stream: None }, body.to_vec()),
+        Err(error) => failed(error.to_string()),
+    }
+}
+
+fn request(passed: message::Request, body: &[u8]) -> Result<Request<Body>, axum::http::Error> {
+    let mut request = Request::builder().method(passed.method.as_str()).uri(passed.path);
+    if let Some(authorization) = passed.authorization {
+        request = request.header(header::AUTHORIZATION, authorization);
+    }
+    if let Some(number) = passed.last_event_id {
+        request = request.header("last-event-id", number);
+    }
+    request.body(Body::from(body.to_vec()))
 }
