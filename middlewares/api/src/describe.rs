@@ -14,8 +14,12 @@ pub fn type_of_port(ty: &DataType) -> String {
     }
 }
 
-/// Input and output of a service.
+/// Input and output of a service, and the digest of what else it agrees on.
 #[must_use]
 pub fn types_of_service(service: &ServiceType) -> String {
-    format!("{} -> {}", type_of_port(&service.input), type_of_port(&service.output))
+    let types = format!("{} -> {}", type_of_port(&service.input), type_of_port(&service.output));
+    match service.described.as_str() {
+        "" => types,
+        digest => format!("{types}, parameters and exceptions {digest}"),
+    }
 }

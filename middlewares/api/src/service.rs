@@ -27,6 +27,7 @@ pub enum ServiceKind {
 
 /// Kind and types of a service.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct ServiceType {
     /// Attribute, function or activity.
     pub kind: ServiceKind,
@@ -34,6 +35,29 @@ pub struct ServiceType {
     pub input: DataType,
     /// Struct of the `out` and `inout` parameters.
     pub output: DataType,
+    /// Digest of its parameters and exceptions (genom3.md 4.9). Empty without a description.
+    pub described: String,
+}
+
+impl ServiceType {
+    /// A service without description.
+    #[must_use]
+    pub fn new(kind: ServiceKind, input: DataType, output: DataType) -> Self {
+        Self { kind, input, output, described: String::new() }
+    }
+
+    /// The same, with the digest of its description.
+    #[must_use]
+    pub fn described(self, digest: impl Into<String>) -> Self {
+        Self { described: digest.into(), ..self }
+    }
+
+    /// By which a caller and a server of one kind agree (genom3.md 4.9, 7.3).
+    #[must_use]
+    pub fn digest(&self) -> String {
+        let types = format!("{}-{}", self.input.digest(), self.output.digest());
+        if self.described.is_empty() { types } else { format!("{types}-{}", self.described) }
+    }
 }
 
 /// One accepted run of an activity, unique within the instance that serves it.

@@ -34,7 +34,8 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 fn same(ours: &ServiceType, theirs: &ServiceType) -> bool {
-    ours.input.same_as(&theirs.input) && ours.output.same_as(&theirs.output)
+    let types = ours.input.same_as(&theirs.input) && ours.output.same_as(&theirs.output);
+    types && ours.described == theirs.described
 }
 
 impl Services {

@@ -66,10 +66,6 @@ impl Plan {
     }
 }
 
-fn digest_of(ty: &ServiceType) -> String {
-    format!("{}-{}", ty.input.digest(), ty.output.digest())
-}
-
 fn gids(guids: &[GUID]) -> Vec<[u8; 16]> {
     guids.iter().map(|guid| guid.to_bytes()).collect()
 }
@@ -91,7 +87,7 @@ impl Core {
             kind: EndpointKind::Service,
             address: self.full(at),
             types: types_of_service(ty),
-            digest: digest_of(ty),
+            digest: ty.digest(),
             topic: format!("rq/{path}{suffix}Request"),
             hash: None,
             dds_type: ros.to_dds(&format!("{part}_Request")),

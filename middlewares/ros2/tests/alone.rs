@@ -55,7 +55,7 @@ fn both_ends_of_a_service_may_be_in_one_daemon() {
     let world = Domain::new(ServiceMapping::Enhanced);
     let alone = world.join();
     let (at, state) = (Address::new("demo", "goto"), samples::state());
-    let ty = ServiceType { kind: ServiceKind::Function, input: state.clone(), output: state };
+    let ty = ServiceType::new(ServiceKind::Function, state.clone(), state);
     let _served = alone.serve(&at, &ty, Arc::new(Echo)).unwrap();
     let mut client = alone.client(&at, &ty).unwrap();
     for n in 1..4 {

@@ -427,7 +427,7 @@ const LAST: u64 = 4242;
 fn survives(kind: ServiceKind, topic: &str, dds_type: &str, before: &[u8]) {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let (ros2, peer, other) = (domain.open(), Peer::new(&domain), domain.open());
-    let ty = ServiceType { kind, input: state(), output: state() };
+    let ty = ServiceType::new(kind, state(), state());
     let at = Address::new("demo", "goto");
     let handler = Arc::<Listener>::default();
     let _served = ros2.serve(&at, &ty, handler.clone()).unwrap();

@@ -60,7 +60,7 @@ fn service(
     input: &[(&str, Make)],
     output: &[(&str, Make)],
 ) -> ServiceType {
-    ServiceType { kind, input: part(name, "input", input), output: part(name, "output", output) }
+    ServiceType::new(kind, part(name, "input", input), part(name, "output", output))
 }
 
 fn enable() -> ServiceType {

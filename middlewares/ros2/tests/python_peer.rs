@@ -96,7 +96,7 @@ impl ServiceHandler for Adder {
 fn a_dds_peer_calls_a_service_as_rmw_cyclonedds_does() {
     let domain = Domain::new(ServiceMapping::Cyclone);
     let ros2 = domain.open();
-    let ty = ServiceType { kind: ServiceKind::Function, input: state(), output: state() };
+    let ty = ServiceType::new(ServiceKind::Function, state(), state());
     let at = Address::new("demo", "goto");
     let _served = ros2.serve(&at, &ty, Arc::new(Adder)).unwrap();
     let mut peer = start(&domain, "call");

@@ -173,11 +173,11 @@ impl Attribute {
             let name = format!("{verb}_{member}");
             let (input, output): (&[_], &[_]) =
                 if verb == "get" { (&[], &value) } else { (&value, &[]) };
-            let ty = ServiceType {
-                kind: ServiceKind::Attribute,
-                input: structure(&name, "input", input),
-                output: structure(&name, "output", output),
-            };
+            let ty = ServiceType::new(
+                ServiceKind::Attribute,
+                structure(&name, "input", input),
+                structure(&name, "output", output),
+            );
             let handler = Arc::new(Self { ids: Arc::clone(ids), ty: ty.clone() });
             ros2.serve(&Address::new("robot", name), &ty, handler).unwrap()
         })

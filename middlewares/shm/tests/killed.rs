@@ -120,7 +120,7 @@ fn another_process_sees_the_last_value_of_every_kind() {
 fn the_caller_of_a_killed_service_is_told() {
     let world = ShmWorld::new();
     let shm = world.open();
-    let goto = ServiceType { kind: ServiceKind::Activity, input: state(), output: state() };
+    let goto = ServiceType::new(ServiceKind::Activity, state(), state());
     let mut client = shm.client(&Address::new("demo", "goto"), &goto).unwrap();
     for _ in 0..2 {
         let process = start(&world);

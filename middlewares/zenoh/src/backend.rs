@@ -395,7 +395,7 @@ impl Middleware for Zenoh {
     ) -> Result<Box<dyn Served>, OpenError> {
         let core = &self.core;
         let key = core.key(at)?;
-        let digest = wire::digest_of_service(service);
+        let digest = service.digest();
         let types = types_of_service(service);
         let claim = core.claim(at, EndpointKind::Service, digest, types)?;
         let orders = core.orders.clone();
@@ -424,7 +424,7 @@ impl Middleware for Zenoh {
 
     fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
         let core = &self.core;
-        let digest = wire::digest_of_service(service);
+        let digest = service.digest();
         if let Some(theirs) = core.graph.other_service(&at.to_string(), &digest) {
             let ours = types_of_service(service);
             return Err(OpenError::TypeMismatch { address: at.clone(), ours, theirs });

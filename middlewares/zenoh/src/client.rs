@@ -66,7 +66,7 @@ impl Client for ZenohClient {
         input: &Record,
         replies: Box<dyn Replies>,
     ) -> Result<Box<dyn Running>, CallError> {
-        let digest = wire::digest_of_service(&self.ty);
+        let digest = self.ty.digest();
         if let Some(theirs) = self.core.graph().other_service(&self.at.to_string(), &digest) {
             return Err(self.mismatch(theirs));
         }

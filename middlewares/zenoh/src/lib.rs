@@ -18,7 +18,8 @@
 //! gives `{"error": "types" | "serialization" | "gone" | "failed", "detail": ".."}`.
 //!
 //! **Discovery.** Liveliness tokens `@genom/<pub|sub|srv>/<session>/<n>/<digest>/<types>/<address>`,
-//! `<types>` with percent escapes; the digest of a service is `<input>-<output>`.
+//! `<types>` with percent escapes; the digest of a service is `<input>-<output>-<parameters and
+//! exceptions>`.
 //! Other programs are not listed: zenoh tells peers of no publishers, and its admin space, which
 //! shows subscribers and queryables, can hang a session of 1.10 when it is asked while others
 //! declare something. Their keys can be connected to all the same.

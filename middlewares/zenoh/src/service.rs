@@ -66,7 +66,7 @@ impl Server {
     /// Decodes and checks what a query brings.
     fn input(&self, query: &Query) -> Result<Record, Refusal> {
         let types = || Refusal::Types(types_of_service(&self.ty));
-        let digest = wire::digest_of_service(&self.ty);
+        let digest = self.ty.digest();
         if query.attachment().is_some_and(|theirs| theirs.to_bytes() != digest.as_bytes())
             || query.encoding().is_some_and(|of| !Expected::of(&self.ty.input).admits(of))
         {

@@ -1,6 +1,5 @@
 //! What goes with a payload: encoding with type and digest, marks of samples, words of replies.
 
-use genom_middleware::ServiceType;
 use genom_types::DataType;
 use serde_json::{Value, json};
 use zenoh::bytes::{Encoding, ZBytes};
@@ -39,11 +38,6 @@ impl Expected {
                 None => true,
             }
     }
-}
-
-/// Digest of a service: that of the input and that of the output.
-pub(crate) fn digest_of_service(service: &ServiceType) -> String {
-    format!("{}-{}", service.input.digest(), service.output.digest())
 }
 
 /// Which sample of which writer this is.

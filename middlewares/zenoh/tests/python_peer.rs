@@ -118,7 +118,7 @@ impl ServiceHandler for Adder {
 }
 
 fn service(kind: ServiceKind) -> ServiceType {
-    ServiceType { kind, input: state(), output: state() }
+    ServiceType::new(kind, state(), state())
 }
 
 #[test]

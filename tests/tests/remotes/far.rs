@@ -130,7 +130,8 @@ fn survives(backend: &'static str) {
     pair.ask_until(|answer| answer.err.contains("::genom::no_such_service"));
     pair.provide("provider");
     pair.ask_until(|answer| answer.out == "sum = 3\n");
-    // Another interface under the same name is no answer.
+    // Another interface under the same name is no answer: genom3.md 4.9, also when it differs by
+    // its exceptions alone.
     pair.kill();
     pair.ask_until(|answer| answer.err.contains("::genom::no_such_service"));
     pair.provide("liar");

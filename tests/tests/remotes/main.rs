@@ -26,7 +26,7 @@ fn pair(backend: &str) -> (Daemon, tempfile::TempDir) {
 #[test]
 fn a_codel_calls_the_service_that_its_remote_is_connected_to() {
     for backend in ["local", "shm"] {
-        let (daemon, _files) = pair(backend);
+        let (daemon, files) = pair(backend);
         let ask = |a: &str, b: &str| {
             daemon.ctl(&["call", "caller", "ask", &format!("a={a}"), &format!("b={b}")])
         };
@@ -39,6 +39,10 @@ fn a_codel_calls_the_service_that_its_remote_is_connected_to() {
         // The provider may go and come back.
         daemon.ctl(&["unload", "provider"]).expect_code(0);
         ask("1", "2").expect_code(1).expect_err("::genom::no_such_service");
+        // Another one of its name is no answer: genom3.md 4.9, its exceptions differ.
+        let liar = make("liar", files.path());
+        daemon.ctl(&["load", &liar, "--name", "provider"]).expect_code(0);
+        ask("1", "2").expect_code(1).expect_err("::genom::incompatible_digest");
         daemon.ctl(&["disconnect", "caller/add"]).expect_code(0);
         assert_eq!(daemon.json(&["connections"])["connections"], Value::Array(Vec::new()));
     }

@@ -213,6 +213,7 @@ impl Checker {
             standard: service.standard,
             through_ids: service.through_ids,
             digest: String::new(),
+            call_digest: String::new(),
             span: service.span,
         }
     }
@@ -324,6 +325,9 @@ impl Checker {
             let mut own = Digester::default();
             signature(&mut own, &service.parameters, &service.locals, &service.throws);
             service.digest = own.finish();
+            let mut own = Digester::default();
+            signature(&mut own, &service.parameters, &[], &service.throws);
+            service.call_digest = own.finish();
         }
         for remote in &mut component.remotes {
             let mut own = Digester::default();

@@ -167,7 +167,7 @@ pub struct Remote {
     pub output: TypeId,
     /// Exceptions the service may throw.
     pub throws: Vec<TypeId>,
-    /// Digest the provider's service must have (genom3.md 4.9).
+    /// [`call_digest`](super::Service::call_digest) the provider's service must have.
     pub digest: String,
     /// Where it is declared.
     pub span: Span,

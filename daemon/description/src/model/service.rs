@@ -55,6 +55,8 @@ pub struct Service {
     pub through_ids: bool,
     /// Digest (genom3.md 4.9).
     pub digest: String,
+    /// The same without local variables, which those who call it do not see.
+    pub call_digest: String,
     /// Where it is declared.
     pub span: Span,
 }

@@ -34,3 +34,30 @@ fn a_remote_has_the_digest_of_the_service_it_calls() {
     assert_eq!(used.name, "f");
     assert_eq!(used.digest, provided.digest);
 }
+
+#[test]
+fn local_variables_of_a_service_are_no_affair_of_those_who_call_it() {
+    let specification = whole(
+        "interface i { function f(in long x); };
+         component server { provides i; function f(in long x) { local double l; codel c(); }; };
+         component client { uses i; };",
+    );
+    let provided =
+        component(&specification, "server").services.iter().find(|s| s.name == "f").unwrap();
+    let used = &component(&specification, "client").remotes[0];
+    assert_eq!(used.digest, provided.call_digest);
+    assert_ne!(provided.call_digest, provided.digest);
+}
+
+#[test]
+fn exceptions_count_for_those_who_call() {
+    // genom3.md 4.9: one more that the server's own `throw` adds makes it another service.
+    let specification = whole(
+        "interface i { function f(in long x); };
+         component server { provides i; exception e { short q; }; function f(in long x) { throw e; }; };
+         component client { uses i; };",
+    );
+    let provided =
+        component(&specification, "server").services.iter().find(|s| s.name == "f").unwrap();
+    assert_ne!(component(&specification, "client").remotes[0].digest, provided.call_digest);
+}

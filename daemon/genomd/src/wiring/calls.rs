@@ -5,6 +5,7 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
+use genom_description::model::Service;
 use genom_middleware::Outcome as Reply;
 use genom_middleware::{Address, CallError, Client, Middleware, OpenError, ServiceType};
 use genom_runtime::Outcome;
@@ -26,12 +27,23 @@ pub(super) struct DirectCall {
     daemon: Weak<Daemon>,
     provider: String,
     service: String,
+    /// What the service must be like (genom3.md 4.9): who comes back may be another one.
+    digest: String,
+    /// Of the calling component, for exceptions.
+    version: String,
 }
 
 impl DirectCall {
-    pub(super) fn new(daemon: &Arc<Daemon>, provider: &str, service: &str) -> Self {
-        let (provider, service) = (provider.to_owned(), service.to_owned());
-        Self { daemon: Arc::downgrade(daemon), provider, service }
+    /// Calls `service` of `provider` for a component of this version.
+    pub(super) fn new(
+        daemon: &Arc<Daemon>,
+        provider: &Hosted,
+        service: &Service,
+        caller: &str,
+    ) -> Self {
+        let (provider, version) = (provider.name.clone(), caller.to_owned());
+        let (service, digest) = (service.name.clone(), service.call_digest.clone());
+        Self { daemon: Arc::downgrade(daemon), provider, service, digest, version }
     }
 
     fn provider(&self) -> Option<(Arc<Hosted>, usize)> {
@@ -46,6 +58,10 @@ impl RemoteCall for DirectCall {
         let absent = || ("::genom::no_such_service".to_owned(), Value::Null);
         let broken = |why: String| ("::genom::remote_io".to_owned(), json!({ "what": why }));
         let (hosted, index) = self.provider().ok_or_else(absent)?;
+        let model = hosted.model();
+        if model.services[index].call_digest != self.digest {
+            return Err(incompatible(&self.version, &model.version));
+        }
         let mut request = Record::new(&hosted.plan().services()[index].input);
         request.copy_from(input).map_err(|error| broken(error.to_string()))?;
         let (sender, ended) = channel();
@@ -114,14 +130,20 @@ impl FarCall {
             CallError::Nobody { .. } => ("no_such_service", Value::Null),
             CallError::Serialization(_) => ("serialization", Value::Null),
             CallError::TypeMismatch { .. } => {
-                let side = |version: &str| json!({ "version": version, "date": "" });
-                let version = self.version.get(..31).unwrap_or(&self.version);
-                ("incompatible_digest", json!({ "client": side(version), "server": side("") }))
+                return incompatible(&self.version, "");
             }
             _ => ("remote_io", Value::Null),
         };
         (format!("::genom::{name}"), detail)
     }
+}
+
+/// genom3.md 4.8: versions of both sides, as far as known.
+fn incompatible(client: &str, server: &str) -> Thrown {
+    let side =
+        |version: &str| json!({ "version": version.get(..31).unwrap_or(version), "date": "" });
+    let detail = json!({ "client": side(client), "server": side(server) });
+    ("::genom::incompatible_digest".to_owned(), detail)
 }
 
 fn unopened(error: OpenError) -> CallError {

@@ -128,15 +128,15 @@ fn near(
     };
     let ours = &caller.model().remotes[remote];
     // genom3.md 4.9: digests of the two are compared when they are connected.
-    if ours.digest != theirs.digest {
+    if ours.digest != theirs.call_digest {
         return Err(RemoteError::Differs {
             remote: request.remote.clone(),
             ours: format!("{} of interface {} ({})", ours.name, ours.interface, ours.digest),
             service: request.service.clone(),
-            theirs: format!("{} ({})", theirs.name, theirs.digest),
+            theirs: format!("{} ({})", theirs.name, theirs.call_digest),
         });
     }
-    Ok(DirectCall::new(daemon, &provider.name, &theirs.name))
+    Ok(DirectCall::new(daemon, provider, theirs, &caller.model().version))
 }
 
 /// A call through a middleware: the one asked for, else one the caller is on, the first where
@@ -158,11 +158,9 @@ fn far(
             RemoteError::Failed(Box::new(OpenError::Failed { backend, address: at.clone(), why }))
         })
     };
-    let ty = ServiceType {
-        kind: kind_of(model.kind),
-        input: lay_out(model.input)?,
-        output: lay_out(model.output)?,
-    };
+    // genom3.md 4.9: parameters and exceptions must agree here as well.
+    let ty = ServiceType::new(kind_of(model.kind), lay_out(model.input)?, lay_out(model.output)?)
+        .described(&model.digest);
     let ours = types_of_service(&ty);
     FarCall::open(&middleware, at, ty, &caller.model().version).map_err(|error| match error {
         OpenError::TypeMismatch { theirs, .. } => RemoteError::Differs {

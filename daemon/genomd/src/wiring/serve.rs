@@ -38,11 +38,9 @@ fn serve(
     let mut served = Vec::new();
     for (index, service) in hosted.model().services.iter().enumerate() {
         let compiled = &hosted.plan().services()[index];
-        let ty = ServiceType {
-            kind: kind_of(service.kind),
-            input: compiled.input.clone(),
-            output: compiled.output.clone(),
-        };
+        let (input, output) = (compiled.input.clone(), compiled.output.clone());
+        let ty =
+            ServiceType::new(kind_of(service.kind), input, output).described(&service.call_digest);
         let handler = Arc::new(Handler { hosted: Arc::downgrade(hosted), service: index });
         match middleware.serve(&hosted.address(&service.name, None), &ty, handler) {
             Ok(one) => served.push(one),

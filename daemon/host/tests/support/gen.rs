@@ -178,6 +178,7 @@ impl Gen {
             standard: false,
             through_ids: false,
             digest: String::new(),
+            call_digest: String::new(),
             span: Span::default(),
         });
         self.component.services.len() - 1

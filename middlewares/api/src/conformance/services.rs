@@ -23,7 +23,7 @@ fn goto() -> Address {
 }
 
 fn service(kind: ServiceKind) -> ServiceType {
-    ServiceType { kind, input: state(), output: state() }
+    ServiceType::new(kind, state(), state())
 }
 
 type Side = Arc<dyn Middleware>;
@@ -286,7 +286,7 @@ pub fn a_second_server_of_an_address_is_refused(world: &dyn World) {
     });
 }
 
-/// Input and output types must be the server's.
+/// Input and output types must be the server's, and the exceptions it declares.
 pub fn a_service_of_other_types_is_refused(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     let function = service(ServiceKind::Function);
@@ -295,6 +295,7 @@ pub fn a_service_of_other_types_is_refused(world: &dyn World) {
         ServiceType { input: note(), ..function.clone() },
         ServiceType { output: note(), ..function.clone() },
         ServiceType { input: other_state(), ..function.clone() },
+        function.clone().described("feed"),
     ] {
         eventually("the other types are refused", || match b.client(&goto(), &other) {
             Err(OpenError::TypeMismatch { ours, theirs, .. }) => ours != theirs,

@@ -150,7 +150,7 @@ mod tests {
     fn attribute(name: &str, takes: bool, member: &str, kind: Kind) -> Arc<Attribute> {
         let (value, nothing) = (structure(&[(member, kind)]), structure(&[]));
         let (input, output) = if takes { (value, nothing) } else { (nothing, value) };
-        let ty = ServiceType { kind: ServiceKind::Attribute, input, output };
+        let ty = ServiceType::new(ServiceKind::Attribute, input, output);
         let way = Way::of(&ty).unwrap();
         Arc::new(Attribute { name: name.to_owned(), ty, handler: Arc::new(Nothing), way })
     }
@@ -212,10 +212,8 @@ mod tests {
     #[test]
     fn attributes_of_several_members_are_no_parameters() {
         let two = structure(&[("a", Kind::Double), ("b", Kind::Double)]);
-        let ty = |input: &DataType, output: &DataType| ServiceType {
-            kind: ServiceKind::Attribute,
-            input: input.clone(),
-            output: output.clone(),
+        let ty = |input: &DataType, output: &DataType| {
+            ServiceType::new(ServiceKind::Attribute, input.clone(), output.clone())
         };
         assert!(Way::of(&ty(&two, &structure(&[]))).is_none());
         assert!(Way::of(&ty(&structure(&[]), &two)).is_none());

@@ -50,7 +50,7 @@ fn own_attributes(service: &ServiceType) -> [(&'static str, String); 2] {
     let text = format!("{} -> {}", service.input.name(), service.output.name());
     // The spelling is for people; what matters fits.
     let spelling: String = text.chars().take(120).collect();
-    let digests = format!("{kind} {} {}", service.input.digest(), service.output.digest());
+    let digests = format!("{kind} {}", service.digest());
     [(SERVICE_KEY, format!("{kind} {spelling}")), (DIGESTS_KEY, digests)]
 }
 

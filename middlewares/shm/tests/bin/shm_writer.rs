@@ -44,7 +44,7 @@ fn main() {
     let mut value = Record::new(&note());
     value.merge_json(&note_of(5)).unwrap();
     notes.publish(&value).unwrap();
-    let goto = ServiceType { kind: ServiceKind::Activity, input: state(), output: state() };
+    let goto = ServiceType::new(ServiceKind::Activity, state(), state());
     let handler = Arc::new(Endless::default());
     let _served = shm.serve(&Address::new("demo", "goto"), &goto, handler).unwrap();
     println!("ready");
