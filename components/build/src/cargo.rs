@@ -73,6 +73,16 @@ fn cargo_build(
         .arg("--target-dir")
         .arg(&paths.target)
         .stdin(Stdio::null());
+    // What the Cargo that runs a test says of the test's package is none of this one's business:
+    // build scripts that look at it (ring's) would run anew for each, and all above them.
+    for (variable, _) in std::env::vars_os() {
+        let name = variable.to_string_lossy();
+        if name == "OUT_DIR"
+            || ["CARGO_PKG_", "CARGO_MANIFEST_"].iter().any(|own| name.starts_with(own))
+        {
+            command.env_remove(&variable);
+        }
+    }
     match progress {
         Progress::Shown => command.stderr(Stdio::inherit()),
         Progress::Kept => command.arg("--quiet").stderr(Stdio::piped()),
