@@ -177,3 +177,18 @@ fn errors_say_where_and_what_would_do() {
     );
     refused(json!([]), expect!["expected ::m::all (an object), found an array of 0"]);
 }
+
+#[test]
+fn indices_beyond_the_ends_make_no_memory_without_bound() {
+    let mut t = TypeTable::default();
+    let double = t.add(Kind::Double);
+    let row = t.add(Kind::Sequence { element: double, bound: None });
+    let rows = t.add(Kind::Sequence { element: row, bound: None });
+    let mut record = Record::new(&DataType::new(&Arc::new(t), rows).unwrap());
+    let far = json!({"1000000": 1.0});
+    record.merge_json(&json!([far, far])).unwrap();
+    record.merge_json(&json!([{}, {"1000001": 1.0}])).unwrap();
+    // Each is within bounds, all together are not.
+    let error = Record::new(record.ty()).merge_json(&json!([far, far, far])).unwrap_err();
+    assert!(error.to_string().starts_with("[2]: `1000000` is no index of "), "{error}");
+}

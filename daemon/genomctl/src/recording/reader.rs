@@ -12,6 +12,8 @@ use mcap::{Channel, McapError, Summary};
 /// A file that is being read.
 pub(crate) struct Recording {
     file: BufReader<File>,
+    /// Its size: what it says to have beyond is not asked of the memory.
+    size: u64,
     summary: Summary,
     reader: Option<IndexedReader>,
     /// A chunk, as it lies in the file.
@@ -35,16 +37,23 @@ pub(crate) enum ReadError {
     Mcap(#[from] McapError),
     #[error("it was not ended properly and has no index: `mcap recover` repairs such files")]
     NoIndex,
+    #[error("it is damaged: something in it is said to be larger than the file")]
+    Beyond,
+    #[error("it is damaged: a sample is dated years after the one before it")]
+    Dates,
 }
 
 impl Recording {
     /// Opens a file and reads what is in it, but no samples.
     pub(crate) fn open(path: &Path) -> Result<Self, ReadError> {
-        let mut file = BufReader::new(File::open(path)?);
+        let file = File::open(path)?;
+        let size = file.metadata()?.len();
+        let mut file = BufReader::new(file);
         let mut reader = SummaryReader::new();
         while let Some(event) = reader.next_event() {
             match event? {
                 SummaryReadEvent::ReadRequest(need) => {
+                    within(size, 0, need)?;
                     let read = file.read(reader.insert(need))?;
                     reader.notify_read(read);
                 }
@@ -52,7 +61,7 @@ impl Recording {
             }
         }
         let summary = reader.finish().ok_or(ReadError::NoIndex)?;
-        Ok(Self { file, summary, reader: None, chunk: Vec::new() })
+        Ok(Self { file, size, summary, reader: None, chunk: Vec::new() })
     }
 
     /// Its channels, by number.
@@ -80,6 +89,7 @@ impl Recording {
                 }
                 IndexedReadEvent::ReadChunkRequest { offset, length } => (offset, length),
             };
+            within(self.size, offset, length)?;
             self.file.seek(SeekFrom::Start(offset))?;
             self.chunk.resize(length, 0);
             self.file.read_exact(&mut self.chunk)?;
@@ -87,4 +97,9 @@ impl Recording {
         }
         Ok(None)
     }
+}
+
+fn within(size: u64, offset: u64, length: usize) -> Result<(), ReadError> {
+    let end = u64::try_from(length).ok().and_then(|length| offset.checked_add(length));
+    if end.is_some_and(|end| end <= size) { Ok(()) } else { Err(ReadError::Beyond) }
 }

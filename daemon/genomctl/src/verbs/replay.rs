@@ -10,7 +10,7 @@ use tokio::time::Instant;
 
 use crate::failure::Failure;
 use crate::names::{Path2, url};
-use crate::recording::reader::{Recorded, Recording};
+use crate::recording::reader::{ReadError, Recorded, Recording};
 use crate::session::Session;
 use crate::table::Table;
 
@@ -62,7 +62,11 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut pace = if args.step { Pace::stepped(session).await? } else { Pace::timed(args.rate) };
     let mut batch = Vec::new();
     let mut counts: BTreeMap<u16, u64> = BTreeMap::new();
+    let mut last = None;
     while let Some(sample) = recording.next().map_err(failed)? {
+        if last.replace(sample.date).is_some_and(|last| sample.date.saturating_sub(last) > YEAR) {
+            return Err(failed(ReadError::Dates));
+        }
         let due = pace.is_due(&sample);
         if !batch.is_empty() && (!due || batch.len() > BATCH) {
             send(session, &mut batch, &mut counts, &mut targets).await?;
@@ -212,6 +216,9 @@ fn tell(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
+/// In nanoseconds: samples so far apart are no recording.
+const YEAR: u64 = 366 * 24 * 3600 * 1_000_000_000;
+
 /// When samples are due.
 enum Pace {
     /// By the machine's clock: dates count from the first sample.
@@ -240,8 +247,10 @@ impl Pace {
     fn date(&mut self, sample: &Recorded) -> u64 {
         let Pace::Stepped { now, shift } = self else { return sample.date };
         let shift = *shift.get_or_insert_with(|| {
-            // Dates that this clock has still before it are kept.
-            if sample.date > *now { 0 } else { i128::from(*now) + 1 - i128::from(sample.date) }
+            // Dates that this clock has still before it are kept; those of another clock, which
+            // counts from 1970, begin now.
+            let kept = sample.date > *now && sample.date - *now < YEAR;
+            if kept { 0 } else { i128::from(*now) + 1 - i128::from(sample.date) }
         });
         let date = i128::from(sample.date) + shift - 1;
         u64::try_from(date.max(0)).unwrap_or(u64::MAX)
@@ -285,10 +294,36 @@ impl Pace {
 }
 
 fn after(date: u64, begin: u64, rate: f64) -> Duration {
-    Duration::from_nanos(date.saturating_sub(begin)).div_f64(rate)
+    let seconds = Duration::from_nanos(date.saturating_sub(begin)).as_secs_f64() / rate;
+    let longest = Duration::from_nanos(YEAR);
+    Duration::try_from_secs_f64(seconds).map_or(longest, |after| after.min(longest))
 }
 
 async fn step(session: &Session, nanoseconds: u64) -> Result<u64, Failure> {
     let reply = session.post("/clock", &json!({ "nanoseconds": nanoseconds })).await?;
     Ok(reply["now"].as_u64().unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_of_the_stepped_clock_are_kept_and_those_of_the_wall_begin_now() {
+        let dates = |now, dates: [u64; 2]| {
+            let mut pace = Pace::Stepped { now, shift: None };
+            dates.map(|date| pace.date(&Recorded { channel: 0, date, message: Vec::new() }))
+        };
+        assert_eq!(dates(0, [5_000_000, 15_000_000]), [4_999_999, 14_999_999]);
+        assert_eq!(dates(50, [10, 30]), [50, 70]);
+        let wall = 1_795_288_202_264_920_918;
+        assert_eq!(dates(50, [wall, wall + 10_000_000]), [50, 10_000_050]);
+    }
+
+    #[test]
+    fn the_slowest_rate_waits_long_and_the_fastest_not_at_all() {
+        assert_eq!(after(3_000_000_000, 1_000_000_000, 2.0), Duration::from_secs(1));
+        assert_eq!(after(2, 1, f64::MIN_POSITIVE), Duration::from_nanos(YEAR));
+        assert_eq!(after(2, 1, f64::MAX), Duration::ZERO);
+    }
 }

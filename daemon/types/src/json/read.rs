@@ -9,12 +9,13 @@ use crate::json::write;
 use crate::layout::MAX_NESTING;
 use crate::memory::Edit;
 
-/// Bytes a sequence may grow to by an index beyond its end: `{"4000000000": 1}` is no request.
+/// Bytes that sequences may grow by indices beyond their ends, all those of a value together:
+/// `{"4000000000": 1}` is no request, nor are a thousand of `{"4000": 1}`.
 const MOST_BY_INDEX: usize = 1 << 24;
 
 /// Sets what `json` gives; the rest keeps its value.
 pub(crate) fn merge(value: &mut Edit<'_>, json: &Value) -> Result<(), JsonError> {
-    let mut reader = Reader { path: String::new(), depth: 0 };
+    let mut reader = Reader { path: String::new(), depth: 0, by_index: MOST_BY_INDEX };
     reader
         .value(value, json)
         .map_err(|problem| JsonError { path: reader.path, problem: Box::new(problem) })
@@ -24,6 +25,8 @@ struct Reader {
     /// Where the reader is; on error it stays there.
     path: String,
     depth: usize,
+    /// Bytes that sequences may still grow by indices.
+    by_index: usize,
 }
 
 type Outcome = Result<(), JsonProblem>;
@@ -72,7 +75,7 @@ impl Reader {
                     self.room(&node.name, elements.len(), *length)?;
                     self.elements(value, elements)?;
                 }
-                Value::Object(keyed) => self.keyed(value, keyed, *length)?,
+                Value::Object(keyed) => self.keyed(value, keyed, *length, 0)?,
                 _ => return Err(kind(value, "an array or an object keyed by index", json)),
             },
             Shape::Sequence { element, bound } => match json {
@@ -85,8 +88,10 @@ impl Reader {
                 }
                 Value::Object(keyed) => {
                     let size = value.graph().node(*element).layout.size.max(1);
-                    let most = bound.unwrap_or((MOST_BY_INDEX / size).max(value.length()));
-                    self.keyed(value, keyed, most)?;
+                    let before = value.length();
+                    let most = bound.unwrap_or((self.by_index / size).saturating_add(before));
+                    // Its memory is in the value itself when there is a bound.
+                    self.keyed(value, keyed, most, if bound.is_some() { 0 } else { size })?;
                 }
                 _ => return Err(kind(value, "an array or an object keyed by index", json)),
             },
@@ -151,7 +156,14 @@ impl Reader {
     }
 
     /// `{"0": .., "3": ..}`: a sequence grows to the greatest index.
-    fn keyed(&mut self, value: &mut Edit<'_>, keyed: &Map<String, Value>, most: usize) -> Outcome {
+    /// `size` is that of an element where new ones take memory.
+    fn keyed(
+        &mut self,
+        value: &mut Edit<'_>,
+        keyed: &Map<String, Value>,
+        most: usize,
+        size: usize,
+    ) -> Outcome {
         for (key, json) in keyed {
             let index = key.parse().ok().filter(|&index: &usize| index < most);
             let index = index.ok_or_else(|| JsonProblem::Index {
@@ -159,8 +171,11 @@ impl Reader {
                 key: key.clone(),
                 last: most.saturating_sub(1),
             })?;
-            if index >= value.length() && !value.resize(index + 1) {
-                return Err(JsonProblem::Memory(index + 1));
+            let more = (index + 1).saturating_sub(value.length());
+            if more > 0 {
+                let left = self.by_index.checked_sub(more.saturating_mul(size));
+                let grown = left.filter(|_| value.resize(index + 1));
+                self.by_index = grown.ok_or(JsonProblem::Memory(index + 1))?;
             }
             if let Some(mut element) = value.element(index) {
                 self.inside(&mut element, json, |path| push_index(path, index))?;
