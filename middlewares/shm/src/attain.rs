@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 use genom_middleware::{Address, OpenError};
 
 use crate::backend::{Ground, failed};
+use crate::room;
 
 /// How long others may take to finish what they are doing to a service.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -29,6 +30,7 @@ pub(crate) fn attain<S>(
     open: impl Fn() -> Result<Attempt<S>, OpenError>,
     create: impl Fn() -> Result<Attempt<S>, OpenError>,
 ) -> Result<S, OpenError> {
+    room::check(at, ground.options.keep_free)?;
     let end = Instant::now() + PATIENCE;
     loop {
         let attempt = match open()? {

@@ -26,6 +26,7 @@ mod options;
 mod publisher;
 mod queue;
 mod raw;
+mod room;
 mod subscription;
 pub mod typing;
 mod upkeep;

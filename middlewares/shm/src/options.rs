@@ -18,10 +18,20 @@ pub struct Options {
     pub depth: usize,
     /// Readers a port may have. The first who opens a port decides for all.
     pub readers: usize,
+    /// Bytes of shared memory that are left to others, and to small samples: no port is opened and
+    /// no large sample written beyond, since the system ends who writes where nothing is left.
+    pub keep_free: u64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { node: "genomd".to_owned(), prefix: None, root: None, depth: 16, readers: 12 }
+        Self {
+            node: "genomd".to_owned(),
+            prefix: None,
+            root: None,
+            depth: 16,
+            readers: 12,
+            keep_free: 1 << 20,
+        }
     }
 }

@@ -13,6 +13,7 @@ use crate::backend::{Ground, Inner, Shape, failed};
 use crate::options::Options;
 use crate::queue;
 use crate::raw::{self, RawPublisher, RawService, SendError, Stamp, Value};
+use crate::room::{WAY_OUT, Written};
 use crate::typing::{Wire, wire};
 
 /// First room for values of variable size; it doubles as needed.
@@ -43,6 +44,9 @@ struct ShmPublisher {
     /// Stamp of the next sample.
     next: Stamp,
     dropped: u64,
+    written: Written,
+    /// Whether the last sample found no room: told once.
+    full: bool,
 }
 
 /// Opens the writing end of a port.
@@ -79,7 +83,9 @@ pub(crate) fn open(
     inner.upkeep.add(&core);
     let id = core.publisher.id().value();
     let next = Stamp { writer: (id ^ (id >> 32) ^ (id >> 64) ^ (id >> 96)) as u32, number: 1 };
-    Ok(ShmPublisher { core, inner: Arc::clone(inner), next, dropped: 0 })
+    let size = (!core.wire.slice).then_some(core.wire.size);
+    let written = Written::new(size, ground.options.keep_free);
+    Ok(ShmPublisher { core, inner: Arc::clone(inner), next, dropped: 0, written, full: false })
 }
 
 /// A writer's end of a service, the only one it has.
@@ -144,14 +150,14 @@ impl Core {
         }
     }
 
-    fn send(&self, value: Value<'_>, stamp: Stamp) -> Result<(), SendError> {
+    fn send(&self, value: Value<'_>, stamp: Stamp, written: &mut Written) -> Result<(), SendError> {
         // The queue first: a reader that sees a sample on the port knows that the queue has it,
         // or refused it.
         let queued = match self.queue.get() {
-            Some(queue) => raw::send(queue, &self.wire, value, stamp),
+            Some(queue) => raw::send(queue, &self.wire, value, stamp, written),
             None => Ok(()),
         };
-        raw::send(&self.publisher, &self.wire, value, stamp).and(queued)
+        raw::send(&self.publisher, &self.wire, value, stamp, written).and(queued)
     }
 }
 
@@ -164,7 +170,12 @@ impl Publisher for ShmPublisher {
             Some(bytes) => Value::Plain(bytes),
             None => Value::Message(value, value.message_size()),
         };
-        let sent = self.core.send(value, self.next);
+        let sent = self.core.send(value, self.next, &mut self.written);
+        let full = sent == Err(SendError::NoRoom);
+        if full && !self.full {
+            tracing::warn!(port = %self.core.at, "no shared memory is left for its samples: {WAY_OUT}");
+        }
+        self.full = full;
         // What cannot be encoded is no sample that a reader could miss.
         if sent != Err(SendError::Serialization) {
             self.next.number += 1;
@@ -176,7 +187,7 @@ impl Publisher for ShmPublisher {
                 Ok(())
             }
             Err(SendError::Serialization) => Err(PublishError::Serialization),
-            Err(SendError::Refused) => Err(PublishError::Refused),
+            Err(SendError::NoRoom | SendError::Refused) => Err(PublishError::Refused),
         }
     }
 

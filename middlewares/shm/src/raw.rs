@@ -18,6 +18,7 @@ use iceoryx2::service::marker::{CustomHeaderMarker, CustomPayloadMarker};
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory as PubSubFactory;
 use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
 
+use crate::room::Written;
 use crate::typing::Wire;
 
 /// Everything of ours may move between threads.
@@ -73,6 +74,8 @@ pub(crate) enum SendError {
     Full,
     /// It cannot be encoded.
     Serialization,
+    /// Shared memory is full.
+    NoRoom,
     /// iceoryx2 refused.
     Refused,
 }
@@ -137,6 +140,7 @@ pub(crate) fn send(
     wire: &Wire,
     value: Value<'_>,
     stamp: Stamp,
+    written: &mut Written,
 ) -> Result<(), SendError> {
     let elements = match value {
         Value::Plain(_) => 1,
@@ -156,6 +160,9 @@ pub(crate) fn send(
     let header = std::ptr::from_ref(sample.header()) as usize;
     let room = sample.payload_mut();
     let (to, count) = (room.as_mut_ptr().cast::<u8>(), room.len());
+    if !written.may(to as usize, if wire.slice { count } else { wire.size }) {
+        return Err(SendError::NoRoom);
+    }
     let mark = stamp.to_bytes();
     match value {
         Value::Message(record, size) => {
