@@ -3,7 +3,7 @@
 use std::collections::hash_map::RandomState;
 use std::hash::BuildHasher;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::AtomicU64;
 use std::thread;
 
 use genom_middleware::describe::{type_of_port, types_of_service};
@@ -53,8 +53,6 @@ pub(crate) struct Core {
     graph: Arc<Graph>,
     daemons: Arc<Daemons>,
     worker: Option<Worker>,
-    /// Declared tokens so far.
-    tokens: AtomicU64,
     /// This session's name in tokens.
     name: String,
     /// Its files are removed last.
@@ -109,7 +107,6 @@ impl Zenoh {
             keys,
             graph: Arc::default(),
             daemons: Arc::default(),
-            tokens: AtomicU64::new(0),
             name: session.zid().to_string(),
             _rendezvous: rendezvous,
             orders: worker.orders.clone(),
@@ -220,7 +217,7 @@ impl Core {
         let token = Token {
             kind,
             session: self.name.clone(),
-            number: self.tokens.fetch_add(1, Ordering::Relaxed),
+            number: 0,
             digest,
             types,
             address: at.to_string(),

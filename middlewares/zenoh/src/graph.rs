@@ -47,10 +47,16 @@ impl Graph {
     }
 
     /// Registers an end of ours, unless another one is in the way.
-    pub(crate) fn claim(self: &Arc<Self>, at: &Address, token: Token) -> Result<Claim, OpenError> {
+    pub(crate) fn claim(
+        self: &Arc<Self>,
+        at: &Address,
+        mut token: Token,
+    ) -> Result<Claim, OpenError> {
         let end = Instant::now() + GRACE;
         let mut state = self.lock();
-        while let Some((conflict, session)) = state.conflict(&token) {
+        loop {
+            token.number = state.free(&token);
+            let Some((conflict, session)) = state.conflict(&token) else { break };
             let left = end.saturating_duration_since(Instant::now());
             if session == token.session || left.is_zero() {
                 return Err(match conflict {
@@ -151,6 +157,13 @@ impl State {
         }
     }
 
+    /// The least number that no end of the session's has at this address. Ends that come and go
+    /// have the same key each time: zenoh never forgets a key that it saw.
+    fn free(&self, token: &Token) -> u64 {
+        let own = self.at(&token.address).filter(|other| other.session == token.session);
+        (0..).find(|number| own.clone().all(|other| other.number != *number)).unwrap_or_default()
+    }
+
     /// What is in the way of an end, and whose it is.
     fn conflict(&self, token: &Token) -> Option<(Conflict, String)> {
         let port = token.kind != EndpointKind::Service;
@@ -188,5 +201,28 @@ impl Drop for Claim {
         self.declared = None;
         self.graph.lock().remove(&self.token);
         self.graph.changed.notify_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_end_that_comes_again_has_the_same_key_and_no_other_end_has_it() {
+        let graph = Arc::new(Graph::default());
+        let at = Address::parse("demo/position").unwrap();
+        let claim = |kind| {
+            let (session, digest, types) = ("1".to_owned(), "d".to_owned(), "t".to_owned());
+            let token = Token { kind, session, number: 0, digest, types, address: at.to_string() };
+            graph.claim(&at, token)
+        };
+        let first = claim(EndpointKind::Publisher).unwrap();
+        assert!(matches!(claim(EndpointKind::Publisher), Err(OpenError::Taken { .. })));
+        let reader = claim(EndpointKind::Subscription).unwrap();
+        let (token, other) = (first.token().clone(), reader.token().clone());
+        assert_ne!(token.number, other.number);
+        drop(first);
+        assert_eq!(*claim(EndpointKind::Publisher).unwrap().token(), token);
     }
 }

@@ -19,7 +19,7 @@ pub(crate) struct Token {
     pub(crate) kind: EndpointKind,
     /// Identity of the session that declared it.
     pub(crate) session: String,
-    /// Which of that session's tokens.
+    /// Which of that session's ends at this address.
     pub(crate) number: u64,
     /// Digest of the type, or `<input>-<output>` of a service.
     pub(crate) digest: String,
