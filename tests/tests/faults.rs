@@ -126,16 +126,18 @@ fn what_a_codel_may_not_return_ends_its_service_and_nothing_else() {
 #[test]
 fn a_crash_takes_its_own_daemon_only_and_leaves_nothing_in_the_way() {
     let crashes = component("crashes");
-    for call in [["start", "crashes", "segfault"], ["start", "crashes", "abort"]] {
+    for (service, signal) in [("segfault", "SIGSEGV"), ("abort", "SIGABRT")] {
         let demo = Daemon::demo("shm");
         let memory = std::sync::Arc::clone(demo.home().memory());
         let start = || Home::with(&memory).start(&["--backend", "shm", path(&crashes.library)]);
         let daemon = start();
         daemon.ctl(&["call", "crashes", "divide", "by=3"]).expect_code(0);
         // The client learns that nobody is there any more, sooner or later.
-        let told = daemon.ctl(&call);
+        let told = daemon.ctl(&["start", "crashes", service]);
         assert!(told.code == Some(0) || told.code == Some(3), "{told:?}");
-        assert_eq!(daemon.finish().0.code, None, "a signal ends it");
+        let ended = daemon.finish().0;
+        assert_eq!(ended.code, None, "a signal ends it");
+        ended.expect_err(&format!("{signal} in codel `crashes_{service}` of "));
         demo.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
         // The name is free again, and its shared memory too.
         let daemon = start();
@@ -144,6 +146,14 @@ fn a_crash_takes_its_own_daemon_only_and_leaves_nothing_in_the_way() {
         demo.stop("TERM").0.expect_code(0);
         assert_eq!(memory.files(), Vec::<std::path::PathBuf>::new());
     }
+}
+
+#[test]
+fn a_codel_that_calls_exit_is_named_and_is_no_success() {
+    let daemon = Daemon::start(&[path(&component("crashes").library)]);
+    daemon.ctl(&["call", "crashes", "leave"]).expect_code(3);
+    let ended = daemon.finish().0;
+    ended.expect_code(1).expect_err("exit called by codel `crashes_leave` of ");
 }
 
 #[test]

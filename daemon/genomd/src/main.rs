@@ -51,6 +51,7 @@ fn main() -> ExitCode {
     if cli.dump_config {
         return dump_config(&cli);
     }
+    genom_host::tell_last_words();
     let run = if cli.check { check::run } else { run::run };
     match settings(cli).and_then(run) {
         Ok(()) => ExitCode::SUCCESS,
@@ -64,6 +65,7 @@ fn settings(cli: Cli) -> Result<Settings, Refusal> {
     let settings = Settings::new(cli, config).map_err(Refusal::usage)?;
     logs::start(&settings.log, settings.collector.is_some()).map_err(Refusal::usage)?;
     registry::check(&settings.backend).map_err(Refusal::usage)?;
+    registry::check_options(&settings.backends).map_err(Refusal::usage)?;
     Ok(settings)
 }
 

@@ -13,6 +13,7 @@ mod cxx;
 mod detail;
 mod events;
 mod ffi;
+mod last_words;
 pub mod library;
 mod ports;
 mod remotes;
@@ -20,5 +21,6 @@ mod shared;
 pub mod signals;
 
 pub use component::{Component, LoadError, LoadErrors};
+pub use last_words::tell_last_words;
 pub use library::{EmbeddedDescription, Library, OpenError, embedded_description};
 pub use signals::KeptSignals;

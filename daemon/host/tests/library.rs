@@ -72,6 +72,29 @@ fn an_object_file_and_a_truncated_library_are_refused_before_the_linker_sees_the
     }
 }
 
+#[cfg(target_pointer_width = "64")]
+#[test]
+fn a_library_with_damaged_headers_is_refused_before_the_linker_sees_it() {
+    let scratch = Scratch::new();
+    let bytes = std::fs::read(scratch.library("whole.so", "int x(void) { return 1; }")).unwrap();
+    let damaged = |at: usize, with: &[u8]| {
+        let mut bytes = bytes.clone();
+        bytes[at..at + with.len()].copy_from_slice(with);
+        refusal(&scratch, &scratch.file("damaged.so", &bytes))
+    };
+    // The first entry of the program headers, which loads the tables of the dynamic linker.
+    let said = damaged(64, &[0; 4]);
+    assert!(said.starts_with("damaged.so: damaged: entry 0x"), "{said}");
+    assert!(said.ends_with(", where nothing is"), "{said}");
+    // Its address, and what it takes in memory.
+    for (at, with) in [(64 + 16, [0xff; 8]), (64 + 40, [0; 8])] {
+        let said = damaged(at, &with);
+        assert!(said.starts_with("damaged.so: damaged: its segment at 0x"), "{said}");
+    }
+    // Where they are.
+    assert!(damaged(32, &[0xff; 8]).starts_with("damaged.so: damaged: "));
+}
+
 #[test]
 fn an_undefined_symbol_and_a_missing_dependency_are_named() {
     let scratch = Scratch::new();

@@ -14,6 +14,7 @@ GENOM_EVENT(crashes_ether, "::crashes::ether");
 
 genom_event crashes_segfault(const genom_context self);
 genom_event crashes_abort(const genom_context self);
+genom_event crashes_leave(const genom_context self);
 genom_event crashes_divide(int32_t by, const genom_context self);
 
 genom_event
@@ -32,6 +33,13 @@ crashes_abort(const genom_context self)
 {
   (void)self;
   abort();
+}
+
+genom_event
+crashes_leave(const genom_context self)
+{
+  (void)self;
+  exit(0);
 }
 
 genom_event

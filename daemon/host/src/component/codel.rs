@@ -16,6 +16,8 @@ use crate::library::Library;
 #[derive(Debug)]
 pub(super) struct Prepared {
     pub(super) name: String,
+    /// What to say of it when it ends the process.
+    pub(super) words: String,
     /// Address of the C function.
     pub(super) function: usize,
     pub(super) interface: Interface,
@@ -92,7 +94,9 @@ impl Workshop<'_> {
             checker.errors.push(LoadError::NoClosures);
             return None;
         };
-        Some(Prepared { name: codel.name.clone(), function, interface, arguments, context })
+        let name = codel.name.clone();
+        let words = format!("codel `{name}` of {}", self.library.path().display());
+        Some(Prepared { name, words, function, interface, arguments, context })
     }
 
     /// Address of the C function; notes why there is none.

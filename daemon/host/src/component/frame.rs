@@ -20,6 +20,7 @@ use crate::cxx::Catcher;
 use crate::detail::UNKEX;
 use crate::events::{EventCache, contents};
 use crate::ffi::{Class, WHAT};
+use crate::last_words;
 
 /// Marks codels that another owner runs.
 const ABSENT: u16 = u16::MAX;
@@ -386,6 +387,7 @@ impl Frame for BoundFrame {
         let mut catcher =
             inner.cxx.as_ref().map(|cxx| Catcher::new(&cxx.exceptions, &inner.details));
         context.enter();
+        let running = last_words::running(&prepared.words);
         // SAFETY: the function was found in the library under this name, which is loaded as long
         // as the component lives; the arguments lead to data of the classes that the interface was
         // made of, excluded from change by the runtime.
@@ -393,6 +395,7 @@ impl Frame for BoundFrame {
             let (function, arguments) = (prepared.function, &mut call.arguments);
             prepared.interface.call(function, arguments, &mut self.what, catcher.as_mut())
         };
+        drop(running);
         context.leave();
         match returned {
             Ok(event) => self.understand(event, context),

@@ -13,6 +13,9 @@
 
 extern "C" void ffi_call(void *cif, void (*function)(void), void *result, void **arguments);
 
+// Says which codel ends its thread (last_words.rs).
+extern "C" void genom_host_thread_ends(void);
+
 static void tell(char *what, std::size_t room, const char *text)
 {
   if (!room) return;
@@ -59,6 +62,7 @@ template <typename F> static int guarded(F call, char *what, std::size_t room, c
     call();
     return 0;
   } catch (const abi::__forced_unwind &) {
+    genom_host_thread_ends();
     throw;  // the thread is being cancelled: that must go on
   } catch (const genom::exception &e) {
     tell_type(what, room);
@@ -71,6 +75,15 @@ template <typename F> static int guarded(F call, char *what, std::size_t room, c
     tell_type(what, room);
   }
   return 1;
+}
+
+// As in <dlfcn.h>, but not declared to throw nothing: constructors may.
+extern "C" void *genom_host_dlopen(const char *file, int mode) __asm__("dlopen");
+
+extern "C" int genom_host_guarded_open(
+  const char *file, int mode, void **handle, char *what, std::size_t room)
+{
+  return guarded([&] { *handle = genom_host_dlopen(file, mode); }, what, room, nullptr);
 }
 
 // Through libffi: any interface.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use object::read::elf::{ElfFile, FileHeader, ProgramHeader};
+use object::read::elf::{Dyn as _, ElfFile, FileHeader, ProgramHeader};
 use object::{Endianness, Object, ObjectSection, ObjectSegment, ObjectSymbol, elf};
 
 use super::OpenError;
@@ -69,6 +69,10 @@ pub(super) fn check(path: &Path, bytes: &[u8]) -> Result<(), OpenError> {
     if wanted > size {
         return Err(OpenError::Truncated { path: path.to_owned(), bytes: size, wanted });
     }
+    let disorder = disorder(bytes).unwrap_or_else(|error| Some(error.to_string()));
+    if let Some(why) = disorder {
+        return Err(OpenError::Damaged { path: path.to_owned(), why });
+    }
     Ok(())
 }
 
@@ -122,6 +126,54 @@ pub(super) fn finishers(bytes: &[u8]) -> Option<(u64, u64)> {
     let file = object::File::parse(bytes).ok()?;
     let section = file.section_by_name(".fini_array")?;
     Some((section.address(), section.size() / size_of::<usize>() as u64))
+}
+
+/// Tags of the dynamic table whose values are addresses that the dynamic linker follows unseen.
+const FOLLOWED: [elf::DynamicTag; 12] = [
+    elf::DT_HASH,
+    elf::DT_GNU_HASH,
+    elf::DT_STRTAB,
+    elf::DT_SYMTAB,
+    elf::DT_RELA,
+    elf::DT_JMPREL,
+    elf::DT_VERSYM,
+    elf::DT_VERNEED,
+    elf::DT_INIT,
+    elf::DT_FINI,
+    elf::DT_INIT_ARRAY,
+    elf::DT_FINI_ARRAY,
+];
+
+/// What is wrong with the tables that the dynamic linker trusts, if anything is.
+fn disorder(bytes: &[u8]) -> object::Result<Option<String>> {
+    let header = Header::parse(bytes)?;
+    let endian = header.endian()?;
+    let segments = header.program_headers(endian, bytes)?;
+    let mut loaded: Vec<(u64, u64)> = Vec::new();
+    for segment in segments.iter().filter(|segment| segment.p_type(endian) == elf::PT_LOAD) {
+        let start = word(segment.p_vaddr(endian));
+        let in_file = start.saturating_add(word(segment.p_filesz(endian)));
+        let end = start.saturating_add(word(segment.p_memsz(endian)));
+        if in_file > end || loaded.last().is_some_and(|(_, before)| start < *before) {
+            return Ok(Some(format!("its segment at {start:#x} is out of order")));
+        }
+        loaded.push((start, end));
+    }
+    let inside = |at: u64| loaded.iter().any(|(start, end)| (*start..*end).contains(&at));
+    let Some(dynamic) = segments.iter().find(|one| one.p_type(endian) == elf::PT_DYNAMIC) else {
+        return Ok(Some("it has no dynamic table".to_owned()));
+    };
+    if !inside(word(dynamic.p_vaddr(endian))) {
+        return Ok(Some("its dynamic table is in none of its segments".to_owned()));
+    }
+    let entries = dynamic.dynamic(endian, bytes)?.unwrap_or_default().iter();
+    let mut entries = entries.take_while(|entry| entry.tag(endian) != elf::DT_NULL);
+    let astray =
+        entries.find(|entry| FOLLOWED.contains(&entry.tag(endian)) && !inside(entry.val(endian)));
+    Ok(astray.map(|entry| {
+        let (tag, at) = (entry.tag(endian).0, entry.val(endian));
+        format!("entry {tag:#x} of its dynamic table leads to {at:#x}, where nothing is")
+    }))
 }
 
 /// Whether the file needs a library whose name begins so.

@@ -1,30 +1,62 @@
 //! The dynamic linker: opening a file, finding symbols. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
-use std::ffi::c_void;
+use std::ffi::{CStr, CString, c_char, c_int, c_void};
 use std::ops::Range;
+use std::os::unix::ffi::OsStrExt as _;
 use std::path::Path;
 
 use libloading::os::unix;
+
+use crate::ffi::WHAT;
+use crate::last_words;
+
+unsafe extern "C" {
+    /// `dlopen`, and 1 if a constructor threw: `what` then says what, with its NUL.
+    fn genom_host_guarded_open(
+        file: *const c_char,
+        mode: c_int,
+        handle: *mut *mut c_void,
+        what: *mut c_char,
+        room: usize,
+    ) -> c_int;
+}
 
 /// An open library as the dynamic linker knows it; closed when dropped.
 #[derive(Debug)]
 pub(super) struct Handle(Option<unix::Library>);
 
 impl Handle {
-    /// Opens `file` with all symbols bound now and none of them visible to others.
-    pub(super) fn open(file: &Path) -> Result<Self, String> {
+    /// Opens `file`, a copy of `library`, with all symbols bound now and none of them visible to
+    /// others.
+    pub(super) fn open(file: &Path, library: &Path) -> Result<Self, String> {
+        let name = CString::new(file.as_os_str().as_bytes()).map_err(|error| error.to_string())?;
+        let words = format!("a constructor of {}", library.display());
+        let (mut handle, mut what) = (std::ptr::null_mut(), [0u8; WHAT]);
+        let running = last_words::running(&words);
         // SAFETY: the file was checked to be a complete shared object of this machine. Its
         // constructors run foreign code: that is what hosting a component means.
-        let library = unsafe { unix::Library::open(Some(file), unix::RTLD_NOW | unix::RTLD_LOCAL) };
-        library.map(|library| Self(Some(library))).map_err(|error| {
-            let said = match &error {
-                libloading::Error::DlOpen { source, .. } => source.to_string(),
-                other => other.to_string(),
-            };
+        let threw = unsafe {
+            let mode = unix::RTLD_NOW | unix::RTLD_LOCAL;
+            let what = what.as_mut_ptr().cast();
+            genom_host_guarded_open(name.as_ptr(), mode, &raw mut handle, what, WHAT)
+        };
+        if threw != 0 {
+            let what = CStr::from_bytes_until_nul(&what).unwrap_or_default();
+            last_words::constructor_threw(&what.to_string_lossy());
+        }
+        drop(running);
+        if handle.is_null() {
+            // SAFETY: what the dynamic linker says of the last call of this thread, if anything.
+            let said = unsafe { libc::dlerror().as_ref() }
+                // SAFETY: it says it as a string, until the next call.
+                .map(|said| unsafe { CStr::from_ptr(said) }.to_string_lossy().into_owned())
+                .unwrap_or_default();
             let own = format!("{}: ", file.display());
-            said.strip_prefix(&own).unwrap_or(&said).to_owned()
-        })
+            return Err(said.strip_prefix(&own).unwrap_or(&said).to_owned());
+        }
+        // SAFETY: the dynamic linker just gave this handle, to nobody else.
+        Ok(Self(Some(unsafe { unix::Library::from_raw(handle) })))
     }
 
     /// Address of a symbol.

@@ -32,7 +32,7 @@ const SYSTEM: &[&str] = &[
 ];
 
 /// Opens a file, or says as the dynamic linker does why not.
-type Linker = fn(&Path) -> Result<Handle, String>;
+type Linker = fn(&Path, &Path) -> Result<Handle, String>;
 
 /// The parts of `file` in memory.
 fn own(file: &Path) -> Vec<Mapping> {
@@ -81,7 +81,7 @@ impl Library {
                 return Self::open_beside(path, bytes, link);
             }
         };
-        match link(copy.path()) {
+        match link(copy.path(), &path) {
             Ok(handle) => {
                 let mappings = own(copy.path());
                 let finishers = elf::finishers(&bytes);
@@ -97,7 +97,7 @@ impl Library {
 
     /// Loads a copy made beside the original, or else the original.
     fn open_beside(path: PathBuf, bytes: Vec<u8>, link: Linker) -> Result<Self, OpenError> {
-        let load = |file: &Path| link(file).map(|handle| (handle, own(file)));
+        let load = |file: &Path| link(file, &path).map(|handle| (handle, own(file)));
         let loaded = copy::beside(&path, &bytes, load).unwrap_or_else(|why| {
             tracing::warn!(
                 "{}: loaded in place, no copy beside it: {why}; once rebuilt it needs a restart \

@@ -1,0 +1,155 @@
+//! What the process says on standard error when foreign code ends it: which codel, of which
+//! library, and how. Without it a crash of one codel among hundreds leaves no trace.
+//!
+//! It saves nothing: the process ends as it would have. One of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::cell::Cell;
+use std::ffi::{c_int, c_void};
+use std::mem::MaybeUninit;
+use std::ptr;
+use std::sync::OnceLock;
+
+/// Signals that end a process because of what its code does.
+const FAULTS: [(c_int, &str); 5] = [
+    (libc::SIGSEGV, "SIGSEGV"),
+    (libc::SIGBUS, "SIGBUS"),
+    (libc::SIGFPE, "SIGFPE"),
+    (libc::SIGILL, "SIGILL"),
+    (libc::SIGABRT, "SIGABRT"),
+];
+
+/// What was done on these signals before, and which process this is: a codel may fork.
+static BEFORE: OnceLock<([Option<libc::sigaction>; FAULTS.len()], libc::pid_t)> = OnceLock::new();
+
+thread_local! {
+    /// The foreign code that this thread runs, in words. Without a destructor: signal handlers
+    /// and what runs at the exit of the process read it.
+    static RUNNING: Cell<*const str> = const { Cell::new(ptr::from_ref("")) };
+}
+
+/// Foreign code runs on this thread until this is dropped.
+pub(crate) struct Running<'a> {
+    outer: *const str,
+    /// What is pointed to outlives this.
+    _words: &'a str,
+}
+
+/// From now on this thread runs what the words say, such as ``codel `servo` of demo.so``.
+pub(crate) fn running(words: &str) -> Running<'_> {
+    Running { outer: RUNNING.replace(ptr::from_ref(words)), _words: words }
+}
+
+impl Drop for Running<'_> {
+    fn drop(&mut self) {
+        RUNNING.set(self.outer);
+    }
+}
+
+/// From now on the process says what ended it. Once is enough.
+pub fn tell_last_words() {
+    BEFORE.get_or_init(|| {
+        // SAFETY: the handler calls only what may be called in handlers; it is part of this
+        // program, which is never closed.
+        unsafe { libc::atexit(on_exit) };
+        // SAFETY: it has no preconditions.
+        (FAULTS.map(|(signal, _)| handle(signal)), unsafe { libc::getpid() })
+    });
+}
+
+fn handle(signal: c_int) -> Option<libc::sigaction> {
+    let mut before = MaybeUninit::uninit();
+    // SAFETY: all zeroes is an action: an empty mask, no flags.
+    let mut action: libc::sigaction = unsafe { MaybeUninit::zeroed().assume_init() };
+    let handler: extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void) = on_fault;
+    action.sa_sigaction = handler as usize;
+    // On the stack of its own that each thread has: its own may have overflowed.
+    action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
+    // SAFETY: the handler has the signature that SA_SIGINFO asks for, see above for the rest.
+    let done = unsafe { libc::sigaction(signal, &raw const action, before.as_mut_ptr()) } == 0;
+    // SAFETY: the system wrote it.
+    done.then(|| unsafe { before.assume_init() })
+}
+
+extern "C" fn on_fault(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_void) {
+    let rank = FAULTS.iter().position(|(known, _)| *known == signal);
+    let name = rank.and_then(|rank| FAULTS.get(rank)).map_or("a signal", |(_, name)| name);
+    say(name, " in ");
+    let before = BEFORE.get().zip(rank).and_then(|((all, _), rank)| all.get(rank)?.as_ref());
+    // SAFETY: what the system told of the signal before; a fault then happens again.
+    unsafe {
+        match before {
+            Some(before) => libc::sigaction(signal, before, ptr::null_mut()),
+            None => libc::signal(signal, libc::SIG_DFL) as c_int,
+        };
+        // One that was sent does not come again by itself.
+        if (*info).si_code <= 0 {
+            libc::raise(signal);
+        }
+    }
+}
+
+/// `exit` was called: by foreign code, when this thread runs some.
+extern "C" fn on_exit() {
+    // SAFETY: it has no preconditions.
+    let child = BEFORE.get().is_none_or(|(_, own)| unsafe { libc::getpid() } != *own);
+    if !child && !words().is_empty() {
+        say("exit", " called by ");
+        // SAFETY: threads of the daemon still run: nothing more is taken down under them, and
+        // who watches it learns that it did not end well.
+        unsafe { libc::_exit(1) };
+    }
+}
+
+/// A codel ends its thread, by `pthread_exit` or by being cancelled: the process cannot go on.
+#[unsafe(no_mangle)]
+extern "C" fn genom_host_thread_ends() {
+    say("pthread_exit or pthread_cancel", " in ");
+}
+
+/// Ends the process: a constructor threw within the dynamic linker, which is of no use any more
+/// to any thread.
+pub(crate) fn constructor_threw(what: &str) -> ! {
+    say("a C++ exception", " thrown by ");
+    write(&["genomd: it says: ", what, "\n"]);
+    // SAFETY: exit would wait for the dynamic linker.
+    unsafe { libc::_exit(1) }
+}
+
+fn words<'a>() -> &'a str {
+    // SAFETY: the words of a `Running` outlive it, and it takes them back when it is dropped.
+    unsafe { &*RUNNING.get() }
+}
+
+/// One line; only with what signal handlers may call.
+fn say(what: &str, by: &str) {
+    match words() {
+        "" => write(&["genomd: ", what, ", outside codels: the process ends\n"]),
+        words => write(&["genomd: ", what, by, words, ": the process ends\n"]),
+    }
+}
+
+fn write(parts: &[&str]) {
+    for part in parts {
+        // SAFETY: the bytes are those of a string.
+        unsafe { libc::write(libc::STDERR_FILENO, part.as_ptr().cast(), part.len()) };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_that_calls_other_code_runs_again_after_it() {
+        assert_eq!(words(), "");
+        let outer = running("codel `a`");
+        {
+            let _inner = running("codel `b`");
+            assert_eq!(words(), "codel `b`");
+        }
+        assert_eq!(words(), "codel `a`");
+        drop(outer);
+        assert_eq!(words(), "");
+    }
+}
