@@ -47,7 +47,7 @@ fn a_move_in_the_middle_of_a_motion_misses_no_tick() {
     let demo = component("demo");
     // A period that the noise of a busy machine does not use up; opening a middleware does.
     let config = format!(
-        "backend = \"shm\"\n[[component]]\nlibrary = {:?}\ntasks = {{ main = {{ period_ms = 40 }} }}\n",
+        "backend = \"shm\"\n[[component]]\nlibrary = {:?}\ntasks = {{ main = {{ period_ms = 100 }} }}\n",
         demo.library
     );
     let daemon = Home::new().configured(&config).start(&[]);
@@ -55,7 +55,7 @@ fn a_move_in_the_middle_of_a_motion_misses_no_tick() {
     daemon.ctl(&["load", path(&paper.description), "--name", "paper"]).expect_code(0);
     daemon.ctl(&["connect", "demo/parameter", "paper/position"]).expect_code(0);
     let mut events = daemon.events();
-    let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=0.15"]);
+    let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=0.12"]);
     events.wait_for(|event| event["event"] == "transition" && event["state"] == "main");
     for round in 0..6 {
         let to = ["shm+zenoh", "zenoh", "shm"][round % 3];

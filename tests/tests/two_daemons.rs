@@ -4,8 +4,9 @@
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
 use std::sync::Arc;
+use std::time::Instant;
 
-use genom_tests::{Daemon, Home, Memory, component, path};
+use genom_tests::{Daemon, Home, Memory, WATCHDOG, component, path};
 use serde_json::Value;
 
 /// The figure of 2010 publishes a double, the demo reads one.
@@ -129,5 +130,31 @@ fn components_of_one_daemon_connect_too() {
         let inputs = r#"{"local":"parameter","remote":"paper/nothing"}"#;
         let refused = daemon.ctl(&["call", "demo", "connect_port", inputs]);
         refused.expect_code(1).expect_err("::genom::no_such_outport");
+    }
+}
+
+#[test]
+fn a_connection_follows_a_writer_that_moves_after_its_reader() {
+    let (writer, reader) = pair("shm");
+    reader.ctl(&["connect", "demo/parameter", "paper/position"]).expect_code(0);
+    writer.ctl(&["call", "paper", "goto", "position=0.5"]).expect_code(0);
+    let backend = || reader.json(&["connections"])["connections"][0]["backend"].clone();
+    // Nobody publishes there yet: what arrives goes on arriving.
+    reader.ctl(&["backend", "demo", "zenoh"]).expect_code(0);
+    assert_eq!(backend(), "shm");
+    writer.ctl(&["backend", "paper", "zenoh"]).expect_code(0);
+    until(|| backend() == "zenoh");
+    until(|| {
+        reader.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
+        reader.ctl(&["call", "demo", "goto", "goal=0"]).expect_code(0);
+        parameter(&reader)["value"] == 0.5
+    });
+}
+
+#[track_caller]
+fn until(mut holds: impl FnMut() -> bool) {
+    let end = Instant::now() + WATCHDOG;
+    while !holds() {
+        assert!(Instant::now() < end, "still not so");
     }
 }

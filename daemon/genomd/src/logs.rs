@@ -26,9 +26,11 @@ pub(crate) fn past() -> &'static Numbers {
 }
 
 /// The DDS library tells of each packet it cannot send yet, also as errors: what fails is told
-/// by those who use it. A filter that names it says otherwise. Spans of services are for a
-/// collector.
-const QUIET: &str = "rustdds=off,genom::service=off";
+/// by those who use it. zenoh warns of what is meant to be so: sessions that connect by Unix sockets
+/// without a name, and no gossip between them. A filter that names them says otherwise. Spans of
+/// services are for a collector.
+const QUIET: &str = "rustdds=off,zenoh_link_unixsock_stream=error,\
+                     zenoh::net::routing::hat::peer=error,genom::service=off";
 
 /// Starts logging; the filter was wrong when this gives an error.
 /// With `spans`, those of services are exported, whatever is logged.

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use genom_middleware::Middleware;
 use serde::Deserialize;
 
+use crate::config::nearest_key;
 use crate::nearest::nearest;
 
 /// A middleware this daemon was built with.
@@ -16,6 +17,8 @@ pub(crate) struct Known {
     pub(crate) name: &'static str,
     /// Version of the library behind it.
     pub(crate) version: &'static str,
+    /// Refuses a section of the configuration that makes no sense, and opens nothing.
+    check: fn(&toml::Table) -> Result<(), String>,
     /// Opens it with its section of the configuration.
     open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, String>,
 }
@@ -26,6 +29,7 @@ pub(crate) fn known() -> &'static [Known] {
         Known {
             name: "local",
             version: env!("CARGO_PKG_VERSION"),
+            check: |options| read::<NoOptions>(options).map(drop),
             open: |options| {
                 read::<NoOptions>(options)?;
                 Ok(Arc::new(genom_local::Local::new()))
@@ -34,6 +38,7 @@ pub(crate) fn known() -> &'static [Known] {
         Known {
             name: "shm",
             version: "iceoryx2 0.10",
+            check: |options| read::<ShmOptions>(options).map(drop),
             open: |options| {
                 let ShmOptions { prefix, root } = read(options)?;
                 let options = genom_shm::Options { prefix, root, ..genom_shm::Options::default() };
@@ -46,6 +51,7 @@ pub(crate) fn known() -> &'static [Known] {
         Known {
             name: "zenoh",
             version: "zenoh 1.10",
+            check: |options| read::<ZenohOptions>(options).map(drop),
             open: |options| match genom_zenoh::Zenoh::open(&read::<ZenohOptions>(options)?.into()) {
                 Ok(zenoh) => Ok(zenoh),
                 Err(error) => Err(error.to_string()),
@@ -55,6 +61,7 @@ pub(crate) fn known() -> &'static [Known] {
             name: "ros2",
             // The same on the wire since ROS 2 Iron.
             version: "rustdds 0.15, ROS 2 Iron to Kilted",
+            check: |options| read::<Ros2Options>(options).map(drop),
             open: |options| {
                 let options = read::<Ros2Options>(options)?.over_environment()?;
                 match genom_ros2::Ros2::open(&options) {
@@ -262,7 +269,11 @@ fn json(value: toml::Value) -> String {
 }
 
 fn read<T: serde::de::DeserializeOwned>(options: &toml::Table) -> Result<T, String> {
-    options.clone().try_into().map_err(|error: toml::de::Error| error.message().to_owned())
+    options.clone().try_into().map_err(|error: toml::de::Error| {
+        let message = error.message().to_owned();
+        let near = nearest_key(&message).map(|near| format!("; did you mean `{near}`?"));
+        message + &near.unwrap_or_default()
+    })
 }
 
 /// A middleware could not be had.
@@ -271,6 +282,9 @@ pub(crate) enum BackendError {
     /// No such middleware.
     #[error("unknown backend `{name}`{}. This daemon knows: {}", meant(.name), names())]
     Unknown { name: String },
+    /// Its section of the configuration makes no sense.
+    #[error("[backends.{name}]: {why}")]
+    Options { name: String, why: String },
     /// It does not open on this machine.
     #[error("backend {name} cannot be opened: {why}")]
     Closed { name: String, why: String },
@@ -296,6 +310,16 @@ pub(crate) fn check(name: &str) -> Result<Known, BackendError> {
         .find(|known| known.name == name)
         .copied()
         .ok_or_else(|| BackendError::Unknown { name: name.to_owned() })
+}
+
+/// Refuses sections of the configuration that no middleware reads, also of those that are not in
+/// use: a component may move there while it runs.
+pub(crate) fn check_options(options: &BTreeMap<String, toml::Table>) -> Result<(), BackendError> {
+    for (name, section) in options {
+        let wrong = |why| BackendError::Options { name: name.clone(), why };
+        (check(name)?.check)(section).map_err(wrong)?;
+    }
+    Ok(())
 }
 
 /// The middlewares in use. Each is opened when first needed, and stays open.
@@ -396,6 +420,18 @@ mod tests {
             "unknown backend `smh` (did you mean `shm`?). This daemon knows: local, shm, zenoh, \
              ros2"
         );
+    }
+
+    #[test]
+    fn options_are_refused_also_of_middlewares_that_are_not_in_use() {
+        let told = |text: &str| check_options(&toml::from_str(text).unwrap()).unwrap_err();
+        assert_eq!(
+            told("[shm]\nprefx = 'a'").to_string(),
+            "[backends.shm]: unknown field `prefx`, expected `prefix` or `root`; did you mean \
+             `prefix`?"
+        );
+        assert!(told("[zenho]").to_string().contains("did you mean `zenoh`?"));
+        assert!(check_options(&toml::from_str("[zenoh]\nlisten = []").unwrap()).is_ok());
     }
 
     #[test]

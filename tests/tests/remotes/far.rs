@@ -102,6 +102,20 @@ fn calls(backend: &'static str) {
     pair.ask("40").expect_code(0).expect_out("sum = 42\n");
 }
 
+#[test]
+fn calls_follow_a_service_that_moves_to_another_middleware() {
+    let pair = Pair::new("shm");
+    pair.connect_when_there("caller/add", "provider/add").expect_code(0);
+    pair.caller.ctl(&["backend", "caller", "zenoh"]).expect_code(0);
+    // It is not there yet: it is called where it was.
+    pair.ask("1").expect_code(0).expect_out("sum = 3\n");
+    let provider = pair.provider.as_ref().unwrap();
+    provider.ctl(&["backend", "provider", "zenoh"]).expect_code(0);
+    pair.ask_until(|answer| answer.out == "sum = 3\n");
+    let listed = pair.caller.json(&["connections"]);
+    assert_eq!(listed["connections"][0]["backend"], "zenoh", "{listed}");
+}
+
 fn refuses(backend: &'static str) {
     let pair = Pair::new(backend);
     pair.connect_when_there("caller/add", "provider/add").expect_code(0);

@@ -7,7 +7,7 @@ use utoipa::ToSchema;
 
 /// The middlewares a port or a component is on: `"shm"`, `"shm+zenoh"` or `["shm", "zenoh"]`.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
-#[serde(from = "OneOrMore", into = "String")]
+#[serde(try_from = "OneOrMore", into = "String")]
 #[schema(value_type = OneOrMore)]
 pub(crate) struct BackendNames(Vec<String>);
 
@@ -40,8 +40,10 @@ impl BackendNames {
     }
 }
 
-impl From<OneOrMore> for BackendNames {
-    fn from(given: OneOrMore) -> Self {
+impl TryFrom<OneOrMore> for BackendNames {
+    type Error = &'static str;
+
+    fn try_from(given: OneOrMore) -> Result<Self, Self::Error> {
         let given = match given {
             OneOrMore::One(name) => name.split('+').map(str::to_owned).collect(),
             OneOrMore::More(names) => names,
@@ -52,7 +54,7 @@ impl From<OneOrMore> for BackendNames {
                 names.push(name);
             }
         }
-        Self(names)
+        if names.is_empty() { Err("name one backend at least") } else { Ok(Self(names)) }
     }
 }
 
@@ -86,5 +88,7 @@ mod tests {
         }
         let refused = serde_json::from_value::<BackendNames>(json!(3)).unwrap_err().to_string();
         assert!(refused.contains("the name of a backend"), "{refused}");
+        let refused = serde_json::from_value::<BackendNames>(json!([])).unwrap_err().to_string();
+        assert_eq!(refused, "name one backend at least");
     }
 }

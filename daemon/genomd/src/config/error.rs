@@ -23,7 +23,7 @@ fn suggestion(nearest: &Option<String>) -> String {
 }
 
 /// Serde says ``unknown field `x`, expected one of `a`, `b` ``: the nearest of what it expects.
-pub(super) fn nearest_key(message: &str) -> Option<String> {
+pub(crate) fn nearest_key(message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = message.starts_with("unknown field").then(|| quoted.next()).flatten()?;
     nearest(unknown, quoted).map(str::to_owned)

@@ -18,7 +18,7 @@ use std::time::Duration;
 pub(crate) use backends::BackendNames;
 pub(crate) use component::LoadRequest;
 pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
-pub(crate) use error::ConfigError;
+pub(crate) use error::{ConfigError, nearest_key};
 pub(crate) use file::Config;
 pub(crate) use qos::QosEntry;
 pub(crate) use rpc::{RpcSettings, Tls};
@@ -78,6 +78,9 @@ pub(crate) enum UsageError {
          (`genomctl token NAME --into FILE` begins one), or with rpc.tls.client_ca"
     )]
     Anybody(SocketAddr),
+    /// Nobody could come in, not even to stop it.
+    #[error("rpc.max_connections = 0: the daemon would answer nobody; one at least")]
+    NoConnections,
     /// `telemetry.otlp` is no place to send to.
     #[error("{0}")]
     Collector(String),

@@ -102,6 +102,9 @@ impl RpcSettings {
                 return Err(UsageError::Anybody(address));
             }
         }
+        if config.max_connections == 0 {
+            return Err(UsageError::NoConnections);
+        }
         Ok(Self {
             socket: cli.socket.clone().or(config.socket).unwrap_or_else(default_socket),
             listen,

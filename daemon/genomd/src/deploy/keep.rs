@@ -1,4 +1,5 @@
-//! Keeps declared connections: when a component or another daemon comes back, it is wired again.
+//! Looks after connections: those declared are made again when a component or another daemon comes
+//! back, and all follow writers that move to another middleware of the in port's.
 
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
@@ -6,6 +7,7 @@ use std::time::Duration;
 use super::link::{self, Link};
 use crate::config::ConnectionEntry;
 use crate::daemon::Daemon;
+use crate::wiring::switch;
 
 /// How often missing connections are looked after.
 const LOOK: Duration = Duration::from_millis(100);
@@ -40,7 +42,7 @@ impl Declared {
     }
 }
 
-/// Looks after declared connections until the daemon stops.
+/// Looks after connections until the daemon stops.
 pub(crate) fn watch(daemon: &Arc<Daemon>) -> std::io::Result<()> {
     let daemon = Arc::downgrade(daemon);
     std::thread::Builder::new().name("genomd-wiring".to_owned()).spawn(move || {
@@ -69,5 +71,6 @@ fn look(daemon: &Weak<Daemon>) -> bool {
             Err(error) => tracing::debug!("connect {entry}: {}", error.why),
         }
     }
+    switch::catch_up(&daemon);
     true
 }

@@ -45,7 +45,7 @@ pub(crate) struct RemoteConnection {
     pub(crate) service: Address,
     /// The middleware it is called through; none within the daemon.
     pub(crate) backend: Option<String>,
-    /// Whether the backend was asked for by name.
+    /// Whether the middleware was asked for by name: then calls stay on it.
     pub(crate) fixed: bool,
 }
 

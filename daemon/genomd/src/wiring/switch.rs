@@ -6,13 +6,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use genom_middleware::{Address, OpenError, Publisher, Quality, Subscription};
+use genom_middleware::{Address, EndpointKind, OpenError, Publisher, Quality, Subscription};
 use genom_types::Record;
 
 use super::fan::Fan;
 use super::publish::{self, BindError};
+use super::remote::{self, RemoteRequest};
 use super::tap::Tap;
-use super::{Key, connect, serve};
+use super::{Connection, Key, RemoteConnection, connect, serve};
 use crate::bus::Change;
 use crate::config::BackendNames;
 use crate::daemon::Daemon;
@@ -32,6 +33,16 @@ struct NewFeed {
     backend: String,
     end: Box<dyn Subscription>,
     component: Option<Arc<Hosted>>,
+}
+
+impl NewFeed {
+    /// Exchanges it at a reader: the one it names, else `hosted`.
+    fn exchange(self, hosted: &Hosted) {
+        let reader = self.component.as_deref().unwrap_or(hosted);
+        let old = reader.excluded(|| self.tap.exchange(self.end));
+        reader.wiring.moved(&self.key, &self.backend);
+        drop(old);
+    }
 }
 
 /// Moves a component with all its ports and services, or one port when it is named.
@@ -97,10 +108,7 @@ pub(crate) fn switch(
         }
     });
     for new in own.into_iter().chain(followers) {
-        let reader = new.component.as_ref().unwrap_or(hosted);
-        let old = reader.excluded(|| new.tap.exchange(new.end));
-        reader.wiring.moved(&new.key, &new.backend);
-        drop(old);
+        new.exchange(hosted);
     }
     drop(old_ends);
     match port {
@@ -152,7 +160,7 @@ fn follow(
 
 /// Connections of the component's own in ports to writers of other daemons: they move too when
 /// the writer is visible there. Writers of this daemon stay where they are, and so do
-/// connections to them.
+/// connections to them. A writer that shows there later is followed by [`catch_up`].
 fn own_feeds(
     daemon: &Arc<Daemon>,
     hosted: &Arc<Hosted>,
@@ -182,6 +190,89 @@ fn own_feeds(
 
 fn quality_of(hosted: &Hosted, port: usize) -> Quality {
     hosted.wiring.bindings.quality(&hosted.model().ports[port].name)
+}
+
+/// Moves connections to writers and services of other daemons that went where the in port or the
+/// caller is as well: moved after it, or not seen there yet when it moved.
+pub(crate) fn catch_up(daemon: &Arc<Daemon>) {
+    let mut seen = Seen::default();
+    for reader in daemon.components.all() {
+        follow_services(daemon, &reader, &mut seen);
+        let _turn = reader.wiring.bindings.turn();
+        for (key, connection, tap) in reader.wiring.taps() {
+            let Connection { outport, backend, policy, fixed, .. } = connection;
+            if fixed || daemon.components.get(&outport.instance).is_some() {
+                continue;
+            }
+            let ours = reader.wiring.bindings.port(&reader.model().ports[key.0].name);
+            let mut others = ours.names().iter().filter(|name| **name != backend);
+            if others.clone().next().is_none()
+                || (ours.has(&backend) && seen.shows(daemon, &backend, PUBLISHER, &outport))
+            {
+                continue;
+            }
+            let Some(to) = others.find(|name| seen.shows(daemon, name, PUBLISHER, &outport)) else {
+                continue;
+            };
+            let Some(ty) = reader.port_type(key.0) else { continue };
+            let opened = daemon.backends.get(to).map_err(|error| error.to_string());
+            let quality = quality_of(&reader, key.0);
+            let end = opened.and_then(|middleware| {
+                let end = middleware.subscription_of(&outport, ty, policy, &quality);
+                end.map_err(|error| error.to_string())
+            });
+            match end {
+                Ok(end) => {
+                    tracing::info!("{} reads {outport} on {to} now", connection.inport);
+                    let backend = to.clone();
+                    NewFeed { key, tap, backend, end, component: None }.exchange(&reader);
+                }
+                Err(error) => tracing::debug!("{outport} on {to}: {error}"),
+            }
+        }
+    }
+}
+
+/// The same for the remotes of a component.
+fn follow_services(daemon: &Arc<Daemon>, caller: &Hosted, seen: &mut Seen) {
+    let ours = caller.wiring.bindings.component();
+    for RemoteConnection { remote, service, backend, fixed } in caller.wiring.remotes() {
+        let Some(backend) = backend.filter(|_| !fixed) else { continue };
+        let mut others = ours.names().iter().filter(|name| **name != backend);
+        if others.clone().next().is_none()
+            || (ours.has(&backend) && seen.shows(daemon, &backend, SERVICE, &service))
+            || !others.any(|name| seen.shows(daemon, name, SERVICE, &service))
+        {
+            continue;
+        }
+        let (remote, service) = (remote.to_string(), service.to_string());
+        let request = RemoteRequest { remote, service, backend: None, wait: false };
+        match remote::connect(daemon, &request) {
+            Ok(RemoteConnection { remote, service, backend, .. }) => {
+                tracing::info!("{remote} calls {service} on {} now", backend.unwrap_or_default());
+            }
+            Err(error) => tracing::debug!("{}: {error}", request.remote),
+        }
+    }
+}
+
+const PUBLISHER: EndpointKind = EndpointKind::Publisher;
+const SERVICE: EndpointKind = EndpointKind::Service;
+
+/// What shows on each middleware, looked up once.
+#[derive(Default)]
+struct Seen(BTreeMap<String, BTreeMap<String, EndpointKind>>);
+
+impl Seen {
+    fn shows(&mut self, daemon: &Daemon, backend: &str, kind: EndpointKind, at: &Address) -> bool {
+        let visible = self.0.entry(backend.to_owned()).or_insert_with(|| {
+            let found = daemon.backends.get(backend).ok().and_then(|on| on.discover().ok());
+            let ends = found.into_iter().flatten();
+            let ends = ends.filter(|found| found.kind != EndpointKind::Subscription);
+            ends.map(|found| (found.address, found.kind)).collect()
+        });
+        visible.get(&at.to_string()) == Some(&kind)
+    }
 }
 
 fn boxed(error: OpenError) -> BindError {
