@@ -13,6 +13,13 @@ pub(crate) fn nearest<'a>(
         .map(|(_, candidate)| candidate)
 }
 
+/// Serde says ``unknown field `x`, expected one of `a`, `b` ``: the nearest of what it expects.
+pub(crate) fn nearest_key(message: &str) -> Option<String> {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let unknown = message.starts_with("unknown field").then(|| quoted.next()).flatten()?;
+    nearest(unknown, quoted).map(str::to_owned)
+}
+
 /// ``did you mean `x`? ``, or the whole list when nothing is near and the list is short.
 pub(crate) fn suggest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     let candidates: Vec<&str> = candidates.into_iter().collect();

@@ -7,8 +7,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use genom_middleware::Middleware;
 use serde::Deserialize;
 
-use crate::config::nearest_key;
-use crate::nearest::nearest;
+use crate::nearest::{nearest, nearest_key};
 
 /// A middleware this daemon was built with.
 #[derive(Clone, Copy, Debug)]

@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::error::{ConfigError, nearest_key};
+use super::error::ConfigError;
 use super::rpc::Rpc;
 use super::{BackendNames, CallEntry, ConnectionEntry, LoadRequest, overrides};
 use crate::cli::{Cli, ClockKind};
+use crate::nearest::nearest_key;
 use crate::registry;
 
 /// A configuration file; `configs/default.toml` shows every key with its default.

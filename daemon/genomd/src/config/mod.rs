@@ -18,7 +18,7 @@ use std::time::Duration;
 pub(crate) use backends::BackendNames;
 pub(crate) use component::LoadRequest;
 pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
-pub(crate) use error::{ConfigError, nearest_key};
+pub(crate) use error::ConfigError;
 pub(crate) use file::Config;
 pub(crate) use qos::QosEntry;
 pub(crate) use rpc::{RpcSettings, Tls};

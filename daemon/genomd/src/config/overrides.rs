@@ -3,7 +3,8 @@
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use super::error::{ConfigError, nearest_key};
+use super::error::ConfigError;
+use crate::nearest::nearest_key;
 
 /// Puts `key=value` words over a configuration's text.
 pub(super) fn set<Config: DeserializeOwned + Default>(
