@@ -89,7 +89,7 @@ impl Reader {
                 Value::Object(keyed) => {
                     let size = value.graph().node(*element).layout.size.max(1);
                     let before = value.length();
-                    let most = bound.unwrap_or((self.by_index / size).saturating_add(before));
+                    let most = bound.unwrap_or((self.by_index / size).max(before));
                     // Its memory is in the value itself when there is a bound.
                     self.keyed(value, keyed, most, if bound.is_some() { 0 } else { size })?;
                 }
