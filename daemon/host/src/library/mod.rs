@@ -190,14 +190,14 @@ mod tests {
     use super::*;
 
     /// A temporary directory mounted `noexec`, as the linker of glibc tells it.
-    fn nothing_runs_in_temporary(file: &Path) -> Result<Handle, String> {
+    fn nothing_runs_in_temporary(file: &Path, library: &Path) -> Result<Handle, String> {
         if file.parent().unwrap().file_name().unwrap().to_string_lossy().starts_with("genomd-") {
             return Err("failed to map segment from shared object".to_owned());
         }
-        Handle::open(file)
+        Handle::open(file, library)
     }
 
-    fn nothing_runs_anywhere(_: &Path) -> Result<Handle, String> {
+    fn nothing_runs_anywhere(_: &Path, _: &Path) -> Result<Handle, String> {
         Err("failed to map segment from shared object".to_owned())
     }
 
