@@ -66,8 +66,10 @@ fn a_move_in_the_middle_of_a_motion_misses_no_tick() {
     assert_eq!(running, "running", "the motion ended before the moves did");
     waiting.finish().expect_code(0);
     let after = daemon.json(&["stats", "demo"])["tasks"][0].clone();
-    // Ticks that the machine lets a task sleep through say nothing of the moves.
-    assert!(after["cycles"]["max_ns"].as_u64().unwrap() < 40_000_000, "{after}");
+    // Ticks that the machine lets a task sleep through say nothing of the moves: a tick is missed
+    // by them when the one before takes longer than the period.
+    let period = after["period_ns"].as_u64().unwrap();
+    assert!(after["cycles"]["max_ns"].as_u64().unwrap() < period, "{after}");
     assert!(after["cycles"]["count"].as_u64().unwrap() > 40, "{after}");
 }
 

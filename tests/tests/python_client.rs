@@ -61,6 +61,7 @@ fn python_is_told_when_the_daemon_goes_away() {
 
 /// Shows what the tests measured: as many lines.
 #[track_caller]
+#[allow(clippy::print_stdout, reason = "figures are for whoever runs the test")]
 fn figures(finished: &Finished, count: usize) {
     let figure = |line: &&str| line.contains("round trips") || line.contains("1 kHz");
     let found: Vec<_> = finished.err.lines().filter(figure).collect();
