@@ -16,6 +16,7 @@ mod failure;
 mod inputs;
 mod lsp;
 mod names;
+mod parameter;
 mod prompt;
 mod reading;
 mod recording;

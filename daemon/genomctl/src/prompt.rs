@@ -7,24 +7,13 @@ use serde_json::{Map, Value};
 
 use crate::failure::Failure;
 use crate::names::url;
+use crate::parameter::Parameter;
 use crate::session::Session;
 use crate::{inputs, terminal};
 
 #[derive(Debug, Deserialize)]
 struct Service {
     parameters: Vec<Parameter>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Parameter {
-    name: String,
-    direction: String,
-    #[serde(rename = "type")]
-    ty: String,
-    #[serde(default)]
-    doc: Option<String>,
-    #[serde(default)]
-    default: Option<Value>,
 }
 
 /// The inputs typed; or what somebody answers, when none were. `{}` takes all defaults unasked.

@@ -2,11 +2,11 @@
 
 use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
-use serde_json::Value;
 
 use crate::complete::Names;
 use crate::failure::Failure;
 use crate::names::url;
+use crate::parameter::Parameter;
 use crate::session::Session;
 
 /// Describe a component, or one of its services.
@@ -51,18 +51,6 @@ struct Service {
     interrupts: Vec<String>,
     #[serde(default)]
     standard: bool,
-}
-
-#[derive(Debug, Deserialize)]
-struct Parameter {
-    name: String,
-    direction: String,
-    #[serde(rename = "type")]
-    ty: String,
-    #[serde(default)]
-    doc: Option<String>,
-    #[serde(default)]
-    default: Option<Value>,
 }
 
 #[derive(Debug, Deserialize)]
