@@ -121,6 +121,7 @@ impl Config {
     pub(crate) fn over(mut self, cli: &Cli) -> Self {
         self.backend = cli.backend.clone().unwrap_or(self.backend);
         self.log = cli.log.clone().unwrap_or(self.log);
+        self.clock = cli.clock.unwrap_or(self.clock);
         self.path = [cli.path.clone(), cli.genom_path.clone(), self.path].concat();
         self.include = [cli.include.clone(), self.include].concat();
         self.rpc.socket = cli.socket.clone().or(self.rpc.socket);

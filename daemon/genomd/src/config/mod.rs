@@ -89,7 +89,8 @@ pub(crate) enum UsageError {
 impl Settings {
     /// The command line over the configuration.
     pub(crate) fn new(cli: Cli, config: Config) -> Result<Self, UsageError> {
-        let rpc = RpcSettings::new(&cli, config.rpc.clone())?;
+        let config = config.over(&cli);
+        let rpc = RpcSettings::new(config.rpc.clone())?;
         let mut components: Vec<_> = cli
             .components
             .into_iter()
@@ -112,14 +113,14 @@ impl Settings {
         Ok(Self {
             file: cli.config,
             collector,
-            backend: cli.backend.unwrap_or(config.backend),
+            backend: config.backend,
             deployment,
             name: cli.daemon,
-            path: [cli.path, cli.genom_path, config.path].concat(),
-            include: [cli.include, config.include].concat(),
-            log: cli.log.unwrap_or(config.log),
+            path: config.path,
+            include: config.include,
+            log: config.log,
             backends: config.backends,
-            clock: cli.clock.unwrap_or(config.clock),
+            clock: config.clock,
             lock_memory: config.lock_memory,
             start_timeout: Duration::from_secs(config.start_timeout),
             stop_timeout: Duration::from_secs(config.stop_timeout),
@@ -136,6 +137,14 @@ mod tests {
     fn settings(arguments: &[&str]) -> Result<Settings, String> {
         let cli = Cli::try_parse_from(std::iter::once(&"genomd").chain(arguments)).unwrap();
         Settings::new(cli, Config::default()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_clock_that_is_dumped_is_the_one_that_runs() {
+        let cli = Cli::try_parse_from(["genomd", "--clock", "virtual"]).unwrap();
+        let text = Config::default().over(&cli).text().unwrap();
+        assert!(text.contains("clock = \"virtual\""), "{text}");
+        assert_eq!(settings(&["--clock", "virtual"]).unwrap().clock, ClockKind::Virtual);
     }
 
     #[test]

@@ -7,7 +7,6 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::UsageError;
-use crate::cli::Cli;
 use crate::rpc::rights::Right;
 
 /// Section `[rpc]`.
@@ -89,16 +88,14 @@ pub(crate) struct RpcSettings {
 }
 
 impl RpcSettings {
-    /// The command line over the configuration.
-    pub(super) fn new(cli: &Cli, config: Rpc) -> Result<Self, UsageError> {
-        let listen = cli.listen.or(config.listen);
-        let token_file = cli.token_file.clone().or(config.token_file);
-        if let Some(address) = listen {
+    /// What the section comes to, the command line already over it.
+    pub(super) fn new(config: Rpc) -> Result<Self, UsageError> {
+        if let Some(address) = config.listen {
             let certified = config.tls.as_ref().is_some_and(|tls| tls.client_ca.is_some());
             if !address.ip().is_loopback() && config.tls.is_none() {
                 return Err(UsageError::NoTls(address));
             }
-            if token_file.is_none() && !certified {
+            if config.token_file.is_none() && !certified {
                 return Err(UsageError::Anybody(address));
             }
         }
@@ -106,9 +103,9 @@ impl RpcSettings {
             return Err(UsageError::NoConnections);
         }
         Ok(Self {
-            socket: cli.socket.clone().or(config.socket).unwrap_or_else(default_socket),
-            listen,
-            token_file,
+            socket: config.socket.unwrap_or_else(default_socket),
+            listen: config.listen,
+            token_file: config.token_file,
             tls: config.tls,
             max_body: config.max_body,
             max_connections: config.max_connections,
@@ -131,12 +128,15 @@ fn default_socket() -> PathBuf {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Config;
     use super::*;
+    use crate::cli::Cli;
     use clap::Parser as _;
 
     fn settings(arguments: &[&str], tls: Option<Tls>) -> Result<RpcSettings, String> {
         let cli = Cli::try_parse_from(std::iter::once(&"genomd").chain(arguments)).unwrap();
-        RpcSettings::new(&cli, Rpc { tls, ..Rpc::default() }).map_err(|error| error.to_string())
+        let config = Config { rpc: Rpc { tls, ..Rpc::default() }, ..Config::default() };
+        RpcSettings::new(config.over(&cli).rpc).map_err(|error| error.to_string())
     }
 
     fn tls(client_ca: Option<&str>) -> Option<Tls> {
