@@ -26,7 +26,7 @@ pub use port::{
     Capabilities, Endpoint, EndpointKind, Middleware, Policy, Publisher, Reading, Subscription,
 };
 pub use quality::{Obstacle, Quality};
-pub use relay::{AskError, OnRequest, Relay};
+pub use relay::{AnnounceError, AskError, OnRequest, Relay};
 pub use service::{
     ActivityId, Client, Outcome, Replies, Running, Served, ServiceHandler, ServiceKind, ServiceType,
 };

@@ -3,7 +3,7 @@
 
 use std::time::Duration;
 
-use crate::error::{DiscoverError, OpenError};
+use crate::error::DiscoverError;
 
 /// Takes one request, and answers it sooner or later, from any thread; dropping the answer is
 /// an answer too: the other side is told that nothing came.
@@ -19,7 +19,7 @@ pub trait Relay: Send + Sync {
         &self,
         name: &str,
         requests: Box<OnRequest>,
-    ) -> Result<Box<dyn Send + Sync>, OpenError>;
+    ) -> Result<Box<dyn Send + Sync>, AnnounceError>;
 
     /// Names of the daemons that are visible now, this one included.
     ///
@@ -33,6 +33,33 @@ pub trait Relay: Send + Sync {
     /// # Errors
     /// It does not show, or it did not answer within `patience`.
     fn ask(&self, name: &str, request: &[u8], patience: Duration) -> Result<Vec<u8>, AskError>;
+}
+
+/// A daemon cannot be shown.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum AnnounceError {
+    /// Another one has its name.
+    #[error(
+        "another daemon named `{name}` is reachable on {backend}: start one of the two with a name \
+         of its own, `--daemon NAME`"
+    )]
+    Taken {
+        /// The name.
+        name: String,
+        /// The middleware.
+        backend: String,
+    },
+    /// The middleware itself failed.
+    #[error("daemon `{name}` is not reachable on {backend}: {why}")]
+    Failed {
+        /// The name.
+        name: String,
+        /// The middleware.
+        backend: String,
+        /// The middleware's own words.
+        why: String,
+    },
 }
 
 /// A request to another daemon came to nothing.

@@ -179,7 +179,7 @@ impl Core {
         let (orders, daemons) = (self.orders.clone(), Arc::clone(&self.daemons));
         let news = move |sample: zenoh::sample::Sample| {
             if let Some((session, name)) = keys.daemon(sample.key_expr().as_str()) {
-                return daemons.heard(session, name, sample.kind() == SampleKind::Put);
+                return daemons.heard(session, name, sample.kind() == SampleKind::Put, &own);
             }
             let token = keys.token(sample.key_expr().as_str());
             let Some(token) = token.filter(|token| token.session != own) else { return };

@@ -5,8 +5,8 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 
-use genom_middleware::relay::{AskError, OnRequest, Relay};
-use genom_middleware::{Address, DiscoverError, OpenError};
+use genom_middleware::DiscoverError;
+use genom_middleware::relay::{AnnounceError, AskError, OnRequest, Relay};
 use zenoh::Wait;
 use zenoh::bytes::ZBytes;
 use zenoh::liveliness::LivelinessToken;
@@ -25,9 +25,13 @@ pub(crate) struct Daemons {
 }
 
 impl Daemons {
-    /// A daemon came, or went.
-    pub(crate) fn heard(&self, session: String, name: String, came: bool) {
+    /// A daemon came, or went. `own` is this session.
+    pub(crate) fn heard(&self, session: String, name: String, came: bool, own: &str) {
         let mut there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
+        // Both came at once, or the network was apart: neither was there to be seen.
+        if came && session != own && there.contains(&(own.to_owned(), name.clone())) {
+            tracing::warn!("{}; until then requests may reach either", taken(&name));
+        }
         if came {
             there.insert((session, name));
         } else {
@@ -58,6 +62,10 @@ impl Daemons {
     }
 }
 
+fn taken(name: &str) -> AnnounceError {
+    AnnounceError::Taken { name: name.to_owned(), backend: BACKEND.to_owned() }
+}
+
 /// A daemon that shows; gone with this.
 struct Announced {
     /// Not seen any more before its requests are refused.
@@ -71,7 +79,8 @@ impl Drop for Announced {
     fn drop(&mut self) {
         self.token = None;
         self.queryable = None;
-        self.core.daemons().heard(self.core.name().to_owned(), self.name.clone(), false);
+        let own = self.core.name();
+        self.core.daemons().heard(own.to_owned(), self.name.clone(), false, own);
     }
 }
 
@@ -80,15 +89,14 @@ impl Relay for Zenoh {
         &self,
         name: &str,
         requests: Box<OnRequest>,
-    ) -> Result<Box<dyn Send + Sync>, OpenError> {
+    ) -> Result<Box<dyn Send + Sync>, AnnounceError> {
         let core = &self.core;
-        let at = Address::new(name, "rpc");
         if core.daemons().taken(name, core.name()) {
-            return Err(OpenError::Taken { address: at });
+            return Err(taken(name));
         }
-        let failed = |error: zenoh::Error| OpenError::Failed {
+        let failed = |error: zenoh::Error| AnnounceError::Failed {
+            name: name.to_owned(),
             backend: BACKEND.to_owned(),
-            address: at.clone(),
             why: error.to_string(),
         };
         let (key, orders) = (core.keys().to_daemon(name), core.orders().clone());
@@ -116,7 +124,7 @@ impl Relay for Zenoh {
             .map_err(failed)?;
         let token = core.keys().of_daemon(core.name(), name);
         let token = core.session().liveliness().declare_token(token).wait().map_err(failed)?;
-        core.daemons().heard(core.name().to_owned(), name.to_owned(), true);
+        core.daemons().heard(core.name().to_owned(), name.to_owned(), true, core.name());
         Ok(Box::new(Announced {
             token: Some(token),
             queryable: Some(queryable),

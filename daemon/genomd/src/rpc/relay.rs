@@ -19,7 +19,7 @@ use axum::extract::State;
 use axum::http::{HeaderValue, Request, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
-use genom_middleware::{AskError, Middleware};
+use genom_middleware::{AnnounceError, AskError, Middleware};
 use hyper::body::Body as _;
 use hyper::service::Service as _;
 use hyper_util::service::TowerToHyperService;
@@ -238,6 +238,7 @@ pub(crate) fn announce(
     let door = Door::Guarded { tokens: Arc::clone(tokens), certified: Vec::new() };
     let router = super::router(Arc::clone(daemon), door);
     let streams = Arc::new(Streams::default());
+    let mut refused = None;
     for name in names(daemon) {
         let (router, runtime) = (router.clone(), runtime.clone());
         let streams = Arc::clone(&streams);
@@ -249,10 +250,19 @@ pub(crate) fn announce(
             });
         };
         match relay.announce(&name, Box::new(requests)) {
-            Ok(shown) => return daemon.shown.keep(name, shown),
+            Ok(shown) => {
+                if let Some(error) = refused {
+                    tracing::warn!("{error}; this one is `{name}` there");
+                }
+                return daemon.shown.keep(name, shown);
+            }
             // Another daemon has that name: the next one is this daemon's alone.
-            Err(error) => tracing::warn!("{name} on {}: {error}", middleware.name()),
+            Err(error @ AnnounceError::Taken { .. }) => refused = Some(error),
+            Err(error) => return tracing::warn!("{error}"),
         }
+    }
+    if let Some(error) = refused {
+        tracing::warn!("{error}; this one is not reachable there");
     }
 }
 
