@@ -34,6 +34,86 @@ fn a_listener_that_comes_back_hears_what_it_missed() {
     assert!(heard.iter().any(|line| line.contains("activity_started")), "{heard:#?}");
 }
 
+/// Fires an event so many times, on one connection.
+fn fire(daemon: &Daemon, times: usize) {
+    /// Requests under way: their answers fit in the socket.
+    const TURN: usize = 100;
+    let mut stream = connect(&daemon.home().socket());
+    let mut answers = BufReader::new(stream.try_clone().unwrap());
+    for begin in (0..times).step_by(TURN) {
+        let turn = TURN.min(times - begin);
+        let one = "POST /components/demo/events/emergency HTTP/1.1\r\nHost: x\r\n\r\n";
+        stream.write_all(one.repeat(turn).as_bytes()).unwrap();
+        for _ in 0..turn {
+            read_until(&mut answers, "HTTP/1.1 200");
+        }
+    }
+}
+
+#[test]
+fn a_listener_that_was_away_for_long_hears_how_much_it_missed() {
+    let daemon = Daemon::start(&["--clock", "virtual", path(&component("demo").library)]);
+    fire(&daemon, 1500);
+    let mut stream = connect(&daemon.home().socket());
+    write!(stream, "GET /events HTTP/1.1\r\nHost: x\r\nLast-Event-ID: 1\r\n\r\n").unwrap();
+    let mut reader = BufReader::new(stream);
+    let heard = read_until(&mut reader, "data: ");
+    // All but the first and the 1024 that are kept. Something was told before the first was fired:
+    // that the component runs.
+    assert_eq!(heard.last().unwrap(), r#"data: {"event":"missed","changes":476}"#, "{heard:#?}");
+    assert!(heard.contains(&"id: 477".to_owned()), "{heard:#?}");
+    let next = read_until(&mut reader, "data: ");
+    assert!(next.contains(&"id: 478".to_owned()), "{next:#?}");
+    assert!(next.last().unwrap().contains("event_fired"), "{next:#?}");
+}
+
+#[test]
+fn a_follower_that_stood_still_tells_how_many_events_it_missed() {
+    let daemon = Daemon::start(&["--clock", "virtual", path(&component("demo").library)]);
+    let events = daemon.spawn(&["--json", "events"]);
+    let (sender, first) = std::sync::mpsc::channel();
+    let events = std::thread::scope(|scope| {
+        scope.spawn(move || {
+            events.line();
+            sender.send(events).unwrap();
+        });
+        // One of them comes after it began to listen.
+        loop {
+            fire(&daemon, 1);
+            if let Ok(events) = first.try_recv() {
+                break events;
+            }
+        }
+    });
+    let library = component("demo").library;
+    daemon.ctl(&["load", path(&library), "--name", "mark"]).expect_code(0);
+    events.line_where(|line| line.contains("component_loaded"));
+    // It stands still, and more happens than the daemon, the socket and it can keep.
+    events.signal("STOP");
+    while !stands_still(events.id()) {}
+    let times = 12_000;
+    fire(&daemon, times);
+    daemon.ctl(&["unload", "mark"]).expect_code(0);
+    events.signal("CONT");
+    let (mut told, mut missed) = (0, 0);
+    loop {
+        let event: serde_json::Value = serde_json::from_str(&events.line()).unwrap();
+        match event["event"].as_str() {
+            Some("event_fired") => told += 1,
+            Some("missed") => missed += event["changes"].as_u64().unwrap(),
+            _ => break assert_eq!(event["event"], "component_unloaded"),
+        }
+    }
+    assert!(missed > 0, "all were kept");
+    assert_eq!(told + missed, times as u64);
+}
+
+/// Whether a process was stopped by a signal.
+fn stands_still(id: u32) -> bool {
+    let stat = fs::read_to_string(format!("/proc/{id}/stat")).unwrap();
+    stat.rsplit_once(") ").is_some_and(|(_, rest)| rest.starts_with('T'))
+}
+
 #[test]
 fn more_streams_than_the_limit_are_refused() {
     let home = Home::new();

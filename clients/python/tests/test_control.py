@@ -1,6 +1,7 @@
 """Services, activities, signatures and errors, with the standard library alone."""
 
 import asyncio
+import contextlib
 import http.server
 import inspect
 import os
@@ -236,6 +237,26 @@ class Events(DemoCase):
             self.demo.goto(0.0)
             self.assertTrue(told.wait(WATCHDOG))
         self.assertIn("activity_started", [event["event"] for event in heard])
+
+    def test_a_listener_that_was_away_hears_how_much_it_missed(self):
+        with self.g.events() as events:
+            self.demo.emergency()
+            self.assertIn("event_fired", (event["event"] for event in events))
+            # More than the daemon keeps happens before it is back.
+            events._connection.sock.shutdown(2)
+            for _ in range(1100):
+                self.demo.emergency()
+            with contextlib.suppress(self.demo.HALTED):
+                self.demo.goto(0.0)
+            missed, fired = 0, 0
+            for event in events:
+                missed += event["changes"] if event["event"] == "missed" else 0
+                fired += event["event"] == "event_fired"
+                if event["event"] == "activity_ended" and event["service"] == "goto":
+                    break
+            self.assertLess(fired, 1100)
+            # Overruns of a busy machine are missed with them.
+            self.assertGreaterEqual(missed + fired, 1100)
 
     def test_events_are_iterated_asynchronously(self):
         async def watch():

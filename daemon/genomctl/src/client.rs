@@ -27,7 +27,8 @@ impl Client {
     }
 
     fn way(&self) -> Result<Target, Failure> {
-        contexts::complete(self.given.clone()).and_then(Target::new)
+        let (connection, chosen) = contexts::complete(self.given.clone())?;
+        Target::new(connection, chosen)
     }
 
     /// Who is talked to, for messages.
@@ -59,7 +60,16 @@ impl Client {
 
     /// Opens a stream of server-sent events.
     pub(crate) async fn stream(&self, path: &str) -> Result<EventStream, Failure> {
-        let response = self.send(Method::GET, path, None).await?;
+        self.resume(path, None).await
+    }
+
+    /// Opens a stream where another one broke: after the event of that number.
+    pub(crate) async fn resume(
+        &self,
+        path: &str,
+        after: Option<u64>,
+    ) -> Result<EventStream, Failure> {
+        let response = self.send_bytes(Method::GET, path, Bytes::new(), after).await?;
         let status = response.status();
         if status.is_success() {
             return Ok(EventStream::new(response.into_body()));
@@ -71,7 +81,7 @@ impl Client {
 
     /// `POST` of bytes.
     pub(crate) async fn post_bytes(&self, path: &str, body: Vec<u8>) -> Result<Value, Failure> {
-        let response = self.send_bytes(Method::POST, path, body.into()).await?;
+        let response = self.send_bytes(Method::POST, path, body.into(), None).await?;
         self.whole(response).await
     }
 
@@ -116,7 +126,7 @@ impl Client {
         body: Option<&Value>,
     ) -> Result<Response<Incoming>, Failure> {
         let bytes = body.map_or_else(Bytes::new, |body| Bytes::from(body.to_string()));
-        self.send_bytes(method, path, bytes).await
+        self.send_bytes(method, path, bytes, None).await
     }
 
     async fn send_bytes(
@@ -124,6 +134,7 @@ impl Client {
         method: Method,
         path: &str,
         bytes: Bytes,
+        after: Option<u64>,
     ) -> Result<Response<Incoming>, Failure> {
         let target = self.way()?;
         let mut request = Request::builder()
@@ -136,6 +147,9 @@ impl Client {
         }
         if let Some(daemon) = &target.daemon {
             request = request.header("genomd-daemon", daemon);
+        }
+        if let Some(after) = after {
+            request = request.header("last-event-id", after);
         }
         let request =
             request.body(Full::new(bytes)).map_err(|error| self.misread(error.to_string()))?;

@@ -108,18 +108,51 @@ impl Context {
     }
 }
 
+/// A context that says which daemon is meant.
+#[derive(Clone, Debug)]
+pub(crate) struct Chosen {
+    name: String,
+    /// The names of the others.
+    others: Vec<String>,
+}
+
+impl std::fmt::Display for Chosen {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "context `{}`", self.name)
+    }
+}
+
+impl Chosen {
+    /// How to mean another daemon.
+    pub(crate) fn help(&self) -> String {
+        let others = match self.others.as_slice() {
+            [] => String::new(),
+            others => format!(
+                "`genomctl context use NAME` or --context NAME takes another one ({}), ",
+                others.join(", ")
+            ),
+        };
+        format!("{self} says where: {others}`genomctl context use` goes back to the usual socket")
+    }
+}
+
 /// The options with those of a context under them: the one named, else the current one unless
-/// the command line says itself which daemon is meant.
-pub(crate) fn complete(mut connection: Connection) -> Result<Connection, Failure> {
+/// the command line says itself which daemon is meant. With it, the context if it says that.
+pub(crate) fn complete(
+    mut connection: Connection,
+) -> Result<(Connection, Option<Chosen>), Failure> {
     let says = connection.socket.is_some() || connection.host.is_some();
     if says && connection.context.is_none() {
-        return Ok(connection);
+        return Ok((connection, None));
     }
     let contexts = Contexts::read()?;
     let Some(name) = connection.context.as_ref().or(contexts.current.as_ref()) else {
-        return Ok(connection);
+        return Ok((connection, None));
     };
     let context = contexts.named(name)?.clone();
+    let chose = !says && (context.socket.is_some() || context.host.is_some());
+    let others = || contexts.context.keys().filter(|other| *other != name).cloned().collect();
+    let chosen = chose.then(|| Chosen { name: name.clone(), others: others() });
     if !says {
         connection.socket = context.socket;
         connection.host = match context.host {
@@ -132,5 +165,5 @@ pub(crate) fn complete(mut connection: Connection) -> Result<Connection, Failure
     connection.ca = connection.ca.or(context.ca);
     connection.cert = connection.cert.or(context.cert);
     connection.token_file = connection.token_file.or(context.token_file);
-    Ok(connection)
+    Ok((connection, chosen))
 }

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::contexts::Chosen;
 use crate::terminal::{Tone, coloured_errors};
 
 /// Why a verb failed.
@@ -15,8 +16,8 @@ pub(crate) enum Failure {
     #[error("{message}")]
     Usage { message: String, help: Option<String> },
     /// No daemon behind the socket.
-    #[error("no genomd answers on {target}: {source}")]
-    Unreachable { target: String, source: io::Error },
+    #[error("no genomd answers on {target}{}: {source}", by(chosen.as_ref()))]
+    Unreachable { target: String, chosen: Option<Chosen>, source: io::Error },
     /// The daemon went away in the middle of a reply or a stream.
     #[error("genomd on {target} went away")]
     Lost { target: String },
@@ -82,6 +83,10 @@ fn counted(errors: usize, warnings: usize) -> String {
     }
 }
 
+fn by(chosen: Option<&Chosen>) -> String {
+    chosen.map_or_else(String::new, |chosen| format!(" ({chosen})"))
+}
+
 fn shown(detail: &Value) -> String {
     match detail {
         Value::Null => String::new(),
@@ -140,6 +145,7 @@ impl Failure {
                     "--ca FILE names the root of the daemon's certificate, --cert yours".to_owned(),
                 )
             }
+            Failure::Unreachable { chosen: Some(chosen), .. } => Some(chosen.help()),
             Failure::Unreachable { .. } => Some(
                 "start one with `genomd LIBRARY...`, or name its socket with --socket".to_owned(),
             ),

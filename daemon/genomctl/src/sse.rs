@@ -12,6 +12,8 @@ pub(crate) struct Event {
     pub(crate) kind: String,
     /// `data:` lines, joined.
     pub(crate) data: String,
+    /// `id:`, by which the stream is resumed.
+    pub(crate) id: Option<u64>,
 }
 
 /// The events of one reply, in order.
@@ -83,7 +85,8 @@ impl Parser {
                 self.event.data.push_str(value);
                 self.filled = true;
             }
-            // `id`, `retry`, and comments that keep the connection alive.
+            "id" => self.event.id = value.parse().ok(),
+            // `retry`, and comments that keep the connection alive.
             _ => {}
         }
     }
@@ -95,14 +98,14 @@ mod tests {
 
     #[test]
     fn events_survive_any_cut() {
-        let text = b": hello\r\nevent: value\ndata: {\"a\":1}\n\ndata: x\ndata: y\n\n";
+        let text = b": hello\r\nevent: value\nid: 7\ndata: {\"a\":1}\n\ndata: x\ndata: y\n\n";
         for cut in 0..text.len() {
             let mut parser = Parser::default();
             parser.feed(&text[..cut]);
             parser.feed(&text[cut..]);
             let found: Vec<Event> = parser.ready.into();
-            let first = Event { kind: "value".into(), data: "{\"a\":1}".into() };
-            let second = Event { kind: String::new(), data: "x\ny".into() };
+            let first = Event { kind: "value".into(), data: "{\"a\":1}".into(), id: Some(7) };
+            let second = Event { kind: String::new(), data: "x\ny".into(), id: None };
             assert_eq!(found, [first, second]);
         }
     }

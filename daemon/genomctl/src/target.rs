@@ -15,6 +15,7 @@ use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName}
 use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 
 use crate::connection::{Connection, Host, Tcp};
+use crate::contexts::Chosen;
 use crate::failure::Failure;
 
 /// A daemon and the way to it.
@@ -25,6 +26,8 @@ pub(crate) struct Target {
     token: Option<Secret>,
     /// Another daemon, which this one passes requests on to.
     pub(crate) daemon: Option<String>,
+    /// The context that says all this, where the command line does not.
+    chosen: Option<Chosen>,
 }
 
 #[derive(Debug)]
@@ -59,7 +62,7 @@ impl std::fmt::Display for Target {
 
 impl Target {
     /// What the options come to; files of certificates and tokens are read when they are needed.
-    pub(crate) fn new(connection: Connection) -> Result<Self, Failure> {
+    pub(crate) fn new(connection: Connection, chosen: Option<Chosen>) -> Result<Self, Failure> {
         let Connection { socket, host, ca, cert, token_file, .. } = connection;
         let token = token_file.map(|path| read_token(&path)).transpose()?;
         let mut daemon = None;
@@ -88,7 +91,7 @@ impl Target {
                 }
             }
         };
-        Ok(Self { way, token, daemon })
+        Ok(Self { way, token, daemon, chosen })
     }
 
     /// Value of the header that says who asks.
@@ -98,7 +101,11 @@ impl Target {
 
     /// Opens the way.
     pub(crate) async fn open(&self) -> Result<Box<dyn Stream>, Failure> {
-        let unreachable = |source| Failure::Unreachable { target: self.to_string(), source };
+        let unreachable = |source| Failure::Unreachable {
+            target: self.to_string(),
+            chosen: self.chosen.clone(),
+            source,
+        };
         match &self.way {
             // Blocking: a daemon with many peers at its door is waited for, not given up.
             Way::Socket(path) => {
@@ -205,7 +212,8 @@ mod tests {
 
     fn target(host: &str, ca: Option<&str>) -> Result<Target, Failure> {
         let host = Some(host.parse().unwrap());
-        Target::new(Connection { host, ca: ca.map(PathBuf::from), ..Connection::default() })
+        let ca = ca.map(PathBuf::from);
+        Target::new(Connection { host, ca, ..Connection::default() }, None)
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::io::IsTerminal as _;
 use std::sync::LazyLock;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Subscriber};
 use tracing_subscriber::filter::{LevelFilter, filter_fn};
@@ -61,15 +61,25 @@ impl<S: Subscriber> Layer<S> for Keep {
         let mut words = Words::default();
         event.record(&mut words);
         let about = event.metadata();
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
         let mut entry = Map::new();
-        entry.insert("time".into(), now.as_secs_f64().into());
+        entry.insert("time".into(), now().into());
         entry.insert("level".into(), about.level().as_str().to_lowercase().into());
         entry.insert("origin".into(), about.target().into());
         entry.extend(words.component.map(|name| ("component".to_owned(), Value::from(name))));
         entry.insert("message".into(), (words.message + &words.rest).into());
         PAST.add(entry.into());
     }
+}
+
+/// Seconds since 1970.
+fn now() -> f64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64()
+}
+
+/// Stands for entries that a reader did not get.
+pub(crate) fn missed(count: u64) -> Value {
+    let message = format!("{count} entries before this one are not kept any more");
+    json!({"time": now(), "level": "warn", "origin": "genomd", "message": message})
 }
 
 /// The fields of an event: the message, the component it is about, and the rest as `key=value`.
@@ -111,7 +121,7 @@ mod tests {
         tracing::subscriber::with_default(logger, || {
             tracing::warn!(instance = "arm", task = "main", "cannot run on {}", 3);
         });
-        let (kept, _) = past().listen(Some(0));
+        let kept = past().listen(Some(0)).take_past();
         let mine = |entry: &&crate::bus::Numbered| entry.data["component"] == "arm";
         let entry = kept.iter().find(mine).expect("it was kept");
         assert_eq!(entry.data["level"], "warn");

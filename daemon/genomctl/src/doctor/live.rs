@@ -57,14 +57,15 @@ async fn daemon(session: &Session) -> Vec<Finding> {
     const ABOUT: &str = "daemon";
     let about = match session.get("/").await {
         Ok(about) => about,
-        Err(Failure::Unreachable { target, source }) => {
+        Err(Failure::Unreachable { target, chosen, source }) => {
             let what = match source.kind() {
                 std::io::ErrorKind::ConnectionRefused => {
                     format!("{target} is there and nobody answers: its genomd was killed")
                 }
                 _ => format!("none runs on {target}"),
             };
-            let fix = "`genomd LIBRARY...` starts one, and takes the socket over";
+            let start = "`genomd LIBRARY...` starts one, and takes the socket over".to_owned();
+            let fix = chosen.map_or(start, |chosen| chosen.help());
             return vec![Finding::note(ABOUT, what, fix)];
         }
         Err(failure) => {

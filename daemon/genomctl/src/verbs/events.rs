@@ -6,6 +6,8 @@ use crate::failure::Failure;
 use crate::session::Session;
 
 /// Print what changes in the daemon as it happens, one a line, until Ctrl-C.
+///
+/// Who reads too slowly misses old changes: `missed changes=COUNT` stands in their place.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Stop after this many events.
@@ -13,17 +15,28 @@ pub(crate) struct Args {
     count: Option<u64>,
 }
 
+const PATH: &str = "/events";
+
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let mut events = session.client.stream("/events").await?;
+    let mut events = session.client.stream(PATH).await?;
     let mut left = args.count.unwrap_or(u64::MAX);
+    // Number of the last event, when the stream may be resumed after it.
+    let mut last = None;
     while left > 0 {
         let event = tokio::select! {
             event = events.next() => event,
             _ = tokio::signal::ctrl_c() => return Ok(()),
         };
-        let Some(event) = event else { return Err(session.client.lost()) };
+        let Some(event) = event else {
+            // The daemon gives up readers that stand still: whoever comes back hears the rest.
+            let after = last.take().ok_or_else(|| session.client.lost())?;
+            let resumed = session.client.resume(PATH, Some(after)).await;
+            events = resumed.map_err(|_| session.client.lost())?;
+            continue;
+        };
         let text = if session.json { format!("{}\n", event.data) } else { render(&event.data) };
         session.print(&text)?;
+        last = event.id;
         left -= 1;
     }
     Ok(())

@@ -8,11 +8,11 @@ use axum::extract::{Path, State};
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
 use serde::Serialize;
-use tokio::sync::broadcast::error::RecvError;
+use serde_json::json;
 use tokio_stream::Stream;
 use utoipa::ToSchema;
 
-use crate::bus::{Change, Numbered};
+use crate::bus::{Change, Heard};
 use crate::daemon::Daemon;
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
@@ -50,7 +50,9 @@ pub(crate) async fn fire(
 
 /// Follow what changes, from now on or since `Last-Event-ID`.
 ///
-/// Server-sent events `change`; data is a JSON object whose `event` says what changed.
+/// Server-sent events `change`; data is a JSON object whose `event` says what changed. The last
+/// 1024 changes are kept for readers that are slow or were away. In place of older ones comes
+/// `{"event": "missed", "changes": COUNT}`.
 #[utoipa::path(
     get,
     path = "/events",
@@ -65,31 +67,27 @@ pub(crate) async fn stream(
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
     let after =
         headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.parse().ok());
-    let (missed, mut live) = daemon.bus.listen(after);
+    let mut listener = daemon.bus.listen(after);
     stream::open(&daemon, |writer| async move {
-        for change in missed {
-            if !writer.send(event(&change)).await {
-                return;
-            }
-        }
         loop {
-            let change = tokio::select! {
-                change = live.recv() => change,
+            let heard = tokio::select! {
+                heard = listener.next() => heard,
                 () = writer.closed() => return,
             };
-            match change {
-                Ok(change) => {
-                    if !writer.send(event(&change)).await {
-                        return;
-                    }
-                }
-                // Too slow: the stream ends, and resumes where it was with Last-Event-ID.
-                Err(RecvError::Lagged(_) | RecvError::Closed) => return,
+            let Some(heard) = heard else { return };
+            if !writer.send(event(&heard)).await {
+                return;
             }
         }
     })
 }
 
-fn event(change: &Numbered) -> Event {
-    Event::default().event("change").id(change.id.to_string()).data(change.data.to_string())
+fn event(heard: &Heard) -> Event {
+    let (id, data) = match heard {
+        Heard::Told(change) => (change.id, change.data.to_string()),
+        Heard::Missed { count, last } => {
+            (*last, json!({"event": "missed", "changes": count}).to_string())
+        }
+    };
+    Event::default().event("change").id(id.to_string()).data(data)
 }

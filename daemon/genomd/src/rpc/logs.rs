@@ -9,11 +9,10 @@ use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use tokio::sync::broadcast::error::RecvError;
 use tokio_stream::Stream;
 use utoipa::{IntoParams, ToSchema};
 
-use crate::bus::Numbered;
+use crate::bus::{Heard, Numbered};
 use crate::daemon::Daemon;
 use crate::logs;
 use crate::nearest::suggest;
@@ -93,7 +92,7 @@ pub(crate) async fn list(
 ) -> Result<Json<Logs>, RpcError> {
     let LogParameters { level, component, last } = parameters;
     let wanted = Wanted::new(level.as_deref(), component)?;
-    let (all, _) = logs::past().listen(Some(0));
+    let all = logs::past().listen(Some(0)).take_past();
     // What a component left stays readable when it is gone; of one that never was there is none.
     if let Some(name) = &wanted.component
         && !all.iter().any(|entry| entry.data["component"] == *name.as_str())
@@ -106,6 +105,9 @@ pub(crate) async fn list(
 }
 
 /// Follow what the daemon logs, from the last `last` entries on, or since `Last-Event-ID`.
+///
+/// The last 1024 entries are kept for readers that are slow or were away; an entry that says so
+/// stands for older ones.
 #[utoipa::path(
     get,
     path = "/logs/stream",
@@ -129,33 +131,35 @@ pub(crate) async fn stream(
     let wanted = Wanted::new(level.as_deref(), component)?;
     let after: Option<u64> =
         headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.parse().ok());
-    let (all, mut live) = logs::past().listen(after.or(Some(0)));
-    let past = latest(all, &wanted, after.map_or(Some(last.unwrap_or(0)), |_| None));
+    let mut listener = logs::past().listen(after.or(Some(0)));
+    let past = match after {
+        None => latest(listener.take_past(), &wanted, Some(last.unwrap_or(0))),
+        Some(_) => Vec::new(),
+    };
     stream::open(&daemon, move |writer| async move {
         for entry in past {
-            if !writer.send(event(&entry)).await {
+            if !writer.send(event(entry.id, &entry.data)).await {
                 return;
             }
         }
         loop {
-            let entry = tokio::select! {
-                entry = live.recv() => entry,
+            let heard = tokio::select! {
+                heard = listener.next() => heard,
                 () = writer.closed() => return,
             };
-            match entry {
-                Ok(entry) if !wanted.has(&entry) => {}
-                Ok(entry) => {
-                    if !writer.send(event(&entry)).await {
-                        return;
-                    }
-                }
-                // Too slow: the stream ends, and resumes where it was with Last-Event-ID.
-                Err(RecvError::Lagged(_) | RecvError::Closed) => return,
+            let event = match heard {
+                None => return,
+                Some(Heard::Told(entry)) if !wanted.has(&entry) => continue,
+                Some(Heard::Told(entry)) => event(entry.id, &entry.data),
+                Some(Heard::Missed { count, last }) => event(last, &logs::missed(count)),
+            };
+            if !writer.send(event).await {
+                return;
             }
         }
     })
 }
 
-fn event(entry: &Numbered) -> Event {
-    Event::default().event("log").id(entry.id.to_string()).data(entry.data.to_string())
+fn event(id: u64, entry: &Value) -> Event {
+    Event::default().event("log").id(id.to_string()).data(entry.to_string())
 }

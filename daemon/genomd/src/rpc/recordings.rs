@@ -71,7 +71,7 @@ pub(crate) async fn start(
     let slot = stream::slot(&daemon)?;
     let (sender, receiver) = mpsc::channel(WAITING);
     tokio::task::spawn_blocking(move || {
-        let changes = daemon.bus.listen(None).1;
+        let changes = daemon.bus.live();
         let session = daemon.recordings.start(&daemon, wanted.ports);
         let start = json!({
             "recording": session.number,
