@@ -9,7 +9,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::command::{Finished, Running};
-use crate::program;
+use crate::{program, repository};
 
 /// Shared memory that only the daemons of one test use.
 #[derive(Debug)]
@@ -179,10 +179,16 @@ impl Home {
         Daemon { running, home: self }
     }
 
+    /// Starts a daemon here and waits for nothing.
+    #[must_use]
+    pub fn spawn(&self, arguments: &[&str]) -> Running {
+        Running::start(&mut self.command(&[], arguments))
+    }
+
     /// Starts a daemon here that is expected to refuse.
     #[must_use]
     pub fn refused(&self, arguments: &[&str]) -> Finished {
-        Running::start(&mut self.command(&[], arguments)).finish()
+        self.spawn(arguments).finish()
     }
 }
 
@@ -233,6 +239,32 @@ impl Daemon {
         let mut command = Command::new(program("genomctl"));
         command.env_clear().arg("--socket").arg(self.home.socket()).args(arguments);
         Running::start(&mut command)
+    }
+
+    /// Runs a `genomctl` to its end, on a terminal of so many columns. Steps: see
+    /// tests/fixtures/terminal.py.
+    #[must_use]
+    pub fn on_terminal(
+        &self,
+        columns: usize,
+        environment: &[(&str, &str)],
+        steps: &Value,
+        arguments: &[&str],
+    ) -> Finished {
+        let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
+        let mut command = Command::new(python);
+        command
+            .env_clear()
+            .env("PATH", std::env::var_os("PATH").unwrap_or_default())
+            .env("TERM", "xterm")
+            .env("GENOMD_SOCKET", self.home.socket())
+            .envs(environment.iter().copied())
+            .arg(repository().join("tests/fixtures/terminal.py"))
+            .arg(columns.to_string())
+            .arg(steps.to_string())
+            .arg(program("genomctl"))
+            .args(arguments);
+        Running::start(&mut command).finish()
     }
 
     /// Runs a `genomctl` to its end.

@@ -7,6 +7,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use genom_tests::{Daemon, Finished, Home, Memory, Running, component, path, program};
+use serde_json::json;
 
 /// A robot with the demo, and a desk without components; they share nothing but zenoh.
 fn fleet() -> (Daemon, Daemon) {
@@ -93,6 +94,67 @@ fn streams_of_another_daemon_are_followed_through_this_one() {
     echo.line_where(|line| line.contains("0.03"));
     robot.stop("TERM").0.expect_code(0);
     assert_ne!(echo.finish().code, Some(0));
+}
+
+#[test]
+fn events_of_another_daemon_are_followed_through_this_one() {
+    let (robot, desk) = fleet();
+    let token = robot.home().path().join("watcher");
+    let arguments = ["--host", "zenoh:robot", "--token-file", path(&token), "events"];
+    let events = desk.spawn(&arguments);
+    // Fired again and again: one of them comes after the desk began to listen.
+    let (sender, first) = std::sync::mpsc::channel();
+    let events = std::thread::scope(|scope| {
+        scope.spawn(move || {
+            let line = events.line();
+            sender.send((events, line)).unwrap();
+        });
+        loop {
+            robot.ctl(&["fire", "demo", "emergency"]).expect_code(0);
+            if let Ok((events, line)) = first.try_recv() {
+                assert_eq!(line, "event_fired component=demo name=emergency");
+                break events;
+            }
+        }
+    });
+    // From then on, all comes, in order.
+    robot.ctl(&["start", "--wait", "demo", "goto", "goal=0.01"]).expect_code(0);
+    events.line_where(|line| line.starts_with("activity_started component=demo"));
+    events.line_where(|line| line.starts_with("activity_ended component=demo"));
+    // The robot stops: who follows it is told, and the command ends.
+    robot.stop("TERM").0.expect_code(0);
+    events.line_where(|line| line == "stopping");
+    events.finish().expect_code(3).expect_err("went away");
+}
+
+#[test]
+fn the_live_table_shows_another_daemon() {
+    let (robot, desk) = fleet();
+    let once = at_the_robot(&robot, &desk, "watcher", &["top", "--once"]);
+    assert!(once.expect_code(0).out.contains("demo/position"), "{}", once.out);
+    robot.ctl(&["start", "--wait", "demo", "goto", "goal=0.01"]).expect_code(0);
+    let token = robot.home().path().join("watcher");
+    let arguments = ["--host", "zenoh:robot", "--token-file", path(&token), "top"];
+    // What it shows is the robot's, what is asked for is named, and it ends as on this machine.
+    let steps = json!([
+        {"wait": "zenoh:robot"}, {"wait": "demo/position"}, {"type": "p"}, {"wait": "paused"},
+        {"type": "q"},
+    ]);
+    desk.on_terminal(100, &[], &steps, &arguments).expect_code(0);
+}
+
+#[test]
+fn a_second_daemon_of_one_name_is_told_so() {
+    let memory = Arc::new(Memory::new());
+    let arguments = ["--backend", "zenoh", "--daemon", "robot"];
+    let _first = Home::with(&memory).start(&arguments);
+    let home = Home::with(&memory);
+    let second = home.spawn(&arguments);
+    // As it starts, or when it hears of the first.
+    let told = second.error_line_where(|line| line.contains("another daemon named `robot`"));
+    let told = told.expect("it says what is the matter");
+    assert!(told.contains("reachable on zenoh") && told.contains("--daemon NAME"), "{told}");
+    assert!(!told.contains("publisher"), "{told}");
 }
 
 #[test]

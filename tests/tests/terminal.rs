@@ -3,34 +3,8 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
-use std::process::Command;
-
-use genom_tests::{Daemon, Finished, Running, component, path, program, repository};
-use serde_json::{Value, json};
-
-/// A genomctl on a terminal of so many columns.
-fn on_terminal(
-    daemon: &Daemon,
-    columns: usize,
-    environment: &[(&str, &str)],
-    steps: Value,
-    arguments: &[&str],
-) -> Finished {
-    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
-    let mut command = Command::new(python);
-    command
-        .env_clear()
-        .env("PATH", std::env::var_os("PATH").unwrap_or_default())
-        .env("TERM", "xterm")
-        .env("GENOMD_SOCKET", daemon.home().socket())
-        .envs(environment.iter().copied())
-        .arg(repository().join("tests/fixtures/terminal.py"))
-        .arg(columns.to_string())
-        .arg(steps.to_string())
-        .arg(program("genomctl"))
-        .args(arguments);
-    Running::start(&mut command).finish()
-}
+use genom_tests::{Daemon, component, path, program};
+use serde_json::json;
 
 fn stepped() -> Daemon {
     Daemon::start(&["--clock", "virtual", path(&component("demo").library)])
@@ -41,20 +15,44 @@ fn inputs_are_asked_for_when_none_were_given() {
     let daemon = stepped();
     let question = "goal (double, Position to reach, m) [1.0]: ";
     let steps = json!([{"wait": question}, {"type": "0.25\n"}, {"wait": "activity 2"}]);
-    on_terminal(&daemon, 80, &[], steps, &["start", "demo", "goto"]).expect_code(0);
+    daemon.on_terminal(80, &[], &steps, &["start", "demo", "goto"]).expect_code(0);
     daemon.ctl(&["step", "10s"]).expect_code(0);
     daemon.ctl(&["wait", "demo", "2"]).expect_code(0);
     assert_eq!(daemon.port("demo", "position")["value"]["position"], 0.25);
     // An empty answer takes the default, and what has no inputs asks nothing.
     let steps = json!([{"wait": "[0.5]: "}, {"type": "\n"}, {"wait": "done"}]);
-    on_terminal(&daemon, 80, &[], steps, &["call", "demo", "set_speed"]).expect_code(0);
+    daemon.on_terminal(80, &[], &steps, &["call", "demo", "set_speed"]).expect_code(0);
     let steps = json!([{"wait": "velocity = 0.5"}]);
-    on_terminal(&daemon, 80, &[], steps, &["call", "demo", "get_speed"]).expect_code(0);
+    daemon.on_terminal(80, &[], &steps, &["call", "demo", "get_speed"]).expect_code(0);
     // The end of input sends nothing.
-    let steps = json!([{"wait": question}, {"type": "\u{4}"}, {"wait": "nothing was sent"}]);
-    on_terminal(&daemon, 80, &[], steps, &["start", "demo", "goto"]).expect_code(2);
+    let steps = json!([{"wait": question}, {"type": "\u{4}"}, {"wait": "nothing was started"}]);
+    daemon.on_terminal(80, &[], &steps, &["start", "demo", "goto"]).expect_code(2);
     let steps = json!([{"wait": "done"}]);
-    on_terminal(&daemon, 80, &[], steps, &["call", "demo", "set_speed", "{}"]).expect_code(0);
+    daemon.on_terminal(80, &[], &steps, &["call", "demo", "set_speed", "{}"]).expect_code(0);
+}
+
+#[test]
+fn a_wrong_answer_is_asked_for_again() {
+    let daemon = stepped();
+    let (question, refused) = ("velocity (double, ", "velocity: expected double");
+    let wrong = [
+        json!({"wait": question}),
+        json!({"type": "fast\n"}),
+        json!({"wait": refused}),
+        json!({"wait": question}),
+    ];
+    let call = ["call", "demo", "set_speed"];
+    let run = |more: serde_json::Value| {
+        let steps = [&wrong[..], more.as_array().unwrap()].concat();
+        daemon.on_terminal(80, &[], &steps.into(), &call)
+    };
+    run(json!([{"type": "0.25\n"}, {"wait": "done"}])).expect_code(0);
+    daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 0.25\n");
+    // Three times is enough, and so is the end of input.
+    let wrong = json!([{"type": "x\n"}, {"wait": refused}, {"type": "y\n"}, {"wait": refused}]);
+    run(wrong).expect_code(1);
+    run(json!([{"type": "\u{4}"}, {"wait": "no answer for velocity"}])).expect_code(2);
+    daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 0.25\n");
 }
 
 #[test]
@@ -68,7 +66,7 @@ fn ctrl_c_aborts_what_was_started_and_a_second_one_leaves_it() {
         {"wait": "was told to stop, and still runs"}, {"wait": "genomctl wait demo 2"},
     ]);
     let arguments = ["start", "--wait", "demo", "goto", "goal=1"];
-    on_terminal(&daemon, 100, &[], steps, &arguments).expect_code(1);
+    daemon.on_terminal(100, &[], &steps, &arguments).expect_code(1);
     daemon.ctl(&["step", "10s"]).expect_code(0);
     // It ended, far from its goal.
     daemon.ctl(&["wait", "demo", "2", "--timeout", "0"]).expect_code(0);
@@ -81,7 +79,7 @@ fn ctrl_c_aborts_what_was_started_and_a_second_one_leaves_it() {
         {"wait": "demo/goto (activity 2)"}, {"type": "\u{3}"},
         {"wait": "Ctrl-C again leaves it alone"},
     ]);
-    let finished = on_terminal(&daemon, 100, &[], steps, &arguments);
+    let finished = daemon.on_terminal(100, &[], &steps, &arguments);
     assert_ne!(finished.code, Some(99), "{}", finished.out);
     let listed = daemon.json(&["activities", "demo"]);
     assert_ne!(listed["activities"][0]["status"], "running", "{listed}");
@@ -102,7 +100,7 @@ fn plain(text: &str) -> Vec<String> {
 fn tables_fit_the_terminal_and_colours_are_for_terminals_alone() {
     let daemon = stepped();
     let list = |columns, environment| {
-        let finished = on_terminal(&daemon, columns, environment, json!([]), &["list"]);
+        let finished = daemon.on_terminal(columns, environment, &json!([]), &["list"]);
         finished.expect_code(0);
         finished.out
     };
@@ -126,7 +124,7 @@ fn the_live_table_shows_ports_and_gives_the_terminal_back() {
     let daemon = stepped();
     let steps =
         json!([{"wait": "demo/position"}, {"type": "p"}, {"wait": "paused"}, {"type": "q"}]);
-    let finished = on_terminal(&daemon, 100, &[], steps, &["top"]);
+    let finished = daemon.on_terminal(100, &[], &steps, &["top"]);
     finished.expect_code(0);
     // It was on the other screen, and left it.
     let (entered, left) = ("\u{1b}[?1049h", "\u{1b}[?1049l");
@@ -161,7 +159,7 @@ fn a_long_wait_is_seen_on_a_terminal_and_leaves_no_trace_elsewhere() {
     let step = json!([program("genomctl"), "step", "10s"]);
     let steps = json!([{"wait": "waiting for genomd, "}, {"run": step}, {"wait": "done"}]);
     let arguments = ["wait", "demo", "2", "--timeout", "50"];
-    on_terminal(&daemon, 80, &[], steps, &arguments).expect_code(0);
+    daemon.on_terminal(80, &[], &steps, &arguments).expect_code(0);
     let finished = daemon.ctl(&["wait", "demo", "2", "--timeout", "50"]);
     finished.expect_code(0).expect_out("done\n");
     assert_eq!(finished.err, "");
@@ -181,5 +179,5 @@ fn a_deployment_is_seen_to_wait_and_to_go_on() {
     let steps = json!([
         {"wait": format!("waiting: {step}, ")}, {"run": load}, {"wait": format!("done   {step}")},
     ]);
-    on_terminal(&daemon, 80, &[], steps, &["apply", path(&file)]).expect_code(0);
+    daemon.on_terminal(80, &[], &steps, &["apply", path(&file)]).expect_code(0);
 }

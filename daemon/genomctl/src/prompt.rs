@@ -1,11 +1,12 @@
-//! Asks for the inputs of a service, one by one, when nothing was typed and somebody is there.
+//! Asks for the inputs of a service, one by one, when nothing was typed and somebody is there; it
+//! leaves to the daemon what a right answer is.
 
 use std::io::{self, BufRead, Write};
 
 use serde::Deserialize;
 use serde_json::{Map, Value};
 
-use crate::failure::Failure;
+use crate::failure::{Failure, Refusal};
 use crate::names::url;
 use crate::parameter::Parameter;
 use crate::session::Session;
@@ -16,48 +17,106 @@ struct Service {
     parameters: Vec<Parameter>,
 }
 
-/// The inputs typed; or what somebody answers, when none were. `{}` takes all defaults unasked.
-pub(crate) async fn inputs(
+/// How often an input is asked for, all in all.
+const TRIES: u32 = 3;
+
+/// Calls a service with the inputs typed; or with what somebody answers, when none were. An answer
+/// that the daemon refuses is asked for again. `{}` takes all defaults unasked.
+pub(crate) async fn call(
     session: &Session,
     component: &str,
     service: &str,
     words: &[String],
 ) -> Result<Value, Failure> {
+    let path = url(["components", component, "services", service]);
     if !words.is_empty() || session.json || !terminal::somebody_there() {
-        return inputs::parse(words);
+        return session.post(&path, &inputs::parse(words)?).await;
     }
-    let reply = session.get(&url(["components", component, "services", service])).await?;
-    let described: Service = session.read(reply)?;
-    ask(&described, &mut io::stdin().lock(), &mut io::stderr().lock())
+    let described: Service = session.read(session.get(&path).await?)?;
+    let mut form = Form::new(described);
+    form.fill(&mut io::stdin().lock(), &mut io::stderr().lock())?;
+    loop {
+        match session.post(&path, &form.given()).await {
+            Err(Failure::Refused(refusal)) if refusal.code == "bad_input" => {
+                form.mend(refusal, &mut io::stdin().lock(), &mut io::stderr().lock())?;
+            }
+            answer => return answer,
+        }
+    }
 }
 
-/// Asks for each; an empty answer takes the default.
-fn ask(
-    service: &Service,
-    answers: &mut impl BufRead,
-    out: &mut impl Write,
-) -> Result<Value, Failure> {
-    let mut given = Map::new();
-    for parameter in service.parameters.iter().filter(|one| one.direction != "out") {
-        let Parameter { name, ty, doc, default, .. } = parameter;
-        let doc = doc.as_ref().map_or_else(String::new, |doc| format!(", {}", doc.trim()));
-        let shown = default.as_ref().map_or_else(String::new, |default| format!(" [{default}]"));
-        write!(out, "{name} ({ty}{doc}){shown}: ")?;
-        out.flush()?;
-        let mut answer = String::new();
-        if answers.read_line(&mut answer)? == 0 {
-            writeln!(out)?;
-            let message = format!("no answer for {name}: nothing was sent");
-            return Err(Failure::usage(message, "write '{}' to take all defaults"));
-        }
-        let answer = answer.trim();
-        if !answer.is_empty() {
-            // What is no JSON is text, as in key=value.
-            let value = serde_json::from_str(answer).unwrap_or_else(|_| answer.into());
-            given.insert(name.clone(), value);
+/// The inputs of a service, and what was answered so far.
+struct Form {
+    /// Each with how often it was asked for.
+    parameters: Vec<(Parameter, u32)>,
+    given: Map<String, Value>,
+}
+
+impl Form {
+    fn new(service: Service) -> Self {
+        let inputs = service.parameters.into_iter().filter(|one| one.direction != "out");
+        Self { parameters: inputs.map(|one| (one, 0)).collect(), given: Map::new() }
+    }
+
+    fn given(&self) -> Value {
+        Value::Object(self.given.clone())
+    }
+
+    /// Asks for each; an empty answer takes the default.
+    fn fill(&mut self, answers: &mut impl BufRead, out: &mut impl Write) -> Result<(), Failure> {
+        let Self { parameters, given } = self;
+        parameters.iter_mut().try_for_each(|asked| ask(asked, given, answers, out))
+    }
+
+    /// Asks again for the input that was refused; fails with the refusal when it is about none of
+    /// them, or comes too often.
+    fn mend(
+        &mut self,
+        refusal: Refusal,
+        answers: &mut impl BufRead,
+        out: &mut impl Write,
+    ) -> Result<(), Failure> {
+        // A JSON pointer, maybe into the value.
+        let name =
+            refusal.place.as_deref().and_then(|place| place.strip_prefix('/')?.split('/').next());
+        let refused = self.parameters.iter_mut().find(|(one, _)| Some(one.name.as_str()) == name);
+        match refused.filter(|(_, asked)| *asked < TRIES) {
+            None => Err(Failure::Refused(refusal)),
+            Some(refused) => {
+                writeln!(out, "{}", refusal.message)?;
+                ask(refused, &mut self.given, answers, out)
+            }
         }
     }
-    Ok(Value::Object(given))
+}
+
+fn ask(
+    (parameter, asked): &mut (Parameter, u32),
+    given: &mut Map<String, Value>,
+    answers: &mut impl BufRead,
+    out: &mut impl Write,
+) -> Result<(), Failure> {
+    *asked += 1;
+    let Parameter { name, ty, doc, default, .. } = parameter;
+    let doc = doc.as_ref().map_or_else(String::new, |doc| format!(", {}", doc.trim()));
+    let shown = default.as_ref().map_or_else(String::new, |default| format!(" [{default}]"));
+    write!(out, "{name} ({ty}{doc}){shown}: ")?;
+    out.flush()?;
+    let mut answer = String::new();
+    if answers.read_line(&mut answer)? == 0 {
+        writeln!(out)?;
+        let message = format!("no answer for {name}: nothing was started");
+        return Err(Failure::usage(message, "write '{}' to take all defaults"));
+    }
+    let answer = answer.trim();
+    if answer.is_empty() {
+        given.remove(name);
+    } else {
+        // What is no JSON is text, as in key=value.
+        let value = serde_json::from_str(answer).unwrap_or_else(|_| answer.into());
+        given.insert(name.clone(), value);
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -78,19 +137,49 @@ mod tests {
         serde_json::from_value(json!({ "parameters": parameters })).unwrap()
     }
 
+    /// What is given after these answers, and what was asked.
+    fn filled(answers: &str) -> (Value, String) {
+        let (mut form, mut asked) = (Form::new(service()), Vec::new());
+        form.fill(&mut answers.as_bytes(), &mut asked).unwrap();
+        (form.given(), String::from_utf8(asked).unwrap())
+    }
+
     #[test]
     fn inputs_are_asked_with_their_documentation_and_defaults() {
-        let mut asked = Vec::new();
-        let given = ask(&service(), &mut "\nfast\n".as_bytes(), &mut asked).unwrap();
+        let (given, asked) = filled("\nfast\n");
         assert_eq!(given, json!({"mode": "fast"}));
-        let asked = String::from_utf8(asked).unwrap();
         assert_eq!(asked, "goal (double, m) [1.0]: mode (double, m): ");
-        let given = ask(&service(), &mut "0.5\n{\"a\": 1}\n".as_bytes(), &mut Vec::new()).unwrap();
+        let (given, _) = filled("0.5\n{\"a\": 1}\n");
         assert_eq!(given, json!({"goal": 0.5, "mode": {"a": 1}}));
     }
 
     #[test]
     fn the_end_of_input_sends_nothing() {
-        assert!(ask(&service(), &mut "1\n".as_bytes(), &mut Vec::new()).is_err());
+        let mut form = Form::new(service());
+        let ended = form.fill(&mut "1\n".as_bytes(), &mut Vec::new()).unwrap_err();
+        assert!(matches!(ended, Failure::Usage { .. }), "{ended}");
+    }
+
+    #[test]
+    fn a_refused_answer_is_asked_for_again_but_not_for_ever() {
+        let refusal = |place: &str| -> Refusal {
+            let refusal = json!({"code": "bad_input", "message": "no number", "where": place});
+            serde_json::from_value(refusal).unwrap()
+        };
+        let mut form = Form::new(service());
+        form.fill(&mut "x\n2\n".as_bytes(), &mut Vec::new()).unwrap();
+        let mut asked = Vec::new();
+        form.mend(refusal("/goal/x"), &mut "y\n".as_bytes(), &mut asked).unwrap();
+        assert_eq!(String::from_utf8(asked).unwrap(), "no number\ngoal (double, m) [1.0]: ");
+        assert_eq!(form.given(), json!({"goal": "y", "mode": 2}));
+        // The default is an answer, too.
+        form.mend(refusal("/goal"), &mut "\n".as_bytes(), &mut Vec::new()).unwrap();
+        assert_eq!(form.given(), json!({"mode": 2}));
+        for place in ["/goal", "/other", ""] {
+            let given_up = form.mend(refusal(place), &mut "1\n".as_bytes(), &mut Vec::new());
+            assert!(matches!(given_up, Err(Failure::Refused(_))), "{place}");
+        }
+        let ended = form.mend(refusal("/mode"), &mut "".as_bytes(), &mut Vec::new());
+        assert!(matches!(ended, Err(Failure::Usage { .. })));
     }
 }

@@ -2,7 +2,6 @@
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
 use crate::prompt;
 use crate::session::Session;
 use crate::verbs::{outcome, start};
@@ -26,9 +25,7 @@ pub(crate) struct Args {
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let inputs = prompt::inputs(session, &args.component, &args.service, &args.inputs).await?;
-    let path = url(["components", &args.component, "services", &args.service]);
-    let reply = session.post(&path, &inputs).await?;
+    let reply = prompt::call(session, &args.component, &args.service, &args.inputs).await?;
     let so_far: outcome::Outcome = session.read(reply.clone())?;
     match so_far.activity {
         Some(activity) if !so_far.ended() => {

@@ -28,9 +28,7 @@ pub(crate) struct Args {
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let inputs = prompt::inputs(session, &args.component, &args.service, &args.inputs).await?;
-    let path = url(["components", &args.component, "services", &args.service]);
-    let reply = session.post(&path, &inputs).await?;
+    let reply = prompt::call(session, &args.component, &args.service, &args.inputs).await?;
     let so_far: Outcome = session.read(reply.clone())?;
     match so_far.activity {
         Some(activity) if args.wait && !so_far.ended() => {
