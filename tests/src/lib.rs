@@ -13,12 +13,14 @@
 mod build;
 mod command;
 pub mod conformance;
+mod counts;
 mod daemon;
 mod http;
 mod transcript;
 
 pub use build::{component, files, fixture, program, repository};
 pub use command::{Finished, Running, WATCHDOG};
+pub use counts::{Counts, step};
 pub use daemon::{Daemon, Home, Memory, path};
 pub use http::{Events, Reply, connect, request};
 pub use transcript::transcript;

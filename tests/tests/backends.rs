@@ -4,14 +4,17 @@
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::thread;
+use std::time::Instant;
 
-use genom_tests::{Daemon, Home, Memory, component, path};
+use genom_tests::{Counts, Daemon, Home, Memory, WATCHDOG, component, path, step};
 use serde_json::Value;
 
 /// A daemon with the paper's component, which publishes a double, and the demo, which reads one.
-fn both(backend: &str) -> Daemon {
+fn both(backend: &str, clock: &str) -> Daemon {
     let (demo, paper) = (component("demo"), component("demo-2010"));
-    let daemon = Daemon::start(&["--backend", backend, path(&demo.library)]);
+    let daemon = Daemon::start(&["--clock", clock, "--backend", backend, path(&demo.library)]);
     daemon.ctl(&["load", path(&paper.description), "--name", "paper"]).expect_code(0);
     daemon.ctl(&["connect", "demo/parameter", "paper/position"]).expect_code(0);
     daemon
@@ -26,7 +29,7 @@ fn read_after_goto(daemon: &Daemon, position: &str, goal: &str) -> Value {
 
 #[test]
 fn a_running_component_moves_and_what_it_feeds_follows() {
-    let daemon = both("local");
+    let daemon = both("local", "monotonic");
     assert_eq!(read_after_goto(&daemon, "0.125", "0.01"), 0.125);
     for (backend, position, goal) in
         [("shm", "0.25", "0.02"), ("zenoh", "0.375", "0.03"), ("local", "0.5", "0.04")]
@@ -71,6 +74,70 @@ fn a_move_in_the_middle_of_a_motion_misses_no_tick() {
     let period = after["period_ns"].as_u64().unwrap();
     assert!(after["cycles"]["max_ns"].as_u64().unwrap() < period, "{after}");
     assert!(after["cycles"]["count"].as_u64().unwrap() > 40, "{after}");
+}
+
+/// Both components move for ever: the paper's away from 0, and the demo stands still, since the
+/// gain that it reads is less than 0.
+fn both_under_way() -> Daemon {
+    let daemon = both("local", "virtual");
+    daemon.ctl(&["start", "paper", "goto", "position=-1e9"]).expect_code(0);
+    daemon.step(20);
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+    daemon.step(20);
+    daemon
+}
+
+/// What a move could change: counts of both, and where they are.
+fn state_of(daemon: &Daemon) -> [(Counts, Value); 2] {
+    ["paper", "demo"].map(|name| {
+        let counts = daemon.counts(name, "demo_servo", "position");
+        // Steps follow each other faster than a network takes samples.
+        (Counts { dropped: 0, ..counts }, daemon.port(name, "position")["value"].clone())
+    })
+}
+
+#[test]
+fn moves_through_every_middleware_cost_no_tick_and_no_codel_notices() {
+    let daemon = both_under_way();
+    let socket = daemon.home().socket();
+    let (ticks, enough) = (AtomicU64::new(0), AtomicBool::new(false));
+    let parameter = || daemon.port("demo", "parameter")["value"].as_f64().unwrap();
+    let position = || daemon.port("paper", "position")["value"].as_f64().unwrap();
+    thread::scope(|scope| {
+        // Time goes on all the while.
+        scope.spawn(|| {
+            while !enough.load(Ordering::Relaxed) {
+                step(&socket, 5);
+                ticks.fetch_add(1, Ordering::Relaxed);
+            }
+        });
+        let _end = End(&enough);
+        for what in ["paper/position", "paper", "demo"] {
+            for backend in ["shm", "zenoh", "ros2", "local"] {
+                daemon.ctl(&["backend", what, backend]).expect_code(0);
+                let written = position();
+                let end = Instant::now() + WATCHDOG;
+                while parameter() >= written {
+                    assert!(Instant::now() < end, "{what} on {backend}: nothing arrives");
+                }
+            }
+        }
+    });
+    let ticks = ticks.into_inner();
+    assert!(ticks > 0);
+    let still = both_under_way();
+    still.step(5 * ticks);
+    let moved = state_of(&daemon);
+    assert_eq!(moved, state_of(&still), "after {ticks} ticks, moved and not");
+    assert!(moved.iter().all(|(all, _)| all.runs >= ticks && all.missed + all.failed == 0));
+}
+
+struct End<'a>(&'a AtomicBool);
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }
 
 #[test]

@@ -7,13 +7,13 @@ mod world;
 use std::convert::Infallible;
 use std::fmt::Debug;
 use std::marker::PhantomData;
-use std::net::IpAddr;
+use std::net::{IpAddr, UdpSocket};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{note, note_of, number, numbered, state};
+use genom_middleware::conformance::samples::{note, note_of, number, numbered, small, state};
 use genom_middleware::{
     ActivityId, Address, Middleware, Outcome, Policy, ReadError, Reading, Replies, ServiceHandler,
     ServiceKind, ServiceType, Subscription,
@@ -100,6 +100,24 @@ impl Peer {
                 if local_writer == writer.0.guid())
         };
         eventually("a reader is connected", || self.news.try_recv_status().is_some_and(ours));
+    }
+
+    /// Sends a sample as `writer` would, header and payload as given, to all of the domain.
+    fn forge<E: Encoding>(&self, domain: &Domain, writer: &Writer<E>, number: u8, sample: &[u8]) {
+        let guid = writer.0.guid().to_bytes();
+        let (prefix, entity) = guid.split_at(12);
+        let length = u16::try_from(20 + sample.len()).unwrap().to_le_bytes();
+        // RTPS 2.5, 9.4.4 and 9.4.5.4: a header, and DATA, little endian, for any reader.
+        let (header, data, reader) =
+            (b"RTPS\x02\x04\x01\x12", [0x15, 0x05], [0, 0, 16, 0, 0, 0, 0, 0]);
+        let number = [0, 0, 0, 0, number, 0, 0, 0];
+        let message = [header, prefix, &data, &length, &reader, entity, &number, sample].concat();
+        let socket = UdpSocket::bind(("127.0.0.1", 0)).unwrap();
+        // 9.6.2.3: where a domain's participants hear samples for them.
+        let first = 7400 + 250 * domain.options().domain + 11;
+        for participant in 0..8 {
+            socket.send_to(&message, ("127.0.0.1", first + 2 * participant)).unwrap();
+        }
     }
 
     fn writer<E: Encoding>(&self, topic: &str, ty: &str) -> Writer<E> {
@@ -238,6 +256,57 @@ fn nonsense_of_strings_and_sequences_is_refused_and_counted() {
     let mut value = Record::new(&note());
     value.merge_json(&note_of(6)).unwrap();
     is_fuzzed(&value, "demo::msg::dds_::Note_");
+}
+
+#[test]
+fn types_of_less_than_a_word_are_read_at_any_length_but_none() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let (ros2, peer) = (domain.open(), Peer::new(&domain));
+    for (ty, values) in small() {
+        let name = ty.name().trim_start_matches("::demo::");
+        let mut value = Record::new(&ty);
+        value.merge_json(&json!({ "it": values[0] })).unwrap();
+        let mut victim = Victim::at(&*ros2, &Address::new("demo", name), &value);
+        let dds_type = format!("demo::msg::dds_::{}{}_", name[..1].to_uppercase(), &name[1..]);
+        let writer = peer.writer::<Plain>(&format!("rt/demo/{name}"), &dds_type);
+        peer.connected(&writer);
+        let good = victim.good.clone();
+        assert!((1..4).contains(&good.len()), "{name}");
+        assert!(!victim.suffers(&writer, Vec::new()), "{name}");
+        assert!(victim.suffers(&writer, good.clone()), "{name}");
+        assert_eq!(victim.got.to_json(), value.to_json());
+        // As DDS fills messages up to words, and what comes after is none of the value.
+        for more in 0..8 {
+            let longer = [&good[..], &vec![0xff; more]].concat();
+            assert!(victim.suffers(&writer, longer), "{name} and {more} bytes");
+            assert_eq!(victim.got.to_json(), value.to_json());
+        }
+    }
+}
+
+#[test]
+fn the_next_sample_is_read_after_messages_cut_within_their_first_word() {
+    let domain = Domain::new(ServiceMapping::Enhanced);
+    let (ros2, peer) = (domain.open(), Peer::new(&domain));
+    let mut victim = Victim::new(&*ros2, &numbered(7));
+    let writer = peer.writer::<Plain>("rt/demo/position", "demo::msg::dds_::State_");
+    peer.connected(&writer);
+    let good = victim.good.clone();
+    assert!(victim.suffers(&writer, good.clone()));
+    let other = [&[0, 1, 0, 0], &payload(&numbered(8))[..]].concat();
+    // Sent as that writer would send its next one.
+    for message in [&[][..], &[0], &[0, 1], &[0, 1, 0]] {
+        peer.forge(&domain, &writer, 2, message);
+    }
+    eventually("the whole one is read", || {
+        peer.forge(&domain, &writer, 2, &other);
+        victim.reader.read(&mut victim.got) == Ok(Reading::New)
+    });
+    assert_eq!(number(&victim.got), 8);
+    // The writer's own second one comes too late for that.
+    writer.write(good.clone());
+    assert!(victim.suffers(&writer, good));
+    assert_eq!(number(&victim.got), 7);
 }
 
 /// `::demo::command`: a mode and a union over it, with one optional member.

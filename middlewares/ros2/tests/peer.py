@@ -1,6 +1,6 @@
 """A DDS peer of another make: reads and writes the topic /demo/position as a ROS 2 node would.
 
-Arguments: the domain, `read`, `write` or `call`, and what is to be other than usual of the quality:
+Arguments: the domain, `read`, `write`, `call` or `mirror`, and what is to be other than usual of the quality:
 `best_effort`, `transient_local`. One line out for each thing done.
 """
 
@@ -24,7 +24,7 @@ os.environ["CYCLONEDDS_URI"] = """<CycloneDDS><Domain>
 from cyclonedds.core import Policy, Qos, ReadCondition, SampleState, ViewState, InstanceState, WaitSet
 from cyclonedds.domain import DomainParticipant
 from cyclonedds.idl import IdlStruct
-from cyclonedds.idl.types import array, float64, int64, uint64
+from cyclonedds.idl.types import array, float64, int16, int64, uint8, uint64
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
@@ -38,7 +38,7 @@ class State(IdlStruct, typename="demo::msg::dds_::State_"):
 
 
 @dataclass
-class Short(IdlStruct, typename="demo::msg::dds_::State_"):
+class Cut(IdlStruct, typename="demo::msg::dds_::State_"):
     """Goes by the name of a state, and ends too early."""
 
     count: uint64
@@ -104,7 +104,7 @@ def read():
 
 def write():
     # `early`: whether anybody is there to read or not.
-    kinds = {"put": State, "early": State, "short": Short}
+    kinds = {"put": State, "early": State, "short": Cut}
     writers = {}
     for line in sys.stdin:
         verb, n = line.split()
@@ -114,7 +114,7 @@ def write():
             writers[verb] = DataWriter(participant, topic, qos=QOS)
             while verb != "early" and not writers[verb].get_matched_subscriptions():
                 pass_time()
-        writers[verb].write(Short(count=int(n)) if verb == "short" else state(int(n)))
+        writers[verb].write(Cut(count=int(n)) if verb == "short" else state(int(n)))
         say("done")
 
 
@@ -142,6 +142,47 @@ def call():
                         say(f"reply {reply.count}")
 
 
+@dataclass
+class Octet(IdlStruct, typename="demo::msg::dds_::Octet_"):
+    it: uint8
+
+
+@dataclass
+class Truth(IdlStruct, typename="demo::msg::dds_::Truth_"):
+    it: bool
+
+
+@dataclass
+class Short(IdlStruct, typename="demo::msg::dds_::Short_"):
+    it: int16
+
+
+@dataclass
+class Triple(IdlStruct, typename="demo::msg::dds_::Triple_"):
+    it: array[uint8, 3]
+
+
+def mirror():
+    """Writes what it reads on /demo/NAME to /mirror/NAME, for types of less than a word."""
+    any_state = SampleState.Any | ViewState.Any | InstanceState.Any
+    waitset, ends = WaitSet(participant), []
+    for kind in Octet, Truth, Short, Triple:
+        name = kind.__name__.lower()
+        reader = DataReader(participant, Topic(participant, f"rt/demo/{name}", kind), qos=QOS)
+        writer = DataWriter(participant, Topic(participant, f"rt/mirror/{name}", kind), qos=QOS)
+        while not writer.get_matched_subscriptions():
+            pass_time()
+        waitset.attach(ReadCondition(reader, any_state))
+        ends.append((kind, reader, writer))
+    while True:
+        waitset.wait(duration(seconds=60))
+        for kind, reader, writer in ends:
+            for sample in reader.take(N=100):
+                if isinstance(sample, kind):
+                    say(f"{kind.__name__} {sample.it}")
+                    writer.write(sample)
+
+
 def pass_time():
     # Nothing tells of a match but asking.
     import time
@@ -149,4 +190,4 @@ def pass_time():
     time.sleep(0.001)
 
 
-{"read": read, "write": write, "call": call}[sys.argv[2]]()
+{"read": read, "write": write, "call": call, "mirror": mirror}[sys.argv[2]]()

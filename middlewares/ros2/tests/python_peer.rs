@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use genom_components::peer::Lines;
 use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{number, numbered, state};
+use genom_middleware::conformance::samples::{number, numbered, small, state};
 use genom_middleware::{
     ActivityId, Address, EndpointKind, Middleware, Outcome, Policy, ReadError, Reading, Replies,
     ServiceHandler, ServiceKind, ServiceType,
@@ -106,4 +106,30 @@ fn a_dds_peer_calls_a_service_as_rmw_cyclonedds_does() {
     }
     peer.tell("13");
     peer.says("::demo::TOO_FAR_AWAY {\"why\":\"trop loin\"}");
+}
+
+#[test]
+fn types_of_less_than_a_word_come_back_from_a_dds_peer_as_they_were_sent() {
+    let domain = Domain::new(ServiceMapping::Cyclone);
+    let ros2 = domain.open();
+    let mut ends = small().map(|(ty, values)| {
+        let name = ty.name().trim_start_matches("::demo::").to_owned();
+        let at = |instance| Address::new(instance, &name);
+        let writer = ros2.publisher(&at("demo"), &ty).unwrap();
+        let reader = ros2.subscription(&at("mirror"), &ty, Policy::Queue(8)).unwrap();
+        (ty, values, writer, reader)
+    });
+    let _peer = start(&domain, "mirror");
+    for (ty, values, writer, reader) in &mut ends {
+        let (mut sent, mut got) = (Record::new(ty), Record::new(ty));
+        for value in values.as_array().unwrap() {
+            sent.merge_json(&json!({ "it": value })).unwrap();
+            writer.publish(&sent).unwrap();
+            // The first may come twice: as it is written, and to a reader that comes late.
+            eventually(&format!("{} {value} comes back", ty.name()), || {
+                reader.read(&mut got).unwrap() == Reading::New && got.to_json() == sent.to_json()
+            });
+        }
+        assert_eq!(reader.dropped(), 0, "{}", ty.name());
+    }
 }

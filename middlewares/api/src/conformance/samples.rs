@@ -63,6 +63,26 @@ pub fn image() -> DataType {
     lay_out(table, id)
 }
 
+/// Structures of one to three bytes on the wire, with values of their only member `it`.
+#[must_use]
+pub fn small() -> [(DataType, Value); 4] {
+    let of = |name: &str, kind: Kind, length: u32, values: Value| {
+        let mut table = TypeTable::default();
+        let mut it = table.add(kind);
+        if length > 1 {
+            it = table.add(Kind::Array { element: it, length });
+        }
+        let id = structure(&mut table, name, &[("it", it)]);
+        (lay_out(table, id), values)
+    };
+    [
+        of("octet", Kind::Octet, 1, json!([1, 0, 255])),
+        of("truth", Kind::Boolean, 1, json!([true, false, true])),
+        of("short", Kind::Short, 1, json!([1, -2, i16::MAX, i16::MIN])),
+        of("triple", Kind::Octet, 3, json!([[1, 2, 3], [0, 0, 0], [255, 254, 253]])),
+    ]
+}
+
 /// A type without a name of its own.
 #[must_use]
 pub fn basic(kind: Kind) -> DataType {
