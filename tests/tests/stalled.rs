@@ -1,4 +1,4 @@
-//! A network that stalls under a running daemon: its tasks do not feel it.
+//! A network that stalls under a running daemon, and a daemon that is stopped: what still works.
 //!
 //! The daemon runs with `fixtures/stall` preloaded: while a file is locked here, each thread that
 //! sends a datagram waits. Nothing in the daemon knows of it.
@@ -142,4 +142,26 @@ fn a_port_leaves_a_middleware_that_stalls_and_no_tick_waits_for_it() {
     assert_eq!(after.runs - before.runs, 2 * MANY + 1);
     assert_eq!(after.written - before.written, 2 * MANY + 1);
     assert_eq!((after.missed, after.failed), (0, 0));
+}
+
+#[test]
+fn daemons_that_were_stopped_and_go_on_still_exchange_samples() {
+    // As by Ctrl-Z and `fg`, a debugger, or the machine's sleep: waits of all threads are cut.
+    let world = World::new("virtual");
+    world.writer.step(20 * PERIOD);
+    wait_until("the last value arrives", || world.read() == world.sent());
+    for daemon in [&world.writer, &world.reader] {
+        let status = format!("/proc/{}/status", daemon.process().id());
+        let stopped = || std::fs::read_to_string(&status).unwrap().contains("State:\tT");
+        daemon.process().signal("STOP");
+        wait_until("it stops", stopped);
+        daemon.process().signal("CONT");
+        wait_until("it goes on", || !stopped());
+    }
+    world.writer.step(20 * PERIOD);
+    wait_until("the next value arrives", || world.read() == world.sent());
+    world.writer.ctl(&["backend", "paper", "local"]).expect_code(0);
+    world.writer.ctl(&["backend", "paper", "ros2"]).expect_code(0);
+    world.writer.step(20 * PERIOD);
+    wait_until("a new writer is heard", || world.read() == world.sent());
 }

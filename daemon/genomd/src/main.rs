@@ -52,6 +52,7 @@ fn main() -> ExitCode {
         return dump_config(&cli);
     }
     genom_host::tell_last_words();
+    genom_host::outlast_signals();
     let run = if cli.check { check::run } else { run::run };
     match settings(cli).and_then(run) {
         Ok(()) => ExitCode::SUCCESS,

@@ -19,8 +19,10 @@ mod ports;
 mod remotes;
 mod shared;
 pub mod signals;
+mod waits;
 
 pub use component::{Component, LoadError, LoadErrors};
 pub use last_words::tell_last_words;
 pub use library::{EmbeddedDescription, Library, OpenError, embedded_description};
 pub use signals::KeptSignals;
+pub use waits::outlast_signals;

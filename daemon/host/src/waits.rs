@@ -1,0 +1,63 @@
+//! An `epoll_wait` for the whole program that signals do not cut short for RustDDS. One of the few
+//! unsafe modules.
+//!
+//! A debugger that attaches, Ctrl-Z and `fg`, the machine's sleep, and timers of codels interrupt
+//! the waits of all threads. RustDDS 0.15 takes that for the end: its threads are gone, without a
+//! word, and ROS 2 is silent (`rtps/dp_event_loop.rs`, `discovery/discovery.rs`). The definition of
+//! a program goes before that of the C library. For all other threads, it is the same.
+#![allow(unsafe_code)]
+
+use std::ffi::c_int;
+use std::io;
+use std::ptr;
+use std::time::{Duration, Instant};
+
+/// How the names of its threads begin.
+const RUSTDDS: &[u8] = b"RustDDS ";
+
+type EpollWait = unsafe extern "C" fn(c_int, *mut libc::epoll_event, c_int, c_int) -> c_int;
+
+/// Makes sure that [`epoll_wait`] is part of the program: of what nothing refers to, the linker
+/// takes nothing.
+pub fn outlast_signals() {
+    std::hint::black_box::<EpollWait>(epoll_wait);
+}
+
+/// As the system's, but that it goes on for the rest of the time when RustDDS is interrupted.
+///
+/// # Safety
+/// As for the system's: `events` has room for `most`.
+#[unsafe(no_mangle)]
+unsafe extern "C" fn epoll_wait(
+    epoll: c_int,
+    events: *mut libc::epoll_event,
+    most: c_int,
+    timeout: c_int,
+) -> c_int {
+    let time = u64::try_from(timeout).ok().map(Duration::from_millis);
+    let begun = Instant::now();
+    let mut left = timeout;
+    loop {
+        // SAFETY: the caller's own arguments; without a mask of signals it is the same call.
+        let ready = unsafe { libc::epoll_pwait(epoll, events, most, left, ptr::null()) };
+        let interrupted =
+            ready < 0 && io::Error::last_os_error().kind() == io::ErrorKind::Interrupted;
+        if !interrupted || !is_rustdds() {
+            return ready;
+        }
+        if let Some(time) = time {
+            // Rounded up: who waits for a date shall not wake before it.
+            let rest = time.saturating_sub(begun.elapsed()).as_micros().div_ceil(1000);
+            left = c_int::try_from(rest).unwrap_or(c_int::MAX);
+        }
+    }
+}
+
+/// Whether this is a thread of RustDDS's.
+fn is_rustdds() -> bool {
+    // With its end, the name of a thread has at most 16 bytes.
+    let mut name = [0_u8; 16];
+    // SAFETY: the system writes no more than that.
+    let told = unsafe { libc::prctl(libc::PR_GET_NAME, name.as_mut_ptr()) };
+    told == 0 && name.starts_with(RUSTDDS)
+}
