@@ -11,7 +11,8 @@ pub struct Quality {
     pub transient_local: Option<bool>,
 }
 
-/// Why an end and another one do not meet, though both are there.
+/// Why an end and another one do not meet, though both are there, or do not get from each other what
+/// they could.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Obstacle {
     /// What is in the way, as a sentence without a stop.

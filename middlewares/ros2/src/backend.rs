@@ -263,10 +263,12 @@ fn obstacles(graph: &Graph, feeds: &Feeds, at: &Address, topic: &str) -> Vec<Obs
     }
     for handle in feeds.of(topic) {
         let (asks, hash) = (handle.qos(), handle.feed.hash.as_deref());
-        for (_, writer) in graph.others(topic, true) {
-            all.extend(quality::other_structure(at, Ours::Reader, hash, &writer));
+        let writers = graph.others(topic, true);
+        for (_, writer) in &writers {
+            all.extend(quality::other_structure(at, Ours::Reader, hash, writer));
             all.extend(quality::obstacle(at, Ours::Reader, &writer.qos, &asks));
         }
+        all.extend(quality::mixed(at, &asks, &writers));
     }
     all.dedup();
     all

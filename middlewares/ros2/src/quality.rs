@@ -130,6 +130,26 @@ pub(crate) fn obstacle(
     })
 }
 
+/// What an in port that follows its writers does without, since one of them offers less than the
+/// others.
+pub(crate) fn mixed(
+    at: &Address,
+    asks: &QosPolicies,
+    writers: &[(GUID, Found)],
+) -> Option<Obstacle> {
+    let reliable = |(_, found): &(GUID, Found)| is_reliable(&found.qos);
+    let differ = writers.iter().any(reliable) && !writers.iter().all(reliable);
+    (differ && !asks.is_reliable()).then(|| Obstacle {
+        what: format!(
+            "some writers of {at} on ros2 offer reliable, others best effort; the in port takes \
+             what all of them offer, so lost samples of any are not sent again"
+        ),
+        fix: "have all writers offer reliable, or say `reliable = true` in \
+              [component.qos.ports.PORT], which leaves the others out"
+            .to_owned(),
+    })
+}
+
 /// Ends of one type by name whose structures differ, as far as both tell the hash of theirs. DDS
 /// connects them; what they understand of each other is chance.
 pub(crate) fn other_structure(
@@ -179,6 +199,18 @@ mod tests {
         // The writer is of our own make.
         let same = FREE.asks(&GUID::from_bytes([1; 16]), &[writer(true, true)]);
         assert!(!same.transient_local);
+    }
+
+    #[test]
+    fn writers_that_offer_different_things_are_told_of_unless_the_in_port_insists() {
+        let at = Address::new(AT.0, AT.1);
+        let (best_effort, reliable) = (wire::qos(false, false, 1), wire::qos(true, false, 1));
+        let both = [writer(true, false), writer(false, false)];
+        let told = mixed(&at, &best_effort, &both).unwrap();
+        assert!(told.what.starts_with("some writers of demo/scan on ros2 offer reliable, others"));
+        assert_eq!(mixed(&at, &reliable, &both), None);
+        assert_eq!(mixed(&at, &best_effort, &both[1..]), None);
+        assert_eq!(mixed(&at, &best_effort, &both[..1]), None);
     }
 
     #[test]

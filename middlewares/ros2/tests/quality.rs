@@ -78,6 +78,24 @@ fn an_in_port_follows_a_writer_that_offers_best_effort() {
 }
 
 #[test]
+fn an_in_port_between_reliable_and_best_effort_writers_is_told_what_it_does_without() {
+    let domain = Domain::new(ServiceMapping::Cyclone);
+    let ros2 = domain.open();
+    let _reader = reader(&ros2, &Quality::default());
+    // Both have a writer from now on.
+    let peers = [domain.peer(&["write", "best_effort"]), domain.peer(&["write"])];
+    let _peers = peers.map(|mut peer| {
+        peer.tell("early 1");
+        peer.says("done");
+        peer
+    });
+    let told = "some writers of demo/position on ros2 offer reliable, others best effort";
+    eventually("it is told", || {
+        ros2.obstacles(&position()).iter().any(|one| one.what.starts_with(told))
+    });
+}
+
+#[test]
 fn an_in_port_gets_what_a_transient_local_writer_wrote_before() {
     let domain = Domain::new(ServiceMapping::Cyclone);
     let mut peer = domain.peer(&["write", "transient_local"]);
