@@ -104,6 +104,24 @@ pub struct Endpoint {
     pub ty: String,
 }
 
+/// Somebody on a middleware who does not tell what it opens, as programs of other makes may.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Stranger {
+    /// Somebody reads an out port of this side; as which type is not known.
+    Reader {
+        /// The port.
+        address: String,
+    },
+    /// Somebody is connected; what it opened cannot be seen.
+    Session {
+        /// Its name on the middleware.
+        name: String,
+        /// What it is there, in the middleware's own words.
+        role: &'static str,
+    },
+}
+
 /// A middleware, open and ready. One value serves a whole daemon.
 pub trait Middleware: Send + Sync {
     /// Short name: `local`, `shm`, `zenoh`, `ros2`.
@@ -163,6 +181,12 @@ pub trait Middleware: Send + Sync {
     ) -> Result<Box<dyn Subscription>, OpenError> {
         let _ = quality;
         self.subscription(at, ty, policy)
+    }
+
+    /// Who is there and is not seen by [`discover`](Middleware::discover), as far as that can be
+    /// told; for people who look.
+    fn strangers(&self) -> Vec<Stranger> {
+        Vec::new()
     }
 
     /// How [`discover`](Middleware::discover) spells an address: with the namespace of this side in

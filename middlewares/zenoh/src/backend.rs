@@ -11,7 +11,8 @@ use genom_middleware::mailbox::{Full, MAX_DEPTH, Mailbox};
 use genom_middleware::spares::Spares;
 use genom_middleware::{
     Address, Capabilities, Client, DiscoverError, Endpoint, EndpointKind, Middleware, OpenError,
-    Policy, Publisher, Relay, Served, ServiceHandler, ServiceKind, ServiceType, Subscription,
+    Policy, Publisher, Relay, Served, ServiceHandler, ServiceKind, ServiceType, Stranger,
+    Subscription,
 };
 use genom_types::{DataType, Record};
 use zenoh::key_expr::OwnedKeyExpr;
@@ -441,6 +442,10 @@ impl Middleware for Zenoh {
 
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
         Ok(self.core.graph.list())
+    }
+
+    fn strangers(&self) -> Vec<Stranger> {
+        self.core.strangers()
     }
 }
 

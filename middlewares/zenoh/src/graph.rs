@@ -1,6 +1,6 @@
 //! Who is there: the liveliness tokens of this session and of all others.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
@@ -121,6 +121,25 @@ impl Graph {
         let readers = state.readers.entry(at.to_string()).or_default();
         readers.retain(|other| other.strong_count() > 0);
         readers.push(Arc::downgrade(inbox));
+    }
+
+    /// The sessions with ends.
+    pub(crate) fn sessions(&self) -> HashSet<String> {
+        let state = self.lock();
+        state.tokens.values().flatten().map(|token| token.session.clone()).collect()
+    }
+
+    /// Addresses of a session's out ports that no known end of another session reads.
+    pub(crate) fn unread(&self, own: &str) -> Vec<String> {
+        let state = self.lock();
+        let unread = |(_, tokens): &(&String, &Vec<Token>)| {
+            let ours =
+                |token: &Token| token.kind == EndpointKind::Publisher && token.session == own;
+            let theirs =
+                |token: &Token| token.kind == EndpointKind::Subscription && token.session != own;
+            tokens.iter().any(ours) && !tokens.iter().any(theirs)
+        };
+        state.tokens.iter().filter(unread).map(|(address, _)| address.clone()).collect()
     }
 
     pub(crate) fn list(&self) -> Vec<Endpoint> {

@@ -20,9 +20,9 @@
 //! **Discovery.** Liveliness tokens `@genom/<pub|sub|srv>/<session>/<n>/<digest>/<types>/<address>`,
 //! `<types>` with percent escapes; the digest of a service is `<input>-<output>-<parameters and
 //! exceptions>`.
-//! Other programs are not listed: zenoh tells peers of no publishers, and its admin space, which
-//! shows subscribers and queryables, can hang a session of 1.10 when it is asked while others
-//! declare something. Their keys can be connected to all the same.
+//! Of other programs, sessions show, and that somebody reads a port. zenoh tells peers of no
+//! publishers, and its admin space, which lists subscribers and queryables, can hang a session of
+//! 1.10 when it is asked while others declare something. Their keys can be connected to all the same.
 //!
 //! **Daemons.** Liveliness tokens `@genom/daemon/<session>/<name>`; a `get` of
 //! `@genom/rpc/<name>` carries a request to the control plane of that daemon, and its reply.
@@ -39,6 +39,7 @@ mod ports;
 mod relay;
 mod rendezvous;
 mod service;
+mod strangers;
 mod wire;
 mod worker;
 

@@ -40,6 +40,12 @@ impl Daemons {
         self.changed.notify_all();
     }
 
+    /// Whether a daemon shows in that session.
+    pub(crate) fn has(&self, wanted: &str) -> bool {
+        let there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
+        there.iter().any(|(session, _)| session == wanted)
+    }
+
     fn names(&self) -> Vec<String> {
         let there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
         let names: BTreeSet<_> = there.iter().map(|(_, name)| name.clone()).collect();

@@ -13,8 +13,8 @@ use genom_components::peer::Lines;
 use genom_middleware::conformance::samples::{number, numbered, state};
 use genom_middleware::conformance::{World, eventually};
 use genom_middleware::{
-    ActivityId, Address, CallError, Middleware, Outcome, Policy, ReadError, Reading, Replies,
-    ServiceHandler, ServiceKind, ServiceType,
+    ActivityId, Address, CallError, EndpointKind, Middleware, Outcome, Policy, ReadError, Reading,
+    Replies, ServiceHandler, ServiceKind, ServiceType, Stranger,
 };
 use genom_types::Record;
 use serde_json::{Value, json};
@@ -54,6 +54,35 @@ fn a_python_peer_reads_a_port_and_asks_for_its_last_value() {
         peer.says(&format!("sample {n} {said} 16"));
     }
     peer.tell("end");
+}
+
+#[test]
+fn a_peer_without_tokens_shows_as_a_session_and_as_a_reader() {
+    let place = Meeting::new();
+    let zenoh = place.open();
+    let mut writer = zenoh.publisher(&position(), &state()).unwrap();
+    writer.publish(&numbered(1)).unwrap();
+    let other = Address::new("demo", "other");
+    let _other = zenoh.publisher(&other, &state()).unwrap();
+    assert_eq!(zenoh.strangers(), []);
+    let mut peer = start(&place, "read");
+    peer.says("last 1");
+    let reads = Stranger::Reader { address: position().to_string() };
+    let session = |one: &&Stranger| matches!(one, Stranger::Session { role: "peer", .. });
+    let alone = || {
+        let seen = zenoh.strangers();
+        seen.len() == 2 && seen.contains(&reads) && seen.iter().filter(session).count() == 1
+    };
+    eventually("the peer shows", alone);
+    // What has tokens is no stranger.
+    let near = place.open();
+    let _reader = near.subscription(&other, &state(), Policy::Latest).unwrap();
+    eventually("the reader shows", || {
+        zenoh.discover().unwrap().iter().any(|end| end.kind == EndpointKind::Subscription)
+    });
+    assert!(alone(), "{:?}", zenoh.strangers());
+    peer.tell("end");
+    eventually("it is gone", || zenoh.strangers().is_empty());
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::terminal::Terminal;
 /// List the middlewares that the daemon knows, what they can do and what is visible on them.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Also list the ports and services visible on them.
+    /// Also list the ports and services visible on them, and others who are connected.
     #[arg(long, short)]
     visible: bool,
 }
@@ -29,6 +29,15 @@ struct Middleware {
     capabilities: Option<Capabilities>,
     #[serde(default)]
     endpoints: Vec<Endpoint>,
+    #[serde(default)]
+    strangers: Vec<Stranger>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+enum Stranger {
+    Reader { address: String },
+    Session { name: String, role: String },
 }
 
 #[derive(Debug, Deserialize)]
@@ -73,6 +82,15 @@ fn render(reply: &Reply, terminal: Terminal) -> String {
             let Endpoint { kind, address, ty } = endpoint;
             out.push_str(&format!("{}: {kind} {address} ({ty})\n", middleware.name));
         }
+        for stranger in &middleware.strangers {
+            let text = match stranger {
+                Stranger::Reader { address } => format!("subscription {address} (unknown)"),
+                Stranger::Session { name, role } => {
+                    format!("{role} {name} (no genomd: what it opened does not show)")
+                }
+            };
+            out.push_str(&format!("{}: {text}\n", middleware.name));
+        }
     }
     out
 }
@@ -87,4 +105,32 @@ fn words(capabilities: &Capabilities) -> String {
     ];
     let words: Vec<_> = named.iter().filter(|(_, has)| *has).map(|(word, _)| *word).collect();
     words.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use expect_test::expect;
+    use serde_json::json;
+
+    #[test]
+    fn those_who_do_not_say_what_they_open_are_listed_last() {
+        let middleware = json!({
+            "name": "zenoh", "version": "1",
+            "endpoints": [{"kind": "publisher", "address": "demo/position", "ty": "state"}],
+            "strangers": [
+                {"kind": "session", "name": "7db4", "role": "peer"},
+                {"kind": "reader", "address": "demo/position"},
+            ],
+        });
+        let reply = json!({"default": "zenoh", "middlewares": [middleware]});
+        expect![[r#"
+            BACKEND  VERSION  CAPABILITIES
+            zenoh*   1        not open
+            zenoh: publisher demo/position (state)
+            zenoh: peer 7db4 (no genomd: what it opened does not show)
+            zenoh: subscription demo/position (unknown)
+        "#]]
+        .assert_eq(&render(&serde_json::from_value(reply).unwrap(), Terminal::default()));
+    }
 }

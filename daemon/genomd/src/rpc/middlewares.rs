@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::State;
-use genom_middleware::{Capabilities, Endpoint};
+use genom_middleware::{Capabilities, Endpoint, Stranger};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -51,6 +51,11 @@ pub(crate) struct Described {
     #[schema(value_type = Option<Vec<Object>>)]
     #[serde(skip_serializing_if = "Option::is_none")]
     endpoints: Option<Vec<Endpoint>>,
+    /// Who is there besides and does not tell what it opens, as `{"kind": "session"}` or, of an
+    /// out port of this daemon, `{"kind": "reader"}`.
+    #[schema(value_type = Vec<Object>)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    strangers: Vec<Stranger>,
     /// Why nothing is visible.
     #[serde(skip_serializing_if = "Option::is_none")]
     problem: Option<String>,
@@ -85,7 +90,9 @@ fn described(daemon: &Daemon, visible: bool) -> Middlewares {
             Some(Ok(endpoints)) => (Some(endpoints), None),
             Some(Err(error)) => (None, Some(error.to_string())),
         };
+        let looked = open.iter().filter(|_| visible);
         Described {
+            strangers: looked.flat_map(|open| open.strangers()).collect(),
             name: known.name,
             version: known.version,
             capabilities: open.as_ref().map(|open| open.capabilities()),
