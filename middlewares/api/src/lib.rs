@@ -4,7 +4,7 @@
 //! callers and services, by address. Nothing here says how: topics, keys and segments are each
 //! backend's own affair. [`conformance`] states what every backend must hold, as tests.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 pub mod address;
 pub mod bell;
@@ -14,6 +14,7 @@ pub mod error;
 pub mod index_ring;
 pub mod mailbox;
 pub mod port;
+pub mod prompt;
 pub mod quality;
 pub mod relay;
 pub mod reply;

@@ -146,6 +146,7 @@ impl<T> Mailbox<T> {
     fn release(&self, index: usize) {
         if let Some(slot) = self.slots.get(index) {
             slot.used.store(false, Ordering::Release);
+            self.hint.store(index as u64, Ordering::Relaxed);
         }
     }
 }

@@ -363,9 +363,9 @@ impl Middleware for Zenoh {
         ty.prepare();
         let key = core.key(at)?;
         let claim = core.claim_port(at, EndpointKind::Subscription, ty)?;
-        let counts_lost = policy != Policy::Latest;
         let expected = Expected::of(ty);
-        let inbox = Inbox::new(at.to_string(), expected, full, ty.size() + 64, counts_lost);
+        let latest = policy == Policy::Latest;
+        let inbox = Inbox::new(at.to_string(), expected, full, ty.size() + 64, latest);
         let inbox = Arc::new(inbox);
         let arriving = Arc::clone(&inbox);
         let subscriber = core.session.declare_subscriber(key.clone());

@@ -10,23 +10,21 @@ use std::time::{Duration, Instant};
 use genom_middleware::mailbox::{Full, Mailbox};
 use zenoh::sample::{Sample, SampleKind};
 
+use crate::arrival::Arrival;
 use crate::wire::{Expected, Mark};
 
 /// At most one line about bad samples in this time.
 const BETWEEN_LINES: Duration = Duration::from_secs(1);
-
-/// First byte of a buffer: what follows may be decoded, or was said to be of another type.
-pub(crate) const OURS: u8 = 0;
-const ALIEN: u8 = 1;
 
 /// The writing half is zenoh's callbacks, the reading half the in port.
 #[derive(Debug)]
 pub(crate) struct Inbox {
     address: String,
     expected: Expected,
-    pub(crate) mailbox: Mailbox,
-    /// Whether samples that gave way are losses: not for `latest`.
-    counts_lost: bool,
+    pub(crate) mailbox: Mailbox<Arrival>,
+    /// Only the newest sample counts: others that gave way are no losses, and the few there are
+    /// may be held where zenoh received them.
+    latest: bool,
     /// Samples that could not be decoded; counted by the reader.
     pub(crate) undecodable: AtomicU64,
     gate: Mutex<Gate>,
@@ -58,13 +56,13 @@ impl Inbox {
         expected: Expected,
         (depth, full): (usize, Full),
         size: usize,
-        counts_lost: bool,
+        latest: bool,
     ) -> Self {
         Self {
             address,
             expected,
-            mailbox: Mailbox::new(depth, size, full),
-            counts_lost,
+            mailbox: Mailbox::with(depth, full, || Arrival::with_room(size)),
+            latest,
             undecodable: AtomicU64::new(0),
             gate: Mutex::default(),
         }
@@ -72,7 +70,7 @@ impl Inbox {
 
     /// Samples lost to the reader.
     pub(crate) fn lost(&self) -> u64 {
-        let given_up = if self.counts_lost { self.mailbox.lost() } else { 0 };
+        let given_up = if self.latest { 0 } else { self.mailbox.lost() };
         given_up + self.undecodable.load(Ordering::Relaxed)
     }
 
@@ -92,18 +90,16 @@ impl Inbox {
             return;
         }
         gate.last = Some(mark.map_or(Arrived::Plain, Arrived::Marked));
-        let kind = if self.expected.admits(sample.encoding()) { OURS } else { ALIEN };
-        // The gate is still locked: one producer at a time. Samples are copied, whatever holds
-        // them: receive buffers and shared memory go back to zenoh at once.
-        let put = self.mailbox.put(|buffer| {
-            buffer.push(kind);
-            sample.payload().slices().for_each(|part| buffer.extend_from_slice(part));
+        let alien = !self.expected.admits(sample.encoding());
+        // The gate is still locked: one producer at a time.
+        let put = self.mailbox.put_by(|arrival| {
+            arrival.set(sample.payload(), alien, self.latest);
             Ok::<_, std::convert::Infallible>(())
         });
         if put.is_err() {
             self.undecodable.fetch_add(1, Ordering::Relaxed);
         }
-        gate.report(self, sample, kind);
+        gate.report(self, sample, alien);
     }
 }
 
@@ -124,9 +120,9 @@ impl Gate {
         })
     }
 
-    fn report(&mut self, inbox: &Inbox, sample: &Sample, kind: u8) {
+    fn report(&mut self, inbox: &Inbox, sample: &Sample, alien: bool) {
         let count = inbox.undecodable.load(Ordering::Relaxed);
-        if (kind == OURS && count == self.logged)
+        if (!alien && count == self.logged)
             || self.line.is_some_and(|line| line.elapsed() < BETWEEN_LINES)
         {
             return;

@@ -29,6 +29,7 @@
 
 #![forbid(unsafe_code)]
 
+mod arrival;
 mod backend;
 mod client;
 mod graph;

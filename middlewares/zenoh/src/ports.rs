@@ -10,7 +10,7 @@ use zenoh::query::Queryable;
 
 use crate::backend::Core;
 use crate::graph::Claim;
-use crate::inbox::{Inbox, OURS};
+use crate::inbox::Inbox;
 
 /// An out port.
 pub(crate) struct ZenohPublisher {
@@ -66,9 +66,8 @@ impl Subscription for ZenohSubscription {
             return Err(ReadError::Broken);
         }
         let scratch = &mut self.scratch;
-        let decoded = self.inbox.mailbox.take(|buffer| match buffer.split_first() {
-            Some((&OURS, message)) => into.replace_from_message(message, scratch).is_ok(),
-            _ => false,
+        let decoded = self.inbox.mailbox.take(|arrival| {
+            arrival.read(|message| into.replace_from_message(message, scratch).is_ok())
         });
         match decoded {
             None if self.read => Ok(Reading::Same),

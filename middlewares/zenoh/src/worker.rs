@@ -11,6 +11,7 @@ use std::time::Duration;
 use bytes::Bytes;
 use genom_middleware::bell::Bell;
 use genom_middleware::mailbox::Mailbox;
+use genom_middleware::prompt::be_prompt;
 use genom_middleware::spares::Spares;
 use zenoh::bytes::ZBytes;
 use zenoh::pubsub::Publisher;
@@ -207,6 +208,9 @@ struct Work {
 
 impl Work {
     fn go_on(&mut self) {
+        if let Err(error) = be_prompt() {
+            tracing::debug!(%error, "samples may wait for their turn to be sent");
+        }
         loop {
             self.bell.wait(LONG);
             while let Ok(order) = self.receiver.try_recv() {
@@ -216,6 +220,10 @@ impl Work {
                 }
             }
             for (index, word) in self.dirty.iter().enumerate() {
+                // Most are clear, and a look costs less than an exchange.
+                if word.load(Ordering::Relaxed) == 0 {
+                    continue;
+                }
                 let mut bits = word.swap(0, Ordering::Acquire);
                 while bits != 0 {
                     let bit = bits.trailing_zeros() as usize;

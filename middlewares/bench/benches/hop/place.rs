@@ -1,4 +1,4 @@
-//! Where a middleware's own thread leaves what arrived, for the reader to see.
+//! Where a middleware's own thread leaves what arrived, for the reader to copy out.
 
 use std::hint::black_box;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,37 +6,49 @@ use std::sync::{Arc, Mutex};
 
 use genom_bench::pair::Receive;
 
-#[derive(Default)]
-pub(crate) struct Place {
+/// Holds the last message as the middleware gives it: nothing is copied here.
+pub(crate) struct Place<M> {
     count: AtomicU64,
-    bytes: Mutex<Vec<u8>>,
+    message: Mutex<Option<M>>,
 }
 
-/// The reader's end; `K` is what keeps values coming.
-pub(crate) struct Looks<K> {
-    pub(crate) place: Arc<Place>,
-    pub(crate) seen: u64,
-    pub(crate) _keep: K,
+/// The reader's end; `K` is what keeps messages coming.
+pub(crate) struct Looks<M, K> {
+    place: Arc<Place<M>>,
+    seen: u64,
+    bytes: Vec<u8>,
+    copy: fn(&M, &mut Vec<u8>),
+    _keep: K,
 }
 
-impl Place {
-    pub(crate) fn put<'a>(&self, parts: impl Iterator<Item = &'a [u8]>) {
-        let mut bytes = self.bytes.lock().unwrap();
-        bytes.clear();
-        parts.for_each(|part| bytes.extend_from_slice(part));
-        drop(bytes);
+impl<M> Place<M> {
+    pub(crate) fn new() -> Arc<Self> {
+        Arc::new(Self { count: AtomicU64::new(0), message: Mutex::new(None) })
+    }
+
+    pub(crate) fn put(&self, message: M) {
+        *self.message.lock().unwrap() = Some(message);
         self.count.fetch_add(1, Ordering::Release);
     }
 }
 
-impl<K> Receive for Looks<K> {
+impl<M, K> Looks<M, K> {
+    pub(crate) fn at(place: Arc<Place<M>>, copy: fn(&M, &mut Vec<u8>), keep: K) -> Self {
+        Self { place, seen: 0, bytes: Vec::new(), copy, _keep: keep }
+    }
+}
+
+impl<M, K> Receive for Looks<M, K> {
     fn arrived(&mut self) -> bool {
         let count = self.place.count.load(Ordering::Acquire);
-        let new = count != self.seen;
-        self.seen = count;
-        if new {
-            black_box(self.place.bytes.lock().unwrap().len());
+        if count == self.seen {
+            return false;
         }
-        new
+        self.seen = count;
+        let message = self.place.message.lock().unwrap().take();
+        self.bytes.clear();
+        message.iter().for_each(|message| (self.copy)(message, &mut self.bytes));
+        black_box(&mut self.bytes);
+        true
     }
 }

@@ -1,4 +1,4 @@
-//! RustDDS: bytes, copied in and, by a thread that waits for them, out.
+//! RustDDS: bytes, copied in and, by the reader of what a waiting thread left, out.
 
 use std::convert::Infallible;
 use std::hint::black_box;
@@ -140,7 +140,7 @@ impl Backend for Both {
         let subscriber = self.participant.create_subscriber(&QosPolicies::qos_none()).unwrap();
         let mut reader: SimpleDataReader<Bytes, Raw> =
             subscriber.create_simple_datareader_no_key(&self.topic(bytes), None).unwrap();
-        let place = Arc::new(Place::default());
+        let place = Place::new();
         let mut poll = Poll::new().unwrap();
         let waker = Arc::new(Waker::new(poll.registry(), Token(0)).unwrap());
         poll.registry().register(&mut reader, Token(1), Interest::READABLE).unwrap();
@@ -152,12 +152,13 @@ impl Backend for Both {
                 poll.poll(&mut events, None).unwrap();
                 reader.drain_read_notifications();
                 while let Ok(Some(sample)) = reader.try_take_one() {
-                    to.put(std::iter::once(&sample.into_value()[..]));
+                    to.put(sample.into_value());
                 }
             }
         });
         let keep = Waits { stop, waker, thread: Some(thread) };
-        Box::new(Looks { place, seen: 0, _keep: keep })
+        let copy = |bytes: &Bytes, to: &mut Vec<u8>| to.extend_from_slice(bytes);
+        Box::new(Looks::at(place, copy, keep))
     }
 
     fn ours(&self) -> &dyn Middleware {

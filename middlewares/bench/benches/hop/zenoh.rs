@@ -1,4 +1,4 @@
-//! zenoh: bytes, copied in and, by a callback, out.
+//! zenoh: bytes, copied in and, by the reader of what a callback left, out.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -9,6 +9,7 @@ use genom_middleware::Middleware;
 use genom_zenoh::{Options, Zenoh};
 use zenoh::pubsub::Publisher;
 use zenoh::qos::CongestionControl;
+use zenoh::sample::Sample;
 use zenoh::{Session, Wait};
 
 use crate::Backend;
@@ -55,12 +56,14 @@ impl Backend for Both {
     }
 
     fn reader(&self, bytes: usize) -> Box<dyn Receive> {
-        let place = Arc::new(Place::default());
+        let place = Place::new();
         let to = Arc::clone(&place);
         let reader = self.session.declare_subscriber(format!("bare/{bytes}"));
-        let arrive = move |sample: zenoh::sample::Sample| to.put(sample.payload().slices());
-        let keep = reader.callback(arrive).wait().unwrap();
-        Box::new(Looks { place, seen: 0, _keep: keep })
+        let keep = reader.callback(move |sample: Sample| to.put(sample)).wait().unwrap();
+        let copy = |sample: &Sample, to: &mut Vec<u8>| {
+            sample.payload().slices().for_each(|part| to.extend_from_slice(part));
+        };
+        Box::new(Looks::at(place, copy, keep))
     }
 
     fn ours(&self) -> &dyn Middleware {

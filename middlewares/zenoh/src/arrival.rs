@@ -1,0 +1,98 @@
+//! One sample in an inbox: its bytes, copied or held where zenoh received them.
+
+use zenoh::bytes::ZBytes;
+use zenoh::shm::ShmBuf;
+
+/// From this size on a sample that is not cut in pieces is held, where the inbox holds at all.
+const HELD: usize = 16 << 10;
+
+/// A place in an inbox, used again and again.
+#[derive(Debug, Default)]
+pub(crate) struct Arrival {
+    /// Said to be of another type.
+    alien: bool,
+    copy: Vec<u8>,
+    /// Instead of the copy.
+    held: Option<ZBytes>,
+}
+
+impl Arrival {
+    /// With room for copies of that size.
+    pub(crate) fn with_room(size: usize) -> Self {
+        Self { copy: Vec::with_capacity(size), ..Self::default() }
+    }
+
+    /// Takes the place of what was here. Held samples keep a receive buffer or shared memory from
+    /// zenoh.
+    pub(crate) fn set(&mut self, payload: &ZBytes, alien: bool, holds: bool) {
+        self.alien = alien;
+        self.copy.clear();
+        self.held = None;
+        if holds && payload.len() >= HELD && payload.slices().nth(1).is_none() {
+            self.held = Some(payload.clone());
+        } else {
+            payload.slices().for_each(|part| self.copy.extend_from_slice(part));
+        }
+    }
+
+    /// Gives the message to `decode`; false if that says so, or if there is none to decode.
+    pub(crate) fn read(&self, decode: impl FnOnce(&[u8]) -> bool) -> bool {
+        let message = match &self.held {
+            Some(held) => held.slices().next().unwrap_or_default(),
+            None => &self.copy,
+        };
+        !self.alien && self.is_whole() && decode(message) && self.is_whole()
+    }
+
+    /// Whether shared memory is still ours: zenoh gives it to the writer again when this process
+    /// was stopped for so long that it looked dead.
+    fn is_whole(&self) -> bool {
+        self.held.as_ref().and_then(ZBytes::as_shm).is_none_or(|shm| shm.is_valid())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bytes_of(arrival: &Arrival) -> Option<Vec<u8>> {
+        let mut bytes = None;
+        let read = arrival.read(|message| {
+            bytes = Some(message.to_vec());
+            true
+        });
+        read.then_some(bytes).flatten()
+    }
+
+    #[test]
+    fn what_is_copied_and_what_is_held_reads_alike() {
+        let mut arrival = Arrival::with_room(8);
+        for size in [0, 1, HELD - 1, HELD, HELD + 1] {
+            let payload = ZBytes::from(vec![7; size]);
+            for holds in [false, true] {
+                arrival.set(&payload, false, holds);
+                assert_eq!(arrival.held.is_some(), holds && size >= HELD);
+                assert_eq!(bytes_of(&arrival), Some(vec![7; size]));
+            }
+        }
+        arrival.set(&ZBytes::from("new"), false, true);
+        assert_eq!(bytes_of(&arrival), Some(b"new".to_vec()));
+    }
+
+    #[test]
+    fn a_sample_in_pieces_is_put_together() {
+        let mut writer = ZBytes::writer();
+        writer.append(ZBytes::from(vec![1; HELD]));
+        writer.append(ZBytes::from(vec![2; HELD]));
+        let mut arrival = Arrival::default();
+        arrival.set(&writer.finish(), false, true);
+        assert_eq!(bytes_of(&arrival), Some([[1; HELD], [2; HELD]].concat()));
+    }
+
+    #[test]
+    fn nothing_is_decoded_of_another_type() {
+        let mut arrival = Arrival::default();
+        arrival.set(&ZBytes::from("text"), true, true);
+        assert_eq!(bytes_of(&arrival), None);
+    }
+}
