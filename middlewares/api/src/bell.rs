@@ -25,19 +25,22 @@ impl Bell {
         }
     }
 
-    /// Waits for a ring, at most `timeout`; whether it rang. Always called by one same thread.
-    pub fn wait(&self, timeout: Duration) -> bool {
+    /// Waits for a ring, at most `timeout` if there is one; whether it rang. Always called by one
+    /// same thread.
+    pub fn wait(&self, timeout: Option<Duration>) -> bool {
         self.listener.get_or_init(thread::current);
-        let end = Instant::now() + timeout;
-        loop {
-            if self.rung.swap(false, Ordering::SeqCst) {
-                return true;
-            }
+        let end = timeout.map(|timeout| Instant::now() + timeout);
+        while !self.rung.swap(false, Ordering::SeqCst) {
+            let Some(end) = end else {
+                thread::park();
+                continue;
+            };
             let left = end.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 return false;
             }
             thread::park_timeout(left);
         }
+        true
     }
 }

@@ -104,7 +104,7 @@ fn every_message_of_a_mailbox_arrives_whole_in_order_or_is_counted_as_lost() {
                 }
             };
             while !producer.is_finished() {
-                bell.wait(Duration::from_millis(1));
+                bell.wait(Some(Duration::from_millis(1)));
                 take();
             }
             producer.join().unwrap();
@@ -121,7 +121,7 @@ fn who_hears_a_bell_sees_what_was_done_before_it_rang() {
     std::thread::scope(|scope| {
         scope.spawn(|| {
             for n in 0..LAST {
-                assert!(there.wait(LONG), "nobody rings");
+                assert!(there.wait(Some(LONG)), "nobody rings");
                 ball.with(|ball| {
                     assert_eq!(*ball, 2 * n + 1);
                     *ball += 1;
@@ -135,7 +135,7 @@ fn who_hears_a_bell_sees_what_was_done_before_it_rang() {
                 *ball += 1;
             });
             there.ring();
-            assert!(back.wait(LONG), "nobody rings back");
+            assert!(back.wait(Some(LONG)), "nobody rings back");
         }
     });
     assert_eq!(ball.0.into_inner(), 2 * LAST);

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle, ThreadId};
 
+use genom_middleware::prompt::be_prompt;
 use rustdds::mio1::{Events, Interest, Poll, Token, Waker};
 use rustdds::rpc::SampleIdentity;
 use rustdds::{
@@ -144,6 +145,10 @@ struct Work {
 
 impl Work {
     fn go_on(&mut self) {
+        // Or DDS's thread first finishes what it has to do besides, such as acknowledgements.
+        if let Err(error) = be_prompt() {
+            tracing::debug!(%error, "samples may wait for their turn to be received");
+        }
         let mut events = Events::with_capacity(256);
         // Readers that may have more than they were asked for.
         let mut again = Vec::new();
@@ -154,34 +159,22 @@ impl Work {
                 tracing::error!(%error, "ros2 receives nothing any more");
                 return;
             }
-            while let Some(event) = self.status.try_recv_status() {
-                (self.news)(event);
-            }
             let mut ready = std::mem::take(&mut again);
-            loop {
-                match self.orders.try_recv() {
-                    Ok(Order::Add(token, reader, sink)) => {
-                        ready.extend(self.add(token, reader, sink))
-                    }
-                    Ok(Order::Exchange(token, reader)) => {
-                        // What the old one still has, the new one finds as well.
-                        if let Some((mut old, sink)) = self.readers.remove(&token) {
-                            let _ = self.poll.registry().deregister(&mut *old);
-                            ready.extend(self.add(token, reader, sink));
-                        }
-                    }
-                    Ok(Order::Remove(token, done)) => {
-                        if let Some((mut reader, _sink)) = self.readers.remove(&token) {
-                            // It goes either way.
-                            let _ = self.poll.registry().deregister(&mut *reader);
-                        }
-                        let _ = done.send(());
-                    }
-                    Ok(Order::Stop) => return,
-                    Err(_) => break,
+            let (mut is_news, mut is_order) = (false, false);
+            for event in &events {
+                match event.token() {
+                    STATUS => is_news = true,
+                    WAKE => is_order = true,
+                    token => ready.push(token),
                 }
             }
-            ready.extend(events.iter().map(|event| event.token()).filter(|token| token.0 >= FIRST));
+            // Each look costs system calls, and samples wait: only where something was said.
+            while is_news && let Some(event) = self.status.try_recv_status() {
+                (self.news)(event);
+            }
+            if is_order && !self.carry_out(&mut ready) {
+                return;
+            }
             for token in ready {
                 if self.take(token) {
                     again.push(token);
@@ -192,6 +185,31 @@ impl Work {
                 let _ = self.waker.wake();
             }
         }
+    }
+
+    /// Does what was ordered, and adds who may have samples already; false at the end of all.
+    fn carry_out(&mut self, ready: &mut Vec<Token>) -> bool {
+        while let Ok(order) = self.orders.try_recv() {
+            match order {
+                Order::Add(token, reader, sink) => ready.extend(self.add(token, reader, sink)),
+                Order::Exchange(token, reader) => {
+                    // What the old one still has, the new one finds as well.
+                    if let Some((mut old, sink)) = self.readers.remove(&token) {
+                        let _ = self.poll.registry().deregister(&mut *old);
+                        ready.extend(self.add(token, reader, sink));
+                    }
+                }
+                Order::Remove(token, done) => {
+                    if let Some((mut reader, _sink)) = self.readers.remove(&token) {
+                        // It goes either way.
+                        let _ = self.poll.registry().deregister(&mut *reader);
+                    }
+                    let _ = done.send(());
+                }
+                Order::Stop => return false,
+            }
+        }
+        true
     }
 
     fn add(&mut self, token: Token, mut reader: Box<Reader>, sink: Box<dyn Sink>) -> Option<Token> {
@@ -207,24 +225,31 @@ impl Work {
     /// Takes what a reader has; whether there may be more.
     fn take(&mut self, token: Token) -> bool {
         let Some((reader, sink)) = self.readers.get_mut(&token) else { return false };
+        // To put a notification away takes longer than to take a sample, so that the first one
+        // goes ahead of it. What comes later than it notifies anew.
+        take_one(reader, &mut **sink, &self.buffer);
         reader.drain_read_notifications();
-        for _ in 0..TURN {
-            match reader.try_take_one_with(CopyTo(&self.buffer)) {
-                Ok(Some(taken)) => sink.arrive(Sample {
-                    message: &mut self.buffer.borrow_mut(),
-                    writer: taken.writer_guid,
-                    number: i64::from(taken.sequence_number),
-                    stamp: taken.source_timestamp(),
-                    received: taken.receive_instant,
-                    related: taken.related_sample_identity(),
-                }),
-                Ok(None) => {
-                    sink.pause();
-                    return false;
-                }
-                Err(_) => sink.garbled(),
-            }
+        let more = (0..TURN).all(|_| take_one(reader, &mut **sink, &self.buffer));
+        if !more {
+            sink.pause();
         }
-        true
+        more
     }
+}
+
+/// Takes a sample, if there is one; whether there was.
+fn take_one(reader: &mut Reader, sink: &mut dyn Sink, buffer: &RefCell<Vec<u8>>) -> bool {
+    match reader.try_take_one_with(CopyTo(buffer)) {
+        Ok(Some(taken)) => sink.arrive(Sample {
+            message: &mut buffer.borrow_mut(),
+            writer: taken.writer_guid,
+            number: i64::from(taken.sequence_number),
+            stamp: taken.source_timestamp(),
+            received: taken.receive_instant,
+            related: taken.related_sample_identity(),
+        }),
+        Ok(None) => return false,
+        Err(_) => sink.garbled(),
+    }
+    true
 }

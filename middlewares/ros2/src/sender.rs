@@ -25,9 +25,6 @@ use crate::wire::{HEADER, Payload, Writer};
 /// Messages of one port sent in a row, before others have their turn.
 const TURN: usize = 8;
 
-/// The bell wakes the thread; this is but a bound.
-const LONG: Duration = Duration::from_secs(3600);
-
 /// Longest time the last samples of a port that closes may take to arrive.
 const FAREWELL: Duration = Duration::from_millis(100);
 
@@ -287,37 +284,37 @@ struct Work {
 }
 
 impl Work {
-    /// Announces what is due, and says how long nothing will be.
-    fn until_announcement(&mut self) -> Duration {
+    /// Announces what is due, and says when to come back.
+    fn until_announcement(&mut self) -> Option<Duration> {
         if !self.news.load(Ordering::Acquire) {
-            return LONG;
+            return None;
         }
         let since = self.announced.map_or(BETWEEN, |announced| announced.elapsed());
         if since < BETWEEN {
-            return BETWEEN.saturating_sub(since);
+            return Some(BETWEEN.saturating_sub(since));
         }
         self.announced = Some(Instant::now());
         self.news.store(false, Ordering::SeqCst);
         if self.announce.tell() {
-            return LONG;
+            return None;
         }
         self.news.store(true, Ordering::Release);
-        BETWEEN
+        Some(BETWEEN)
     }
 
-    /// Tells of bad samples when a line is due, and says how long none will be.
-    fn until_complaint(&mut self) -> Duration {
+    /// Tells of bad samples when a line is due, and says when to come back.
+    fn until_complaint(&mut self) -> Option<Duration> {
         if !self.complaints.load(Ordering::Acquire) {
-            return LONG;
+            return None;
         }
         let since = self.complained.map_or(BETWEEN_LINES, |complained| complained.elapsed());
         if since < BETWEEN_LINES {
-            return BETWEEN_LINES.saturating_sub(since);
+            return Some(BETWEEN_LINES.saturating_sub(since));
         }
         self.complained = Some(Instant::now());
         self.complaints.store(false, Ordering::SeqCst);
         self.announce.complain();
-        LONG
+        None
     }
 
     /// A reader is ready: it gets what waits for it, or the last value of the port.
@@ -339,9 +336,8 @@ impl Work {
 
     fn go_on(&mut self) {
         loop {
-            let longest = self.until_announcement().min(self.until_complaint());
-            let longest = self.meetings.pause().map_or(longest, |pause| pause.min(longest));
-            self.bell.wait(longest);
+            let pauses = [self.until_announcement(), self.until_complaint(), self.meetings.pause()];
+            self.bell.wait(pauses.into_iter().flatten().min());
             while let Ok(order) = self.receiver.try_recv() {
                 match order {
                     Order::Run(job) => job(),

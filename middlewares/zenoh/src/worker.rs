@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle, ThreadId};
-use std::time::Duration;
 
 use bytes::Bytes;
 use genom_middleware::bell::Bell;
@@ -27,9 +26,6 @@ const BITS: usize = WORDS * 64;
 
 /// Messages of one port sent in a row, before others have their turn.
 const TURN: usize = 8;
-
-/// The bell wakes the thread; this is but a bound.
-const LONG: Duration = Duration::from_secs(3600);
 
 /// Something to do on the thread.
 pub(crate) type Job = Box<dyn FnOnce(&mut Outgoing) + Send>;
@@ -212,7 +208,7 @@ impl Work {
             tracing::debug!(%error, "samples may wait for their turn to be sent");
         }
         loop {
-            self.bell.wait(LONG);
+            self.bell.wait(None);
             while let Ok(order) = self.receiver.try_recv() {
                 match order {
                     Order::Run(job) => job(&mut self.outgoing),
