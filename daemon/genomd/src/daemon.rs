@@ -13,7 +13,7 @@ use crate::deploy::keep::Declared;
 use crate::deploy::request::{self, RequestError};
 use crate::flag::Flag;
 use crate::hosting::{self, Components, Hosted, LoadError, UnloadError};
-use crate::recording::Recordings;
+use crate::recording::{Recordings, Session};
 use crate::registry::Backends;
 use crate::shown::Shown;
 
@@ -95,6 +95,31 @@ impl Daemon {
         }
         self.runs(&hosted);
         Ok(hosted)
+    }
+
+    /// Tells that a component runs, and records what it has.
+    fn runs(&self, hosted: &Hosted) {
+        hosted.record();
+        let backend = hosted.wiring.bindings.component();
+        tracing::info!(instance = hosted.name, "runs on {backend}");
+        self.bus.tell(&Change::ComponentLoaded {
+            component: hosted.name.clone(),
+            backend: backend.to_string(),
+        });
+    }
+
+    /// Starts a recording of these ports and components, of all when there are none; samples
+    /// are taken from now on. Blocks while codels are excluded.
+    pub(crate) fn record(&self, wanted: Vec<String>) -> Arc<Session> {
+        let session = self.recordings.start(wanted);
+        self.components.all().iter().for_each(|hosted| hosted.record());
+        session
+    }
+
+    /// A recording is over: nothing is taken for it any more. Blocks while codels are excluded.
+    pub(crate) fn recording_ended(&self, session: &Session) {
+        self.recordings.forget(session);
+        self.components.all().iter().for_each(|hosted| hosted.recording_ended(session.number));
     }
 
     /// Stops a component and closes its library. Blocks until its codels have ended.

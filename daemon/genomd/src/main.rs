@@ -11,6 +11,7 @@ mod config;
 mod daemon;
 mod dates;
 mod deploy;
+mod ending;
 mod flag;
 mod hosting;
 mod locate;

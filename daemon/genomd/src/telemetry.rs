@@ -23,8 +23,8 @@ use tracing_subscriber::Layer;
 use tracing_subscriber::layer::Context;
 use tracing_subscriber::registry::LookupSpan;
 
+use crate::ending::Ending;
 use crate::flag::Flag;
-use crate::hosting::Ending;
 
 /// Target of the spans that are exported.
 const TARGET: &str = "genom::service";

@@ -133,6 +133,17 @@ pub enum PortDirection {
     Out,
 }
 
+impl PortDirection {
+    /// Its word in a description: `in` or `out`.
+    #[must_use]
+    pub fn as_str(self) -> &'static str {
+        match self {
+            Self::In => "in",
+            Self::Out => "out",
+        }
+    }
+}
+
 /// A data port.
 #[derive(Clone, Debug)]
 pub struct Port {

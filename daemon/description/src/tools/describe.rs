@@ -7,8 +7,8 @@ use genom_types::{Kind, TypeId, TypeTable};
 use serde_json::{Value, json};
 
 use crate::model::{
-    Codel, CodelKind, Component, Dialect, Direction, Parameter, PathStep, PortDirection, Service,
-    ServiceKind, Source, Specification,
+    Codel, CodelKind, Component, Dialect, Direction, Parameter, PathStep, Service, ServiceKind,
+    Source, Specification,
 };
 
 /// Everything a client may want to know of a component.
@@ -34,7 +34,7 @@ pub fn describe(spec: &Specification, component: &Component) -> Value {
     let ports = component.ports.iter().map(|port| {
         json!({
             "name": port.name,
-            "direction": way(port.direction),
+            "direction": port.direction.as_str(),
             "multiple": port.multiple,
             "type": types.spelling(port.ty),
             "doc": port.doc,
@@ -209,13 +209,6 @@ fn seconds(time: Option<Duration>) -> Option<f64> {
     time.map(|time| time.as_secs_f64())
 }
 
-fn way(direction: PortDirection) -> &'static str {
-    match direction {
-        PortDirection::In => "in",
-        PortDirection::Out => "out",
-    }
-}
-
 fn direction(direction: Direction) -> &'static str {
     match direction {
         Direction::In => "in",
@@ -272,7 +265,7 @@ pub fn describe_text(spec: &Specification, component: &Component) -> String {
     section("tasks", tasks.collect());
     let ports = component.ports.iter().map(|port| {
         let multiple = if port.multiple { "multiple " } else { "" };
-        let (way, ty) = (way(port.direction), types.spelling(port.ty));
+        let (way, ty) = (port.direction.as_str(), types.spelling(port.ty));
         (format!("{multiple}{way} {}: {ty}", port.name), port.doc.as_ref())
     });
     section("ports", ports.collect());

@@ -10,7 +10,7 @@ use super::{Step, request};
 use crate::bus::{Change, StepStatus};
 use crate::config::{ConnectionEntry, Spot};
 use crate::daemon::Daemon;
-use crate::hosting::Ending;
+use crate::ending::Ending;
 
 /// How often the other side of a connection is looked for: discovery tells nobody.
 const LOOK: Duration = Duration::from_millis(20);

@@ -11,7 +11,8 @@ use super::link::{self, Link};
 use super::request;
 use crate::config::{BackendNames, CallEntry};
 use crate::daemon::Daemon;
-use crate::hosting::{Answer, Ending, Hosted};
+use crate::ending::Ending;
+use crate::hosting::{Answer, Hosted};
 use crate::wiring::switch::switch;
 
 /// How to take a step back.

@@ -5,54 +5,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use serde_json::Value;
 use tokio::sync::watch;
 use utoipa::ToSchema;
 
-/// How a service ended.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Ending {
-    /// With these outputs.
-    Done(Value),
-    /// With an exception and its members.
-    Exception { name: String, detail: Value },
-}
-
-impl Ending {
-    /// As a reply.
-    pub(crate) fn told(&self) -> Told {
-        match self.clone() {
-            Ending::Done(outputs) => Told { result: Some(outputs), ..Told::default() },
-            Ending::Exception { name, detail } => {
-                Told { exception: Some(name), detail: Some(detail), ..Told::default() }
-            }
-        }
-    }
-
-    /// Name of the exception, if it ended with one.
-    pub(crate) fn exception(&self) -> Option<&str> {
-        match self {
-            Ending::Done(_) => None,
-            Ending::Exception { name, .. } => Some(name),
-        }
-    }
-}
-
-/// How a service ended, as a reply: `result`, or `exception` and `detail`.
-#[derive(Clone, Debug, Default, Serialize, ToSchema)]
-#[schema(as = Ending)]
-pub(crate) struct Told {
-    /// Outputs of the service.
-    #[schema(value_type = Option<Object>)]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) result: Option<Value>,
-    /// Full name of the exception it ended with.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) exception: Option<String>,
-    /// Members of the exception.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) detail: Option<Value>,
-}
+use crate::ending::{Ending, Told};
 
 /// An activity as a reply.
 #[derive(Clone, Debug, Serialize, ToSchema)]
@@ -201,7 +157,7 @@ impl ActivityLog {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
+    use serde_json::{Value, json};
 
     #[test]
     fn a_result_stays_readable_for_the_time_asked() {

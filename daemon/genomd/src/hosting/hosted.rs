@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use tokio::sync::mpsc;
 use tracing::Span;
 
-use super::activities::{Activity, ActivityLog, Ending};
+use super::activities::{Activity, ActivityLog};
 use super::built;
 use super::done::Done;
 use super::input::InputError;
@@ -27,6 +27,7 @@ use super::load::LoadError;
 use super::watch::{BusWatcher, Follower};
 use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
+use crate::ending::Ending;
 use crate::flag::Flag;
 use crate::recording::{Call, Recordings};
 use crate::telemetry;
@@ -64,7 +65,7 @@ pub(crate) struct Hosted {
     pub(crate) gone: Flag,
     /// Raised when it asked for its own end.
     pub(crate) killed: Flag,
-    recordings: Arc<Recordings>,
+    pub(super) recordings: Arc<Recordings>,
     plan: Arc<Plan>,
     instance: Instance,
     watcher: Arc<BusWatcher>,

@@ -7,6 +7,7 @@ mod hosted;
 mod input;
 pub(crate) mod layout;
 pub(crate) mod load;
+mod record;
 mod watch;
 
 use std::sync::{Arc, PoisonError, RwLock};
@@ -14,7 +15,7 @@ use std::time::Duration;
 
 use indexmap::IndexMap;
 
-pub(crate) use activities::{Activity, Ending, Look, Told};
+pub(crate) use activities::{Activity, Look};
 pub(crate) use hosted::{Answer, Heard, Hosted};
 pub(crate) use load::LoadError;
 

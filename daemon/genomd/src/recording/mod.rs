@@ -16,11 +16,9 @@ use genom_middleware::Address;
 use genom_types::{DataType, message};
 use serde_json::{Value, json};
 
-use crate::bus::{Change, Numbered};
-use crate::daemon::Daemon;
+use crate::bus::Numbered;
 use crate::dates::Dates;
-use crate::hosting::{Ending, Hosted};
-use crate::wiring::connect::direction;
+use crate::ending::Ending;
 use notes::{Notes, Subject};
 pub(crate) use pump::run;
 pub(crate) use tape::Tapes;
@@ -73,8 +71,8 @@ impl Recordings {
         Self { dates, ..Self::default() }
     }
 
-    /// Starts a recording; samples are taken from now on. Blocks while codels are excluded.
-    pub(crate) fn start(&self, daemon: &Daemon, wanted: Vec<String>) -> Arc<Session> {
+    /// Starts a recording of what is opened from now on, or is open and told again.
+    pub(crate) fn start(&self, wanted: Vec<String>) -> Arc<Session> {
         let session = Arc::new(Session {
             number: self.last.fetch_add(1, Ordering::Relaxed) + 1,
             wanted,
@@ -84,9 +82,6 @@ impl Recordings {
         });
         self.with(|sessions| sessions.push(Arc::clone(&session)));
         self.any.store(true, Ordering::Release);
-        for hosted in daemon.components.all() {
-            self.look_at(&hosted);
-        }
         session
     }
 
@@ -98,33 +93,17 @@ impl Recordings {
         })
     }
 
-    /// Takes the tapes of a recording away. Blocks while codels are excluded.
-    fn forget(&self, daemon: &Daemon, session: &Session) {
+    /// A recording is over.
+    pub(crate) fn forget(&self, session: &Session) {
         self.with(|sessions| {
             sessions.retain(|other| other.number != session.number);
             self.any.store(!sessions.is_empty(), Ordering::Release);
         });
-        for hosted in daemon.components.all() {
-            let all = hosted.wiring.tapes();
-            hosted.excluded(|| all.iter().for_each(|(_, _, tapes)| tapes.remove(session.number)));
-        }
     }
 
-    /// A component runs: what it has is recorded, as far as it is wanted.
-    pub(crate) fn look_at(&self, hosted: &Hosted) {
-        if !self.any.load(Ordering::Acquire) {
-            return;
-        }
-        let all = hosted.wiring.tapes();
-        hosted.excluded(|| {
-            for ((port, element), reads, tapes) in &all {
-                let model = &hosted.model().ports[*port];
-                let address = hosted.address(&model.name, element.as_deref());
-                if let Some(ty) = hosted.port_type(*port) {
-                    self.opened(&address, model.direction, reads.as_ref(), ty, tapes);
-                }
-            }
-        });
+    /// Whether there are any.
+    pub(crate) fn any(&self) -> bool {
+        self.any.load(Ordering::Acquire)
     }
 
     /// A port was opened or connected, and nobody uses it yet.
@@ -136,7 +115,7 @@ impl Recordings {
         ty: &DataType,
         tapes: &Tapes,
     ) {
-        if !self.any.load(Ordering::Acquire) {
+        if !self.any() {
             return;
         }
         let Some(definition) = message::message_definition(ty) else { return };
@@ -145,7 +124,7 @@ impl Recordings {
             for session in sessions.iter().filter(|session| session.wants(&topic[1..])) {
                 tapes.add(session.number, || {
                     let (tape, reel) = tape(session.number, ty, self.dates.clone());
-                    let mut metadata = json!({"direction": direction(of), "type": ty.name()});
+                    let mut metadata = json!({"direction": of.as_str(), "type": ty.name()});
                     if let Some(reads) = reads {
                         metadata["reads"] = reads.to_string().into();
                     }
@@ -169,7 +148,7 @@ impl Recordings {
         service: &str,
         inputs: impl FnOnce() -> Value,
     ) -> Option<Call> {
-        if !self.any.load(Ordering::Acquire) {
+        if !self.any() {
             return None;
         }
         let call = Call {
@@ -255,17 +234,4 @@ fn subject(change: &Numbered) -> (Subject, Option<&str>) {
         _ => Subject::Changes,
     };
     (on, text("component"))
-}
-
-impl Daemon {
-    /// Tells that a component runs, and records what it has.
-    pub(crate) fn runs(&self, hosted: &Hosted) {
-        self.recordings.look_at(hosted);
-        let backend = hosted.wiring.bindings.component();
-        tracing::info!(instance = hosted.name, "runs on {backend}");
-        self.bus.tell(&Change::ComponentLoaded {
-            component: hosted.name.clone(),
-            backend: backend.to_string(),
-        });
-    }
 }

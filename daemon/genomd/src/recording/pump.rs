@@ -1,6 +1,5 @@
 //! The thread of one recording: gathers what was taken and sends it in order of date.
 
-use std::sync::Arc;
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -15,7 +14,7 @@ use super::notes::{SUBJECTS, Subject};
 use super::tape::Reel;
 use super::{Session, frame, subject};
 use crate::bus::Numbered;
-use crate::daemon::Daemon;
+use crate::flag::Flag;
 
 /// How often tapes are looked at: far more often than they fill.
 const LOOK: Duration = Duration::from_millis(2);
@@ -45,9 +44,9 @@ struct Pump<'a> {
 /// The reader is gone.
 struct Gone;
 
-/// Records until the end is asked for, the daemon stops or the reader is gone. Blocks.
+/// Records until the end is asked for, `closed` is raised or the reader is gone. Blocks.
 pub(crate) fn run(
-    daemon: &Arc<Daemon>,
+    closed: &Flag,
     session: &Session,
     changes: Receiver<Numbered>,
     sender: Sender<Vec<u8>>,
@@ -62,14 +61,13 @@ pub(crate) fn run(
         sender,
         runtime: Handle::current(),
     };
-    if pump.follow(daemon, start).is_err() {
+    if pump.follow(closed, start).is_err() {
         tracing::info!("recording {}: nobody reads it any more", session.number);
     }
-    daemon.recordings.forget(daemon, session);
 }
 
 impl Pump<'_> {
-    fn follow(&mut self, daemon: &Daemon, start: &Value) -> Result<(), Gone> {
+    fn follow(&mut self, closed: &Flag, start: &Value) -> Result<(), Gone> {
         let mut out = Vec::new();
         frame::told(&mut out, frame::START, start);
         for subject in SUBJECTS {
@@ -78,7 +76,7 @@ impl Pump<'_> {
         loop {
             // Asked before the last look, which then sees everything taken until now.
             let asked = self.session.end.load(Ordering::Acquire);
-            let stopped = daemon.closed.is_up();
+            let stopped = closed.is_up();
             self.look(&mut out)?;
             if asked || stopped {
                 let why = if asked { "asked" } else { "the daemon stops" };

@@ -145,7 +145,7 @@ impl Tapes {
     }
 
     /// Takes a session's tape away.
-    pub(super) fn remove(&self, session: u64) {
+    pub(crate) fn remove(&self, session: u64) {
         let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
         all.retain(|tape| tape.session != session);
         self.any.store(!all.is_empty(), Ordering::Relaxed);

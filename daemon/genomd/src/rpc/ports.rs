@@ -23,7 +23,6 @@ use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{Body, Parameters};
 use crate::rpc::stream::{self, Writer};
-use crate::wiring::connect::direction;
 use crate::wiring::feed::{self, FeedError};
 use crate::wiring::gauge::{Counts, Traffic};
 
@@ -398,7 +397,7 @@ fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
     Port {
         address: hosted.address(&port.name, element).to_string(),
         name: port.name.clone(),
-        direction: direction(port.direction),
+        direction: port.direction.as_str(),
         multiple: port.multiple,
         ty: hosted.specification().types.spelling(port.ty),
         doc: port.doc.clone(),

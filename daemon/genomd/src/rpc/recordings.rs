@@ -72,14 +72,15 @@ pub(crate) async fn start(
     let (sender, receiver) = mpsc::channel(WAITING);
     tokio::task::spawn_blocking(move || {
         let changes = daemon.bus.live();
-        let session = daemon.recordings.start(&daemon, wanted.ports);
+        let session = daemon.record(wanted.ports);
         let start = json!({
             "recording": session.number,
             "genomd": env!("CARGO_PKG_VERSION"),
             "clock": if matches!(daemon.clock, Clock::Virtual(_)) { "virtual" } else { "monotonic" },
             "deployment": toml::to_string(&deploy::dump::dump(&daemon)).unwrap_or_default(),
         });
-        recording::run(&daemon, &session, changes, sender, &start);
+        recording::run(&daemon.closed, &session, changes, sender, &start);
+        daemon.recording_ended(&session);
         drop(slot);
     });
     let batches =

@@ -11,7 +11,8 @@ use serde_json::Value;
 use utoipa::{IntoParams, ToSchema};
 
 use crate::daemon::Daemon;
-use crate::hosting::{Answer, Ending, Hosted, Look, Told};
+use crate::ending::{Ending, Told};
+use crate::hosting::{Answer, Hosted, Look};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{Body, Parameters};

@@ -291,14 +291,6 @@ pub(crate) fn reader(
     Err(ConnectError::inport(format!("`{text}` names no in port"), help))
 }
 
-/// `in` or `out`.
-pub(crate) fn direction(direction: PortDirection) -> &'static str {
-    match direction {
-        PortDirection::In => "in",
-        PortDirection::Out => "out",
-    }
-}
-
 /// Port and element of an address.
 pub(crate) fn split(address: &Address) -> (&str, Option<&str>) {
     match address.name.split_once('/') {
@@ -322,7 +314,7 @@ fn check_local(
     let Some(index) = found.filter(|&index| ports[index].direction == PortDirection::Out) else {
         let message = match found {
             Some(index) => {
-                format!("{}/{name} is an {} port", writer.name, direction(ports[index].direction))
+                format!("{}/{name} is an {} port", writer.name, ports[index].direction.as_str())
             }
             None => format!("{} has no port `{name}`", writer.name),
         };
