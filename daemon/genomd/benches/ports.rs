@@ -9,11 +9,11 @@
 
 #[path = "../src/dates.rs"]
 mod dates;
-#[path = "../src/wiring/fan.rs"]
+#[path = "../src/wires/fan.rs"]
 mod fan;
-#[path = "../src/wiring/gauge.rs"]
+#[path = "../src/wires/gauge.rs"]
 mod gauge;
-#[path = "../src/wiring/tap.rs"]
+#[path = "../src/wires/tap.rs"]
 mod tap;
 #[path = "../src/recording/tape.rs"]
 mod tape;

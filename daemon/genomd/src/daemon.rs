@@ -100,7 +100,7 @@ impl Daemon {
     /// Tells that a component runs, and records what it has.
     fn runs(&self, hosted: &Hosted) {
         hosted.record();
-        let backend = hosted.wiring.bindings.component();
+        let backend = hosted.wires.bindings.component();
         tracing::info!(instance = hosted.name, "runs on {backend}");
         self.bus.tell(&Change::ComponentLoaded {
             component: hosted.name.clone(),

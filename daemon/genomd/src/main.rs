@@ -24,6 +24,7 @@ mod rpc;
 mod run;
 mod shown;
 mod telemetry;
+mod wires;
 mod wiring;
 
 use std::io::Write as _;

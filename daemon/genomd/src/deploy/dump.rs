@@ -14,8 +14,8 @@ pub(crate) fn dump(daemon: &Daemon) -> Deployment {
     let mut all = Deployment::default();
     for hosted in daemon.components.all() {
         all.component.push(component(&hosted));
-        let ports = hosted.wiring.connections().into_iter().map(Link::Port);
-        let remotes = hosted.wiring.remotes().into_iter().map(Link::Remote);
+        let ports = hosted.wires.connections().into_iter().map(Link::Port);
+        let remotes = hosted.wires.remotes().into_iter().map(Link::Remote);
         all.connection.extend(ports.chain(remotes).map(|link| link.entry()));
         let entry = |service: &str, inputs| CallEntry {
             component: hosted.name.clone(),
@@ -45,7 +45,7 @@ pub(crate) fn dump(daemon: &Daemon) -> Deployment {
 }
 
 fn component(hosted: &Hosted) -> LoadRequest {
-    let bindings = &hosted.wiring.bindings;
+    let bindings = &hosted.wires.bindings;
     let ports: BTreeMap<String, BackendNames> = bindings.ports();
     LoadRequest {
         library: hosted.library.clone(),

@@ -7,10 +7,11 @@ use genom_middleware::Address;
 
 use crate::config::ConnectionEntry;
 use crate::daemon::Daemon;
+use crate::wires::{Connection, RemoteConnection};
 use crate::wiring::connect::{self, ConnectError, ConnectRequest};
 use crate::wiring::place::Place;
+use crate::wiring::policy;
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
-use crate::wiring::{Connection, RemoteConnection, policy};
 
 /// A connection that is there.
 pub(super) enum Link {
@@ -31,10 +32,10 @@ impl Link {
     /// What feeds an in port, or serves a remote, now.
     pub(super) fn present(daemon: &Daemon, inport: &str) -> Option<Self> {
         if let Some((caller, index)) = remote::named(daemon, inport) {
-            return caller.wiring.remote(index).map(Link::Remote);
+            return caller.wires.remote(index).map(Link::Remote);
         }
         let (hosted, port, element) = connect::reader(daemon, inport).ok()?;
-        hosted.wiring.connection(port, element.as_deref()).map(Link::Port)
+        hosted.wires.connection(port, element.as_deref()).map(Link::Port)
     }
 
     /// As an entry of a file, which gives the same connection when it is applied.

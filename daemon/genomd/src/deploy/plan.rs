@@ -135,7 +135,7 @@ fn adapt(
     }
     let default = || BackendNames::one(daemon.settings.backend.as_str());
     let to = request.backend.clone().unwrap_or_else(default);
-    let bindings = &hosted.wiring.bindings;
+    let bindings = &hosted.wires.bindings;
     let moves = bindings.component() != to;
     if moves {
         steps.push(Step::Move { component: name.clone(), port: None, to: to.clone() });

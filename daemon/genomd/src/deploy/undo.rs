@@ -96,7 +96,7 @@ pub(super) fn move_to(
     let Some(hosted) = daemon.components.get(component) else {
         return Err(format!("{component} does not run"));
     };
-    let bindings = &hosted.wiring.bindings;
+    let bindings = &hosted.wires.bindings;
     let before = port.map_or_else(|| bindings.component(), |port| bindings.port(port));
     let ports = if port.is_none() { bindings.ports() } else { BTreeMap::new() };
     let index =

@@ -8,7 +8,7 @@ use genom_description::model::{
     Component as Model, Direction, PortDirection, ServiceKind, Specification,
 };
 use genom_host::Component;
-use genom_middleware::{Address, Subscription};
+use genom_middleware::{Address, Served, Subscription};
 use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
 use genom_runtime::{
@@ -31,10 +31,10 @@ use crate::ending::Ending;
 use crate::flag::Flag;
 use crate::recording::{Call, Recordings};
 use crate::telemetry;
-use crate::wiring::bindings::Bindings;
+use crate::wires::Wires;
+use crate::wires::bindings::Bindings;
 use crate::wiring::requests::SupervisorWiring;
-use crate::wiring::serve::ServedOn;
-use crate::wiring::{Wires, publish, serve};
+use crate::wiring::{publish, serve};
 
 /// What a request gets first.
 #[derive(Debug)]
@@ -47,6 +47,9 @@ pub(crate) enum Answer {
     Gone,
 }
 
+/// Services of one component, by middleware.
+pub(crate) type ServedOn = Vec<(String, Vec<Box<dyn Served>>)>;
+
 /// A component that runs.
 pub(crate) struct Hosted {
     /// Instance name.
@@ -58,7 +61,7 @@ pub(crate) struct Hosted {
     /// Its activities, running and lately ended.
     pub(crate) activities: Arc<ActivityLog>,
     /// What its ports are tied to.
-    pub(crate) wiring: Arc<Wires>,
+    pub(crate) wires: Arc<Wires>,
     /// What was asked of it and still stands.
     pub(crate) done: Arc<Done>,
     /// Raised when it is unloaded: streams end.
@@ -86,9 +89,9 @@ impl Hosted {
         let default = || BackendNames::one(daemon.settings.backend.as_str());
         let backend = request.backend.clone().unwrap_or_else(default);
         let bindings = Bindings::new(backend.clone(), request.ports.clone(), request.qos.clone());
-        let (wiring, killed) = (Arc::new(Wires::new(bindings)), Flag::new());
+        let (wires, killed) = (Arc::new(Wires::new(bindings)), Flag::new());
         let bound = |source| LoadError::Bind { name: name.clone(), source };
-        publish::bind(daemon, &component, &plan, &name, &wiring).map_err(bound)?;
+        publish::bind(daemon, &component, &plan, &name, &wires).map_err(bound)?;
         let supervisor = Arc::new(SupervisorWiring::new(daemon, &name, &killed));
         let watcher = Arc::new(BusWatcher::new(&daemon.bus, &name, &plan));
         let body: Arc<dyn Body> = Arc::new(component);
@@ -107,7 +110,7 @@ impl Hosted {
             request: request.clone(),
             library,
             activities: Arc::new(ActivityLog::new(daemon.settings.rpc.keep_results)),
-            wiring,
+            wires,
             done: Arc::default(),
             gone: Flag::new(),
             killed,
@@ -317,7 +320,7 @@ impl Hosted {
         if stopped.is_ok() {
             // Streams may hold the instance a moment longer; the middleware is free already.
             self.instance.exclusively(|body| self.release_ports(body));
-            self.wiring.close();
+            self.wires.close();
         }
         stopped
     }
@@ -328,7 +331,7 @@ impl Hosted {
         }
         for (index, port) in self.model().ports.iter().enumerate() {
             let elements: Vec<Option<String>> = if port.multiple {
-                self.wiring.elements(index).into_iter().map(Some).collect()
+                self.wires.elements(index).into_iter().map(Some).collect()
             } else {
                 vec![None]
             };

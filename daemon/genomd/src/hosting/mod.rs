@@ -16,7 +16,7 @@ use std::time::Duration;
 use indexmap::IndexMap;
 
 pub(crate) use activities::{Activity, Look};
-pub(crate) use hosted::{Answer, Heard, Hosted};
+pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn};
 pub(crate) use load::LoadError;
 
 /// A component could not be unloaded.

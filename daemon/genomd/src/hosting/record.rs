@@ -8,7 +8,7 @@ impl Hosted {
         if !self.recordings.any() {
             return;
         }
-        let all = self.wiring.tapes();
+        let all = self.wires.tapes();
         self.excluded(|| {
             for ((port, element), reads, tapes) in &all {
                 let model = &self.model().ports[*port];
@@ -22,7 +22,7 @@ impl Hosted {
 
     /// A recording is over: its tapes are taken out. Blocks while codels are excluded.
     pub(crate) fn recording_ended(&self, number: u64) {
-        let all = self.wiring.tapes();
+        let all = self.wires.tapes();
         self.excluded(|| all.iter().for_each(|(_, _, tapes)| tapes.remove(number)));
     }
 }

@@ -172,7 +172,7 @@ pub(crate) async fn unload(
 }
 
 fn summary(hosted: &Hosted) -> Summary {
-    let bindings = &hosted.wiring.bindings;
+    let bindings = &hosted.wires.bindings;
     Summary {
         name: hosted.name.clone(),
         component: hosted.model().name.clone(),

@@ -12,8 +12,9 @@ use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
 use crate::rpc::{components, ports};
+use crate::wires::{Connection, RemoteConnection};
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
-use crate::wiring::{self, ConnectError, ConnectRequest, Connection, RemoteConnection, policy};
+use crate::wiring::{self, ConnectError, ConnectRequest, policy};
 
 /// A connection to make.
 #[derive(Debug, Deserialize, ToSchema)]
@@ -83,8 +84,8 @@ pub(crate) struct Disconnected {
 pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Connections> {
     let mut connections = Vec::new();
     for hosted in daemon.components.all() {
-        connections.extend(hosted.wiring.connections().iter().map(made));
-        connections.extend(hosted.wiring.remotes().iter().map(remote_made));
+        connections.extend(hosted.wires.connections().iter().map(made));
+        connections.extend(hosted.wires.remotes().iter().map(remote_made));
     }
     Json(Connections { connections })
 }

@@ -23,8 +23,8 @@ use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{Body, Parameters};
 use crate::rpc::stream::{self, Writer};
+use crate::wires::gauge::{Counts, Traffic};
 use crate::wiring::feed::{self, FeedError};
-use crate::wiring::gauge::{Counts, Traffic};
 
 /// Values a second that a stream looks for when it is not told.
 const USUAL_RATE: f64 = 50.0;
@@ -263,7 +263,7 @@ pub(crate) async fn traffic(
     let index = find(&hosted, &port)?;
     let element = element(&hosted, index, parameters.element)?;
     let address = hosted.address(&port, element.as_deref());
-    let Some(gauge) = hosted.wiring.gauge(index, element.as_deref()) else {
+    let Some(gauge) = hosted.wires.gauge(index, element.as_deref()) else {
         let message = format!("nothing passes through {address}: it is not connected");
         return Err(RpcError::conflict("not_connected", message)
             .help(format!("`genomctl connect {address} COMPONENT/PORT`")));
@@ -367,7 +367,7 @@ pub(super) fn element(
 /// The port itself, or the elements of a multiple one.
 pub(super) fn elements(hosted: &Hosted, port: usize) -> Vec<Option<String>> {
     if hosted.model().ports[port].multiple {
-        hosted.wiring.elements(port).into_iter().map(Some).collect()
+        hosted.wires.elements(port).into_iter().map(Some).collect()
     } else {
         vec![None]
     }
@@ -393,7 +393,7 @@ fn described(hosted: &Hosted, parameters: &ListParameters) -> Vec<Port> {
 /// A port without its value.
 fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
     let port = &hosted.model().ports[index];
-    let connection = hosted.wiring.connection(index, element);
+    let connection = hosted.wires.connection(index, element);
     Port {
         address: hosted.address(&port.name, element).to_string(),
         name: port.name.clone(),
@@ -402,8 +402,8 @@ fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
         ty: hosted.specification().types.spelling(port.ty),
         doc: port.doc.clone(),
         connected: connection.map(|connection| connection.outport.to_string()),
-        backend: hosted.wiring.bindings.port(&port.name),
-        traffic: hosted.wiring.gauge(index, element).map(|gauge| gauge.counts()),
+        backend: hosted.wires.bindings.port(&port.name),
+        traffic: hosted.wires.gauge(index, element).map(|gauge| gauge.counts()),
         value: None,
     }
 }

@@ -75,10 +75,10 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
     }
     for element in elements {
         let address = hosted.address(&model.name, element.as_deref());
-        let counts = hosted.wiring.gauge(port, element.as_deref()).map(|gauge| gauge.counts());
+        let counts = hosted.wires.gauge(port, element.as_deref()).map(|gauge| gauge.counts());
         let samples = counts.map_or(0, |counts| counts.samples);
         let age = counts.and_then(|counts| counts.age_ns).unwrap_or_default();
-        match (model.direction, hosted.wiring.connection(port, element.as_deref())) {
+        match (model.direction, hosted.wires.connection(port, element.as_deref())) {
             (PortDirection::Out, _) if samples == 0 => {
                 let why = if idle(hosted) { ", and no activity runs" } else { "" };
                 let what = format!("{address} was never written{why}");
@@ -94,7 +94,7 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
             (PortDirection::In, None) => {
                 let fix = format!("`genomctl connect {address} COMPONENT/PORT`");
                 out.push(finding(format!("{address} is not connected"), fix));
-                if let Some(what) = hosted.wiring.differed(port, element.as_deref()) {
+                if let Some(what) = hosted.wires.differed(port, element.as_deref()) {
                     let fix = "make the two .gen types equal";
                     out.push(finding(format!("a connection was refused: {what}"), fix));
                 }
@@ -136,7 +136,7 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
 /// The same of a remote: no service, or one that is not there.
 fn of_remote(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
     let address = hosted.address(&hosted.model().remotes[remote].name, None);
-    let Some(made) = hosted.wiring.remote(remote) else {
+    let Some(made) = hosted.wires.remote(remote) else {
         let fix = format!("`genomctl connect {address} COMPONENT/SERVICE`");
         return vec![finding(format!("{address} is not connected"), fix)];
     };
@@ -167,12 +167,12 @@ fn unmet(daemon: &Daemon, hosted: &Hosted, port: usize, element: Option<&str>) -
         let middleware = daemon.backends.opened(backend);
         middleware.map(|middleware| middleware.obstacles(address)).unwrap_or_default()
     };
-    let obstacles = match hosted.wiring.connection(port, element) {
+    let obstacles = match hosted.wires.connection(port, element) {
         Some(made) => on(&made.backend, &made.outport),
         None if hosted.model().ports[port].direction == PortDirection::In => Vec::new(),
         None => {
             let address = hosted.address(name, element);
-            let names = hosted.wiring.bindings.port(name);
+            let names = hosted.wires.bindings.port(name);
             names.names().iter().flat_map(|backend| on(backend, &address)).collect()
         }
     };

@@ -7,14 +7,13 @@ use std::time::{Duration, Instant};
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy};
 
-use super::Connection;
 use crate::bus::Change;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::nearest::suggest;
 use crate::registry::BackendError;
+use crate::wires::{Connection, Tap};
 use crate::wiring::place::{Place, PlaceError};
-use crate::wiring::tap::Tap;
 
 /// On a network others become visible a while after they, or we, came up.
 pub(super) const NETWORK: Duration = Duration::from_secs(2);
@@ -92,7 +91,7 @@ pub(crate) fn connect(
     let (hosted, port, element) = reader(daemon, &request.inport)?;
     let made = connect_port(daemon, request, &hosted, port, element.as_deref());
     if let Err(error @ ConnectError::Type { .. }) = &made {
-        hosted.wiring.refused(port, element.as_deref(), error.to_string());
+        hosted.wires.refused(port, element.as_deref(), error.to_string());
     }
     made
 }
@@ -134,7 +133,7 @@ fn connect_port(
         }
         None => {}
     }
-    let made = hosted.wiring.feeds.hold(|feeds| {
+    let made = hosted.wires.feeds.hold(|feeds| {
         let (outport, fixed) = (outport.clone(), asked.is_some());
         let source = Source { outport, policy: request.policy, fixed };
         let made = attach(daemon, hosted, port, element, &middleware, source)?;
@@ -174,12 +173,12 @@ pub(super) fn attach(
         let (backend, why) = (middleware.name().to_owned(), "it has no type".to_owned());
         return Err(OpenError::Failed { backend, address: inport, why });
     };
-    let quality = hosted.wiring.bindings.quality(&hosted.model().ports[port].name);
+    let quality = hosted.wires.bindings.quality(&hosted.model().ports[port].name);
     let subscription = middleware.subscription_of(&outport, ty, policy, &quality)?;
     let tap = Tap::new(subscription, &daemon.clock, ty);
     let backend = middleware.name().to_owned();
     let connection = Connection { inport: inport.clone(), outport, backend, policy, fixed };
-    hosted.wiring.connected(port, element, connection.clone(), tap.clone());
+    hosted.wires.connected(port, element, connection.clone(), tap.clone());
     // Known before it is used: a recording that starts now finds it here or there.
     let reads = Some(&connection.outport);
     daemon.recordings.opened(&inport, PortDirection::In, reads, ty, tap.tapes());
@@ -206,9 +205,9 @@ fn choose(
     if let Some(asked) = asked {
         return asked.to_owned();
     }
-    let ours = hosted.wiring.bindings.port(&hosted.model().ports[port].name);
+    let ours = hosted.wires.bindings.port(&hosted.model().ports[port].name);
     if let Some(writer) = writer {
-        let theirs = writer.wiring.bindings.port(split(outport).0);
+        let theirs = writer.wires.bindings.port(split(outport).0);
         let common = theirs.names().iter().find(|name| ours.has(name));
         return common.map_or(theirs.first(), String::as_str).to_owned();
     }
@@ -237,8 +236,8 @@ pub(crate) fn disconnect(
     port: usize,
     element: Option<&str>,
 ) -> bool {
-    let was_connected = hosted.wiring.feeds.hold(|feeds| {
-        let was_connected = hosted.wiring.disconnected(port, element);
+    let was_connected = hosted.wires.feeds.hold(|feeds| {
+        let was_connected = hosted.wires.disconnected(port, element);
         if was_connected {
             hosted.bind_in(port, element, None);
             feeds.remove(&(port, element.map(str::to_owned)));
@@ -327,7 +326,7 @@ fn check_local(
         let help = "a multiple port is named with an element, a single one without";
         return Err(ConnectError::outport(message, help));
     }
-    let backends = writer.wiring.bindings.port(name);
+    let backends = writer.wires.bindings.port(name);
     if !backends.has(backend) {
         let message = format!("{outport} is on {backends}, not on {backend}");
         let help = format!(

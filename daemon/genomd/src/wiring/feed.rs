@@ -4,19 +4,19 @@
 //! port is connected to itself, and whoever opens a publisher there feeds it. The daemon does for
 //! callers of its control plane; a program that speaks the middleware may do so itself.
 
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use genom_description::model::PortDirection;
-use genom_middleware::{OpenError, Policy, PublishError, Publisher};
+use genom_middleware::{OpenError, Policy, PublishError};
 use genom_types::{CdrError, JsonError, Record};
 use serde_json::Value;
 
+use super::connect;
 use super::connect::Source;
-use super::{Connection, Key, connect};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::registry::BackendError;
+use crate::wires::{Connection, Feed};
 
 /// A value could not be published; the port keeps the one it had.
 #[derive(Debug, thiserror::Error)]
@@ -44,37 +44,6 @@ pub(crate) enum FeedError {
     Publish { inport: String, source: PublishError },
 }
 
-/// The daemon's own publishers at in ports of one component.
-///
-/// Who changes what an in port reads holds them: of two who do so at once, the second sees all
-/// that the first did.
-#[derive(Default)]
-pub(crate) struct Feeds(Mutex<BTreeMap<Key, Feed>>);
-
-pub(super) struct Feed {
-    publisher: Box<dyn Publisher>,
-    /// What was published last: members left out of the next value keep theirs.
-    value: Record,
-}
-
-impl Feeds {
-    /// Closes all.
-    pub(super) fn close_all(&self) {
-        self.hold(BTreeMap::clear);
-    }
-
-    /// Does `work` while nobody else changes what in ports of the component read.
-    pub(super) fn hold<T>(&self, work: impl FnOnce(&mut BTreeMap<Key, Feed>) -> T) -> T {
-        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-}
-
-impl std::fmt::Debug for Feeds {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_set().entries(self.hold(|feeds| feeds.keys().cloned().collect::<Vec<_>>())).finish()
-    }
-}
-
 /// Publishes what `fill` makes of the value published last, at first zero, and connects the port
 /// the first time. What the port has now.
 ///
@@ -94,8 +63,8 @@ pub(crate) fn publish(
     };
     let key = (port, element.map(str::to_owned));
     // Held throughout: of two callers that publish first, one opens the publisher.
-    hosted.wiring.feeds.hold(|feeds| {
-        let connection = hosted.wiring.connection(port, element);
+    hosted.wires.feeds.hold(|feeds| {
+        let connection = hosted.wires.connection(port, element);
         if let Some(Connection { outport, .. }) = &connection
             && *outport != inport
         {
@@ -119,7 +88,7 @@ pub(crate) fn publish(
         // Connected to itself before: on the middleware that was asked for then.
         let backend = match &connection {
             Some(made) => made.backend.clone(),
-            None => hosted.wiring.bindings.port(&model.name).first().to_owned(),
+            None => hosted.wires.bindings.port(&model.name).first().to_owned(),
         };
         let middleware = daemon.backends.get(&backend)?;
         let mut publisher = middleware.publisher(&inport, ty)?;

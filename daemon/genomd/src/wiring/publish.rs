@@ -8,11 +8,10 @@ use genom_runtime::body::{Body, Opener};
 use genom_runtime::plan::Plan;
 use genom_types::DataType;
 
-use super::Wires;
-use super::fan::{Ends, Fan};
 use crate::config::BackendNames;
 use crate::daemon::Daemon;
 use crate::registry::BackendError;
+use crate::wires::{Ends, Fan, Wires};
 
 /// A port could not be opened on one of its middlewares.
 #[derive(Debug, thiserror::Error)]

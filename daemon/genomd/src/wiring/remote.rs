@@ -18,7 +18,7 @@ use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::nearest::suggest;
 use crate::registry::BackendError;
-use crate::wiring::RemoteConnection;
+use crate::wires::RemoteConnection;
 
 /// A remote to connect.
 #[derive(Clone, Debug)]
@@ -100,7 +100,7 @@ pub(crate) fn connect(
     let remote_name = caller.address(name, None);
     let connection =
         RemoteConnection { remote: remote_name, service: place.address, backend, fixed };
-    caller.wiring.remote_connected(remote, connection.clone());
+    caller.wires.remote_connected(remote, connection.clone());
     daemon.bus.tell(&Change::RemoteConnected {
         remote: connection.remote.to_string(),
         service: connection.service.to_string(),
@@ -184,7 +184,7 @@ fn reaching(
     if let Some(asked) = asked {
         return Ok(vec![daemon.backends.get(asked)?]);
     }
-    let bindings = caller.wiring.bindings.component();
+    let bindings = caller.wires.bindings.component();
     let mut all = Vec::new();
     for name in bindings.names() {
         let middleware = daemon.backends.get(name)?;
@@ -264,7 +264,7 @@ fn services(middleware: &dyn Middleware, at: &Address) -> Result<BTreeSet<String
 
 /// Takes the service behind a remote away; whether there was one.
 pub(crate) fn disconnect(daemon: &Daemon, caller: &Hosted, remote: usize) -> bool {
-    if !caller.wiring.remote_disconnected(remote) {
+    if !caller.wires.remote_disconnected(remote) {
         return false;
     }
     caller.bind_remote(remote, None);

@@ -12,10 +12,7 @@ use genom_types::Record;
 
 use super::publish::BindError;
 use crate::daemon::Daemon;
-use crate::hosting::{Heard, Hosted};
-
-/// Services of one component, by middleware.
-pub(crate) type ServedOn = Vec<(String, Vec<Box<dyn Served>>)>;
+use crate::hosting::{Heard, Hosted, ServedOn};
 
 /// Serves every service on each of these middlewares, as far as they have services at all.
 pub(crate) fn serve_on(

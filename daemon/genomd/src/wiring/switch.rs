@@ -9,15 +9,14 @@ use std::sync::Arc;
 use genom_middleware::{Address, EndpointKind, OpenError, Publisher, Quality, Subscription};
 use genom_types::Record;
 
-use super::fan::Fan;
 use super::publish::{self, BindError};
 use super::remote::{self, RemoteRequest};
-use super::tap::Tap;
-use super::{Connection, Key, RemoteConnection, connect, serve};
+use super::{connect, serve};
 use crate::bus::Change;
 use crate::config::BackendNames;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
+use crate::wires::{Connection, Fan, Key, RemoteConnection, Tap};
 
 /// What is to be exchanged for an out port.
 struct NewEnds {
@@ -40,7 +39,7 @@ impl NewFeed {
     fn exchange(self, hosted: &Hosted) {
         let reader = self.component.as_deref().unwrap_or(hosted);
         let old = reader.excluded(|| self.tap.exchange(self.end));
-        reader.wiring.moved(&self.key, &self.backend);
+        reader.wires.moved(&self.key, &self.backend);
         drop(old);
     }
 }
@@ -55,17 +54,17 @@ pub(crate) fn switch(
     port: Option<usize>,
     to: &BackendNames,
 ) -> Result<(), BindError> {
-    let _turn = hosted.wiring.bindings.turn();
+    let _turn = hosted.wires.bindings.turn();
     let mut ends = Vec::new();
     let mut followers = Vec::new();
-    for ((index, element), fan) in hosted.wiring.fans() {
+    for ((index, element), fan) in hosted.wires.fans() {
         if port.is_some_and(|only| only != index) {
             continue;
         }
         let name = &hosted.model().ports[index].name;
         let address = hosted.address(name, element.as_deref());
-        let present = hosted.wiring.bindings.port(name);
-        let quality = hosted.wiring.bindings.quality(name);
+        let present = hosted.wires.bindings.port(name);
+        let quality = hosted.wires.bindings.quality(name);
         let value = hosted.port_value(index, element.as_deref());
         let Some(ty) = hosted.port_type(index) else { continue };
         let mut opened = BTreeMap::new();
@@ -112,8 +111,8 @@ pub(crate) fn switch(
     }
     drop(old_ends);
     match port {
-        None => hosted.wiring.bindings.move_component(to),
-        Some(index) => hosted.wiring.bindings.move_port(&hosted.model().ports[index].name, to),
+        None => hosted.wires.bindings.move_component(to),
+        Some(index) => hosted.wires.bindings.move_port(&hosted.model().ports[index].name, to),
     }
     if let Some(served) = served {
         hosted.serve_also(served, to);
@@ -129,7 +128,7 @@ pub(crate) fn switch(
 
 /// The middlewares a component comes to, that it was not on.
 fn added(hosted: &Hosted, to: &BackendNames) -> Vec<String> {
-    let present = hosted.wiring.bindings.component();
+    let present = hosted.wires.bindings.component();
     to.names().iter().filter(|name| !present.has(name)).cloned().collect()
 }
 
@@ -141,7 +140,7 @@ fn follow(
 ) -> Result<Vec<NewFeed>, BindError> {
     let mut all = Vec::new();
     for reader in daemon.components.all() {
-        for (key, connection, tap) in reader.wiring.taps() {
+        for (key, connection, tap) in reader.wires.taps() {
             let stays = connection.fixed || to.has(&connection.backend);
             if connection.outport != *address || stays {
                 continue;
@@ -168,7 +167,7 @@ fn own_feeds(
     to: &BackendNames,
 ) -> Result<Vec<NewFeed>, BindError> {
     let mut all = Vec::new();
-    for (key, connection, tap) in hosted.wiring.taps() {
+    for (key, connection, tap) in hosted.wires.taps() {
         let stays = connection.fixed
             || to.has(&connection.backend)
             || daemon.components.get(&connection.outport.instance).is_some();
@@ -189,7 +188,7 @@ fn own_feeds(
 }
 
 fn quality_of(hosted: &Hosted, port: usize) -> Quality {
-    hosted.wiring.bindings.quality(&hosted.model().ports[port].name)
+    hosted.wires.bindings.quality(&hosted.model().ports[port].name)
 }
 
 /// Moves connections to writers and services of other daemons that went where the in port or the
@@ -198,13 +197,13 @@ pub(crate) fn catch_up(daemon: &Arc<Daemon>) {
     let mut seen = Seen::default();
     for reader in daemon.components.all() {
         follow_services(daemon, &reader, &mut seen);
-        let _turn = reader.wiring.bindings.turn();
-        for (key, connection, tap) in reader.wiring.taps() {
+        let _turn = reader.wires.bindings.turn();
+        for (key, connection, tap) in reader.wires.taps() {
             let Connection { outport, backend, policy, fixed, .. } = connection;
             if fixed || daemon.components.get(&outport.instance).is_some() {
                 continue;
             }
-            let ours = reader.wiring.bindings.port(&reader.model().ports[key.0].name);
+            let ours = reader.wires.bindings.port(&reader.model().ports[key.0].name);
             let mut others = ours.names().iter().filter(|name| **name != backend);
             if others.clone().next().is_none()
                 || (ours.has(&backend) && seen.shows(daemon, &backend, PUBLISHER, &outport))
@@ -235,8 +234,8 @@ pub(crate) fn catch_up(daemon: &Arc<Daemon>) {
 
 /// The same for the remotes of a component.
 fn follow_services(daemon: &Arc<Daemon>, caller: &Hosted, seen: &mut Seen) {
-    let ours = caller.wiring.bindings.component();
-    for RemoteConnection { remote, service, backend, fixed } in caller.wiring.remotes() {
+    let ours = caller.wires.bindings.component();
+    for RemoteConnection { remote, service, backend, fixed } in caller.wires.remotes() {
         let Some(backend) = backend.filter(|_| !fixed) else { continue };
         let mut others = ours.names().iter().filter(|name| **name != backend);
         if others.clone().next().is_none()

@@ -37,13 +37,13 @@ impl Tap {
     }
 
     /// Where values are recorded.
-    pub(super) fn tapes(&self) -> &Arc<Tapes> {
+    pub(crate) fn tapes(&self) -> &Arc<Tapes> {
         &self.tapes
     }
 
     /// Reads something else from now on; what it read is given back, to be dropped later. To be
     /// called with all codels excluded.
-    pub(super) fn exchange(&self, end: Box<dyn Subscription>) -> Box<dyn Subscription> {
+    pub(crate) fn exchange(&self, end: Box<dyn Subscription>) -> Box<dyn Subscription> {
         std::mem::replace(&mut *self.end.lock().unwrap_or_else(PoisonError::into_inner), end)
     }
 }

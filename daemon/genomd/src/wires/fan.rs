@@ -11,7 +11,7 @@ use super::gauge::Gauge;
 use crate::recording::Tapes;
 
 /// What an out port publishes on: middlewares by name, in the order given.
-pub(super) type Ends = Vec<(String, Box<dyn Publisher>)>;
+pub(crate) type Ends = Vec<(String, Box<dyn Publisher>)>;
 
 /// The supervisor's handle on an out port's publishers.
 #[derive(Clone)]
@@ -44,13 +44,13 @@ impl Fan {
     }
 
     /// Where values are recorded.
-    pub(super) fn tapes(&self) -> &Arc<Tapes> {
+    pub(crate) fn tapes(&self) -> &Arc<Tapes> {
         &self.tapes
     }
 
     /// Exchanges the ends: `change` gets the present ones and gives back those to drop later,
     /// which may take its time. To be called with all codels excluded.
-    pub(super) fn exchange(&self, change: impl FnOnce(&mut Ends) -> Ends) -> Ends {
+    pub(crate) fn exchange(&self, change: impl FnOnce(&mut Ends) -> Ends) -> Ends {
         change(&mut self.ends.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }

@@ -52,17 +52,17 @@ impl Bindings {
     }
 
     /// Waits for the move under way, if there is one.
-    pub(super) fn turn(&self) -> MutexGuard<'_, ()> {
+    pub(crate) fn turn(&self) -> MutexGuard<'_, ()> {
         self.turn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The component moved, and with it all its ports.
-    pub(super) fn move_component(&self, to: &BackendNames) {
+    pub(crate) fn move_component(&self, to: &BackendNames) {
         self.with(|state| *state = State { component: to.clone(), ports: BTreeMap::new() });
     }
 
     /// A port moved.
-    pub(super) fn move_port(&self, name: &str, to: &BackendNames) {
+    pub(crate) fn move_port(&self, name: &str, to: &BackendNames) {
         self.with(|state| {
             if state.component == *to {
                 state.ports.remove(name);

@@ -1,0 +1,191 @@
+//! What ports and remotes of one component are tied to: its state, which `wiring` changes.
+//!
+//! Ends that codels hold stay theirs; what is behind them is exchanged.
+
+pub(crate) mod bindings;
+mod connection;
+mod fan;
+mod feeds;
+pub(crate) mod gauge;
+mod tap;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_middleware::Address;
+
+use self::bindings::Bindings;
+pub(crate) use self::connection::{Connection, Key, RemoteConnection};
+pub(crate) use self::fan::{Ends, Fan};
+pub(crate) use self::feeds::{Feed, Feeds};
+use self::gauge::Gauge;
+pub(crate) use self::tap::Tap;
+use crate::recording::Tapes;
+
+/// The wires of one component, as far as supervisors see them.
+#[derive(Debug)]
+pub(crate) struct Wires {
+    /// The middlewares it is on.
+    pub(crate) bindings: Bindings,
+    state: Mutex<State>,
+    /// Publishers at in ports, for values from outside. Locked before `state`, never after.
+    pub(crate) feeds: Feeds,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    connections: BTreeMap<Key, (Connection, Tap)>,
+    remotes: BTreeMap<usize, RemoteConnection>,
+    /// In ports whose last connection was refused because types differ, with both types.
+    differed: BTreeMap<Key, String>,
+    /// Out ports, and the elements of multiple ones that codels opened.
+    opened: BTreeMap<Key, Fan>,
+}
+
+impl Wires {
+    /// No wire yet.
+    pub(crate) fn new(bindings: Bindings) -> Self {
+        Self { bindings, state: Mutex::default(), feeds: Feeds::default() }
+    }
+
+    /// What feeds a port.
+    pub(crate) fn connection(&self, port: usize, element: Option<&str>) -> Option<Connection> {
+        let key = (port, element.map(str::to_owned));
+        self.with(|state| state.connections.get(&key).map(|(connection, _)| connection.clone()))
+    }
+
+    /// All connections, by port.
+    pub(crate) fn connections(&self) -> Vec<Connection> {
+        self.with(|state| {
+            state.connections.values().map(|(connection, _)| connection.clone()).collect()
+        })
+    }
+
+    /// The service behind a remote.
+    pub(crate) fn remote(&self, remote: usize) -> Option<RemoteConnection> {
+        self.with(|state| state.remotes.get(&remote).cloned())
+    }
+
+    /// All remotes that are connected, by remote.
+    pub(crate) fn remotes(&self) -> Vec<RemoteConnection> {
+        self.with(|state| state.remotes.values().cloned().collect())
+    }
+
+    /// What passed through a port, written or read.
+    pub(crate) fn gauge(&self, port: usize, element: Option<&str>) -> Option<Arc<Gauge>> {
+        let key = (port, element.map(str::to_owned));
+        self.with(|state| match (state.opened.get(&key), state.connections.get(&key)) {
+            (Some(fan), _) => Some(Arc::clone(fan.gauge())),
+            (None, Some((_, tap))) => Some(Arc::clone(tap.gauge())),
+            (None, None) => None,
+        })
+    }
+
+    /// Elements of a multiple port: opened (out) or connected (in).
+    pub(crate) fn elements(&self, port: usize) -> Vec<String> {
+        self.with(|state| {
+            let keys = state.opened.keys().chain(state.connections.keys());
+            let all: BTreeSet<String> = keys
+                .filter(|(index, _)| *index == port)
+                .filter_map(|(_, element)| element.clone())
+                .collect();
+            all.into_iter().collect()
+        })
+    }
+
+    /// Where ports are recorded, with the address that an in port reads.
+    pub(crate) fn tapes(&self) -> Vec<(Key, Option<Address>, Arc<Tapes>)> {
+        self.with(|state| {
+            let written = state.opened.iter().map(|(key, fan)| (key, None, fan.tapes()));
+            let read = state.connections.iter().map(|(key, (connection, tap))| {
+                (key, Some(connection.outport.clone()), tap.tapes())
+            });
+            let all = written.chain(read);
+            all.map(|(key, reads, tapes)| (key.clone(), reads, Arc::clone(tapes))).collect()
+        })
+    }
+
+    /// The out ports with their publishers.
+    pub(crate) fn fans(&self) -> Vec<(Key, Fan)> {
+        self.with(|state| {
+            state.opened.iter().map(|(key, fan)| (key.clone(), fan.clone())).collect()
+        })
+    }
+
+    /// The connections with their subscriptions.
+    pub(crate) fn taps(&self) -> Vec<(Key, Connection, Tap)> {
+        self.with(|state| {
+            let all = state.connections.iter();
+            all.map(|(key, (connection, tap))| (key.clone(), connection.clone(), tap.clone()))
+                .collect()
+        })
+    }
+
+    /// An in port was connected.
+    pub(crate) fn connected(
+        &self,
+        port: usize,
+        element: Option<&str>,
+        connection: Connection,
+        tap: Tap,
+    ) {
+        let key = (port, element.map(str::to_owned));
+        self.with(|state| {
+            state.differed.remove(&key);
+            state.connections.insert(key, (connection, tap))
+        });
+    }
+
+    /// An in port was not connected because the types differ.
+    pub(crate) fn refused(&self, port: usize, element: Option<&str>, why: String) {
+        self.with(|state| state.differed.insert((port, element.map(str::to_owned)), why));
+    }
+
+    /// Both types, when the last connection asked for was refused because they differ.
+    pub(crate) fn differed(&self, port: usize, element: Option<&str>) -> Option<String> {
+        let key = (port, element.map(str::to_owned));
+        self.with(|state| state.differed.get(&key).cloned())
+    }
+
+    /// A connection moved to another middleware.
+    pub(crate) fn moved(&self, key: &Key, backend: &str) {
+        self.with(|state| {
+            if let Some((connection, _)) = state.connections.get_mut(key) {
+                backend.clone_into(&mut connection.backend);
+            }
+        });
+    }
+
+    /// An in port was disconnected; whether it was connected.
+    pub(crate) fn disconnected(&self, port: usize, element: Option<&str>) -> bool {
+        let key = (port, element.map(str::to_owned));
+        self.with(|state| state.connections.remove(&key).is_some())
+    }
+
+    /// Lets go of everything: the component stopped.
+    pub(crate) fn close(&self) {
+        let old = self.with(std::mem::take);
+        // Closed without holding up those who look.
+        drop(old);
+        self.feeds.close_all();
+    }
+
+    /// A remote was connected.
+    pub(crate) fn remote_connected(&self, remote: usize, connection: RemoteConnection) {
+        self.with(|state| state.remotes.insert(remote, connection));
+    }
+
+    /// A remote was disconnected; whether it was connected.
+    pub(crate) fn remote_disconnected(&self, remote: usize) -> bool {
+        self.with(|state| state.remotes.remove(&remote).is_some())
+    }
+
+    /// An out port was opened, or a codel opened an element of a multiple one.
+    pub(crate) fn opened(&self, port: usize, element: Option<&str>, fan: Fan) {
+        self.with(|state| state.opened.insert((port, element.map(str::to_owned)), fan));
+    }
+
+    fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {
+        work(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
