@@ -5,7 +5,7 @@
 use std::io::Write as _;
 
 use crate::config::Settings;
-use crate::hosting::load::{self, LoadError};
+use crate::loading::{self, LoadError};
 use crate::run::Refusal;
 
 /// Checks every component asked for; says what is wrong with each that is refused.
@@ -14,7 +14,7 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
         return Err(Refusal::usage("--check goes with the libraries to check"));
     }
     let refused = settings.deployment.component.iter().filter_map(|request| {
-        match load::fit(&settings, request) {
+        match loading::fit(&settings, request) {
             Ok(line) => {
                 // A closed pipe is the reader's choice, not a failure.
                 let _ = writeln!(std::io::stdout().lock(), "{line}");

@@ -7,15 +7,14 @@ use tokio::sync::Semaphore;
 
 use crate::bus::{Bus, Change};
 use crate::cli::ClockKind;
-use crate::config::{CallEntry, LoadRequest, Settings};
+use crate::config::Settings;
 use crate::dates::Dates;
-use crate::deploy::keep::Declared;
-use crate::deploy::request::{self, RequestError};
 use crate::flag::Flag;
-use crate::hosting::{self, Components, Hosted, LoadError, UnloadError};
+use crate::hosting::{Components, Hosted, UnloadError};
 use crate::recording::{Recordings, Session};
 use crate::registry::Backends;
 use crate::shown::Shown;
+use crate::wires::declared::Declared;
 
 /// The daemon.
 pub(crate) struct Daemon {
@@ -71,34 +70,8 @@ impl Daemon {
         })
     }
 
-    /// Loads and starts a component. Blocks: files, codels.
-    pub(crate) fn load(self: &Arc<Self>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
-        if self.stopping() {
-            return Err(LoadError::Stopping);
-        }
-        let hosted = hosting::load::load(self, request)?;
-        for (service, inputs) in &request.attributes {
-            let (component, service) = (hosted.name.clone(), service.clone());
-            let entry = CallEntry { component, service, inputs: inputs.clone() };
-            if let Err(RequestError { key, why }) = request::send_to(&hosted, &entry) {
-                let name = hosted.name.clone();
-                drop(hosted);
-                if let Err(error) = self.components.remove(&name, self.settings.stop_timeout) {
-                    tracing::error!("{error}");
-                }
-                // As the file has it: inputs stand under the service's name.
-                let members = key.into_iter().filter(|key| key != "inputs");
-                let mut key = vec!["attributes".to_owned(), entry.service.clone()];
-                key.extend(members);
-                return Err(LoadError::Attribute { name, key, why });
-            }
-        }
-        self.runs(&hosted);
-        Ok(hosted)
-    }
-
     /// Tells that a component runs, and records what it has.
-    fn runs(&self, hosted: &Hosted) {
+    pub(crate) fn runs(&self, hosted: &Hosted) {
         hosted.record();
         let backend = hosted.wires.bindings.component();
         tracing::info!(instance = hosted.name, "runs on {backend}");

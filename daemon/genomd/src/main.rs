@@ -14,7 +14,7 @@ mod deploy;
 mod ending;
 mod flag;
 mod hosting;
-mod locate;
+mod loading;
 mod logs;
 mod memory;
 mod nearest;

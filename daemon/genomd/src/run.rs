@@ -14,6 +14,7 @@ use crate::daemon::Daemon;
 use crate::deploy::apply::{ApplyError, apply};
 use crate::deploy::plan::plan;
 use crate::deploy::{Step, keep};
+use crate::loading;
 use crate::memory;
 use crate::rpc;
 use crate::rpc::access::Door;
@@ -180,7 +181,7 @@ async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
     for step in loads {
         let Step::Load(request) = step else { continue };
         let (worker, asked) = (Arc::clone(daemon), request.clone());
-        let mut loading = tokio::task::spawn_blocking(move || worker.load(&request));
+        let mut loading = tokio::task::spawn_blocking(move || loading::load(&worker, &request));
         let loaded = tokio::select! {
             loaded = &mut loading => loaded,
             () = daemon.asked_to_stop() => loading.await,

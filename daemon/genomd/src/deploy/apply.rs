@@ -4,13 +4,15 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::Step;
 use super::link::{self, Link};
 use super::undo::{Requested, Running, Undo, move_to, take_back};
-use super::{Step, request};
 use crate::bus::{Change, StepStatus};
 use crate::config::{ConnectionEntry, Spot};
 use crate::daemon::Daemon;
 use crate::ending::Ending;
+use crate::hosting::request;
+use crate::loading;
 
 /// How often the other side of a connection is looked for: discovery tells nobody.
 const LOOK: Duration = Duration::from_millis(20);
@@ -105,7 +107,7 @@ fn take(
 ) -> Result<(), Refused> {
     match step {
         Step::Load(request) => {
-            let loaded = daemon.load(request);
+            let loaded = loading::load(daemon, request);
             let hosted =
                 loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
             undo.push(Undo::Unload(hosted.name.clone()));
@@ -117,7 +119,7 @@ fn take(
         }
         Step::Set(entry) => {
             let before = Requested::before(daemon, entry, step.to_string(), ran);
-            request::send(daemon, entry).map_err(|error| {
+            request::send(&daemon.components, entry).map_err(|error| {
                 // As the file has it: inputs stand under the service's name.
                 let members = error.key.into_iter().filter(|key| key != "inputs");
                 let key = ["attributes".to_owned(), entry.service.clone()];
@@ -129,7 +131,7 @@ fn take(
         Step::Connect(_) => {}
         Step::Call(entry) | Step::Start(entry) => {
             let before = Requested::before(daemon, entry, step.to_string(), ran);
-            let activity = request::send(daemon, entry)
+            let activity = request::send(&daemon.components, entry)
                 .map_err(|error| Refused::new(step, error.key, error.why))?;
             let hosted = daemon.components.get(&entry.component);
             match (step, activity, &hosted) {

@@ -5,7 +5,6 @@ pub(crate) mod dump;
 pub(crate) mod keep;
 mod link;
 pub(crate) mod plan;
-pub(crate) mod request;
 mod undo;
 
 use std::fmt;

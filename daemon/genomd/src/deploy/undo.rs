@@ -8,11 +8,10 @@ use genom_runtime::Clock;
 use serde_json::{Map, Value};
 
 use super::link::{self, Link};
-use super::request;
 use crate::config::{BackendNames, CallEntry};
 use crate::daemon::Daemon;
 use crate::ending::Ending;
-use crate::hosting::{Answer, Hosted};
+use crate::hosting::{Answer, Hosted, request};
 use crate::wiring::switch::switch;
 
 /// How to take a step back.

@@ -7,12 +7,12 @@ use std::time::Duration;
 use genom_description::model::{
     Component as Model, Direction, PortDirection, ServiceKind, Specification,
 };
-use genom_host::Component;
 use genom_middleware::{Address, Served, Subscription};
 use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
 use genom_runtime::{
-    ActivityPhase, Instance, Options, Outcome, Progress, Statistics, Watcher, input_record,
+    ActivityPhase, Instance, Options, Outcome, Progress, StartError, Statistics, Watcher,
+    input_record,
 };
 use genom_types::{DataType, Record};
 use serde_json::{Value, json};
@@ -20,21 +20,16 @@ use tokio::sync::mpsc;
 use tracing::Span;
 
 use super::activities::{Activity, ActivityLog};
-use super::built;
 use super::done::Done;
 use super::input::InputError;
-use super::load::LoadError;
 use super::watch::{BusWatcher, Follower};
+use crate::bus::Bus;
 use crate::config::{BackendNames, LoadRequest};
-use crate::daemon::Daemon;
 use crate::ending::Ending;
 use crate::flag::Flag;
 use crate::recording::{Call, Recordings};
 use crate::telemetry;
 use crate::wires::Wires;
-use crate::wires::bindings::Bindings;
-use crate::wiring::requests::SupervisorWiring;
-use crate::wiring::{publish, serve};
 
 /// What a request gets first.
 #[derive(Debug)]
@@ -76,61 +71,54 @@ pub(crate) struct Hosted {
     served: Mutex<ServedOn>,
 }
 
+/// A component that is about to start.
+pub(crate) struct Starting {
+    /// Instance name.
+    pub(crate) name: String,
+    /// How it was loaded.
+    pub(crate) request: LoadRequest,
+    /// The library, as it was found.
+    pub(crate) library: PathBuf,
+    /// The component, compiled.
+    pub(crate) plan: Arc<Plan>,
+    /// What its ports are tied to.
+    pub(crate) wires: Arc<Wires>,
+    /// Raised when it asks for its own end.
+    pub(crate) killed: Flag,
+    /// Where its changes are told.
+    pub(crate) bus: Arc<Bus>,
+    /// The recordings under way.
+    pub(crate) recordings: Arc<Recordings>,
+    /// How long results of its activities stay.
+    pub(crate) keep_results: Duration,
+}
+
 impl Hosted {
-    /// Binds the ports, then starts the tasks and waits for their start codels.
+    /// Starts the tasks and waits for their start codels; the ports are bound.
     pub(crate) fn start(
-        daemon: &Arc<Daemon>,
-        request: &LoadRequest,
-        name: String,
-        library: PathBuf,
-        plan: Arc<Plan>,
-        component: Component,
-    ) -> Result<Arc<Self>, LoadError> {
-        let default = || BackendNames::one(daemon.settings.backend.as_str());
-        let backend = request.backend.clone().unwrap_or_else(default);
-        let bindings = Bindings::new(backend.clone(), request.ports.clone(), request.qos.clone());
-        let (wires, killed) = (Arc::new(Wires::new(bindings)), Flag::new());
-        let bound = |source| LoadError::Bind { name: name.clone(), source };
-        publish::bind(daemon, &component, &plan, &name, &wires).map_err(bound)?;
-        let supervisor = Arc::new(SupervisorWiring::new(daemon, &name, &killed));
-        let watcher = Arc::new(BusWatcher::new(&daemon.bus, &name, &plan));
-        let body: Arc<dyn Body> = Arc::new(component);
-        let mut options = Options::new(name.as_str(), supervisor);
+        starting: Starting,
+        body: Arc<dyn Body>,
+        mut options: Options,
+    ) -> Result<Self, StartError> {
+        let Starting { name, request, library, plan, wires, killed, .. } = starting;
+        let watcher = Arc::new(BusWatcher::new(&starting.bus, &name, &plan));
         options.watcher = Some(Arc::clone(&watcher) as Arc<dyn Watcher>);
-        options.clock = daemon.clock.clone();
-        options.date = built::date(&library);
-        options.start_timeout = Some(daemon.settings.start_timeout);
-        for (task, entry) in &request.tasks {
-            let refused = |why| LoadError::Override { name: name.clone(), why };
-            options.tasks.insert(task.clone(), entry.options().map_err(refused)?);
-        }
-        let instance = Instance::start(Arc::clone(&plan), body, options)
-            .map_err(|error| LoadError::Start { name: name.clone(), why: error.to_string() })?;
-        let hosted = Arc::new(Self {
-            request: request.clone(),
+        let instance = Instance::start(Arc::clone(&plan), body, options)?;
+        Ok(Self {
+            name,
+            request,
             library,
-            activities: Arc::new(ActivityLog::new(daemon.settings.rpc.keep_results)),
+            activities: Arc::new(ActivityLog::new(starting.keep_results)),
             wires,
             done: Arc::default(),
             gone: Flag::new(),
             killed,
-            recordings: Arc::clone(&daemon.recordings),
+            recordings: starting.recordings,
             plan,
             instance,
             watcher,
             served: Mutex::default(),
-            name,
-        });
-        let served = serve::serve_on(daemon, &hosted, backend.names()).map_err(|source| {
-            // It runs already: it must stop before its memory goes.
-            let why = hosted.stop(daemon.settings.stop_timeout);
-            if let Err(why) = why {
-                tracing::error!(instance = hosted.name, "{why}");
-            }
-            LoadError::Bind { name: hosted.name.clone(), source }
-        })?;
-        *hosted.served.lock().unwrap_or_else(PoisonError::into_inner) = served;
-        Ok(hosted)
+        })
     }
 
     /// Services came to further middlewares, and leave those that are not in `stay`.

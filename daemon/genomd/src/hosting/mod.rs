@@ -1,13 +1,12 @@
 //! The components of the daemon: loaded, running, unloaded.
 
 mod activities;
-mod built;
 mod done;
 mod hosted;
 mod input;
 pub(crate) mod layout;
-pub(crate) mod load;
 mod record;
+pub(crate) mod request;
 mod watch;
 
 use std::sync::{Arc, PoisonError, RwLock};
@@ -16,8 +15,7 @@ use std::time::Duration;
 use indexmap::IndexMap;
 
 pub(crate) use activities::{Activity, Look};
-pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn};
-pub(crate) use load::LoadError;
+pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn, Starting};
 
 /// A component could not be unloaded.
 #[derive(Debug, thiserror::Error)]
@@ -66,7 +64,7 @@ impl Components {
     }
 
     /// Takes a name for a component that is about to be loaded.
-    fn reserve(&self, name: &str) -> Option<Reservation<'_>> {
+    pub(crate) fn reserve(&self, name: &str) -> Option<Reservation<'_>> {
         let mut slots = self.slots.write().unwrap_or_else(PoisonError::into_inner);
         if slots.contains_key(name) {
             return None;
@@ -94,7 +92,7 @@ impl Components {
 }
 
 /// A name taken; given back unless a component moves in.
-struct Reservation<'a> {
+pub(crate) struct Reservation<'a> {
     components: &'a Components,
     name: String,
     kept: bool,
@@ -102,7 +100,7 @@ struct Reservation<'a> {
 
 impl Reservation<'_> {
     /// The component runs under this name from now on.
-    fn keep(mut self, hosted: Arc<Hosted>) {
+    pub(crate) fn keep(mut self, hosted: Arc<Hosted>) {
         self.kept = true;
         let mut slots = self.components.slots.write().unwrap_or_else(PoisonError::into_inner);
         slots.insert(self.name.clone(), Slot::Running(hosted));

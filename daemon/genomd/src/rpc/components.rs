@@ -14,7 +14,8 @@ use utoipa::ToSchema;
 
 use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
-use crate::hosting::{Hosted, LoadError, UnloadError};
+use crate::hosting::{Hosted, UnloadError};
+use crate::loading::{self, LoadError};
 use crate::registry::BackendError;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
@@ -139,7 +140,7 @@ pub(crate) async fn load(
     Body(request): Body<LoadRequest>,
 ) -> Result<(StatusCode, Json<Summary>), RpcError> {
     let worker = Arc::clone(&daemon);
-    let loaded = tokio::task::spawn_blocking(move || worker.load(&request)).await;
+    let loaded = tokio::task::spawn_blocking(move || loading::load(&worker, &request)).await;
     match loaded {
         Ok(Ok(hosted)) => Ok((StatusCode::CREATED, Json(summary(&hosted)))),
         Ok(Err(error)) => Err(refused(&error)),

@@ -4,6 +4,7 @@
 
 pub(crate) mod bindings;
 mod connection;
+pub(crate) mod declared;
 mod fan;
 mod feeds;
 pub(crate) mod gauge;

@@ -1,5 +1,10 @@
 //! Loading: find, read, check, lay out, bind, start. Nothing stays when a step refuses.
 
+mod built;
+mod error;
+mod locate;
+mod start;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -9,88 +14,50 @@ use genom_description::model::{Component as Model, PortDirection, ServiceKind, S
 use genom_description::source::SourceMap;
 use genom_description::{Analysis, Options, preprocess, read, read_text};
 use genom_host::{Component, Library};
-use genom_runtime::plan::{Plan, PlanError};
+use genom_runtime::plan::Plan;
 
-use crate::config::{BackendNames, LoadRequest, Settings};
+use self::locate::{Description, Located};
+use crate::config::{BackendNames, CallEntry, LoadRequest, Settings};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
-use crate::locate::{self, Description, LocateError, Located};
+use crate::hosting::request::{self, RequestError};
 use crate::nearest::suggest;
-use crate::registry::BackendError;
-use crate::wiring::publish::BindError;
 use crate::wiring::requests::unload_killed;
+pub(crate) use error::LoadError;
 
-/// A component could not be loaded; nothing of it stays.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum LoadError {
-    /// The daemon stops.
-    #[error("the daemon stops: nothing is loaded any more")]
-    Stopping,
-    /// No such middleware.
-    #[error(transparent)]
-    Backend(#[from] BackendError),
-    /// Library or description not found.
-    #[error(transparent)]
-    Locate(#[from] LocateError),
-    /// The description has errors: drawn, with their places.
-    #[error("{0}")]
-    Description(String),
-    /// The description declares no component, or several.
-    #[error("{}: {found}", path.display())]
-    NotOne { path: PathBuf, found: String },
-    /// The instance name cannot name anything.
-    #[error("`{0}` cannot name an instance: use letters, digits and _, a letter first")]
-    Name(String),
-    /// Another component has the name.
-    #[error("a component named {0} runs already: give this one another name (--name)")]
-    Taken(String),
-    /// The library is none, or does not open.
-    #[error(transparent)]
-    Library(#[from] genom_host::OpenError),
-    /// The library does not fit the description.
-    #[error(transparent)]
-    Mismatch(#[from] genom_host::LoadErrors),
-    /// The description cannot be run.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    /// A port could not be opened.
-    #[error("{name}: {source}")]
-    Bind { name: String, source: BindError },
-    /// What the request says of a task cannot be.
-    #[error("{name}: {why}")]
-    Override { name: String, why: String },
-    /// An attribute did not take its initial value.
-    #[error("{name} does not take its attributes: {why}")]
-    Attribute { name: String, key: Vec<String>, why: String },
-    /// The request names a port, task or service that the component has not.
-    #[error("{name} has no {what} `{typed}`; {help}")]
-    NoSuch { name: String, what: &'static str, typed: String, help: String },
-    /// What the request says of the quality of a port cannot be.
-    #[error("{name}/{port}: {why}")]
-    Qos { name: String, port: String, why: String },
-    /// A start codel failed (genom3.md 7.2).
-    #[error("{name} does not start: {why}")]
-    Start { name: String, why: String },
-}
-
-impl LoadError {
-    /// Where the mistake is in what was asked: keys, as far as they are known.
-    pub(crate) fn key(&self) -> Vec<String> {
-        match self {
-            LoadError::Attribute { key, .. } => key.clone(),
-            LoadError::NoSuch { what, typed, .. } => vec![format!("{what}s"), typed.clone()],
-            LoadError::Qos { port, .. } => ["qos", "ports", port].map(str::to_owned).to_vec(),
-            LoadError::Backend(_) => vec!["backend".to_owned()],
-            LoadError::Override { .. } => vec!["tasks".to_owned()],
-            LoadError::Name(_) | LoadError::Taken(_) => vec!["name".to_owned()],
-            LoadError::Stopping | LoadError::Bind { .. } | LoadError::Start { .. } => Vec::new(),
-            _ => vec!["library".to_owned()],
-        }
-    }
-}
-
-/// Loads a component and starts it. Blocks.
+/// Loads a component, starts it and sets its attributes. Blocks: files, codels.
 pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+    if daemon.stopping() {
+        return Err(LoadError::Stopping);
+    }
+    let hosted = bring_up(daemon, request)?;
+    if let Err((service, RequestError { key, why })) = set_attributes(&hosted, request) {
+        let name = hosted.name.clone();
+        drop(hosted);
+        if let Err(error) = daemon.components.remove(&name, daemon.settings.stop_timeout) {
+            tracing::error!("{error}");
+        }
+        // As the file has it: inputs stand under the service's name.
+        let members = key.into_iter().filter(|key| key != "inputs");
+        let mut key = vec!["attributes".to_owned(), service];
+        key.extend(members);
+        return Err(LoadError::Attribute { name, key, why });
+    }
+    daemon.runs(&hosted);
+    Ok(hosted)
+}
+
+/// Sets them; else the one that was refused.
+fn set_attributes(hosted: &Hosted, request: &LoadRequest) -> Result<(), (String, RequestError)> {
+    for (service, inputs) in &request.attributes {
+        let (component, service) = (hosted.name.clone(), service.clone());
+        let entry = CallEntry { component, service, inputs: inputs.clone() };
+        request::send_to(hosted, &entry).map_err(|error| (entry.service, error))?;
+    }
+    Ok(())
+}
+
+fn bring_up(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
     let named = request.backend.iter().chain(request.ports.values());
     for backend in named.flat_map(BackendNames::names) {
         daemon.backends.get(backend)?;
@@ -115,7 +82,7 @@ pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Ho
     let component = open(&located, &analysis.sources, &plan)?;
     // A dump is read elsewhere: it says where the library is, not how one gets there from here.
     let library = std::path::absolute(&located.library).unwrap_or(located.library);
-    let hosted = Hosted::start(daemon, request, name, library, plan, component)?;
+    let hosted = start::start(daemon, request, name, library, plan, component)?;
     reservation.keep(Arc::clone(&hosted));
     if hosted.killed.is_up() {
         unload_killed(&Arc::downgrade(daemon), &hosted.name);

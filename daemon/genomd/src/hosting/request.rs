@@ -1,8 +1,7 @@
 //! A request of a deployment to a service, and its first answer.
 
+use super::{Answer, Components, Hosted};
 use crate::config::CallEntry;
-use crate::daemon::Daemon;
-use crate::hosting::{Answer, Hosted};
 use crate::nearest::suggest;
 
 /// A request was refused.
@@ -20,8 +19,8 @@ impl RequestError {
 }
 
 /// Sends it; the number of the activity, when it is one. Blocks.
-pub(crate) fn send(daemon: &Daemon, entry: &CallEntry) -> Result<Option<u64>, RequestError> {
-    let Some(hosted) = daemon.components.get(&entry.component) else {
+pub(crate) fn send(all: &Components, entry: &CallEntry) -> Result<Option<u64>, RequestError> {
+    let Some(hosted) = all.get(&entry.component) else {
         let why = format!("{} does not run", entry.component);
         return Err(RequestError::new(&["component"], why));
     };
