@@ -47,6 +47,10 @@ const UNSAFE: &[&str] = &[
     "genom-allocations",
 ];
 
+/// Modules of the daemon, each above all that it knows.
+const FLOORS: &str = "dates flag nearest memory shown ending cli bus registry telemetry logs \
+    config recording wires hosting daemon wiring loading deploy rpc run check main";
+
 fn relative(path: &Path) -> String {
     path.strip_prefix(repository()).unwrap_or(path).display().to_string()
 }
@@ -83,6 +87,31 @@ fn crates_know_only_those_below() {
         }
     }
     assert!(wrong.is_empty(), "arrows that point elsewhere: {wrong:#?}");
+}
+
+#[test]
+fn modules_of_the_daemon_know_only_those_below() {
+    let floor = |module: &str| FLOORS.split_whitespace().position(|known| known == module);
+    let root = repository().join("daemon/genomd/src");
+    let mut wrong = Vec::new();
+    for path in files("rs").into_iter().filter(|path| path.starts_with(&root)) {
+        let within = path.strip_prefix(&root).unwrap().with_extension("");
+        let module = within.iter().next().unwrap().to_str().unwrap();
+        let Some(own) = floor(module) else {
+            wrong.push(format!("{module} has no place in FLOORS"));
+            continue;
+        };
+        let text = fs::read_to_string(&path).unwrap();
+        for (at, line) in text.lines().enumerate() {
+            for rest in line.split("crate::").skip(1) {
+                let used = rest.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').next();
+                if floor(used.unwrap()).is_none_or(|used| used > own) {
+                    wrong.push(format!("{}:{}: {}", relative(&path), at + 1, line.trim()));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "arrows that point up: {wrong:#?}");
 }
 
 #[test]

@@ -107,8 +107,11 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let (weak, runtime, known) =
         (Arc::downgrade(&daemon), tokio::runtime::Handle::current(), Arc::clone(&tokens));
     daemon.backends.on_open(move |middleware| {
-        if let Some(daemon) = weak.upgrade() {
-            rpc::relay::announce(&daemon, &known, &runtime, middleware);
+        if let Some(daemon) = weak.upgrade().filter(|_| middleware.relay().is_some()) {
+            // Whoever comes this way may be anybody on the network: the tokens say who.
+            let door = Door::Guarded { tokens: Arc::clone(&known), certified: Vec::new() };
+            let router = rpc::router(Arc::clone(&daemon), door);
+            rpc::relay::announce(&daemon, &router, &runtime, middleware);
         }
     });
     let opening = Arc::clone(&daemon);

@@ -4,9 +4,9 @@ use genom_middleware::{Address, Policy};
 use serde::{Deserialize, Deserializer, Serialize, de};
 use serde_json::{Map, Value};
 
-use super::{Config, LoadRequest};
-use crate::wiring::place::Place;
-use crate::wiring::policy;
+use super::LoadRequest;
+use super::place::Place;
+use super::policy;
 
 /// A connection that is to be, and to be kept: an in port reads an out port, or a remote
 /// (`uses`) calls a service.
@@ -73,31 +73,6 @@ impl ConnectionEntry {
 impl std::fmt::Display for ConnectionEntry {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{} to {}", self.inport, self.outport)
-    }
-}
-
-impl Deployment {
-    /// The part of a file that concerns the daemon of this name; without a name, what is not
-    /// said to be another's.
-    pub(crate) fn of(config: &Config, daemon: Option<&str>) -> Self {
-        let mine = |component: &&LoadRequest| {
-            component.daemon.is_none() || component.daemon.as_deref() == daemon
-        };
-        let elsewhere: Vec<String> =
-            config.component.iter().filter(|one| !mine(one)).map(LoadRequest::instance).collect();
-        let here = |instance: &str| !elsewhere.iter().any(|other| other == instance);
-        let calls = |entries: &[CallEntry]| {
-            entries.iter().filter(|entry| here(&entry.component)).cloned().collect()
-        };
-        Self {
-            component: config.component.iter().filter(mine).cloned().collect(),
-            connection: {
-                let all = config.connection.iter();
-                all.filter(|connection| here(connection.reader())).cloned().collect()
-            },
-            call: calls(&config.call),
-            activity: calls(&config.activity),
-        }
     }
 }
 

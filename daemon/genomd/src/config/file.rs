@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::ConfigError;
 use super::rpc::Rpc;
-use super::{BackendNames, CallEntry, ConnectionEntry, LoadRequest, overrides};
+use super::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, overrides};
 use crate::cli::{Cli, ClockKind};
 use crate::nearest::nearest_key;
 use crate::registry;
@@ -133,6 +133,29 @@ impl Config {
     /// As a file.
     pub(crate) fn text(&self) -> Result<String, String> {
         toml::to_string(self).map_err(|error| error.to_string())
+    }
+
+    /// The part that concerns the daemon of this name; without a name, what is not
+    /// said to be another's.
+    pub(crate) fn deployment(&self, daemon: Option<&str>) -> Deployment {
+        let mine = |component: &&LoadRequest| {
+            component.daemon.is_none() || component.daemon.as_deref() == daemon
+        };
+        let elsewhere: Vec<String> =
+            self.component.iter().filter(|one| !mine(one)).map(LoadRequest::instance).collect();
+        let here = |instance: &str| !elsewhere.iter().any(|other| other == instance);
+        let calls = |entries: &[CallEntry]| {
+            entries.iter().filter(|entry| here(&entry.component)).cloned().collect()
+        };
+        Deployment {
+            component: self.component.iter().filter(mine).cloned().collect(),
+            connection: {
+                let all = self.connection.iter();
+                all.filter(|connection| here(connection.reader())).cloned().collect()
+            },
+            call: calls(&self.call),
+            activity: calls(&self.activity),
+        }
     }
 
     /// Reads a text; `path` is for messages.

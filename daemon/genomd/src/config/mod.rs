@@ -6,7 +6,10 @@ mod deployment;
 mod error;
 mod file;
 mod overrides;
+pub(crate) mod place;
+pub(crate) mod policy;
 mod qos;
+mod right;
 mod rpc;
 mod spot;
 
@@ -21,6 +24,7 @@ pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
 pub(crate) use error::ConfigError;
 pub(crate) use file::Config;
 pub(crate) use qos::QosEntry;
+pub(crate) use right::Right;
 pub(crate) use rpc::{RpcSettings, Tls};
 pub(crate) use spot::Spot;
 
@@ -106,7 +110,7 @@ impl Settings {
             only.name = cli.name;
             only.gen_file = cli.gen_file;
         }
-        let mut deployment = Deployment::of(&config, cli.daemon.as_deref());
+        let mut deployment = config.deployment(cli.daemon.as_deref());
         deployment.component.extend(components);
         let collector = config.telemetry.otlp.as_deref().map(Collector::parse).transpose();
         let collector = collector.map_err(UsageError::Collector)?;

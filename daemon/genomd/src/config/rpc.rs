@@ -7,7 +7,7 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::UsageError;
-use crate::rpc::rights::Right;
+use super::right::Right;
 
 /// Section `[rpc]`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

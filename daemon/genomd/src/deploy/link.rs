@@ -5,12 +5,11 @@ use std::sync::Arc;
 
 use genom_middleware::Address;
 
-use crate::config::ConnectionEntry;
+use crate::config::place::Place;
+use crate::config::{ConnectionEntry, policy};
 use crate::daemon::Daemon;
 use crate::wires::{Connection, RemoteConnection};
 use crate::wiring::connect::{self, ConnectError, ConnectRequest};
-use crate::wiring::place::Place;
-use crate::wiring::policy;
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
 
 /// A connection that is there.

@@ -8,8 +8,9 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 
+use crate::config::Right;
 use crate::rpc::error::RpcError;
-use crate::rpc::rights::{Holder, Right};
+use crate::rpc::holder::Holder;
 use crate::rpc::tokens::Tokens;
 
 /// Where requests come in.

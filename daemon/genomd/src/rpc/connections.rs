@@ -8,13 +8,14 @@ use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
+use crate::config::policy;
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
 use crate::rpc::{components, ports};
 use crate::wires::{Connection, RemoteConnection};
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
-use crate::wiring::{self, ConnectError, ConnectRequest, policy};
+use crate::wiring::{self, ConnectError, ConnectRequest};
 
 /// A connection to make.
 #[derive(Debug, Deserialize, ToSchema)]

@@ -124,7 +124,7 @@ fn read(daemon: &Daemon, wanted: &Wanted) -> Result<Deployment, RpcError> {
     config.check(&wanted.file, &wanted.text).map_err(mistake)?;
     config.anchor(&wanted.file);
     let name = wanted.daemon.as_deref().or(daemon.settings.name.as_deref());
-    let mut deployment = Deployment::of(&config, name);
+    let mut deployment = config.deployment(name);
     // A file that says its own default middleware means it for its components.
     if config.backend != Config::default().backend {
         let default = crate::config::BackendNames::one(config.backend.as_str());

@@ -12,9 +12,9 @@ use utoipa::openapi::path::Operation;
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa::openapi::{ContentBuilder, OpenApi, Ref, RefOr, ResponseBuilder, Tag};
 
+use crate::config::Right;
 use crate::rpc::access::Asked;
 use crate::rpc::error::Refusal;
-use crate::rpc::rights::Right;
 
 /// What every operation may answer, whatever it does: the doors before the handlers.
 const EVERYWHERE: [StatusCode; 5] = [

@@ -33,10 +33,8 @@ use self::message::{Answer, Question};
 use self::streams::Streams;
 use crate::daemon::Daemon;
 use crate::registry;
-use crate::rpc::access::Door;
 use crate::rpc::error::RpcError;
 use crate::rpc::stream;
-use crate::rpc::tokens::Tokens;
 
 /// Names the daemon that a request is meant for.
 pub(super) const HEADER: &str = "genomd-daemon";
@@ -226,17 +224,14 @@ async fn fetch(
     let _ = question_to(&daemon, &name, &Question::End(stream), &[], ANSWER).await;
 }
 
-/// Shows this daemon on a middleware that passes requests on, and answers those to it.
+/// Shows this daemon on a middleware that passes requests on, and answers those to it by `router`.
 pub(crate) fn announce(
     daemon: &Arc<Daemon>,
-    tokens: &Arc<Tokens>,
+    router: &Router,
     runtime: &tokio::runtime::Handle,
     middleware: &dyn Middleware,
 ) {
     let Some(relay) = middleware.relay() else { return };
-    // Whoever comes this way may be anybody on the network: the tokens say who.
-    let door = Door::Guarded { tokens: Arc::clone(tokens), certified: Vec::new() };
-    let router = super::router(Arc::clone(daemon), door);
     let streams = Arc::new(Streams::default());
     let mut refused = None;
     for name in names(daemon) {

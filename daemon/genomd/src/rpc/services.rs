@@ -10,13 +10,14 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use utoipa::{IntoParams, ToSchema};
 
+use crate::config::Right;
 use crate::daemon::Daemon;
 use crate::ending::{Ending, Told};
 use crate::hosting::{Answer, Hosted, Look};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
+use crate::rpc::holder::Holder;
 use crate::rpc::input::{Body, Parameters};
-use crate::rpc::rights::{Holder, Right};
 
 /// `?wait=true`
 #[derive(Debug, Default, Deserialize, IntoParams)]

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use subtle::{Choice, ConstantTimeEq as _};
 
-use crate::rpc::rights::{Holder, Right};
+use crate::config::Right;
+use crate::rpc::holder::Holder;
 
 /// A shorter token could be guessed.
 const SHORTEST: usize = 32;

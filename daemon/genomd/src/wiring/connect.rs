@@ -8,12 +8,13 @@ use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy};
 
 use crate::bus::Change;
+use crate::config::place::{Place, PlaceError};
+use crate::config::policy;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::nearest::suggest;
 use crate::registry::BackendError;
 use crate::wires::{Connection, Tap};
-use crate::wiring::place::{Place, PlaceError};
 
 /// On a network others become visible a while after they, or we, came up.
 pub(super) const NETWORK: Duration = Duration::from_secs(2);
@@ -187,7 +188,7 @@ pub(super) fn attach(
         inport: connection.inport.to_string(),
         outport: connection.outport.to_string(),
         backend: connection.backend.clone(),
-        policy: super::policy::text(connection.policy),
+        policy: policy::text(connection.policy),
     });
     Ok(connection)
 }

@@ -3,8 +3,6 @@
 mod calls;
 pub(crate) mod connect;
 pub(crate) mod feed;
-pub(crate) mod place;
-pub(crate) mod policy;
 pub(crate) mod publish;
 pub(crate) mod remote;
 pub(crate) mod requests;

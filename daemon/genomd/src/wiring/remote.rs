@@ -11,9 +11,9 @@ use genom_types::DataType;
 
 use super::calls::{DirectCall, FarCall};
 use super::connect::{LOOK_AGAIN, NETWORK, ZERO};
-use super::place::{Place, PlaceError};
 use super::serve::kind_of;
 use crate::bus::Change;
+use crate::config::place::{Place, PlaceError};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::nearest::suggest;

@@ -1,11 +1,8 @@
-//! Rights, and who holds them.
+//! Rights to do something through the control plane.
 
 use std::fmt;
 
-use axum::http::StatusCode;
 use serde::{Deserialize, Serialize};
-
-use crate::rpc::error::RpcError;
 
 /// What a token may be good for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
@@ -38,27 +35,5 @@ impl fmt::Display for Right {
             Self::Wire => "wire",
             Self::Admin => "admin",
         })
-    }
-}
-
-/// Whoever sent a request.
-#[derive(Clone, Debug)]
-pub(crate) struct Holder {
-    /// Who it is, for messages: never the token itself.
-    pub(crate) who: String,
-    pub(crate) rights: Vec<Right>,
-}
-
-impl Holder {
-    /// Refuses what it has no right to.
-    pub(crate) fn may(&self, right: Right, what: impl fmt::Display) -> Result<(), RpcError> {
-        if self.rights.contains(&right) || self.rights.contains(&Right::Admin) {
-            return Ok(());
-        }
-        let held: Vec<_> = self.rights.iter().map(Right::to_string).collect();
-        let held = if held.is_empty() { "no right".to_owned() } else { held.join(", ") };
-        let message = format!("{what} needs the right `{right}`; {} has {held}", self.who);
-        Err(RpcError::new(StatusCode::FORBIDDEN, "right_missing", message)
-            .help("use another token, or add the right in the daemon's token file"))
     }
 }
