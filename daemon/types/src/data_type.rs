@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use crate::cdr::plan;
 use crate::equality::fingerprint;
 use crate::graph::{Graph, Ix, Node, Part, Shape};
 use crate::kind::{Kind, TypeId};
@@ -106,7 +107,7 @@ impl DataType {
     /// the first real-time use allocates nothing either.
     pub fn prepare(&self) {
         _ = (self.digest(), self.fingerprint());
-        self.graph.prepare();
+        plan::prepare(&self.graph);
     }
 
     /// Number of members of a struct, exception or union; 0 for others.

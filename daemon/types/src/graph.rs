@@ -5,14 +5,11 @@
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-use crate::cdr::Plan;
+use crate::cdr::step::Plan;
+pub(crate) use crate::ix::Ix;
 use crate::kind::{Kind, Label, Member, ScopedName, TypeId};
 use crate::layout::{Layout, LayoutError, MAX_NESTING, MAX_SIZE};
 use crate::table::TypeTable;
-
-/// Index of a node in its graph.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) struct Ix(u32);
 
 /// A type and all types reached from it.
 pub(crate) struct Graph {
@@ -136,11 +133,9 @@ impl Graph {
 
     pub(crate) const ROOT: Ix = Ix(0);
 
-    /// Makes the codec of every node.
-    pub(crate) fn prepare(&self) {
-        for (ix, node) in (0u32..).map(Ix).zip(&self.nodes) {
-            node.plan.get_or_init(|| Plan::new(self, ix, false));
-        }
+    /// All its nodes.
+    pub(crate) fn all(&self) -> impl Iterator<Item = Ix> {
+        (0u32..).map(Ix).take(self.nodes.len())
     }
 
     pub(crate) fn node(&self, ix: Ix) -> &Node {

@@ -14,6 +14,7 @@ mod digest;
 mod equality;
 pub mod foreign;
 mod graph;
+mod ix;
 pub mod json;
 pub mod kind;
 mod layout;

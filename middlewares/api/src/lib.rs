@@ -29,6 +29,5 @@ pub use port::{
 };
 pub use quality::{Obstacle, Quality};
 pub use relay::{AnnounceError, AskError, OnRequest, Relay};
-pub use service::{
-    ActivityId, Client, Outcome, Replies, Running, Served, ServiceHandler, ServiceKind, ServiceType,
-};
+pub use reply::{ActivityId, Outcome, Replies};
+pub use service::{Client, Running, Served, ServiceHandler, ServiceKind, ServiceType};

@@ -1,10 +1,54 @@
-//! A place to wait for the reply to one request.
+//! What comes back for one request, and a place to wait for it.
 
+use std::fmt;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
+use genom_types::Record;
+use serde_json::Value;
+
 use crate::CallError;
-use crate::service::{ActivityId, Outcome, Replies};
+
+/// One accepted run of an activity, unique within the instance that serves it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+pub struct ActivityId(pub u64);
+
+impl fmt::Display for ActivityId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// How a request ended.
+#[derive(Debug)]
+pub enum Outcome {
+    /// It ended well; the record is of the service's output type.
+    Success(Record),
+    /// It ended with an exception; an interrupted activity ends with `::genom::interrupted`.
+    Exception {
+        /// Full name: `::demo::TOO_FAR_AWAY`.
+        name: String,
+        /// Its members as JSON; null when it has none.
+        detail: Value,
+    },
+    /// The connection ended first; how the service ended is not known.
+    Lost(CallError),
+}
+
+/// Takes what comes back for one request. Called from any thread, one call at a time.
+///
+/// Dropping it without [`finish`](Replies::finish) tells the caller [`CallError::Gone`]:
+/// implementations that somebody waits on must do so in `Drop`.
+pub trait Replies: Send {
+    /// The activity was accepted under this id. Comes first, and for activities only.
+    fn accepted(&mut self, id: ActivityId);
+
+    /// The activity entered this state.
+    fn feedback(&mut self, state: &str);
+
+    /// The request ended.
+    fn finish(self: Box<Self>, outcome: Outcome);
+}
 
 /// What came back, in order.
 #[derive(Debug)]

@@ -5,13 +5,12 @@
 //! and can be cancelled. Served and calling side use the same trait, so that a backend within
 //! one process hands it straight through.
 
-use std::fmt;
 use std::time::Duration;
 
 use genom_types::{DataType, Record};
-use serde_json::Value;
 
 use crate::CallError;
+use crate::reply::{self, ActivityId, Outcome, Replies};
 
 /// What kind of service an address names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
@@ -60,47 +59,6 @@ impl ServiceType {
     }
 }
 
-/// One accepted run of an activity, unique within the instance that serves it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
-pub struct ActivityId(pub u64);
-
-impl fmt::Display for ActivityId {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-/// How a request ended.
-#[derive(Debug)]
-pub enum Outcome {
-    /// It ended well; the record is of the service's output type.
-    Success(Record),
-    /// It ended with an exception; an interrupted activity ends with `::genom::interrupted`.
-    Exception {
-        /// Full name: `::demo::TOO_FAR_AWAY`.
-        name: String,
-        /// Its members as JSON; null when it has none.
-        detail: Value,
-    },
-    /// The connection ended first; how the service ended is not known.
-    Lost(CallError),
-}
-
-/// Takes what comes back for one request. Called from any thread, one call at a time.
-///
-/// Dropping it without [`finish`](Replies::finish) tells the caller [`CallError::Gone`]:
-/// implementations that somebody waits on must do so in `Drop`.
-pub trait Replies: Send {
-    /// The activity was accepted under this id. Comes first, and for activities only.
-    fn accepted(&mut self, id: ActivityId);
-
-    /// The activity entered this state.
-    fn feedback(&mut self, state: &str);
-
-    /// The request ended.
-    fn finish(self: Box<Self>, outcome: Outcome);
-}
-
 /// What serves a service.
 pub trait ServiceHandler: Send + Sync {
     /// A request arrived. Does not wait for the service: the answer goes into `replies`, from
@@ -131,9 +89,9 @@ pub trait Client: Send {
     /// # Errors
     /// As [`request`](Client::request), or nothing came back in time.
     fn call(&mut self, input: &Record, timeout: Duration) -> Result<Outcome, CallError> {
-        let (replies, reply) = crate::reply::pair();
+        let (replies, answer) = reply::pair();
         let _running = self.request(input, Box::new(replies))?;
-        reply.wait(timeout)
+        answer.wait(timeout)
     }
 }
 

@@ -1,7 +1,8 @@
 //! From CDR to C layout. The bytes come from strangers.
 
 use crate::cdr::error::{CdrError, CdrProblem};
-use crate::cdr::plan::{Plan, Run, Step, What};
+use crate::cdr::plan::plan;
+use crate::cdr::step::{Run, Step, What};
 use crate::graph::{Graph, Ix, Shape};
 use crate::layout::MAX_NESTING;
 use crate::memory::{Edit, elements, resize, set_text};
@@ -72,10 +73,7 @@ impl<'a> Reader<'a> {
     /// # Safety
     /// As [`decode`].
     unsafe fn value(&mut self, ix: Ix, at: *mut u8, depth: usize) -> Outcome {
-        let node = self.graph.node(ix);
-        let cell = if self.swap { &node.swapped } else { &node.plan };
-        let plan = cell.get_or_init(|| Plan::new(self.graph, ix, self.swap));
-        for step in &plan.steps {
+        for step in &plan(self.graph, ix, self.swap).steps {
             // SAFETY: a plan's offsets lie inside the value, which holds what the step says.
             unsafe { self.step(step, at.add(step.offset), depth) }?;
         }

@@ -3,7 +3,8 @@
 use std::mem::MaybeUninit;
 
 use crate::cdr::error::{CdrError, CdrProblem};
-use crate::cdr::plan::{Plan, Run, Step, What};
+use crate::cdr::plan::plan;
+use crate::cdr::step::{Run, Step, What};
 use crate::graph::{Graph, Ix, Shape};
 use crate::layout::MAX_NESTING;
 use crate::memory::{elements, integer, text};
@@ -159,9 +160,7 @@ impl<'a> Writer<'a> {
     /// # Safety
     /// As [`encode`].
     unsafe fn value(&mut self, ix: Ix, at: *const u8, depth: usize) -> Outcome {
-        let node = self.graph.node(ix);
-        let plan = node.plan.get_or_init(|| Plan::new(self.graph, ix, false));
-        for step in &plan.steps {
+        for step in &plan(self.graph, ix, false).steps {
             // SAFETY: a plan's offsets lie inside the value, which holds what the step says.
             unsafe { self.step(step, at.add(step.offset), depth) }?;
         }

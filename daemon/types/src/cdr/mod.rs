@@ -19,16 +19,18 @@
 mod decode;
 mod encode;
 mod error;
-mod plan;
+pub(crate) mod plan;
 mod size;
+pub(crate) mod step;
 
 pub(crate) use decode::decode;
 pub use encode::SLACK;
 pub(crate) use encode::{encode, encode_into};
 pub use error::{CdrError, CdrProblem};
-pub(crate) use plan::Plan;
 pub(crate) use size::size;
 
+use self::plan::plan;
+use self::step::{Step, What};
 use crate::data_type::DataType;
 
 /// The encapsulation header before a payload as we write it: plain CDR, little endian.
@@ -36,10 +38,9 @@ pub const HEADER: [u8; 4] = [0, 1, 0, 0];
 
 /// Bytes of any payload of a type of which any bytes are a value; `None` for other types.
 pub(crate) fn plain_size(ty: &DataType) -> Option<usize> {
-    let (graph, ix) = (ty.graph(), ty.ix());
-    let plan = graph.node(ix).plan.get_or_init(|| Plan::new(graph, ix, false));
-    let end = |length: usize, step: &plan::Step| match step.what {
-        plan::What::Copy { bytes, .. } => length.next_multiple_of(step.align) + bytes,
+    let plan = plan(ty.graph(), ty.ix(), false);
+    let end = |length: usize, step: &Step| match step.what {
+        What::Copy { bytes, .. } => length.next_multiple_of(step.align) + bytes,
         _ => length,
     };
     plan.is_plain().then(|| plan.steps.iter().fold(0, end))

@@ -3,90 +3,29 @@
 //! What lies in memory as it lies on the wire is one step, however many members it has. Padding
 //! is never copied: it may hold anything.
 
+use crate::cdr::step::{Plan, Run, Step, What};
 use crate::graph::{Graph, Ix, Scalar, Shape};
 
 /// Arrays of that many structs or fewer are spelled out in the list.
 const UNROLL: usize = 4;
 
-/// Steps of one type, in wire order.
-pub(crate) struct Plan {
-    pub(crate) steps: Vec<Step>,
-}
-
-/// One step: align the wire, then do what `what` says with the memory at `offset`.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Step {
-    /// Where the memory lies from the start of the value.
-    pub(crate) offset: usize,
-    /// Alignment of the wire from the start of the payload; 1 when known to be right already.
-    pub(crate) align: usize,
-    pub(crate) what: What,
-    /// The type, for messages.
-    pub(crate) ix: Ix,
-}
-
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum What {
-    /// `bytes` equal in memory and on the wire; `unit` is what swaps in the other byte order.
-    Copy {
-        bytes: usize,
-        unit: usize,
-    },
-    Booleans {
-        count: usize,
-    },
-    Enums {
-        count: usize,
-        limit: u32,
-    },
-    Text {
-        bound: Option<usize>,
-    },
-    Sequence {
-        element: Ix,
-        bound: Option<usize>,
-        run: Option<Run>,
-    },
-    /// An array whose elements have plans of their own.
-    Repeat {
-        element: Ix,
-        count: usize,
-    },
-    /// `value`: from the start of the optional.
-    Optional {
-        element: Ix,
-        value: usize,
-    },
-    Union,
-    Native,
-}
-
-/// Elements of a sequence that one step handles all at once.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum Run {
-    /// As [`What::Copy`], aligned.
-    Copy {
-        align: usize,
-        unit: usize,
-    },
-    Booleans,
-    Enums {
-        limit: u32,
-    },
-}
-
-impl Plan {
-    /// The plan of a node. With `swap` steps hold scalars of one size only.
-    pub(crate) fn new(graph: &Graph, ix: Ix, swap: bool) -> Self {
+/// The plan of a node. With `swap`, for the other byte order, steps hold scalars of one size only.
+#[inline]
+pub(crate) fn plan(graph: &Graph, ix: Ix, swap: bool) -> &Plan {
+    let node = graph.node(ix);
+    let cell = if swap { &node.swapped } else { &node.plan };
+    cell.get_or_init(|| {
         let mut builder = Builder { graph, swap, steps: Vec::new(), modulus: 1, phase: 0 };
         builder.add(ix, 0);
-        Self { steps: builder.steps }
-    }
+        Plan { steps: builder.steps }
+    })
+}
 
-    /// Whether any bytes that are long enough are a value.
-    pub(crate) fn is_plain(&self) -> bool {
-        self.steps.iter().all(|step| matches!(step.what, What::Copy { .. }))
-    }
+/// Makes the plan of every node.
+pub(crate) fn prepare(graph: &Graph) {
+    graph.all().for_each(|ix| {
+        plan(graph, ix, false);
+    });
 }
 
 struct Builder<'a> {

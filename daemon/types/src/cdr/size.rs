@@ -1,7 +1,8 @@
 //! How long a CDR payload will be, before it is written.
 
 use crate::cdr::encode::fitting;
-use crate::cdr::plan::{Plan, Run, Step, What};
+use crate::cdr::plan::plan;
+use crate::cdr::step::{Run, Step, What};
 use crate::graph::{Graph, Ix, Shape};
 use crate::layout::MAX_NESTING;
 use crate::memory::{elements, integer, text};
@@ -31,9 +32,7 @@ impl Ruler<'_> {
     /// # Safety
     /// As [`size`].
     unsafe fn value(&mut self, ix: Ix, at: *const u8, depth: usize) {
-        let graph = self.graph;
-        let plan = graph.node(ix).plan.get_or_init(|| Plan::new(graph, ix, false));
-        for step in &plan.steps {
+        for step in &plan(self.graph, ix, false).steps {
             // SAFETY: a plan's offsets lie inside the value, which holds what the step says.
             unsafe { self.step(step, at.add(step.offset), depth) };
         }
