@@ -4,8 +4,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use genom_middleware::{Address, OpenError};
+use iceoryx2::prelude::Node;
 
-use crate::backend::{Ground, failed};
+use crate::error::failed;
+use crate::raw::Ipc;
 use crate::room;
 
 /// How long others may take to finish what they are doing to a service.
@@ -25,12 +27,13 @@ pub(crate) enum Attempt<S> {
 
 /// Opens, or creates, again and again until one of it works.
 pub(crate) fn attain<S>(
-    ground: &Ground,
+    node: &Node<Ipc>,
+    keep_free: u64,
     at: &Address,
     open: impl Fn() -> Result<Attempt<S>, OpenError>,
     create: impl Fn() -> Result<Attempt<S>, OpenError>,
 ) -> Result<S, OpenError> {
-    room::check(at, ground.options.keep_free)?;
+    room::check(at, keep_free)?;
     let end = Instant::now() + PATIENCE;
     loop {
         let attempt = match open()? {
@@ -42,7 +45,7 @@ pub(crate) fn attain<S>(
             Attempt::Absent => "it comes and goes".to_owned(),
             Attempt::Busy(trouble) => trouble,
             Attempt::Broken(trouble) => {
-                ground.node.try_cleanup_dead_nodes();
+                node.try_cleanup_dead_nodes();
                 trouble
             }
         };

@@ -5,8 +5,9 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::static_config::StaticConfig;
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern as Pattern;
 
-use crate::backend::{BACKEND, TYPE_KEY, attribute};
+use crate::attributes::{TYPE_KEY, attribute};
 use crate::calls::SERVICE_KEY;
+use crate::error::BACKEND;
 use crate::queue;
 use crate::raw::{self, Ipc};
 

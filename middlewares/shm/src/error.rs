@@ -1,6 +1,11 @@
-//! Why the middleware could not be opened.
+//! Why the middleware, or something on it, could not be opened.
 
 use std::path::PathBuf;
+
+use genom_middleware::{Address, OpenError};
+
+/// What errors call this middleware.
+pub(crate) const BACKEND: &str = "shm";
 
 /// Opening the middleware failed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -23,4 +28,9 @@ pub enum ShmError {
         /// iceoryx2's own words.
         why: String,
     },
+}
+
+/// An address was refused.
+pub(crate) fn failed(at: &Address, why: &str) -> OpenError {
+    OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why: why.to_owned() }
 }

@@ -18,10 +18,13 @@
 //! only at run time.
 
 mod attain;
+mod attributes;
 mod backend;
 mod calls;
 mod discover;
 mod error;
+mod ground;
+mod inner;
 mod options;
 mod publisher;
 mod queue;
@@ -30,6 +33,7 @@ mod room;
 mod subscription;
 pub mod typing;
 mod upkeep;
+mod writer;
 
 pub use backend::Shm;
 pub use error::ShmError;

@@ -8,8 +8,8 @@ use genom_middleware::{Address, OpenError};
 use genom_types::DataType;
 use iceoryx2::prelude::*;
 
-use crate::backend::{Ground, Shape, failed};
-use crate::publisher::create;
+use crate::error::failed;
+use crate::ground::{Ground, Shape};
 use crate::raw::{RawPublisher, RawService, RawSubscriber};
 use crate::typing::Wire;
 
@@ -55,7 +55,7 @@ pub(crate) fn join(
     wire: &Wire,
     port: Shape,
 ) -> Result<RawPublisher, OpenError> {
-    create(&ground.options, at, &open(ground, at, ty, port)?, wire)
+    ground.create(at, &open(ground, at, ty, port)?, wire)
 }
 
 /// A reader's end.

@@ -6,7 +6,7 @@
 
 use genom_middleware::{Address, OpenError};
 
-use crate::backend::failed;
+use crate::error::failed;
 
 /// Samples from this size on are asked for.
 const LARGE: usize = 64 << 10;

@@ -7,7 +7,8 @@ use genom_types::{DataType, Record};
 use iceoryx2::port::subscriber::SubscriberCreateError;
 use iceoryx2::prelude::*;
 
-use crate::backend::{BACKEND, Inner, failed};
+use crate::error::{BACKEND, failed};
+use crate::inner::Inner;
 use crate::queue::{self, Queue};
 use crate::raw::{self, RawSample, RawService, RawSubscriber, Stamp};
 use crate::typing::{Wire, wire};

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use genom_middleware::Address;
 
-use crate::publisher::Core;
+use crate::writer::Core;
 
 /// Longest time a late reader in another process waits for the last value of an idle writer.
 const PERIOD: Duration = Duration::from_millis(20);

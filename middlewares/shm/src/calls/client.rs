@@ -1,26 +1,22 @@
 //! The calling end.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use genom_middleware::describe::type_of_port;
-use genom_middleware::{
-    Address, CallError, Client, OpenError, Outcome, Replies, Running, ServiceType,
-};
-use genom_types::{DataType, Record};
-use iceoryx2::pending_response::PendingResponse;
+use genom_middleware::{Address, CallError, Client, OpenError, Replies, Running, ServiceType};
+use genom_types::Record;
 use iceoryx2::port::client::{Client as RawClient, RequestSendError};
 use iceoryx2::prelude::*;
 
-use super::frame::{self, Response};
-use super::worker::Bell;
-use super::{CallService, FIRST_ROOM, service};
-use crate::backend::{BACKEND, Inner, failed};
+use super::bell::Bell;
+use super::call::Call;
+use super::service::{CallService, FIRST_ROOM, service};
+use crate::error::{BACKEND, failed};
+use crate::inner::Inner;
 use crate::raw::Ipc;
 
 /// Memory for requests that is made beforehand.
 const PREPARED: usize = 48;
-
-type Pending = PendingResponse<Ipc, [u8], (), [u8], ()>;
 
 struct ShmClient {
     port: RawClient<Ipc, [u8], (), [u8], ()>,
@@ -31,24 +27,10 @@ struct ShmClient {
     inner: Arc<Inner>,
 }
 
-/// One request under way, as the worker sees it.
-pub(super) struct Call {
-    /// Dropped when the request ends.
-    pending: Mutex<Option<Pending>>,
-    /// Taken when the request ends.
-    replies: Mutex<Option<Box<dyn Replies>>>,
-    output: DataType,
-    bell: Arc<Bell>,
-}
-
 struct ShmRunning {
     call: Arc<Call>,
     /// The worker is needed until the request ends.
     _inner: Arc<Inner>,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 fn broken(why: &impl ToString) -> CallError {
@@ -100,12 +82,7 @@ impl Client for ShmClient {
             }
             other => broken(&other),
         })?;
-        let call = Arc::new(Call {
-            pending: Mutex::new(Some(pending)),
-            replies: Mutex::new(Some(replies)),
-            output: self.ty.output.clone(),
-            bell: Arc::clone(&self.bell),
-        });
+        let call = Arc::new(Call::new(pending, replies, self.ty.output.clone(), &self.bell));
         let worker = self.inner.worker(&self.at).map_err(|error| broken(&error))?;
         worker.add_call(Arc::clone(&call));
         self.bell.ring();
@@ -113,67 +90,8 @@ impl Client for ShmClient {
     }
 }
 
-impl Call {
-    /// Hands on what came back; whether the request has ended.
-    pub(super) fn work(&self) -> bool {
-        loop {
-            // Asked before the last look: what was sent before the end is there.
-            let (response, over) = match &*lock(&self.pending) {
-                Some(pending) => {
-                    let over = !pending.is_connected();
-                    match pending.receive() {
-                        Ok(Some(response)) => {
-                            (Some(frame::read(response.payload(), &self.output)), over)
-                        }
-                        Ok(None) => (None, over),
-                        Err(_) => (None, true),
-                    }
-                }
-                None => return true,
-            };
-            match response {
-                Some(Response::Accepted(id)) => {
-                    if let Some(replies) = &mut *lock(&self.replies) {
-                        replies.accepted(id);
-                    }
-                }
-                Some(Response::Feedback(state)) => {
-                    if let Some(replies) = &mut *lock(&self.replies) {
-                        replies.feedback(&state);
-                    }
-                }
-                Some(Response::Finished(outcome)) => {
-                    self.finish(outcome);
-                    return true;
-                }
-                None if over => {
-                    self.lose();
-                    return true;
-                }
-                None => return false,
-            }
-        }
-    }
-
-    /// The server is gone, or this side.
-    pub(super) fn lose(&self) {
-        self.finish(Outcome::Lost(CallError::Gone));
-    }
-
-    fn finish(&self, outcome: Outcome) {
-        drop(lock(&self.pending).take());
-        let replies = lock(&self.replies).take();
-        if let Some(replies) = replies {
-            replies.finish(outcome);
-        }
-    }
-}
-
 impl Running for ShmRunning {
     fn cancel(&self) {
-        if let Some(pending) = &*lock(&self.call.pending) {
-            pending.set_disconnect_hint();
-        }
-        self.call.bell.ring();
+        self.call.cancel();
     }
 }

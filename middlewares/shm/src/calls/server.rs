@@ -1,27 +1,19 @@
-//! The serving end.
+//! What arrived at a service and was not answered yet, as the worker sees it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
+use std::sync::{Arc, Mutex, OnceLock, Weak};
 
-use genom_middleware::{
-    ActivityId, Address, CallError, OpenError, Outcome, Replies, Served, ServiceHandler,
-    ServiceType,
-};
+use genom_middleware::{ActivityId, CallError, Outcome, Replies, ServiceHandler, ServiceType};
 use genom_types::{CdrError, Record};
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::port::server::Server as RawServer;
-use iceoryx2::prelude::*;
-use iceoryx2::service::port_factory::server::ServerCreateError;
 
-use super::worker::Bell;
-use super::{CallService, FIRST_ROOM, frame, service};
-use crate::backend::{Inner, failed};
+use super::bell::{Bell, lock};
+use super::frame;
+use super::service::CallService;
 use crate::raw::Ipc;
 
 type Active = ActiveRequest<Ipc, [u8], (), [u8], ()>;
-
-/// Memory for responses that is made beforehand.
-const PREPARED: usize = 96;
 
 /// What the worker looks after.
 pub(super) struct Server {
@@ -47,71 +39,34 @@ struct Request {
     bell: Arc<Bell>,
 }
 
-struct ShmServed {
-    server: Arc<Server>,
-    _inner: Arc<Inner>,
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// Serves until the result is dropped.
-pub(crate) fn open(
-    inner: &Arc<Inner>,
-    at: &Address,
-    ty: &ServiceType,
-    handler: Arc<dyn ServiceHandler>,
-) -> Result<impl Served + 'static, OpenError> {
-    let worker = inner.worker(at)?;
-    let service = service(&inner.ground, at, ty)?;
-    let create = || {
-        service
-            .server_builder()
-            .initial_max_slice_len(FIRST_ROOM)
-            .allocation_strategy(AllocationStrategy::PowerOfTwo)
-            .override_response_preallocation(|worst| worst.min(PREPARED))
-            .create()
-    };
-    let port = match create() {
-        // The server may be one that was killed.
-        Err(ServerCreateError::ExceedsMaxSupportedServers)
-            if inner.ground.node.try_cleanup_dead_nodes().cleanups > 0 =>
-        {
-            create()
+impl Server {
+    pub(super) fn new(
+        server: RawServer<Ipc, [u8], (), [u8], ()>,
+        service: CallService,
+        handler: Arc<dyn ServiceHandler>,
+        ty: &ServiceType,
+        bell: &Arc<Bell>,
+    ) -> Self {
+        Self {
+            port: Mutex::new(Some(Port { server, _service: service })),
+            requests: Mutex::default(),
+            handler,
+            ty: ty.clone(),
+            bell: Arc::clone(bell),
         }
-        other => other,
-    };
-    let port = port.map_err(|error| match error {
-        ServerCreateError::ExceedsMaxSupportedServers => OpenError::Taken { address: at.clone() },
-        other => failed(at, &other.to_string()),
-    })?;
-    let server = Arc::new(Server {
-        port: Mutex::new(Some(Port { server: port, _service: service })),
-        requests: Mutex::default(),
-        handler,
-        ty: ty.clone(),
-        bell: Arc::clone(worker.bell()),
-    });
-    worker.add_server(&server);
-    Ok(ShmServed { server, _inner: Arc::clone(inner) })
-}
+    }
 
-impl Served for ShmServed {}
-
-impl Drop for ShmServed {
-    fn drop(&mut self) {
-        let port = lock(&self.server.port).take();
+    /// The service is there no more: callers wait no longer.
+    pub(super) fn withdraw(&self) {
+        let port = lock(&self.port).take();
         // The handler may keep requests for long: their callers wait no more.
-        for request in lock(&self.server.requests).drain(..).filter_map(|r| r.upgrade()) {
+        for request in lock(&self.requests).drain(..).filter_map(|r| r.upgrade()) {
             drop(lock(&request.active).take());
         }
         drop(port);
-        self.server.bell.ring();
+        self.bell.ring();
     }
-}
 
-impl Server {
     /// Hands on what arrived, and what callers gave up.
     pub(super) fn work(&self) {
         while let Some((request, input)) = self.next() {

@@ -1,17 +1,17 @@
 //! The thread that hands on requests and responses.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Mutex, Weak};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use genom_middleware::{Address, OpenError};
-use iceoryx2::port::notifier::Notifier;
 
-use super::client::Call;
+use super::bell::{Bell, lock};
+use super::call::Call;
 use super::server::Server;
-use crate::backend::{Ground, failed};
-use crate::raw::Ipc;
+use crate::error::failed;
+use crate::ground::Ground;
 
 /// The event that wakes all daemons of a prefix.
 const WAKE: &str = "genom.wake";
@@ -31,20 +31,6 @@ struct Shared {
     servers: Mutex<Vec<Weak<Server>>>,
     calls: Mutex<Vec<Arc<Call>>>,
     stop: AtomicBool,
-}
-
-/// Wakes all daemons.
-pub(super) struct Bell(Notifier<Ipc>);
-
-impl Bell {
-    pub(super) fn ring(&self) {
-        // Whoever could not be woken looks by itself a little later.
-        let _ = self.0.notify();
-    }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Worker {

@@ -1,0 +1,97 @@
+//! One request under way, from the calling side: what came back is handed on.
+
+use std::sync::{Arc, Mutex};
+
+use genom_middleware::{CallError, Outcome, Replies};
+use genom_types::DataType;
+use iceoryx2::pending_response::PendingResponse;
+
+use super::bell::{Bell, lock};
+use super::frame::{self, Response};
+use crate::raw::Ipc;
+
+pub(super) type Pending = PendingResponse<Ipc, [u8], (), [u8], ()>;
+
+/// One request under way, as the worker sees it.
+pub(super) struct Call {
+    /// Dropped when the request ends.
+    pending: Mutex<Option<Pending>>,
+    /// Taken when the request ends.
+    replies: Mutex<Option<Box<dyn Replies>>>,
+    output: DataType,
+    bell: Arc<Bell>,
+}
+
+impl Call {
+    pub(super) fn new(
+        pending: Pending,
+        replies: Box<dyn Replies>,
+        output: DataType,
+        bell: &Arc<Bell>,
+    ) -> Self {
+        let (pending, replies) = (Mutex::new(Some(pending)), Mutex::new(Some(replies)));
+        Self { pending, replies, output, bell: Arc::clone(bell) }
+    }
+
+    /// Asks the server to stop.
+    pub(super) fn cancel(&self) {
+        if let Some(pending) = &*lock(&self.pending) {
+            pending.set_disconnect_hint();
+        }
+        self.bell.ring();
+    }
+
+    /// Hands on what came back; whether the request has ended.
+    pub(super) fn work(&self) -> bool {
+        loop {
+            // Asked before the last look: what was sent before the end is there.
+            let (response, over) = match &*lock(&self.pending) {
+                Some(pending) => {
+                    let over = !pending.is_connected();
+                    match pending.receive() {
+                        Ok(Some(response)) => {
+                            (Some(frame::read(response.payload(), &self.output)), over)
+                        }
+                        Ok(None) => (None, over),
+                        Err(_) => (None, true),
+                    }
+                }
+                None => return true,
+            };
+            match response {
+                Some(Response::Accepted(id)) => {
+                    if let Some(replies) = &mut *lock(&self.replies) {
+                        replies.accepted(id);
+                    }
+                }
+                Some(Response::Feedback(state)) => {
+                    if let Some(replies) = &mut *lock(&self.replies) {
+                        replies.feedback(&state);
+                    }
+                }
+                Some(Response::Finished(outcome)) => {
+                    self.finish(outcome);
+                    return true;
+                }
+                None if over => {
+                    self.lose();
+                    return true;
+                }
+                None => return false,
+            }
+        }
+    }
+
+    /// The server is gone, or this side.
+    pub(super) fn lose(&self) {
+        self.finish(Outcome::Lost(CallError::Gone));
+    }
+
+    fn finish(&self, outcome: Outcome) {
+        drop(lock(&self.pending).take());
+        let replies = lock(&self.replies).take();
+        if let Some(replies) = replies {
+            replies.finish(outcome);
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! What services of ports are opened from, and how.
+
+use genom_middleware::describe::type_of_port;
+use genom_middleware::{Address, OpenError};
+use genom_types::DataType;
+use iceoryx2::port::publisher::PublisherCreateError;
+use iceoryx2::prelude::*;
+use iceoryx2::service::builder::publish_subscribe::{
+    PublishSubscribeCreateError as Create, PublishSubscribeOpenError as Open,
+};
+
+use crate::attain::{Attempt, attain};
+use crate::attributes::{DIGEST_KEY, TYPE_KEY, attribute, attributes, describe, type_of_service};
+use crate::error::{BACKEND, failed};
+use crate::options::Options;
+use crate::raw::{self, Ipc, RawPublisher, RawService};
+use crate::typing::{MAX_NAME, Wire, wire};
+
+/// Bytes of unread samples that a reader of large samples may hold.
+const DEPTH_BYTES: usize = 16 << 20;
+
+/// First room for values of variable size; it doubles as needed.
+const FIRST_ROOM: usize = 1024;
+
+/// Memory for samples that is made beforehand, beyond what is needed in any case.
+const SAMPLE_BYTES: usize = 4 << 20;
+
+/// What services are opened from. Apart from `Inner`, so that what the upkeep thread holds
+/// never owns that thread.
+pub(crate) struct Ground {
+    pub(crate) node: Node<Ipc>,
+    pub(crate) options: Options,
+}
+
+/// What a service is made for.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shape {
+    /// Whether a full reader loses its oldest sample, or the new one.
+    pub(crate) overflow: bool,
+    /// Whether a reader that comes gets the last sample.
+    pub(crate) history: bool,
+    /// Unread samples a reader may hold.
+    pub(crate) depth: usize,
+}
+
+impl Ground {
+    /// The shape of a port's own service.
+    pub(crate) fn port(&self, wire: &Wire) -> Shape {
+        let fits = if wire.slice { usize::MAX } else { DEPTH_BYTES / wire.size.max(1) };
+        let depth = self.options.depth.clamp(2, fits.max(2));
+        Shape { overflow: true, history: true, depth }
+    }
+
+    /// The name of a service, which iceoryx2 must like.
+    pub(crate) fn service_name(name: &str, at: &Address) -> Result<ServiceName, OpenError> {
+        ServiceName::new(name).map_err(|error| failed(at, &format!("illegal name: {error:?}")))
+    }
+
+    /// Opens the service, or creates it.
+    pub(crate) fn service(
+        &self,
+        at: &Address,
+        name: &str,
+        ty: &DataType,
+        shape: Shape,
+    ) -> Result<RawService, OpenError> {
+        let (name, wire) = (Self::service_name(name, at)?, wire(ty));
+        let too_long = || OpenError::Unsupported {
+            backend: BACKEND.to_owned(),
+            ty: ty.name().to_owned(),
+            why: format!("its name is longer than {MAX_NAME} characters"),
+        };
+        let open = || {
+            let builder = raw::builder(&self.node, &name, &wire, false).ok_or_else(too_long)?;
+            match builder.open() {
+                Ok(service) => self.agree(at, ty, service).map(Attempt::Done),
+                Err(Open::DoesNotExist) => Ok(Attempt::Absent),
+                Err(Open::IncompatibleTypes) => match self.mismatch(at, &name, ty) {
+                    Some(mismatch) => Err(mismatch),
+                    None => Ok(Attempt::Busy("it changes all the time".to_owned())),
+                },
+                Err(
+                    error @ (Open::IsMarkedForDestruction
+                    | Open::HangsInCreation
+                    | Open::ServiceInCorruptedState),
+                ) => Ok(Attempt::Broken(error.to_string())),
+                Err(error) => Err(failed(at, &error.to_string())),
+            }
+        };
+        let create = || {
+            let builder = raw::builder(&self.node, &name, &wire, true).ok_or_else(too_long)?;
+            let create = builder
+                .enable_safe_overflow(shape.overflow)
+                .history_size(usize::from(shape.history))
+                .subscriber_max_buffer_size(shape.depth)
+                .subscriber_max_borrowed_samples(2)
+                .max_publishers(1)
+                .max_subscribers(self.options.readers)
+                .max_nodes(self.options.readers + 20)
+                .create_with_attributes(&attributes([
+                    (DIGEST_KEY, ty.digest()),
+                    (TYPE_KEY, ty.name()),
+                ]));
+            match create {
+                Ok(service) => Ok(Attempt::Done(service)),
+                Err(
+                    error @ (Create::AlreadyExists
+                    | Create::IsBeingCreatedByAnotherInstance
+                    | Create::HangsInCreation),
+                ) => Ok(Attempt::Busy(error.to_string())),
+                Err(error) => Err(failed(at, &error.to_string())),
+            }
+        };
+        attain(&self.node, self.options.keep_free, at, open, create)
+    }
+
+    /// Two types of one name and size may still differ: the digests tell.
+    fn agree(
+        &self,
+        at: &Address,
+        ty: &DataType,
+        service: RawService,
+    ) -> Result<RawService, OpenError> {
+        match attribute(service.attributes(), DIGEST_KEY) {
+            Some(digest) if digest != ty.digest() => Err(OpenError::TypeMismatch {
+                address: at.clone(),
+                ours: type_of_port(ty),
+                theirs: describe(
+                    service.attributes(),
+                    service.static_config().message_type_details().payload,
+                ),
+            }),
+            _ => Ok(service),
+        }
+    }
+
+    fn mismatch(&self, at: &Address, name: &ServiceName, ty: &DataType) -> Option<OpenError> {
+        let details =
+            <Ipc as Service>::details(name, self.node.config(), MessagingPattern::PublishSubscribe);
+        let theirs = type_of_service(&details.ok()??.static_details);
+        Some(OpenError::TypeMismatch { address: at.clone(), ours: type_of_port(ty), theirs })
+    }
+
+    /// A writer's end of a service, the only one it has.
+    pub(crate) fn create(
+        &self,
+        at: &Address,
+        service: &RawService,
+        wire: &Wire,
+    ) -> Result<RawPublisher, OpenError> {
+        let taken = || OpenError::Taken { address: at.clone() };
+        if service.dynamic_config().number_of_publishers() > 0 {
+            return Err(taken());
+        }
+        // Enough for one reader that never reads, one sample in each other's hand, the last value
+        // and the one being written; for small types, enough for all readers that never read.
+        let depth = service.static_config().subscriber_max_buffer_size();
+        let needed = depth + self.options.readers + 4;
+        let affordable = SAMPLE_BYTES / if wire.slice { FIRST_ROOM } else { wire.size.max(64) };
+        let limit = if wire.slice { needed } else { needed.max(affordable) };
+        let builder = service
+            .publisher_builder()
+            .max_loaned_samples(1)
+            .backpressure_strategy(BackpressureStrategy::DiscardData)
+            .override_sample_preallocation(move |worst| worst.min(limit));
+        let builder = if wire.slice {
+            builder
+                .initial_max_slice_len(FIRST_ROOM)
+                .allocation_strategy(AllocationStrategy::PowerOfTwo)
+        } else {
+            builder
+        };
+        builder.create().map_err(|error| match error {
+            PublisherCreateError::ExceedsMaxSupportedPublishers => taken(),
+            other => failed(at, &other.to_string()),
+        })
+    }
+}

@@ -1,0 +1,34 @@
+//! What all ports and services of one node share.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_middleware::{Address, OpenError};
+
+use crate::calls::Worker;
+use crate::ground::Ground;
+use crate::upkeep::Upkeep;
+
+/// A node, and the threads that look after what is opened from it.
+pub(crate) struct Inner {
+    /// Made when the first service is served or called.
+    worker: Mutex<Option<Arc<Worker>>>,
+    /// Its thread is stopped before the node goes.
+    pub(crate) upkeep: Upkeep,
+    pub(crate) ground: Arc<Ground>,
+}
+
+impl Inner {
+    /// Nothing is open yet.
+    pub(crate) fn new(ground: Ground) -> Self {
+        Self { worker: Mutex::default(), upkeep: Upkeep::start(), ground: Arc::new(ground) }
+    }
+
+    /// The thread that hands on requests and responses.
+    pub(crate) fn worker(&self, at: &Address) -> Result<Arc<Worker>, OpenError> {
+        let mut worker = self.worker.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(worker) = &*worker {
+            return Ok(Arc::clone(worker));
+        }
+        Ok(Arc::clone(worker.insert(Arc::new(Worker::start(&self.ground, at)?))))
+    }
+}
