@@ -59,7 +59,8 @@ pub fn message_definition(ty: &DataType) -> Option<String> {
 }
 
 /// The message of a type of a table.
-fn name_in(table: &TypeTable, id: TypeId) -> MessageName {
+#[must_use]
+pub fn name_in(table: &TypeTable, id: TypeId) -> MessageName {
     let standard = match table.resolved(id) {
         Kind::Boolean => "Bool",
         Kind::Char => "Int8",
@@ -92,7 +93,8 @@ fn name_in(table: &TypeTable, id: TypeId) -> MessageName {
 }
 
 /// Package and name of a scoped name: `::or_pose::track::state` is `or_pose/msg/TrackState`.
-fn scoped(name: &ScopedName) -> MessageName {
+#[must_use]
+pub fn scoped(name: &ScopedName) -> MessageName {
     let (package, name) = match name.segments() {
         [] => (ANONYMOUS.to_owned(), "Unnamed".to_owned()),
         [alone] => (ANONYMOUS.to_owned(), camel([alone.as_str()])),
@@ -102,12 +104,32 @@ fn scoped(name: &ScopedName) -> MessageName {
 }
 
 /// A legal package name: small letters, digits, single underscores.
-fn package(scope: &str) -> String {
+#[must_use]
+pub fn package(scope: &str) -> String {
     let legal = scope.starts_with(|c: char| c.is_ascii_lowercase())
         && scope.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
         && !scope.ends_with('_')
         && !scope.contains("__");
-    if legal { scope.to_owned() } else { format!("genom_{}", scope.to_ascii_lowercase()) }
+    if legal { scope.to_owned() } else { format!("genom_{}", snake(scope)) }
+}
+
+/// Small letters, digits and single underscores: `maxSpeed` is `max_speed`.
+#[must_use]
+pub fn snake(name: &str) -> String {
+    let mut out = String::new();
+    let mut before = '_';
+    for c in name.chars() {
+        let begins = c.is_ascii_uppercase() && !before.is_ascii_uppercase();
+        if (begins || c == '_') && !out.is_empty() && !out.ends_with('_') {
+            out.push('_');
+        }
+        if c != '_' {
+            out.push(c.to_ascii_lowercase());
+        }
+        before = c;
+    }
+    out.truncate(out.trim_end_matches('_').len());
+    out
 }
 
 /// `[track, arm_state]` is `TrackArmState`.
@@ -293,6 +315,19 @@ mod tests {
         let ty = DataType::new(&Arc::new(table), id).unwrap();
         assert_eq!(message_name(&ty).to_string(), name);
         assert_eq!(message_definition(&ty).as_deref(), Some(text));
+    }
+
+    #[test]
+    fn packages_are_legal() {
+        for (scope, name) in [
+            ("demo", "demo"),
+            ("or_pose_estimator", "or_pose_estimator"),
+            ("Demo", "genom_demo"),
+            ("_x", "genom_x"),
+            ("a__B_", "genom_a_b"),
+        ] {
+            assert_eq!(package(scope), name);
+        }
     }
 
     #[test]

@@ -9,7 +9,6 @@
 
 #![forbid(unsafe_code)]
 
-mod definition;
 mod hash;
 mod interface;
 mod library;
@@ -22,7 +21,6 @@ mod standard;
 mod structure;
 mod text;
 
-pub use definition::definition;
 pub use hash::{HashError, hash};
 pub use interface::{Action, Base, Constant, Field, Interface, Message, Service, Shape};
 pub use library::{Library, LibraryError};

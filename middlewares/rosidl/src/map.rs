@@ -18,13 +18,13 @@ mod problem;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use genom_types::message::camel;
+use genom_types::message::{camel, snake};
 use genom_types::{Kind, Member, ScopedName, TypeId, TypeTable};
 
 pub use problem::{MapError, Place, Problem};
 
 use crate::interface::{Action, Base, Constant, Field, Interface, Message, Service, Shape};
-use crate::names::{self, TypeName, snake};
+use crate::names::{self, TypeName};
 
 /// DDS's names of types are no longer (Cyclone DDS, Fast DDS).
 const LONGEST: usize = 255;

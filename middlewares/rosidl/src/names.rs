@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use genom_types::message::{ANONYMOUS, camel};
+use genom_types::message::{self, ANONYMOUS, MessageName, camel, package};
 use genom_types::{Kind, ScopedName, TypeId, TypeTable};
 
 /// A ROS type such as `demo/msg/State`.
@@ -28,6 +28,10 @@ impl TypeName {
     #[must_use]
     pub fn new(package: &str, folder: &str, name: &str) -> Self {
         Self { package: package.to_owned(), folder: folder.to_owned(), name: name.to_owned() }
+    }
+
+    fn of(MessageName { package, name }: MessageName, folder: &str) -> Self {
+        Self { package, folder: folder.to_owned(), name }
     }
 
     /// Reads `geometry_msgs/msg/Pose`.
@@ -70,32 +74,7 @@ impl TypeName {
 /// The message that a port of this type carries.
 #[must_use]
 pub fn message(table: &TypeTable, id: TypeId) -> TypeName {
-    let standard = match table.resolved(id) {
-        Kind::Boolean => "Bool",
-        Kind::Char => "Int8",
-        Kind::Octet => "UInt8",
-        Kind::Short => "Int16",
-        Kind::UnsignedShort => "UInt16",
-        Kind::Long => "Int32",
-        Kind::UnsignedLong => "UInt32",
-        Kind::LongLong => "Int64",
-        Kind::UnsignedLongLong => "UInt64",
-        Kind::Float => "Float32",
-        Kind::Double => "Float64",
-        Kind::String { .. } => "String",
-        // A struct is its own message, under whatever typedef.
-        Kind::Struct { name, .. } | Kind::Union { name, .. } | Kind::Exception { name, .. } => {
-            return scoped(name, "msg");
-        }
-        _ => "",
-    };
-    if !standard.is_empty() {
-        return TypeName::new("std_msgs", "msg", standard);
-    }
-    match table.kind(id).name() {
-        Some(name) => scoped(name, "msg"),
-        None => TypeName::new(ANONYMOUS, "msg", &camel([table.c_name(id).as_str()])),
-    }
+    TypeName::of(message::name_in(table, id), "msg")
 }
 
 /// What a type goes under, by the full name of it or of what it is a typedef of.
@@ -118,13 +97,7 @@ pub fn masqueraded<'m, T>(
 
 /// Package and name of a scoped name: `::or_pose::track::state` is `or_pose/msg/TrackState`.
 fn scoped(name: &ScopedName, folder: &str) -> TypeName {
-    match name.segments() {
-        [] => TypeName::new(ANONYMOUS, folder, "Unnamed"),
-        [alone] => TypeName::new(ANONYMOUS, folder, &camel([alone.as_str()])),
-        [first, rest @ ..] => {
-            TypeName::new(&package(first), folder, &camel(rest.iter().map(String::as_str)))
-        }
-    }
+    TypeName::of(message::scoped(name), folder)
 }
 
 /// The full name of the service whose input struct this is, `::component::service`: the struct is
@@ -155,49 +128,9 @@ pub fn service(table: &TypeTable, input: TypeId, name: &str, folder: &str) -> Ty
     }
 }
 
-/// A legal package name: small letters, digits, single underscores.
-pub(crate) fn package(scope: &str) -> String {
-    let legal = scope.starts_with(|c: char| c.is_ascii_lowercase())
-        && scope.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
-        && !scope.ends_with('_')
-        && !scope.contains("__");
-    if legal { scope.to_owned() } else { format!("genom_{}", snake(scope)) }
-}
-
-/// Small letters, digits and single underscores: `maxSpeed` is `max_speed`.
-pub(crate) fn snake(name: &str) -> String {
-    let mut out = String::new();
-    let mut before = '_';
-    for c in name.chars() {
-        let begins = c.is_ascii_uppercase() && !before.is_ascii_uppercase();
-        if (begins || c == '_') && !out.is_empty() && !out.ends_with('_') {
-            out.push('_');
-        }
-        if c != '_' {
-            out.push(c.to_ascii_lowercase());
-        }
-        before = c;
-    }
-    out.truncate(out.trim_end_matches('_').len());
-    out
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn packages_are_legal() {
-        for (scope, name) in [
-            ("demo", "demo"),
-            ("or_pose_estimator", "or_pose_estimator"),
-            ("Demo", "genom_demo"),
-            ("_x", "genom_x"),
-            ("a__B_", "genom_a_b"),
-        ] {
-            assert_eq!(package(scope), name);
-        }
-    }
 
     #[test]
     fn types_are_named_after_their_scope_or_as_the_standard_messages() {

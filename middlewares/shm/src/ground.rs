@@ -142,7 +142,7 @@ impl Ground {
     }
 
     /// A writer's end of a service, the only one it has.
-    pub(crate) fn create(
+    pub(crate) fn writer(
         &self,
         at: &Address,
         service: &RawService,

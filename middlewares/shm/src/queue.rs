@@ -55,7 +55,7 @@ pub(crate) fn join(
     wire: &Wire,
     port: Shape,
 ) -> Result<RawPublisher, OpenError> {
-    ground.create(at, &open(ground, at, ty, port)?, wire)
+    ground.writer(at, &open(ground, at, ty, port)?, wire)
 }
 
 /// A reader's end.

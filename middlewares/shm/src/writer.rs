@@ -42,10 +42,10 @@ impl Core {
         if service.static_config().history_size() == 0 {
             tracing::warn!(port = %at, "the peer that made this port keeps no last value: readers that come late wait for the next one");
         }
-        let publisher = match ground.create(at, &service, &wire) {
+        let publisher = match ground.writer(at, &service, &wire) {
             // The writer may be one that was killed.
             Err(OpenError::Taken { .. }) if ground.node.try_cleanup_dead_nodes().cleanups > 0 => {
-                ground.create(at, &service, &wire)?
+                ground.writer(at, &service, &wire)?
             }
             other => other?,
         };
