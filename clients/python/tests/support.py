@@ -85,6 +85,28 @@ class DemoCase(unittest.TestCase):
             self.assertEqual(states.wait(WATCHDOG), -1.0)
             yield exchange
 
+    def feed(self, publisher):
+        """The demo moves by the values of a publisher at its `parameter`, the last of them 2."""
+        publisher(0.0)
+        activity = self.demo.goto(goal=0.1, ack=True)
+        with self.demo.parameter.subscribe(fast=False) as gain:
+            self.assertEqual(gain.wait(WATCHDOG), 0.0)
+        self.assertEqual(activity.status, "sent")
+        publisher(2.0)
+        activity.wait(WATCHDOG)
+
+    def moved(self, positions):
+        """The positions that a follower is told of a motion at 2 m/s, from 0 to 0.2."""
+        self.demo.set_speed(2.0)
+        # It was written before.
+        self.assertEqual(positions.wait(WATCHDOG), {"position": 0.0, "velocity": 0.0})
+        activity = self.demo.goto(0.2, ack=True)
+        seen = [positions.wait(WATCHDOG)]
+        while seen[-1] != {"position": 0.2, "velocity": 0.0}:
+            seen.append(positions.wait(WATCHDOG))
+        activity.wait(WATCHDOG)
+        return [one["position"] for one in seen]
+
     def start_slow(self):
         """A motion that is under way and does not end by itself in time."""
         with self.g.events() as events:

@@ -11,16 +11,10 @@ from .support import WATCHDOG, DemoCase, p50_p99, tell
 
 class SharedMemory(DemoCase):
     def test_the_demo_is_read_by_a_peer_that_is_no_genomd(self):
-        self.demo.set_speed(2.0)
         with self.demo.position.subscribe(fast=True) as positions:
             self.assertTrue(positions.fast)
-            self.assertEqual(positions.wait(WATCHDOG), {"position": 0.0, "velocity": 0.0})
-            activity = self.demo.goto(0.2, ack=True)
-            seen = [positions.wait(WATCHDOG)]
-            while seen[-1] != {"position": 0.2, "velocity": 0.0}:
-                seen.append(positions.wait(WATCHDOG))
-            activity.wait(WATCHDOG)
-        steps = [after["position"] - before["position"] for before, after in zip(seen, seen[1:])]
+            seen = self.moved(positions)
+        steps = [after - before for before, after in zip(seen, seen[1:])]
         # Every sample came: at 2 m/s none is more than a period of 5 ms further on.
         self.assertLess(max(steps), 0.0101)
         self.assertGreaterEqual(min(steps), 0.0)
@@ -28,13 +22,7 @@ class SharedMemory(DemoCase):
     def test_a_fast_publisher_feeds_the_codels(self):
         with self.demo.parameter.publisher() as p:
             self.assertTrue(p.fast)
-            p(0.0)
-            activity = self.demo.goto(goal=0.1, ack=True)
-            with self.demo.parameter.subscribe(fast=False) as gain:
-                self.assertEqual(gain.wait(WATCHDOG), 0.0)
-            self.assertEqual(activity.status, "sent")
-            p(2.0)
-            activity.wait(WATCHDOG)
+            self.feed(p)
             self.assertEqual(self.demo.parameter.read(), 2.0)
             with self.assertRaises(genom.InputError):
                 p("fast")

@@ -42,32 +42,19 @@ def bare_echo(endpoint, count):
 
 class Zenoh(DemoCase):
     def test_a_port_is_followed_sample_by_sample(self):
-        self.demo.set_speed(2.0)
         with self.demo.position.subscribe(fast=True, depth=1000) as positions:
             self.assertTrue(positions.fast)
-            # It was written before.
-            self.assertEqual(positions.wait(WATCHDOG), {"position": 0.0, "velocity": 0.0})
-            activity = self.demo.goto(0.2, ack=True)
-            seen = [positions.wait(WATCHDOG)]
-            while seen[-1] != {"position": 0.2, "velocity": 0.0}:
-                seen.append(positions.wait(WATCHDOG))
-            activity.wait(WATCHDOG)
+            seen = self.moved(positions)
             with self.assertRaises(TimeoutError):
                 positions.wait(0.01)
-        self.assertEqual(sorted(one["position"] for one in seen), [one["position"] for one in seen])
+        self.assertEqual(sorted(seen), seen)
         with self.assertRaises(genom.GenoMError):
             positions.wait(WATCHDOG)
 
     def test_a_fast_publisher_feeds_the_codels(self):
         with self.demo.parameter.publisher() as p:
             self.assertTrue(p.fast)
-            p(0.0)
-            activity = self.demo.goto(goal=0.1, ack=True)
-            with self.demo.parameter.subscribe(fast=False) as gain:
-                self.assertEqual(gain.wait(WATCHDOG), 0.0)
-            self.assertEqual(activity.status, "sent")
-            p(2.0)
-            activity.wait(WATCHDOG)
+            self.feed(p)
             self.assertEqual(self.demo.parameter.read(), 2.0)
             with self.assertRaises(genom.InputError):
                 p("fast")

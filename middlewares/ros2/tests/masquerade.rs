@@ -4,7 +4,6 @@
 
 mod world;
 
-use std::process::Command;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -18,19 +17,9 @@ use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable}
 use serde_json::{Value, json};
 use world::Domain;
 
-/// A node named `caller`, in the environment of all ROS 2 nodes of tests.
 fn peer(domain: &Domain) -> Peer {
-    let node = genom_components::ros2::node(domain.options().domain.into(), None)
-        .unwrap_or_else(|error| panic!("there is no ROS 2: {error}"));
-    let mut caller = Command::new(node.get_program());
-    caller.arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/masquerade_peer.py"));
-    for (name, value) in node.get_envs() {
-        match value {
-            Some(value) => caller.env(name, value),
-            None => caller.env_remove(name),
-        };
-    }
-    Peer::start(&mut caller)
+    let node = genom_components::ros2::node(domain.options().domain.into(), None);
+    Peer::start(&mut node.unwrap_or_else(|error| panic!("there is no ROS 2: {error}")))
 }
 
 type Make = fn(&mut TypeTable) -> TypeId;
@@ -135,20 +124,20 @@ fn a_ros_node_calls_a_set_bool_and_a_trigger() {
     let _enable = ros2.serve(&Address::new("demo", "enable"), &enable(), enabler.clone()).unwrap();
     let _reset = ros2.serve(&Address::new("demo", "reset"), &reset(), resetter.clone()).unwrap();
     let mut peer = peer(&domain);
-    let mut call = |name: &str, ros: &str, values: Value| {
-        peer.ask(&json!(["call", format!("/demo/{name}"), ros, values]))
-    };
-    let set_bool = "std_srvs/srv/SetBool";
-    let reply = call("enable", set_bool, json!({"data": true}));
+    for (name, ros) in [("enable", "std_srvs/srv/SetBool"), ("reset", "std_srvs/srv/Trigger")] {
+        assert_eq!(peer.ask(&json!(["client", format!("/demo/{name}"), ros])), "ready");
+    }
+    let mut call =
+        |name: &str, values: Value| peer.ask(&json!(["call", format!("/demo/{name}"), values]));
+    let reply = call("enable", json!({"data": true}));
     assert_eq!(reply, json!({"success": true, "message": "it is on"}));
-    let reply = call("enable", set_bool, json!({"data": false}));
+    let reply = call("enable", json!({"data": false}));
     assert_eq!(reply, json!({"success": false, "message": "::demo::TOO_FAR {\"by\":3}"}));
     let heard = enabler.calls.lock().unwrap().clone();
     assert_eq!(heard, [json!({"on": true}), json!({"on": false})]);
-    let trigger = "std_srvs/srv/Trigger";
-    let reply = call("reset", trigger, json!({}));
+    let reply = call("reset", json!({}));
     assert_eq!(reply, json!({"success": true, "message": ""}));
-    let reply = call("reset", trigger, json!({}));
+    let reply = call("reset", json!({}));
     assert_eq!(reply, json!({"success": false, "message": "::demo::TOO_FAR {\"by\":3}"}));
 }
 
@@ -187,15 +176,21 @@ fn a_ros_node_runs_an_activity_as_an_action_of_its_own() {
     let at = Address::new("demo", "count");
     let _served = ros2.serve(&at, &count(), Arc::<Counter>::default()).unwrap();
     let mut peer = peer(&domain);
-    let mut run = |order: i32, cancel: bool| {
-        let goal = json!({ "order": order });
-        peer.ask(&json!(["goal", "/demo/count", "test_msgs/action/Fibonacci", goal, cancel]))
+    let ready = peer.ask(&json!(["action", "/demo/count", "test_msgs/action/Fibonacci"]));
+    assert_eq!(ready, "ready");
+    let mut run = |order: i32, cancel: bool, status: &str, sequence: &[i32]| {
+        assert_eq!(peer.ask(&json!(["goal", "/demo/count", { "order": order }])), true);
+        if cancel {
+            let canceling = peer.ask(&json!(["cancel", "/demo/count"]));
+            assert_eq!(canceling, json!({"code": 0, "goals": 1}));
+        }
+        let result = peer.ask(&json!(["result", "/demo/count"]));
+        assert_eq!(result, json!({"status": status, "result": {"sequence": sequence}}));
     };
-    let (succeeded, canceled, aborted) = (4, 5, 6);
-    assert_eq!(run(4, false), json!([succeeded, {"sequence": [1, 2, 3, 4]}]));
-    assert_eq!(run(7, false), json!([aborted, {"sequence": []}]));
-    assert_eq!(run(13, true), json!([canceled, {"sequence": []}]));
-    assert_eq!(run(1, false), json!([succeeded, {"sequence": [1]}]));
+    run(4, false, "SUCCEEDED", &[1, 2, 3, 4]);
+    run(7, false, "ABORTED", &[]);
+    run(13, true, "CANCELED", &[]);
+    run(1, false, "SUCCEEDED", &[1]);
 }
 
 #[test]
