@@ -7,11 +7,11 @@ use genom_types::TypeId;
 
 use super::Checker;
 use super::attribute::direction;
-use super::state::{BodyId, CodelParameter, CodelState, Role, Service};
+use super::state::{Body, BodyId, CodelParameter, CodelState, Role, Service};
 use super::types::Shape;
 use crate::diagnostic::Diagnostic;
 use crate::model::{Dialect, Direction, Source, Span, Yield};
-use crate::syntax::{self, Codel, Qualifier, Variable};
+use crate::syntax::{self, Codel, Name, Qualifier, Variable};
 
 /// What the first use of a codel fixes for all others (K1).
 #[derive(Debug)]
@@ -335,15 +335,7 @@ impl Checker {
     ) -> Option<(usize, TypeId)> {
         let name = &variable.root;
         let Some((rank, _, port)) = self.bodies[id].ports.get_full(&name.text) else {
-            if !self.lost.contains(&name.text) {
-                let help = self.suggest(&name.text, |this| {
-                    this.bodies[id].ports.keys().map(|name| &**name).collect()
-                });
-                let message = format!("unknown port `{}`", name.text);
-                let mut error = Diagnostic::error("E0720", name.span, message);
-                error.help = help;
-                self.push(error);
-            }
+            self.unknown(id, "port", name, |body| body.ports.keys().map(|name| &**name).collect());
             return None;
         };
         let (out, ty, span) = (port.out, port.ty, port.span);
@@ -360,6 +352,23 @@ impl Checker {
         Some((rank, ty))
     }
 
+    /// Tells that a port or remote is none of the component's.
+    fn unknown(
+        &mut self,
+        id: BodyId,
+        what: &str,
+        name: &Name,
+        known: impl FnOnce(&Body) -> Vec<&str>,
+    ) {
+        if !self.lost.contains(&name.text) {
+            let help = self.suggest(&name.text, |this| known(&this.bodies[id]));
+            let message = format!("unknown {what} `{}`", name.text);
+            let mut error = Diagnostic::error("E0720", name.span, message);
+            error.help = help;
+            self.push(error);
+        }
+    }
+
     // genom3.md 3.7 K20, K22, K23.
     fn remote_source(
         &mut self,
@@ -371,15 +380,9 @@ impl Checker {
     ) -> Option<usize> {
         let name = &variable.root;
         let Some((rank, _, remote)) = self.bodies[id].remotes.get_full(&name.text) else {
-            if !self.lost.contains(&name.text) {
-                let help = self.suggest(&name.text, |this| {
-                    this.bodies[id].remotes.keys().map(|name| &**name).collect()
-                });
-                let message = format!("unknown remote `{}`", name.text);
-                let mut error = Diagnostic::error("E0720", name.span, message);
-                error.help = help;
-                self.push(error);
-            }
+            self.unknown(id, "remote", name, |body| {
+                body.remotes.keys().map(|name| &**name).collect()
+            });
             return None;
         };
         let span = remote.span;

@@ -95,7 +95,9 @@ impl Files for Memory {
     }
 }
 
-fn tidy(path: &Path) -> PathBuf {
+/// Without `.` and `..`: two spellings of a path are one file.
+#[must_use]
+pub fn tidy(path: &Path) -> PathBuf {
     use std::path::Component;
     let mut out = PathBuf::new();
     for part in path.components() {

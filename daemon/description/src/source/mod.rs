@@ -6,7 +6,7 @@ mod decode;
 mod files;
 
 pub use decode::Encoding;
-pub use files::{Disk, Files, Memory};
+pub use files::{Disk, Files, Memory, tidy};
 
 pub(crate) use decode::{Logical, decode};
 

@@ -5,7 +5,7 @@ use std::os::unix::ffi::{OsStrExt as _, OsStringExt as _};
 use std::path::{Path, PathBuf};
 
 use genom_description::model::Span;
-use genom_description::source::{SourceFile, SourceMap};
+use genom_description::source::{SourceFile, SourceMap, tidy};
 use lsp_types::{Location, Position, Range, Uri};
 
 /// The path of a `file:` URI.
@@ -75,22 +75,6 @@ pub(super) fn range(file: &SourceFile, span: Span) -> Range {
 pub(super) fn location(sources: &SourceMap, span: Span) -> Option<Location> {
     let file = sources.file(span.file).filter(|file| !file.is_synthetic())?;
     Some(Location::new(uri_of(&tidy(file.path()))?, range(file, span)))
-}
-
-/// Without `.` and `..`: an editor takes two spellings for two files.
-pub(super) fn tidy(path: &Path) -> PathBuf {
-    use std::path::Component;
-    let mut out = PathBuf::new();
-    for part in path.components() {
-        match part {
-            Component::CurDir => {}
-            Component::ParentDir if out.file_name().is_some() => {
-                out.pop();
-            }
-            other => out.push(other),
-        }
-    }
-    out
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use genom_description::Options;
 use genom_description::diagnostic::ordered;
 use genom_description::navigate::Navigator;
-use genom_description::source::Memory;
+use genom_description::source::{Memory, tidy};
 use lsp_types::{Diagnostic, PublishDiagnosticsParams, Uri};
 
 use super::{convert, place};
@@ -66,7 +66,7 @@ impl Workspace {
             let concerned = document.read.as_ref().is_some_and(|read| {
                 let mut files = read.analysis.sources.files();
                 let missing = read.analysis.diagnostics.iter().any(|said| said.code == "E0121");
-                missing || files.any(|(_, file)| place::tidy(file.path()) == path)
+                missing || files.any(|(_, file)| tidy(file.path()) == path)
             });
             if concerned {
                 document.read = None;
@@ -129,7 +129,7 @@ fn diagnostics(root: &Path, read: &Navigator) -> BTreeMap<PathBuf, Vec<Diagnosti
     let sources = &read.analysis.sources;
     for said in ordered(&read.analysis.diagnostics, sources) {
         let file = sources.file(said.span.file).filter(|file| !file.is_synthetic());
-        let path = file.map_or_else(|| root.to_owned(), |file| place::tidy(file.path()));
+        let path = file.map_or_else(|| root.to_owned(), |file| tidy(file.path()));
         found.entry(path).or_default().push(convert::diagnostic(said, sources));
     }
     found
