@@ -28,7 +28,7 @@ pub struct Mailbox<T = Vec<u8>> {
     ring: IndexRing,
     full: Full,
     lost: AtomicU64,
-    /// Where the search for a free slot starts.
+    /// Where the search for a free slot starts: at the one released last, whose memory is warm.
     hint: AtomicU64,
 }
 

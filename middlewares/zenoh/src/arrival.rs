@@ -1,10 +1,14 @@
 //! One sample in an inbox: its bytes, copied or held where zenoh received them.
 
+use std::ops::RangeInclusive;
+
 use zenoh::bytes::ZBytes;
 use zenoh::shm::ShmBuf;
 
-/// From this size on a sample that is not cut in pieces is held, where the inbox holds at all.
-const HELD: usize = 16 << 10;
+/// Sizes of samples that are held if they are in one piece, where the inbox holds at all: worth
+/// it, and not so large that a few use up the shared memory of their writer (16 MiB by default),
+/// after which zenoh goes on without.
+const HELD: RangeInclusive<usize> = (16 << 10)..=(2 << 20);
 
 /// A place in an inbox, used again and again.
 #[derive(Debug, Default)]
@@ -28,7 +32,7 @@ impl Arrival {
         self.alien = alien;
         self.copy.clear();
         self.held = None;
-        if holds && payload.len() >= HELD && payload.slices().nth(1).is_none() {
+        if holds && HELD.contains(&payload.len()) && payload.slices().nth(1).is_none() {
             self.held = Some(payload.clone());
         } else {
             payload.slices().for_each(|part| self.copy.extend_from_slice(part));
@@ -67,11 +71,12 @@ mod tests {
     #[test]
     fn what_is_copied_and_what_is_held_reads_alike() {
         let mut arrival = Arrival::with_room(8);
-        for size in [0, 1, HELD - 1, HELD, HELD + 1] {
+        let (least, most) = (*HELD.start(), *HELD.end());
+        for size in [0, 1, least - 1, least, most, most + 1] {
             let payload = ZBytes::from(vec![7; size]);
             for holds in [false, true] {
                 arrival.set(&payload, false, holds);
-                assert_eq!(arrival.held.is_some(), holds && size >= HELD);
+                assert_eq!(arrival.held.is_some(), holds && HELD.contains(&size));
                 assert_eq!(bytes_of(&arrival), Some(vec![7; size]));
             }
         }
@@ -82,11 +87,11 @@ mod tests {
     #[test]
     fn a_sample_in_pieces_is_put_together() {
         let mut writer = ZBytes::writer();
-        writer.append(ZBytes::from(vec![1; HELD]));
-        writer.append(ZBytes::from(vec![2; HELD]));
+        writer.append(ZBytes::from(vec![1; *HELD.start()]));
+        writer.append(ZBytes::from(vec![2; *HELD.start()]));
         let mut arrival = Arrival::default();
         arrival.set(&writer.finish(), false, true);
-        assert_eq!(bytes_of(&arrival), Some([[1; HELD], [2; HELD]].concat()));
+        assert_eq!(bytes_of(&arrival), Some([[1; 16 << 10], [2; 16 << 10]].concat()));
     }
 
     #[test]
