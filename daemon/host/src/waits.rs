@@ -34,8 +34,9 @@ unsafe extern "C" fn epoll_wait(
     most: c_int,
     timeout: c_int,
 ) -> c_int {
-    let time = u64::try_from(timeout).ok().map(Duration::from_millis);
-    let begun = Instant::now();
+    // Neither who waits for ever nor who does not wait at all has an end to look at.
+    let time = u64::try_from(timeout).ok().filter(|time| *time > 0).map(Duration::from_millis);
+    let end = time.map(|time| Instant::now() + time);
     let mut left = timeout;
     loop {
         // SAFETY: the caller's own arguments; without a mask of signals it is the same call.
@@ -45,9 +46,10 @@ unsafe extern "C" fn epoll_wait(
         if !interrupted || !is_rustdds() {
             return ready;
         }
-        if let Some(time) = time {
+        if let Some(end) = end {
             // Rounded up: who waits for a date shall not wake before it.
-            let rest = time.saturating_sub(begun.elapsed()).as_micros().div_ceil(1000);
+            let rest = end.saturating_duration_since(Instant::now());
+            let rest = rest.as_micros().div_ceil(1000);
             left = c_int::try_from(rest).unwrap_or(c_int::MAX);
         }
     }
