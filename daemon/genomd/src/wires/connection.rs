@@ -26,3 +26,8 @@ pub(crate) struct RemoteConnection {
 
 /// A port by its index, or an element of a multiple one.
 pub(crate) type Key = (usize, Option<String>);
+
+/// The key of a port, or of an element of a multiple one.
+pub(crate) fn key(port: usize, element: Option<&str>) -> Key {
+    (port, element.map(str::to_owned))
+}

@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use genom_middleware::Address;
 
 use self::bindings::Bindings;
-pub(crate) use self::connection::{Connection, Key, RemoteConnection};
+pub(crate) use self::connection::{Connection, Key, RemoteConnection, key};
 pub(crate) use self::fan::{Ends, Fan};
 pub(crate) use self::feeds::{Feed, Feeds};
 use self::gauge::Gauge;
@@ -51,7 +51,7 @@ impl Wires {
 
     /// What feeds a port.
     pub(crate) fn connection(&self, port: usize, element: Option<&str>) -> Option<Connection> {
-        let key = (port, element.map(str::to_owned));
+        let key = key(port, element);
         self.with(|state| state.connections.get(&key).map(|(connection, _)| connection.clone()))
     }
 
@@ -74,7 +74,7 @@ impl Wires {
 
     /// What passed through a port, written or read.
     pub(crate) fn gauge(&self, port: usize, element: Option<&str>) -> Option<Arc<Gauge>> {
-        let key = (port, element.map(str::to_owned));
+        let key = key(port, element);
         self.with(|state| match (state.opened.get(&key), state.connections.get(&key)) {
             (Some(fan), _) => Some(Arc::clone(fan.gauge())),
             (None, Some((_, tap))) => Some(Arc::clone(tap.gauge())),
@@ -130,7 +130,7 @@ impl Wires {
         connection: Connection,
         tap: Tap,
     ) {
-        let key = (port, element.map(str::to_owned));
+        let key = key(port, element);
         self.with(|state| {
             state.differed.remove(&key);
             state.connections.insert(key, (connection, tap))
@@ -139,12 +139,12 @@ impl Wires {
 
     /// An in port was not connected because the types differ.
     pub(crate) fn refused(&self, port: usize, element: Option<&str>, why: String) {
-        self.with(|state| state.differed.insert((port, element.map(str::to_owned)), why));
+        self.with(|state| state.differed.insert(key(port, element), why));
     }
 
     /// Both types, when the last connection asked for was refused because they differ.
     pub(crate) fn differed(&self, port: usize, element: Option<&str>) -> Option<String> {
-        let key = (port, element.map(str::to_owned));
+        let key = key(port, element);
         self.with(|state| state.differed.get(&key).cloned())
     }
 
@@ -159,7 +159,7 @@ impl Wires {
 
     /// An in port was disconnected; whether it was connected.
     pub(crate) fn disconnected(&self, port: usize, element: Option<&str>) -> bool {
-        let key = (port, element.map(str::to_owned));
+        let key = key(port, element);
         self.with(|state| state.connections.remove(&key).is_some())
     }
 
@@ -183,7 +183,7 @@ impl Wires {
 
     /// An out port was opened, or a codel opened an element of a multiple one.
     pub(crate) fn opened(&self, port: usize, element: Option<&str>, fan: Fan) {
-        self.with(|state| state.opened.insert((port, element.map(str::to_owned)), fan));
+        self.with(|state| state.opened.insert(key(port, element), fan));
     }
 
     fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {

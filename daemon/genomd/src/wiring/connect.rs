@@ -14,7 +14,7 @@ use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::nearest::suggest;
 use crate::registry::BackendError;
-use crate::wires::{Connection, Tap};
+use crate::wires::{Connection, Tap, key};
 
 /// On a network others become visible a while after they, or we, came up.
 pub(super) const NETWORK: Duration = Duration::from_secs(2);
@@ -139,7 +139,7 @@ fn connect_port(
         let source = Source { outport, policy: request.policy, fixed };
         let made = attach(daemon, hosted, port, element, &middleware, source)?;
         // What the daemon published there is over, also for who wants to publish there itself.
-        feeds.remove(&(port, element.map(str::to_owned)));
+        feeds.remove(&key(port, element));
         Ok(made)
     });
     made.map_err(|error| match error {
@@ -241,7 +241,7 @@ pub(crate) fn disconnect(
         let was_connected = hosted.wires.disconnected(port, element);
         if was_connected {
             hosted.bind_in(port, element, None);
-            feeds.remove(&(port, element.map(str::to_owned)));
+            feeds.remove(&key(port, element));
         }
         was_connected
     });

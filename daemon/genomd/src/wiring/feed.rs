@@ -16,7 +16,7 @@ use super::connect::Source;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::registry::BackendError;
-use crate::wires::{Connection, Feed};
+use crate::wires::{Connection, Feed, key};
 
 /// A value could not be published; the port keeps the one it had.
 #[derive(Debug, thiserror::Error)]
@@ -61,7 +61,7 @@ pub(crate) fn publish(
     let Some(ty) = hosted.port_type(port).filter(|_| model.direction == PortDirection::In) else {
         return Err(FeedError::OutPort(inport.to_string()));
     };
-    let key = (port, element.map(str::to_owned));
+    let key = key(port, element);
     // Held throughout: of two callers that publish first, one opens the publisher.
     hosted.wires.feeds.hold(|feeds| {
         let connection = hosted.wires.connection(port, element);
