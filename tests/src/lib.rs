@@ -17,6 +17,7 @@ mod counts;
 mod daemon;
 mod http;
 mod transcript;
+mod until;
 
 pub use build::{component, files, fixture, program, repository};
 pub use command::{Finished, Running, WATCHDOG};
@@ -24,3 +25,4 @@ pub use counts::{Counts, step};
 pub use daemon::{Daemon, Home, Memory, path};
 pub use http::{Events, Reply, connect, request};
 pub use transcript::transcript;
+pub use until::{until, until_answer};

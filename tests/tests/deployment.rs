@@ -5,9 +5,8 @@
 
 use std::fmt::Write as _;
 use std::sync::Arc;
-use std::time::Instant;
 
-use genom_tests::{Daemon, Home, Memory, WATCHDOG, component, path};
+use genom_tests::{Daemon, Home, Memory, component, path, until_answer};
 use serde_json::Value;
 
 /// The paper's component and a demo that reads it, on one daemon.
@@ -44,19 +43,6 @@ fn write(daemon: &Daemon, text: &str) -> String {
     let file = daemon.home().path().join("robot.toml");
     std::fs::write(&file, text).unwrap();
     path(&file).to_owned()
-}
-
-/// Asks again until the answer is this one.
-#[track_caller]
-fn until(wanted: &Value, mut ask: impl FnMut() -> Value) {
-    let begin = Instant::now();
-    loop {
-        let found = ask();
-        if found == *wanted {
-            return;
-        }
-        assert!(begin.elapsed() < WATCHDOG, "{found} instead of {wanted}");
-    }
 }
 
 #[test]
@@ -263,7 +249,7 @@ fn two_daemons_come_up_from_one_file_and_a_killed_one_is_wired_again() {
         daemon.port(reader, "parameter")["value"].clone()
     };
     for reader in ["reader3", "reader4", "reader5"] {
-        until(&0.25.into(), || reads(&arm, reader));
+        until_answer(&Value::from(0.25), || reads(&arm, reader));
     }
 
     // The writer's daemon dies and comes back: no command, and the samples come again.
@@ -272,15 +258,17 @@ fn two_daemons_come_up_from_one_file_and_a_killed_one_is_wired_again() {
     deployed(&base);
     base.ctl(&["call", "paper", "goto", "position=0.75"]).expect_code(0);
     for reader in ["reader3", "reader4", "reader5"] {
-        until(&0.75.into(), || reads(&arm, reader));
+        until_answer(&Value::from(0.75), || reads(&arm, reader));
     }
 
     // So it is when a reader goes and comes back.
     let demo = component("demo");
     arm.ctl(&["unload", "reader4"]).expect_code(0);
     arm.ctl(&["load", path(&demo.library), "--name", "reader4", "--backend", "shm"]).expect_code(0);
-    until(&"paper/position".into(), || arm.port("reader4", "parameter")["connected"].clone());
-    until(&0.75.into(), || reads(&arm, "reader4"));
+    until_answer(&Value::from("paper/position"), || {
+        arm.port("reader4", "parameter")["connected"].clone()
+    });
+    until_answer(&Value::from(0.75), || reads(&arm, "reader4"));
     // Who disconnects by hand is obeyed.
     arm.ctl(&["disconnect", "reader4/parameter"]).expect_code(0);
     let file = arm.home().path().join("genomd.toml");

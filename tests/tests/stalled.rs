@@ -10,9 +10,8 @@ use std::fs::File;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Arc;
-use std::time::Instant;
 
-use genom_tests::{Counts, Daemon, Home, Memory, Running, WATCHDOG, component, path, repository};
+use genom_tests::{Counts, Daemon, Home, Memory, Running, component, path, repository, until};
 use serde_json::Value;
 
 /// Period of the writer's task.
@@ -80,19 +79,11 @@ impl World {
     }
 }
 
-#[track_caller]
-fn wait_until(what: &str, so: impl Fn() -> bool) {
-    let end = Instant::now() + WATCHDOG;
-    while !so() {
-        assert!(Instant::now() < end, "{what}: this does not come to be");
-    }
-}
-
 #[test]
 fn every_tick_is_run_while_the_network_stalls_and_what_is_given_up_is_counted() {
     let world = World::new("virtual");
     world.writer.step(20 * PERIOD);
-    wait_until("the last value arrives", || world.read() == world.sent());
+    until("the last value arrives", || world.read() == world.sent());
     let (before, value) = (world.counts(), world.read());
     let stalled = world.stall();
     // A step ends when all its ticks were run: else the test hangs here.
@@ -105,7 +96,7 @@ fn every_tick_is_run_while_the_network_stalls_and_what_is_given_up_is_counted() 
     assert_eq!(after.written - before.written, MANY);
     assert_eq!((after.missed, after.failed), (0, 0));
     assert!(after.dropped > before.dropped, "{after:?}");
-    wait_until("the newest value arrives", || world.read() == world.sent());
+    until("the newest value arrives", || world.read() == world.sent());
 }
 
 #[test]
@@ -113,22 +104,22 @@ fn a_task_keeps_its_pace_while_the_network_stalls() {
     let world = World::new("monotonic");
     // Null until it is read for the first time.
     let position = |value: &Value| value.as_f64().unwrap_or_default();
-    wait_until("values arrive", || position(&world.read()) < 0.0);
+    until("values arrive", || position(&world.read()) < 0.0);
     let stalled = world.stall();
     let before = world.counts();
-    wait_until("the task goes on", || world.counts().runs - before.runs > MANY);
-    wait_until("what is given up is counted", || world.counts().dropped > before.dropped);
+    until("the task goes on", || world.counts().runs - before.runs > MANY);
+    until("what is given up is counted", || world.counts().dropped > before.dropped);
     let sent = world.sent();
     drop(stalled);
     assert_eq!(world.counts().failed, 0);
-    wait_until("newer values arrive", || position(&world.read()) < position(&sent));
+    until("newer values arrive", || position(&world.read()) < position(&sent));
 }
 
 #[test]
 fn a_port_leaves_a_middleware_that_stalls_and_no_tick_waits_for_it() {
     let world = World::new("virtual");
     world.writer.step(20 * PERIOD);
-    wait_until("the last value arrives", || world.read() == world.sent());
+    until("the last value arrives", || world.read() == world.sent());
     let before = world.counts();
     let stalled = world.stall();
     (0..MANY / 100).for_each(|_| world.writer.step(100 * PERIOD));
@@ -149,19 +140,19 @@ fn daemons_that_were_stopped_and_go_on_still_exchange_samples() {
     // As by Ctrl-Z and `fg`, a debugger, or the machine's sleep: waits of all threads are cut.
     let world = World::new("virtual");
     world.writer.step(20 * PERIOD);
-    wait_until("the last value arrives", || world.read() == world.sent());
+    until("the last value arrives", || world.read() == world.sent());
     for daemon in [&world.writer, &world.reader] {
         let status = format!("/proc/{}/status", daemon.process().id());
         let stopped = || std::fs::read_to_string(&status).unwrap().contains("State:\tT");
         daemon.process().signal("STOP");
-        wait_until("it stops", stopped);
+        until("it stops", stopped);
         daemon.process().signal("CONT");
-        wait_until("it goes on", || !stopped());
+        until("it goes on", || !stopped());
     }
     world.writer.step(20 * PERIOD);
-    wait_until("the next value arrives", || world.read() == world.sent());
+    until("the next value arrives", || world.read() == world.sent());
     world.writer.ctl(&["backend", "paper", "local"]).expect_code(0);
     world.writer.ctl(&["backend", "paper", "ros2"]).expect_code(0);
     world.writer.step(20 * PERIOD);
-    wait_until("a new writer is heard", || world.read() == world.sent());
+    until("a new writer is heard", || world.read() == world.sent());
 }

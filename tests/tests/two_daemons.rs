@@ -4,9 +4,8 @@
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
 use std::sync::Arc;
-use std::time::Instant;
 
-use genom_tests::{Daemon, Home, Memory, WATCHDOG, component, path};
+use genom_tests::{Daemon, Home, Memory, component, path, until};
 use serde_json::Value;
 
 /// The figure of 2010 publishes a double, the demo reads one.
@@ -143,18 +142,10 @@ fn a_connection_follows_a_writer_that_moves_after_its_reader() {
     reader.ctl(&["backend", "demo", "zenoh"]).expect_code(0);
     assert_eq!(backend(), "shm");
     writer.ctl(&["backend", "paper", "zenoh"]).expect_code(0);
-    until(|| backend() == "zenoh");
-    until(|| {
+    until("the reader follows", || backend() == "zenoh");
+    until("the value arrives", || {
         reader.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
         reader.ctl(&["call", "demo", "goto", "goal=0"]).expect_code(0);
         parameter(&reader)["value"] == 0.5
     });
-}
-
-#[track_caller]
-fn until(mut holds: impl FnMut() -> bool) {
-    let end = Instant::now() + WATCHDOG;
-    while !holds() {
-        assert!(Instant::now() < end, "still not so");
-    }
 }

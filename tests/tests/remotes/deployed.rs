@@ -3,10 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use genom_tests::{Daemon, Home, Memory, path};
+use genom_tests::{Daemon, Home, Memory, path, until_answer};
 use serde_json::json;
 
-use super::far::until;
 use super::make;
 
 /// The caller, the provider and the wire between them; each in a daemon of its own, or not.
@@ -55,7 +54,7 @@ fn a_remote_in_a_file_is_planned_connected_dumped_and_connected_again() {
     daemon.ctl(&["unload", "caller"]).expect_code(0);
     let caller = files.path().join("caller.gen");
     daemon.ctl(&["load", path(&caller), "--backend", "shm"]).expect_code(0);
-    until("sum = 42\n", || sum(&daemon));
+    until_answer("sum = 42\n", || sum(&daemon));
     // Who disconnects by hand is obeyed.
     daemon.ctl(&["disconnect", "caller/add"]).expect_code(0);
     assert_eq!(plan(&daemon, &robot), json!(["connect caller/add to provider/add"]));
@@ -96,16 +95,16 @@ fn apart(backend: &'static str) {
     assert!(line.is_some(), "the daemon ended");
     let made = caller.json(&["connections"])["connections"].clone();
     assert_eq!((&made[0]["kind"], &made[0]["backend"]), (&json!("service"), &json!(backend)));
-    until("sum = 42\n", || sum(&caller));
+    until_answer("sum = 42\n", || sum(&caller));
 
     // The provider's daemon is killed and comes back.
     let (_, home) = provider.stop("KILL");
     let _provider = home.start(&["--daemon", "provider"]);
-    until("sum = 42\n", || sum(&caller));
+    until_answer("sum = 42\n", || sum(&caller));
     // So does the caller's.
     let (_, home) = caller.stop("KILL");
     let caller = home.start(&["--daemon", "caller"]);
-    until("sum = 42\n", || sum(&caller));
+    until_answer("sum = 42\n", || sum(&caller));
 }
 
 #[test]

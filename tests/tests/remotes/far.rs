@@ -8,19 +8,6 @@ use tempfile::TempDir;
 
 use super::make;
 
-/// Asks again until the answer is this one: others become visible some time after they came up.
-#[track_caller]
-pub(super) fn until(wanted: &str, mut ask: impl FnMut() -> String) {
-    let end = Instant::now() + WATCHDOG;
-    loop {
-        let found = ask();
-        if found == wanted {
-            return;
-        }
-        assert!(Instant::now() < end, "{found} instead of {wanted}");
-    }
-}
-
 /// A daemon with the caller, one with the provider, and what it takes to start another provider.
 struct Pair {
     caller: Daemon,
