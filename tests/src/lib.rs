@@ -16,6 +16,7 @@ pub mod conformance;
 mod counts;
 mod daemon;
 mod http;
+mod many;
 mod transcript;
 mod until;
 
@@ -24,5 +25,6 @@ pub use command::{Finished, Running, WATCHDOG};
 pub use counts::{Counts, step};
 pub use daemon::{Daemon, Home, Memory, path};
 pub use http::{Events, Reply, connect, request};
+pub use many::{Footprint, Many};
 pub use transcript::transcript;
 pub use until::{until, until_answer};

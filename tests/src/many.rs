@@ -1,0 +1,94 @@
+//! Many components in one daemon, and what a process holds for them.
+//!
+//! The component is `tests/fixtures/many`: five ports, nine services of its own, one task at
+//! 10 Hz that writes all its out ports. One library is loaded under the names `m0`, `m1`, ...:
+//! ```text
+//! let made = tempfile::tempdir().unwrap();
+//! let text = Many { components: 60, chained: true }.configuration("shm", made.path());
+//! let daemon = Home::new().configured(&text).start(&[]);
+//! let held = Footprint::of(daemon.process().id());
+//! assert!(held.descriptors < 60 * 6);
+//! ```
+//! By hand: `cargo run -p genom-tests --bin many -- 500 shm DIRECTORY` writes the configuration
+//! and prints how to start it.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::Path;
+
+use crate::fixture;
+
+/// Components of one kind under different names.
+#[derive(Clone, Copy, Debug)]
+pub struct Many {
+    /// How many.
+    pub components: usize,
+    /// Whether each reads the state and the level of the one before it, the first those of the
+    /// last; otherwise no port is connected.
+    pub chained: bool,
+}
+
+impl Many {
+    /// Makes the component in a directory; the configuration of a daemon that loads it so often.
+    ///
+    /// # Panics
+    /// It cannot be made.
+    #[must_use]
+    pub fn configuration(self, backend: &str, made: &Path) -> String {
+        let library = fixture("many", "many", made);
+        let mut text = format!("backend = \"{backend}\"\n");
+        let mut add = |more: &str| text.write_str(more).expect("a string takes all");
+        for n in 0..self.components {
+            add(&format!("[[component]]\nlibrary = {library:?}\nname = \"m{n}\"\n"));
+        }
+        for n in (0..self.components).filter(|_| self.chained) {
+            let before = (n + self.components - 1) % self.components;
+            for (inport, outport) in [("other", "current_state"), ("demand", "current_level")] {
+                add(&format!(
+                    "[[connection]]\nin = \"m{n}/{inport}\"\nout = \"m{before}/{outport}\"\n"
+                ));
+            }
+        }
+        text
+    }
+}
+
+/// What a process holds of the machine, as the kernel tells it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Footprint {
+    /// Open files, sockets and the like.
+    pub descriptors: usize,
+    /// Mapped files of shared memory.
+    pub segments: usize,
+    /// Memory in RAM, KiB, shared memory included.
+    pub resident: u64,
+    /// That part of it which is shared memory, KiB.
+    pub shared: u64,
+    /// Threads.
+    pub threads: u64,
+}
+
+impl Footprint {
+    /// That of a process now.
+    ///
+    /// # Panics
+    /// There is no such process.
+    #[must_use]
+    pub fn of(process: u32) -> Self {
+        let place = Path::new("/proc").join(process.to_string());
+        let read = |name: &str| fs::read_to_string(place.join(name)).expect("the process runs");
+        let (status, maps) = (read("status"), read("maps"));
+        let number = |key: &str| {
+            let line = status.lines().find_map(|line| line.strip_prefix(key));
+            let word = line.and_then(|line| line.split_whitespace().next());
+            word.and_then(|word| word.parse().ok()).expect("the kernel tells it")
+        };
+        Self {
+            descriptors: fs::read_dir(place.join("fd")).expect("the process runs").count(),
+            segments: maps.lines().filter(|line| line.contains("/dev/shm/")).count(),
+            resident: number("VmRSS:"),
+            shared: number("RssShmem:"),
+            threads: number("Threads:"),
+        }
+    }
+}
