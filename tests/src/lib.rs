@@ -15,6 +15,7 @@ mod command;
 pub mod conformance;
 mod counts;
 mod daemon;
+pub mod faults;
 mod http;
 mod many;
 mod transcript;
