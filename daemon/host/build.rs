@@ -1,10 +1,12 @@
-//! Compiles the guard that stops C++ exceptions between a codel and Rust, and the shim that makes
-//! C++ objects.
+//! Compiles the guard that stops C++ exceptions between a codel and Rust, the shim that makes C++
+//! objects, and the functions that stand in for those of the C library.
 
 fn main() {
     let include = "../../plugin-api/include";
     println!("cargo:rerun-if-changed=src/ffi/guard.cc");
     println!("cargo:rerun-if-changed=src/cxx/shim.cc");
+    println!("cargo:rerun-if-changed=src/process/stand_ins.cc");
+    println!("cargo:rerun-if-changed=src/process/left.h");
     println!("cargo:rerun-if-changed={include}/genom3/c++");
     cc::Build::new()
         .cpp(true)
@@ -12,6 +14,7 @@ fn main() {
         .include(include)
         .file("src/ffi/guard.cc")
         .file("src/cxx/shim.cc")
+        .file("src/process/stand_ins.cc")
         .opt_level(2)
         .warnings(true)
         .flag("-Wno-cast-function-type")

@@ -5,6 +5,7 @@ use std::io::IsTerminal as _;
 use std::sync::LazyLock;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use genom_host::StandardError;
 use serde_json::{Map, Value, json};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Subscriber};
@@ -42,7 +43,8 @@ pub(crate) fn start(filter: &str, spans: bool) -> Result<(), String> {
     };
     let ours = filter_fn(telemetry::is_ours).with_max_level_hint(LevelFilter::INFO);
     let terminal = tracing_subscriber::fmt::layer()
-        .with_writer(std::io::stderr)
+        // Whatever codels do to descriptor 2: a client may have got it.
+        .with_writer(StandardError::get)
         .with_ansi(std::io::stderr().is_terminal())
         .with_target(false);
     tracing_subscriber::registry()

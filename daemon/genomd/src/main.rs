@@ -54,9 +54,12 @@ fn main() -> ExitCode {
         return dump_config(&cli);
     }
     genom_host::tell_last_words();
+    genom_host::guard_process();
     genom_host::outlast_signals();
     let run = if cli.check { check::run } else { run::run };
-    match settings(cli).and_then(run) {
+    let outcome = settings(cli).and_then(run);
+    genom_host::end_is_ours();
+    match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(refusal) => refusal.report(),
     }

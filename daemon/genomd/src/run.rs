@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
-use genom_host::KeptSignals;
+use genom_host::{KeptProcess, StandardError};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::config::{RpcSettings, Settings, Spot};
@@ -52,7 +52,7 @@ impl Refusal {
         // A drawing of a description's mistakes says `error` itself.
         let prefix = if self.message.starts_with("error") { "" } else { "error: " };
         let text = format!("{prefix}{}\n", self.message.trim_end());
-        let _ = std::io::stderr().lock().write_all(text.as_bytes());
+        let _ = StandardError::get().write_all(text.as_bytes());
         ExitCode::from(self.status)
     }
 }
@@ -72,7 +72,11 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     let outcome = runtime.block_on(live(settings));
     // A codel that hangs holds one of its threads: the process ends all the same.
     runtime.shutdown_background();
-    outcome
+    match genom_host::raised_to_stop() {
+        // A supervisor is to see that nobody outside asked for it.
+        Some(told) if outcome.is_ok() => Err(Refusal::component(format!("stopped by {told}"))),
+        _ => outcome,
+    }
 }
 
 async fn open_tcp(
@@ -126,7 +130,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         tokio::spawn(telemetry::export(collector, name, daemon.closed.clone()))
     });
     tokio::spawn(stop_on(signals, Arc::clone(&daemon)));
-    tokio::spawn(keep_signals(KeptSignals::remember()));
+    tokio::spawn(keep_process(KeptProcess::remember()));
 
     // Requests are served while components load: a slow start codel holds up nobody.
     let max_connections = daemon.settings.rpc.max_connections;
@@ -251,14 +255,15 @@ fn stop_signals() -> std::io::Result<Signals> {
     Ok((signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?))
 }
 
-/// Codels may change what the process does on signals; the daemon is stopped by them all the same.
-async fn keep_signals(kept: KeptSignals) {
+/// Codels may change signals, limits and descriptors of the process; the daemon goes on and is
+/// stopped all the same.
+async fn keep_process(kept: KeptProcess) {
     /// Between two looks.
     const LOOK: Duration = Duration::from_millis(100);
     loop {
         tokio::time::sleep(LOOK).await;
-        for signal in kept.put_back() {
-            tracing::warn!("a codel changed what genomd does on {signal}: it is put back");
+        for told in kept.look() {
+            tracing::warn!("{told}");
         }
     }
 }

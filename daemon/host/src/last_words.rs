@@ -5,22 +5,30 @@
 #![allow(unsafe_code)]
 
 use std::cell::Cell;
-use std::ffi::{c_int, c_void};
+use std::ffi::{CStr, c_char, c_int, c_void};
 use std::mem::MaybeUninit;
 use std::ptr;
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::process;
 
 /// Signals that end a process because of what its code does.
-const FAULTS: [(c_int, &str); 5] = [
+const FAULTS: [(c_int, &str); 7] = [
     (libc::SIGSEGV, "SIGSEGV"),
     (libc::SIGBUS, "SIGBUS"),
     (libc::SIGFPE, "SIGFPE"),
     (libc::SIGILL, "SIGILL"),
     (libc::SIGABRT, "SIGABRT"),
+    (libc::SIGSYS, "SIGSYS"),
+    (libc::SIGTRAP, "SIGTRAP"),
 ];
 
 /// What was done on these signals before, and which process this is: a codel may fork.
 static BEFORE: OnceLock<([Option<libc::sigaction>; FAULTS.len()], libc::pid_t)> = OnceLock::new();
+
+/// The daemon ends as it should: what it does from here on is its own.
+static ENDS_WELL: AtomicBool = AtomicBool::new(false);
 
 thread_local! {
     /// The foreign code that this thread runs, in words. Without a destructor: signal handlers
@@ -89,22 +97,59 @@ extern "C" fn on_fault(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_void
     }
 }
 
-/// `exit` was called: by foreign code, when this thread runs some.
-extern "C" fn on_exit() {
+/// The daemon has stopped everything and ends, with whatever status it says.
+pub fn end_is_ours() {
+    ENDS_WELL.store(true, Ordering::Release);
+}
+
+/// Whether this is the daemon's process, and not a child that a codel forked.
+fn is_own_process() -> bool {
     // SAFETY: it has no preconditions.
-    let child = BEFORE.get().is_none_or(|(_, own)| unsafe { libc::getpid() } != *own);
-    if !child && !words().is_empty() {
-        say("exit", " called by ");
+    BEFORE.get().is_some_and(|(_, own)| unsafe { libc::getpid() } == *own)
+}
+
+/// Whether this thread of the daemon runs a codel, or a constructor of a library.
+pub(crate) fn in_codel() -> bool {
+    !words().is_empty() && is_own_process()
+}
+
+/// `exit` was called: by foreign code, unless the daemon is at its end.
+extern "C" fn on_exit() {
+    if genom_host_process_ends(c"exit".as_ptr()) {
         // SAFETY: threads of the daemon still run: nothing more is taken down under them, and
         // who watches it learns that it did not end well.
         unsafe { libc::_exit(1) };
     }
 }
 
-/// A codel ends its thread, by `pthread_exit` or by being cancelled: the process cannot go on.
+/// Says who ends the process by the function `how`, unless it is a child or ends as it should;
+/// whether it was said.
+#[unsafe(no_mangle)]
+extern "C" fn genom_host_process_ends(how: *const c_char) -> bool {
+    static SAID: AtomicBool = AtomicBool::new(false);
+    if ENDS_WELL.load(Ordering::Acquire) || !is_own_process() {
+        return false;
+    }
+    if !SAID.swap(true, Ordering::AcqRel) {
+        // SAFETY: the callers name a function.
+        let how = unsafe { CStr::from_ptr(how) };
+        say(how.to_str().unwrap_or_default(), " called by ");
+    }
+    true
+}
+
+/// A codel's thread is cancelled: the process cannot go on.
 #[unsafe(no_mangle)]
 extern "C" fn genom_host_thread_ends() {
-    say("pthread_exit or pthread_cancel", " in ");
+    say("pthread_cancel", " in ");
+}
+
+/// Ends a child that a codel forked and that came back from it: it must not go on as a daemon.
+#[cold]
+pub(crate) fn child_came_back() -> ! {
+    write(&["genomd: a child that ", words(), " forked came back from it: the child ends\n"]);
+    // SAFETY: what the daemon has to do at its end is not the child's.
+    unsafe { libc::_exit(1) }
 }
 
 /// Ends the process: a constructor threw within the dynamic linker, which is of no use any more
@@ -112,11 +157,13 @@ extern "C" fn genom_host_thread_ends() {
 pub(crate) fn constructor_threw(what: &str) -> ! {
     say("a C++ exception", " thrown by ");
     write(&["genomd: it says: ", what, "\n"]);
+    end_is_ours();
     // SAFETY: exit would wait for the dynamic linker.
     unsafe { libc::_exit(1) }
 }
 
-fn words<'a>() -> &'a str {
+/// The foreign code that this thread runs; empty without any. Signal handlers may ask.
+pub(crate) fn words<'a>() -> &'a str {
     // SAFETY: the words of a `Running` outlive it, and it takes them back when it is dropped.
     unsafe { &*RUNNING.get() }
 }
@@ -130,9 +177,10 @@ fn say(what: &str, by: &str) {
 }
 
 fn write(parts: &[&str]) {
+    let to = process::error_descriptor();
     for part in parts {
         // SAFETY: the bytes are those of a string.
-        unsafe { libc::write(libc::STDERR_FILENO, part.as_ptr().cast(), part.len()) };
+        unsafe { libc::write(to, part.as_ptr().cast(), part.len()) };
     }
 }
 

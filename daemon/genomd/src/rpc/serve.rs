@@ -1,10 +1,12 @@
 //! Serves connections of the listeners: limits, time-outs, and an orderly end.
 
 use std::io;
+use std::os::fd::OwnedFd;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
+use genom_host::{keep_from_children, keep_off};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -55,6 +57,10 @@ pub(crate) async fn serve(entrances: Vec<Entrance>, max_connections: usize, clos
 }
 
 async fn serve_one(entrance: Entrance, max_connections: usize, closed: Flag) {
+    match &entrance.listener {
+        Listener::Unix(listener) => keep_from_children(listener),
+        Listener::Tcp(listener, _) => keep_from_children(listener),
+    }
     // Each listener has its own: who fills one does not lock out the other.
     let slots = Arc::new(Semaphore::new(max_connections));
     let mut connections = JoinSet::new();
@@ -87,9 +93,22 @@ async fn serve_one(entrance: Entrance, max_connections: usize, closed: Flag) {
 
 async fn accept(listener: &Listener) -> io::Result<Peer> {
     match listener {
-        Listener::Unix(listener) => Ok(Peer::Unix(listener.accept().await?.0)),
-        Listener::Tcp(listener, tls) => Ok(Peer::Tcp(listener.accept().await?.0, tls.clone())),
+        Listener::Unix(listener) => {
+            let stream = own(listener.accept().await?.0.into_std()?.into())?;
+            Ok(Peer::Unix(UnixStream::from_std(stream.into())?))
+        }
+        Listener::Tcp(listener, tls) => {
+            let stream = own(listener.accept().await?.0.into_std()?.into())?;
+            Ok(Peer::Tcp(TcpStream::from_std(stream.into())?, tls.clone()))
+        }
     }
+}
+
+/// A connection that codels do not get at: neither what they print, nor children that they fork.
+fn own(connection: OwnedFd) -> io::Result<OwnedFd> {
+    let connection = keep_off(connection)?;
+    keep_from_children(&connection);
+    Ok(connection)
 }
 
 /// Out of descriptors, most likely: accepting at once again would only burn a core.

@@ -19,8 +19,9 @@ use crate::context::Context;
 use crate::cxx::Catcher;
 use crate::detail::UNKEX;
 use crate::events::{EventCache, contents};
-use crate::ffi::{Class, WHAT};
+use crate::ffi::{Class, Thrown, WHAT};
 use crate::last_words;
+use crate::process;
 
 /// Marks codels that another owner runs.
 const ABSENT: u16 = u16::MAX;
@@ -218,10 +219,13 @@ impl BoundFrame {
     }
 
     #[cold]
-    fn escaped(&mut self, codel: &str) -> Returned {
+    fn escaped(&mut self, codel: &str, how: Thrown) -> Returned {
         let text = self.what.iter().take_while(|byte| **byte != 0).copied().collect::<Vec<_>>();
         let text = String::from_utf8_lossy(&text).into_owned();
-        tracing::warn!("codel {codel}: a C++ exception escaped: {text}");
+        match how {
+            Thrown::Exception => tracing::warn!("codel {codel}: a C++ exception escaped: {text}"),
+            Thrown::Left => tracing::error!("codel {codel} ended early: {text}"),
+        }
         self.fail(text)
     }
 }
@@ -395,13 +399,16 @@ impl Frame for BoundFrame {
             let (function, arguments) = (prepared.function, &mut call.arguments);
             prepared.interface.call(function, arguments, &mut self.what, catcher.as_mut())
         };
+        if process::is_child() {
+            last_words::child_came_back();
+        }
         drop(running);
         context.leave();
         match returned {
             Ok(event) => self.understand(event, context),
-            Err(_) => match catcher.as_mut().and_then(Catcher::take) {
+            Err(how) => match catcher.as_mut().and_then(Catcher::take) {
                 Some((name, detail)) => self.thrown(name, detail),
-                None => self.escaped(&prepared.name),
+                None => self.escaped(&prepared.name, how),
             },
         }
     }

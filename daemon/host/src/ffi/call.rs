@@ -35,9 +35,14 @@ unsafe extern "C" {
     ) -> c_int;
 }
 
-/// A C++ exception escaped; its text is in the buffer given.
+/// No event came; why not is in the buffer given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Thrown;
+pub(crate) enum Thrown {
+    /// A C++ exception escaped.
+    Exception,
+    /// The codel wanted to end its thread.
+    Left,
+}
 
 /// How to call functions of one C type that return an event.
 #[derive(Debug)]
@@ -109,7 +114,11 @@ impl Interface {
                 )
             },
         };
-        if threw == 0 { Ok(result) } else { Err(Thrown) }
+        match threw {
+            0 => Ok(result),
+            1 => Err(Thrown::Exception),
+            _ => Err(Thrown::Left),
+        }
     }
 }
 

@@ -11,9 +11,11 @@
 
 #include "genom3/c++/exception.h"
 
+#include "../process/left.h"
+
 extern "C" void ffi_call(void *cif, void (*function)(void), void *result, void **arguments);
 
-// Says which codel ends its thread (last_words.rs).
+// Says in which codel a thread is cancelled (last_words.rs).
 extern "C" void genom_host_thread_ends(void);
 
 static void tell(char *what, std::size_t room, const char *text)
@@ -54,8 +56,8 @@ static void show(catcher *who, const genom::exception &e)
   }
 }
 
-// Runs `call` and tells whether it threw: what[0..room] then says what, and `who` knows it too
-// unless it is null.
+// Runs `call`. 1: it threw, what[0..room] says what, and `who` knows it too unless it is null.
+// 2: it wanted to end its thread, what[0..room] says how.
 template <typename F> static int guarded(F call, char *what, std::size_t room, catcher *who)
 {
   try {
@@ -64,6 +66,9 @@ template <typename F> static int guarded(F call, char *what, std::size_t room, c
   } catch (const abi::__forced_unwind &) {
     genom_host_thread_ends();
     throw;  // the thread is being cancelled: that must go on
+  } catch (const genom_host::left &l) {
+    tell(what, room, l.how);
+    return 2;
   } catch (const genom::exception &e) {
     tell_type(what, room);
     if (who) show(who, e);

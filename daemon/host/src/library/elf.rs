@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use object::read::elf::{Dyn as _, ElfFile, FileHeader, ProgramHeader};
-use object::{Endianness, Object, ObjectSection, ObjectSegment, ObjectSymbol, elf};
+use object::{Endianness, Object, ObjectSegment, ObjectSymbol, elf};
 
 use super::OpenError;
 
@@ -120,12 +120,34 @@ fn extent(bytes: &[u8]) -> object::Result<u64> {
     Ok(ends.max().unwrap_or(0))
 }
 
-/// Address and number of the functions that run when the library is closed. The first one is the
-/// compiler's: it destroys objects of C++, once, however often it is called.
-pub(super) fn finishers(bytes: &[u8]) -> Option<(u64, u64)> {
-    let file = object::File::parse(bytes).ok()?;
-    let section = file.section_by_name(".fini_array")?;
-    Some((section.address(), section.size() / size_of::<usize>() as u64))
+/// The functions that run when a library is closed, by address in the file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Finishers {
+    /// The first of their addresses. It is the compiler's, and destroys objects of C++.
+    pub(super) at: u64,
+    /// How many there are.
+    pub(super) count: usize,
+    /// The word that tells the dynamic linker how many bytes they take.
+    pub(super) size_at: u64,
+}
+
+/// What a library runs when it is closed.
+pub(super) fn finishers(bytes: &[u8]) -> Option<Finishers> {
+    let header = Header::parse(bytes).ok()?;
+    let endian = header.endian().ok()?;
+    let segments = header.program_headers(endian, bytes).ok()?;
+    let dynamic = segments.iter().find(|one| one.p_type(endian) == elf::PT_DYNAMIC)?;
+    let entries = dynamic.dynamic(endian, bytes).ok()??;
+    let entry = |tag| {
+        let rank = entries.iter().position(|entry| entry.tag(endian) == tag)?;
+        Some((rank, word(entries[rank].d_val(endian))))
+    };
+    let (_, at) = entry(elf::DT_FINI_ARRAY)?;
+    let (rank, size) = entry(elf::DT_FINI_ARRAYSZ)?;
+    let count = usize::try_from(size).ok()? / size_of::<usize>();
+    // An entry is a tag and a value, of a word each.
+    let size_at = word(dynamic.p_vaddr(endian)) + ((2 * rank + 1) * size_of::<usize>()) as u64;
+    Some(Finishers { at, count, size_at })
 }
 
 /// Tags of the dynamic table whose values are addresses that the dynamic linker follows unseen.

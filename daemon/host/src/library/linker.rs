@@ -67,16 +67,30 @@ impl Handle {
         (address != 0).then_some(address)
     }
 
-    /// Calls the function that the word at `place` leads to, as closing does.
+    /// Calls the library's functions for the end as closing does, the last one first, and sees to
+    /// it that closing does not call them again.
     ///
     /// # Safety
-    /// `place` is the first of the library's finishing functions (`.fini_array`).
-    pub(super) unsafe fn finish(&self, place: usize) {
-        // SAFETY: the caller's promise: such a word leads to a function of this type.
-        let finish = unsafe { *(place as *const Option<unsafe extern "C" fn()>) };
-        if let Some(finish) = finish {
-            // SAFETY: closing would call it now.
-            unsafe { finish() }
+    /// `first` is the first of `count` addresses of such functions (`DT_FINI_ARRAY`), and `size` the
+    /// word that tells the dynamic linker how many bytes they take (`DT_FINI_ARRAYSZ`).
+    pub(super) unsafe fn finish(&self, first: usize, count: usize, size: usize) {
+        type Finisher = Option<unsafe extern "C" fn()>;
+        for rank in (0..count).rev() {
+            // SAFETY: the caller's promise: such a word leads to a function of this type.
+            let finish = unsafe { *(first as *const Finisher).add(rank) };
+            if let Some(finish) = finish {
+                // SAFETY: closing would call it now.
+                unsafe { finish() }
+            }
+        }
+        // SAFETY: the page holds the library's dynamic table, which only the dynamic linker reads.
+        unsafe {
+            let page = usize::try_from(libc::sysconf(libc::_SC_PAGESIZE)).unwrap_or(4096);
+            let start = (size - size % page) as *mut c_void;
+            let both = libc::PROT_READ | libc::PROT_WRITE;
+            if libc::mprotect(start, page, both) == 0 {
+                *(size as *mut usize) = 0;
+            }
         }
     }
 

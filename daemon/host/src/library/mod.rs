@@ -2,12 +2,14 @@
 //!
 //! It knows no component: which symbols to ask for is the caller's business.
 
+mod ask;
 mod copy;
 mod elf;
 mod error;
 mod linker;
 mod outlive;
 mod threads;
+mod timers;
 
 pub use elf::{EmbeddedDescription, embedded_description};
 pub use error::OpenError;
@@ -50,8 +52,8 @@ pub struct Library {
     bytes: Vec<u8>,
     /// Its own parts in memory, not those of libraries it needs.
     mappings: Vec<Mapping>,
-    /// Address and number of its finishing functions, in the file.
-    finishers: Option<(u64, u64)>,
+    /// Its functions for the end.
+    finishers: Option<elf::Finishers>,
 }
 
 impl Library {

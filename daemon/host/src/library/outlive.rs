@@ -1,44 +1,78 @@
-//! Libraries whose threads outlive them. One of the few unsafe modules.
+//! Libraries that something still uses when they are to be closed. One of the few unsafe modules.
+//!
+//! To unmap code that a thread, a timer or a thread's end is about to run ends the daemon. A library
+//! stays mapped unless that is excluded: what cannot be looked at counts as a use.
 #![allow(unsafe_code)]
 
-use super::{Library, threads};
+use std::ops::Range;
+
+use super::{Library, threads, timers};
+use crate::process;
 
 impl Library {
-    /// Whether threads that codels started are still in its code, now that nobody calls it any
-    /// more: it then stays mapped for good, and what its threads may hold has to stay as well.
+    /// Whether something that codels left behind still uses its code, now that nobody calls it any
+    /// more: it then stays mapped for good, and what those may hold has to stay as well.
     ///
-    /// A library with functions of its own for the end is believed to end its threads there.
+    /// What it does on signals is undone. If there is a use, its own functions for the end run
+    /// first: they may end it.
     pub(crate) fn is_outlived(&mut self) -> bool {
         let parts = self.mappings.iter().filter(|part| part.executable);
         let code: Vec<_> = parts.map(|part| part.range.clone()).collect();
-        if threads::inside(&code) == 0 {
-            return false;
+        let mut uses = self.uses(&code);
+        if !uses.is_empty() && self.finish() {
+            uses = self.uses(&code);
         }
-        match self.finishers {
-            Some((_, more)) if more > 1 => return false,
-            Some((at, 1)) => self.finish(at),
-            _ => {}
-        }
-        let left = threads::inside(&code);
-        if left > 0 {
+        if !uses.is_empty() {
             tracing::warn!(
-                "{}: {left} of its threads run on, so its code and IDS stay in memory; end them \
-                 in the task's codel<stop>",
-                self.path.display()
+                "{}: {}, so its code and IDS stay in memory; end what it starts in the task's \
+                 codel<stop>",
+                self.path.display(),
+                uses.join(", ")
             );
             self.handle.keep();
         }
-        left > 0
+        !uses.is_empty()
     }
 
-    /// Destroys its C++ objects: threads may be theirs. Closing does not do so again.
-    fn finish(&self, at: u64) {
-        let base = self.mappings.iter().map(|part| part.range.start).min();
-        let place = base.zip(usize::try_from(at).ok()).map(|(base, at)| base + at);
-        let lies = |place: &usize| self.mappings.iter().any(|part| part.range.contains(place));
-        if let Some(place) = place.filter(lies) {
-            // SAFETY: the file says that its finishing functions are there.
-            unsafe { self.handle.finish(place) }
+    /// What uses its code; signal handlers are taken away.
+    fn uses(&self, code: &[Range<usize>]) -> Vec<String> {
+        let (back, left) = process::take_signals_from(code);
+        for name in back {
+            let path = self.path.display();
+            tracing::warn!("{path}: handled {name}; genomd does again what it did before");
         }
+        let mut uses: Vec<_> = left.iter().map(|name| format!("it still handles {name}")).collect();
+        let timers = timers::into(code);
+        if timers > 0 {
+            uses.push(format!("a timer still calls it in a thread ({timers})"));
+        }
+        if process::ends_threads(code) {
+            uses.push("a destructor of it waits for the end of threads".to_owned());
+        }
+        // Last: now nothing starts any more that was not there before.
+        let threads = threads::inside(code);
+        if threads.inside > 0 {
+            uses.push(format!("{} of its threads run on", threads.inside));
+        }
+        if threads.unseen > 0 {
+            uses.push(format!("{} threads cannot be looked at and may be in it", threads.unseen));
+        }
+        uses
+    }
+
+    /// Runs its functions for the end, as closing would: C++ objects are destroyed, and threads
+    /// may be theirs. Closing does not do so again. Whether there were any.
+    fn finish(&mut self) -> bool {
+        let Some(finishers) = self.finishers.take() else { return false };
+        let base = self.mappings.iter().map(|part| part.range.start).min();
+        let lies = |place: &usize| self.mappings.iter().any(|part| part.range.contains(place));
+        let place = |at: u64| Some(base? + usize::try_from(at).ok()?).filter(lies);
+        let (Some(first), Some(size)) = (place(finishers.at), place(finishers.size_at)) else {
+            return false;
+        };
+        // SAFETY: the file says that its finishing functions are there, and the number of their
+        // bytes.
+        unsafe { self.handle.finish(first, finishers.count, size) }
+        true
     }
 }

@@ -2,43 +2,89 @@
 //! to unmap the code under it ends the daemon.
 //!
 //! Found as a debugger would, by what lies on their stacks; a stale word can only make a library
-//! stay that could have gone.
+//! stay that could have gone. A thread that waits is looked at as it is. One that never waits is
+//! asked by a signal where it is.
 
 use std::fs::{self, File};
+use std::io::ErrorKind;
 use std::ops::Range;
 use std::os::unix::fs::FileExt;
+use std::path::Path;
 use std::thread;
 use std::time::Duration;
+
+use super::ask::{self, Place};
 
 /// How often a thread is looked at that does not stand still.
 const LOOKS: usize = 20;
 /// Most of a stack that is read.
 const DEEPEST: usize = 8 << 20;
 
-/// How many threads, the calling one apart, have an address within `code` on their stacks.
-pub(super) fn inside(code: &[Range<usize>]) -> usize {
+/// Threads that matter to a library that is to be unmapped, the calling one apart.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(super) struct Threads {
+    /// With an address of its code on their stacks.
+    pub(super) inside: usize,
+    /// Of which nobody can say.
+    pub(super) unseen: usize,
+}
+
+/// What is known of a thread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Found {
+    Inside,
+    Outside,
+    Unseen,
+}
+
+/// Looks at all threads for addresses within `code`.
+pub(super) fn inside(code: &[Range<usize>]) -> Threads {
     let own = fs::read_link("/proc/thread-self").ok();
     let own = own.as_deref().and_then(|path| path.file_name());
     let (Ok(tasks), Ok(memory)) = (fs::read_dir("/proc/self/task"), File::open("/proc/self/mem"))
     else {
-        return 0;
+        return Threads { inside: 0, unseen: 1 };
     };
-    let others = tasks.flatten().filter(|task| Some(task.file_name().as_os_str()) != own);
-    let stacks = others.filter_map(|task| stack(&task.path().join("syscall")));
-    stacks.filter(|stack| holds(&memory, stack, code)).count()
+    let mut threads = Threads::default();
+    for task in tasks.flatten().filter(|task| Some(task.file_name().as_os_str()) != own) {
+        match look(&task.path(), &memory, code) {
+            Found::Inside => threads.inside += 1,
+            Found::Unseen => threads.unseen += 1,
+            Found::Outside => {}
+        }
+    }
+    threads
 }
 
-/// The used part of a thread's stack, once it waits for something.
-fn stack(syscall: &std::path::Path) -> Option<Range<usize>> {
+fn look(task: &Path, memory: &File, code: &[Range<usize>]) -> Found {
     for _ in 0..LOOKS {
-        if let Some(top) = stack_pointer(&fs::read_to_string(syscall).ok()?) {
-            let maps = fs::read_to_string("/proc/self/maps").ok()?;
-            let end = maps.lines().filter_map(range).find(|range| range.contains(&top))?.end;
-            return Some(top..end.min(top + DEEPEST));
+        match fs::read_to_string(task.join("syscall")) {
+            Ok(line) => match stack_pointer(&line) {
+                Some(top) => return holds(memory, top, code),
+                None => thread::park_timeout(Duration::from_millis(1)),
+            },
+            // It ended.
+            Err(error) if is_gone(&error) => return Found::Outside,
+            // The kernel does not tell.
+            Err(_) => break,
         }
-        thread::park_timeout(Duration::from_millis(1));
     }
-    None
+    let number = task.file_name().and_then(|name| name.to_str()?.parse().ok());
+    let asked = number.and_then(|number| {
+        ask::where_is(number, |Place { counter, stack }| {
+            let there = code.iter().any(|own| own.contains(&counter));
+            if there { Found::Inside } else { holds(memory, stack, code) }
+        })
+    });
+    match asked {
+        Some(found) => found,
+        None if !task.exists() => Found::Outside,
+        None => Found::Unseen,
+    }
+}
+
+fn is_gone(error: &std::io::Error) -> bool {
+    error.kind() == ErrorKind::NotFound || error.raw_os_error() == Some(libc::ESRCH)
 }
 
 /// `NUMBER ARGUMENTS... SP PC` of a thread that waits; `running` has none.
@@ -54,15 +100,32 @@ fn range(line: &str) -> Option<Range<usize>> {
     Some(address(from)?..address(to)?)
 }
 
-/// Whether a word of that memory is an address within `code`. Read through the kernel: the thread
-/// may end meanwhile, and its stack with it.
-fn holds(memory: &File, stack: &Range<usize>, code: &[Range<usize>]) -> bool {
-    let mut bytes = vec![0; stack.len() / 8 * 8];
-    if memory.read_exact_at(&mut bytes, stack.start as u64).is_err() {
-        return false;
+/// Whether a word of the stack from `top` on is an address within `code`. Read through the kernel:
+/// the thread may end meanwhile, and its stack with it.
+fn holds(memory: &File, top: usize, code: &[Range<usize>]) -> Found {
+    let Ok(maps) = fs::read_to_string("/proc/self/maps") else { return Found::Unseen };
+    // No memory there any more: the thread has ended.
+    let Some(part) = maps.lines().filter_map(range).find(|part| part.contains(&top)) else {
+        return Found::Outside;
+    };
+    let end = part.end.min(top + DEEPEST);
+    let mut bytes = vec![0; (end - top) / 8 * 8];
+    match memory.read_exact_at(&mut bytes, top as u64) {
+        Ok(()) => {}
+        Err(_)
+            if !fs::read_to_string("/proc/self/maps")
+                .is_ok_and(|now| now.lines().filter_map(range).any(|part| part.contains(&top))) =>
+        {
+            return Found::Outside;
+        }
+        Err(_) => return Found::Unseen,
     }
     let words = bytes.chunks_exact(8).filter_map(|word| <[u8; 8]>::try_from(word).ok());
-    words.map(usize::from_ne_bytes).any(|at| code.iter().any(|own| own.contains(&at)))
+    let mut words = words.map(usize::from_ne_bytes);
+    match words.any(|at| code.iter().any(|own| own.contains(&at))) {
+        true => Found::Inside,
+        false => Found::Outside,
+    }
 }
 
 #[cfg(test)]

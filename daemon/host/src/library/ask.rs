@@ -1,0 +1,178 @@
+//! Asks a thread that does not stand still where it is. One of the few unsafe modules.
+//!
+//! The signal's handler notes where it interrupted the thread, and holds it there until it has been
+//! looked at. The signal is one whose default is to be ignored, so that it harms nothing if it comes
+//! late.
+#![allow(unsafe_code)]
+
+use std::ffi::{c_int, c_void};
+use std::mem::MaybeUninit;
+use std::ptr;
+use std::sync::atomic::{AtomicI32, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+const SIGNAL: c_int = libc::SIGURG;
+/// A thread that does not answer within this time is given up.
+const PATIENCE: Duration = Duration::from_millis(200);
+/// How long a thread is held at most, in nanoseconds.
+const HELD: i64 = 500_000_000;
+
+/// Where a thread is.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Its program counter.
+    pub(super) counter: usize,
+    /// Its stack pointer.
+    pub(super) stack: usize,
+}
+
+/// The thread that is asked, 0 when none is: whoever is held may go on.
+static ASKED: AtomicI32 = AtomicI32::new(0);
+static COUNTER: AtomicUsize = AtomicUsize::new(0);
+/// Written last; 0 while there is no answer.
+static STACK: AtomicUsize = AtomicUsize::new(0);
+
+/// Shows `look` where that thread is, while it stands still; `None` when it does not answer.
+pub(super) fn where_is<T>(thread: i32, look: impl FnOnce(Place) -> T) -> Option<T> {
+    static TURN: Mutex<()> = Mutex::new(());
+    let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
+    if is_masked(thread) || !handle() {
+        return None;
+    }
+    STACK.store(0, Ordering::Relaxed);
+    ASKED.store(thread, Ordering::Release);
+    // SAFETY: to send a signal to a thread of this process, whose handler is ours.
+    let sent = unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), thread, SIGNAL) } == 0;
+    let end = Instant::now() + PATIENCE;
+    let mut found = None;
+    while sent && found.is_none() && Instant::now() < end {
+        match STACK.load(Ordering::Acquire) {
+            0 => thread::park_timeout(Duration::from_micros(100)),
+            stack => found = Some(Place { counter: COUNTER.load(Ordering::Relaxed), stack }),
+        }
+    }
+    let seen = found.map(look);
+    ASKED.store(0, Ordering::Release);
+    seen
+}
+
+/// Whether the thread lets no such signal through: it would come at a time of its own.
+fn is_masked(thread: i32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/self/task/{thread}/status"));
+    let mask = status.ok().and_then(|status| {
+        let line = status.lines().find_map(|line| line.strip_prefix("SigBlk:"))?;
+        u64::from_str_radix(line.trim(), 16).ok()
+    });
+    mask.is_none_or(|mask| mask & (1 << (SIGNAL - 1)) != 0)
+}
+
+/// Makes sure that the signal is ours; `false` when somebody else handles it.
+fn handle() -> bool {
+    let handler: extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void) = on_signal;
+    // SAFETY: all zeroes is an action: an empty mask, no flags.
+    let mut now: libc::sigaction = unsafe { MaybeUninit::zeroed().assume_init() };
+    // SAFETY: without a new action the system only writes the present one.
+    if unsafe { libc::sigaction(SIGNAL, ptr::null(), &raw mut now) } != 0 {
+        return false;
+    }
+    if now.sa_sigaction == handler as usize {
+        return true;
+    }
+    if ![libc::SIG_DFL, libc::SIG_IGN].contains(&now.sa_sigaction) {
+        return false;
+    }
+    now.sa_sigaction = handler as usize;
+    now.sa_flags = libc::SA_SIGINFO | libc::SA_RESTART | libc::SA_ONSTACK;
+    // SAFETY: the handler has the signature that SA_SIGINFO asks for, calls only what may be
+    // called in handlers, and is part of this program, which is never closed.
+    unsafe { libc::sigaction(SIGNAL, &raw const now, ptr::null_mut()) == 0 }
+}
+
+extern "C" fn on_signal(_: c_int, _: *mut libc::siginfo_t, context: *mut c_void) {
+    // SAFETY: the system gives the context that SA_SIGINFO asks for; the rest has no
+    // preconditions.
+    unsafe {
+        let errno = *libc::__errno_location();
+        let own = i32::try_from(libc::syscall(libc::SYS_gettid)).unwrap_or(0);
+        if own != 0 && ASKED.load(Ordering::Acquire) == own {
+            let (counter, stack) = registers(&*context.cast::<libc::ucontext_t>());
+            COUNTER.store(counter, Ordering::Relaxed);
+            STACK.store(stack, Ordering::Release);
+            let begin = now();
+            while ASKED.load(Ordering::Acquire) == own && now() - begin < HELD {
+                libc::sched_yield();
+            }
+        }
+        *libc::__errno_location() = errno;
+    }
+}
+
+/// Nanoseconds.
+///
+/// # Safety
+/// None is asked for: it calls what handlers may call.
+unsafe fn now() -> i64 {
+    let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
+    // SAFETY: the system writes where there is room.
+    unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &raw mut time) };
+    time.tv_sec * 1_000_000_000 + time.tv_nsec
+}
+
+/// Program counter and stack pointer.
+#[cfg(target_arch = "x86_64")]
+fn registers(context: &libc::ucontext_t) -> (usize, usize) {
+    let of = |register: c_int| {
+        let rank = usize::try_from(register).unwrap_or(0);
+        context.uc_mcontext.gregs[rank].cast_unsigned() as usize
+    };
+    (of(libc::REG_RIP), of(libc::REG_RSP))
+}
+
+/// Program counter and stack pointer.
+#[cfg(target_arch = "aarch64")]
+fn registers(context: &libc::ucontext_t) -> (usize, usize) {
+    (context.uc_mcontext.pc as usize, context.uc_mcontext.sp as usize)
+}
+
+/// Program counter and stack pointer: not known here, so that nothing is excluded.
+#[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn registers(_: &libc::ucontext_t) -> (usize, usize) {
+    (0, 0)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+    use std::sync::atomic::AtomicBool;
+    use std::sync::mpsc::channel;
+
+    use super::*;
+
+    #[test]
+    fn a_thread_that_spins_says_where_it_is_and_goes_on() {
+        let end = Arc::new(AtomicBool::new(false));
+        let (sender, number) = channel();
+        let spinning = std::thread::spawn({
+            let end = Arc::clone(&end);
+            move || {
+                // SAFETY: it has no preconditions.
+                let own = unsafe { libc::syscall(libc::SYS_gettid) };
+                let here = 0_u8;
+                sender.send((i32::try_from(own).unwrap(), ptr::from_ref(&here) as usize)).unwrap();
+                while !end.load(Ordering::Relaxed) {
+                    std::hint::spin_loop();
+                }
+                std::hint::black_box(here);
+            }
+        });
+        let (number, there) = number.recv().unwrap();
+        let place = where_is(number, |place| place).unwrap();
+        assert!(place.stack.abs_diff(there) < 1 << 16, "{place:x?} {there:x}");
+        assert_ne!(place.counter, 0);
+        end.store(true, Ordering::Relaxed);
+        spinning.join().unwrap();
+        assert!(where_is(number, |place| place).is_none());
+    }
+}

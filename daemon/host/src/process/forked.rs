@@ -1,0 +1,99 @@
+//! Children that codels fork. One of the few unsafe modules.
+//!
+//! A child has the daemon's descriptors, and they stay open as long as it lives: its listening
+//! sockets accept clients that nobody serves, its locks keep the next daemon out. What is the
+//! daemon's own is closed in each child. Children that run another program lose all descriptors
+//! anyway: each is close-on-exec.
+#![allow(unsafe_code)]
+
+use std::ffi::c_int;
+use std::os::fd::{AsFd, AsRawFd as _};
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// Descriptors up to this are known one by one.
+const MOST: usize = 1 << 16;
+
+/// A bit for each descriptor that children lose.
+static OWN: [AtomicU64; MOST / 64] = [const { AtomicU64::new(0) }; MOST / 64];
+
+/// Whether this process is a child of the daemon's.
+static CHILD: AtomicBool = AtomicBool::new(false);
+
+/// Keeps a descriptor from the children that codels fork, until it is closed.
+pub fn keep_from_children(descriptor: impl AsFd) {
+    prepare();
+    let number = usize::try_from(descriptor.as_fd().as_raw_fd()).unwrap_or(MOST);
+    if let Some(word) = OWN.get(number / 64) {
+        word.fetch_or(1 << (number % 64), Ordering::AcqRel);
+    }
+}
+
+/// A descriptor is about to be closed: its number is free for others.
+pub(super) fn forget(descriptor: c_int) {
+    let Ok(number) = usize::try_from(descriptor) else { return };
+    let Some(word) = OWN.get(number / 64) else { return };
+    let bit = 1 << (number % 64);
+    if word.load(Ordering::Relaxed) & bit != 0 {
+        word.fetch_and(!bit, Ordering::AcqRel);
+    }
+}
+
+/// Makes sure that children know what they are.
+pub(super) fn prepare() {
+    static ONCE: Once = Once::new();
+    // SAFETY: the function calls only what a child of a process with threads may call, and is part
+    // of this program.
+    ONCE.call_once(|| unsafe {
+        libc::pthread_atfork(None, None, Some(on_child));
+    });
+}
+
+/// Whether this process is a child that a codel forked.
+#[inline]
+pub(crate) fn is_child() -> bool {
+    CHILD.load(Ordering::Relaxed)
+}
+
+unsafe extern "C" fn on_child() {
+    CHILD.store(true, Ordering::Relaxed);
+    for (at, word) in OWN.iter().enumerate() {
+        let mut bits = word.load(Ordering::Relaxed);
+        while bits != 0 {
+            let number = at * 64 + bits.trailing_zeros() as usize;
+            bits &= bits - 1;
+            // SAFETY: the child's own copy of the descriptor; nothing of the daemon's runs in it.
+            unsafe { libc::syscall(libc::SYS_close, number) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Read as _;
+    use std::os::unix::net::UnixStream;
+
+    use super::*;
+
+    #[test]
+    fn a_child_does_not_keep_the_daemons_connections_open() {
+        let (mut near, far) = UnixStream::pair().unwrap();
+        keep_from_children(&far);
+        // SAFETY: the child only sleeps.
+        let child = unsafe {
+            let child = libc::fork();
+            if child == 0 {
+                libc::pause();
+            }
+            child
+        };
+        drop(far);
+        // The end is seen although the child lives.
+        assert_eq!(near.read(&mut [0]).unwrap(), 0);
+        // SAFETY: the child is ours.
+        unsafe {
+            libc::kill(child, libc::SIGKILL);
+            libc::waitpid(child, std::ptr::null_mut(), 0);
+        }
+    }
+}

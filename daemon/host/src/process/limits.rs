@@ -1,0 +1,173 @@
+//! Limits of the process: as they were when the daemon started. One of the few unsafe modules.
+//!
+//! A limit is the whole process's. A codel that lowers one to protect itself takes files and memory
+//! from the daemon and from every other component: through the C library that is refused, and what
+//! was lowered otherwise is raised again.
+#![allow(unsafe_code)]
+
+use std::ffi::c_int;
+use std::ptr;
+
+use super::notes::{self, Act};
+use crate::last_words;
+
+/// `struct rlimit` of 64-bit systems.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Limit {
+    soft: u64,
+    hard: u64,
+}
+
+/// Limits without which the daemon cannot go on; a codel that wants no core dumps may say so.
+const NEEDED: [(c_int, &str); 8] = [
+    (libc::RLIMIT_NOFILE as c_int, "RLIMIT_NOFILE"),
+    (libc::RLIMIT_AS as c_int, "RLIMIT_AS"),
+    (libc::RLIMIT_DATA as c_int, "RLIMIT_DATA"),
+    (libc::RLIMIT_FSIZE as c_int, "RLIMIT_FSIZE"),
+    (libc::RLIMIT_CPU as c_int, "RLIMIT_CPU"),
+    (libc::RLIMIT_NPROC as c_int, "RLIMIT_NPROC"),
+    (libc::RLIMIT_STACK as c_int, "RLIMIT_STACK"),
+    (libc::RLIMIT_RTTIME as c_int, "RLIMIT_RTTIME"),
+];
+
+/// The limits as they were.
+#[derive(Debug)]
+pub(super) struct KeptLimits([Option<Limit>; NEEDED.len()]);
+
+impl KeptLimits {
+    pub(super) fn remember() -> Self {
+        Self(NEEDED.map(|(resource, _)| exchange(resource, None)))
+    }
+
+    /// Raises again what was lowered: sentences on what was done.
+    pub(super) fn put_back(&self) -> Vec<String> {
+        let mut told = Vec::new();
+        for (kept, (resource, name)) in self.0.iter().zip(NEEDED) {
+            let (Some(kept), Some(now)) = (kept, exchange(resource, None)) else { continue };
+            if now.soft >= kept.soft {
+                continue;
+            }
+            let back = Limit { soft: kept.soft.min(now.hard), hard: now.hard };
+            exchange(resource, Some(back));
+            told.push(match exchange(resource, None) {
+                Some(now) if now.soft >= kept.soft => {
+                    format!("a codel lowered {name} of the process: it is put back")
+                }
+                _ => format!(
+                    "a codel lowered {name} of the process for good: restart the daemon, and leave \
+                     limits to who starts it"
+                ),
+            });
+        }
+        told
+    }
+}
+
+/// The name of a limit.
+pub(super) fn name(resource: c_int) -> String {
+    let known = NEEDED.iter().find(|(number, _)| *number == resource);
+    known.map_or_else(|| format!("limit {resource}"), |(_, name)| (*name).to_owned())
+}
+
+/// The limit of this process, after it was set if there is a new one.
+fn exchange(resource: c_int, new: Option<Limit>) -> Option<Limit> {
+    let mut old = Limit::default();
+    let new = new.as_ref().map_or(ptr::null(), ptr::from_ref);
+    // SAFETY: both lead to limits, or nowhere.
+    let done = unsafe { libc::syscall(libc::SYS_prlimit64, 0, resource, new, &raw mut old) };
+    (done == 0).then_some(old)
+}
+
+/// Whether a codel of this process is about to lower what the daemon needs.
+///
+/// # Safety
+/// `new` leads to a limit, or nowhere.
+unsafe fn is_refused(pid: libc::pid_t, resource: c_int, new: *const Limit) -> bool {
+    let needed = NEEDED.iter().any(|(number, _)| *number == resource);
+    // SAFETY: it has no preconditions.
+    let ours = pid == 0 || pid == unsafe { libc::getpid() };
+    if new.is_null() || !needed || !ours || !last_words::in_codel() {
+        return false;
+    }
+    // SAFETY: the caller's promise.
+    let new = unsafe { *new };
+    let lowers = exchange(resource, None).is_some_and(|old| new.soft < old.soft);
+    if lowers {
+        notes::add(Act::Limit, resource, 0, last_words::words());
+        // SAFETY: it leads to this thread's own.
+        unsafe { *libc::__errno_location() = libc::EPERM };
+    }
+    lowers
+}
+
+/// As the system's, but that codels lower nothing that the daemon needs.
+///
+/// # Safety
+/// As for the system's.
+#[unsafe(no_mangle)]
+pub(super) unsafe extern "C" fn setrlimit(resource: c_int, new: *const Limit) -> c_int {
+    // SAFETY: the caller's own arguments.
+    unsafe { prlimit(0, resource, new, ptr::null_mut()) }
+}
+
+/// As [`setrlimit`].
+///
+/// # Safety
+/// As for the system's.
+#[unsafe(no_mangle)]
+pub(super) unsafe extern "C" fn setrlimit64(resource: c_int, new: *const Limit) -> c_int {
+    // SAFETY: the caller's own arguments.
+    unsafe { prlimit(0, resource, new, ptr::null_mut()) }
+}
+
+/// As [`setrlimit`].
+///
+/// # Safety
+/// As for the system's.
+#[unsafe(no_mangle)]
+pub(super) unsafe extern "C" fn prlimit(
+    pid: libc::pid_t,
+    resource: c_int,
+    new: *const Limit,
+    old: *mut Limit,
+) -> c_int {
+    // SAFETY: the caller's own arguments.
+    unsafe {
+        if is_refused(pid, resource, new) {
+            return -1;
+        }
+        c_int::try_from(libc::syscall(libc::SYS_prlimit64, pid, resource, new, old)).unwrap_or(-1)
+    }
+}
+
+/// As [`setrlimit`].
+///
+/// # Safety
+/// As for the system's.
+#[unsafe(no_mangle)]
+pub(super) unsafe extern "C" fn prlimit64(
+    pid: libc::pid_t,
+    resource: c_int,
+    new: *const Limit,
+    old: *mut Limit,
+) -> c_int {
+    // SAFETY: the caller's own arguments.
+    unsafe { prlimit(pid, resource, new, old) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_limit_that_was_lowered_is_raised_again() {
+        let kept = KeptLimits::remember();
+        let cpu = libc::RLIMIT_CPU as c_int;
+        let before = exchange(cpu, None).unwrap();
+        exchange(cpu, Some(Limit { soft: 100_000, ..before }));
+        assert_eq!(kept.put_back(), ["a codel lowered RLIMIT_CPU of the process: it is put back"]);
+        assert_eq!(exchange(cpu, None), Some(before));
+        assert!(kept.put_back().is_empty());
+    }
+}

@@ -1,0 +1,124 @@
+//! What codels did to the process, noted where it happens, even in signal handlers, and read by
+//! whoever logs it. Nothing here allocates, locks or waits.
+
+use std::sync::atomic::{AtomicI32, AtomicU8, AtomicU32, Ordering};
+
+/// What was done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Act {
+    /// A signal came that nobody handles; its number.
+    Signal = 1,
+    /// A signal was sent to the own process; its number.
+    Sent,
+    /// A limit of the process was to be lowered; its resource.
+    Limit,
+    /// A standard descriptor was to be closed.
+    Close,
+}
+
+/// One act, as often as it was done since it was last taken.
+#[derive(Debug)]
+pub(crate) struct Note {
+    pub(crate) act: Act,
+    /// Signal, resource or descriptor.
+    pub(crate) number: i32,
+    /// Who sent a signal: a process id, 0 for the kernel or its timers.
+    pub(crate) sender: i32,
+    pub(crate) times: u32,
+    /// The code that did it, as last words name it; empty when that is not known.
+    pub(crate) words: String,
+}
+
+/// Room for the words of one.
+const ROOM: usize = 200;
+
+/// A place for notes of one act and number.
+struct Slot {
+    /// 0 while it is free, else the act and the number.
+    key: AtomicU32,
+    times: AtomicU32,
+    sender: AtomicI32,
+    /// Whether somebody writes or reads the words.
+    busy: AtomicU8,
+    words: [AtomicU8; ROOM],
+}
+
+/// More kinds of acts than that at once are not told.
+static SLOTS: [Slot; 32] = [const {
+    Slot {
+        key: AtomicU32::new(0),
+        times: AtomicU32::new(0),
+        sender: AtomicI32::new(0),
+        busy: AtomicU8::new(0),
+        words: [const { AtomicU8::new(0) }; ROOM],
+    }
+}; 32];
+
+fn key(act: Act, number: i32) -> u32 {
+    u32::from(act as u8) << 24 | (number.unsigned_abs() & 0xff_ffff)
+}
+
+/// Notes an act of the code that `words` name. Signal handlers may call it.
+pub(crate) fn add(act: Act, number: i32, sender: i32, words: &str) {
+    let key = key(act, number);
+    let own = |slot: &&Slot| {
+        let taken = slot.key.compare_exchange(0, key, Ordering::AcqRel, Ordering::Acquire);
+        taken.is_ok() || taken == Err(key)
+    };
+    let Some(slot) = SLOTS.iter().find(own) else { return };
+    if slot.busy.swap(1, Ordering::Acquire) == 0 {
+        // A name that is known is better than none: the same signal may come without.
+        if !words.is_empty() || slot.times.load(Ordering::Relaxed) == 0 {
+            let end = words.floor_char_boundary(ROOM - 1);
+            for (to, byte) in slot.words.iter().zip(words.bytes().take(end).chain([0])) {
+                to.store(byte, Ordering::Relaxed);
+            }
+            slot.sender.store(sender, Ordering::Relaxed);
+        }
+        slot.busy.store(0, Ordering::Release);
+    }
+    slot.times.fetch_add(1, Ordering::Release);
+}
+
+fn read(slot: &Slot, act: Act, number: i32, times: u32) -> Note {
+    let bytes = slot.words.iter().map(|byte| byte.load(Ordering::Relaxed));
+    let bytes: Vec<u8> = bytes.take_while(|byte| *byte != 0).collect();
+    let words = String::from_utf8_lossy(&bytes).into_owned();
+    let sender = slot.sender.load(Ordering::Relaxed);
+    Note { act, number, sender, times, words }
+}
+
+/// Takes what was noted of these acts.
+pub(crate) fn take(acts: &[Act]) -> Vec<Note> {
+    let mut notes = Vec::new();
+    for slot in &SLOTS {
+        let key = slot.key.load(Ordering::Acquire);
+        let Some(act) = acts.iter().find(|act| **act as u32 == key >> 24) else { continue };
+        let times = slot.times.swap(0, Ordering::AcqRel);
+        if times > 0 && slot.busy.swap(1, Ordering::Acquire) == 0 {
+            notes.push(read(slot, *act, (key & 0xff_ffff).cast_signed(), times));
+            slot.busy.store(0, Ordering::Release);
+        }
+    }
+    notes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_act_is_told_once_with_how_often_and_by_whom() {
+        let taken = || take(&[Act::Close]);
+        assert!(taken().is_empty());
+        add(Act::Close, 2, 0, "codel `a`");
+        add(Act::Close, 2, 0, "");
+        add(Act::Close, 1, 7, &"x".repeat(500));
+        let notes = taken();
+        assert_eq!(notes.len(), 2);
+        assert_eq!((notes[0].number, notes[0].times, notes[0].words.as_str()), (2, 2, "codel `a`"));
+        assert_eq!((notes[1].sender, notes[1].words.len()), (7, ROOM - 1));
+        assert!(taken().is_empty());
+    }
+}

@@ -1,0 +1,246 @@
+//! What the process does on signals, kept against codels that take the process for their own. One
+//! of the few unsafe modules.
+//!
+//! Three kinds: those that stop the daemon keep doing so; those that would end it although nobody
+//! handles them, such as a timer's, are noted instead; and what a library handles itself is left
+//! to it as long as it is loaded.
+#![allow(unsafe_code)]
+
+use std::ffi::{c_int, c_void};
+use std::mem::MaybeUninit;
+use std::ops::Range;
+use std::ptr;
+use std::sync::OnceLock;
+
+use super::notes::{self, Act};
+use crate::last_words;
+
+/// Signals that a daemon relies on: to be stopped, and not to die of a peer that left.
+const OURS: [(c_int, &str); 3] =
+    [(libc::SIGINT, "SIGINT"), (libc::SIGTERM, "SIGTERM"), (libc::SIGPIPE, "SIGPIPE")];
+
+/// Signals whose default is to end the process, and that only timers, codels and curious users
+/// send. The real-time signals belong to them.
+const HARMLESS: [(c_int, &str); 10] = [
+    (libc::SIGALRM, "SIGALRM"),
+    (libc::SIGVTALRM, "SIGVTALRM"),
+    (libc::SIGPROF, "SIGPROF"),
+    (libc::SIGUSR1, "SIGUSR1"),
+    (libc::SIGUSR2, "SIGUSR2"),
+    (libc::SIGIO, "SIGIO"),
+    (libc::SIGPWR, "SIGPWR"),
+    (libc::SIGSTKFLT, "SIGSTKFLT"),
+    (libc::SIGXCPU, "SIGXCPU"),
+    (libc::SIGXFSZ, "SIGXFSZ"),
+];
+
+/// Every signal there can be.
+const ALL: Range<c_int> = 1..65;
+
+/// The process's own actions by signal, as they were before codels could change them.
+static OWN: OnceLock<Vec<Option<libc::sigaction>>> = OnceLock::new();
+
+type Handler = extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void);
+
+/// The name of a signal, as its users write it.
+pub(super) fn name(signal: c_int) -> String {
+    let known = OURS.iter().chain(&HARMLESS).find(|(number, _)| *number == signal);
+    match known {
+        Some((_, name)) => (*name).to_owned(),
+        None if signal >= libc::SIGRTMIN() => format!("SIGRTMIN+{}", signal - libc::SIGRTMIN()),
+        None => match signal {
+            libc::SIGHUP => "SIGHUP".to_owned(),
+            libc::SIGCHLD => "SIGCHLD".to_owned(),
+            libc::SIGSEGV => "SIGSEGV".to_owned(),
+            libc::SIGABRT => "SIGABRT".to_owned(),
+            libc::SIGQUIT => "SIGQUIT".to_owned(),
+            other => format!("signal {other}"),
+        },
+    }
+}
+
+fn harmless() -> impl Iterator<Item = c_int> {
+    HARMLESS.iter().map(|(signal, _)| *signal).chain(libc::SIGRTMIN()..=libc::SIGRTMAX())
+}
+
+/// The process's own actions.
+#[derive(Debug)]
+pub(super) struct KeptSignals(());
+
+impl KeptSignals {
+    /// The actions as they are now, which is to be after the process has set them up. Signals that
+    /// would end the process although nobody wants that are noted from now on.
+    #[must_use]
+    pub(super) fn remember() -> Self {
+        OWN.get_or_init(|| {
+            for signal in harmless() {
+                make_harmless(signal);
+            }
+            let stops = [libc::SIGINT, libc::SIGTERM];
+            let before = stops.map(|signal| (signal, action(signal)));
+            STOPS.get_or_init(|| before);
+            stops.iter().for_each(|signal| set(*signal, on_stop));
+            ALL.map(action).collect()
+        });
+        Self(())
+    }
+
+    /// Puts back what was changed; the names of these signals.
+    pub(super) fn put_back(&self) -> Vec<String> {
+        let ours = OURS.iter().map(|(signal, _)| *signal).filter(|signal| {
+            let same = own(*signal)
+                .zip(action(*signal))
+                .is_none_or(|(own, now)| own.sa_sigaction == now.sa_sigaction);
+            !same && restore(*signal)
+        });
+        // What a library handles itself is its own; the default would end the process.
+        let harmless = harmless().filter(|signal| {
+            let default = action(*signal).is_some_and(|now| now.sa_sigaction == libc::SIG_DFL);
+            default && restore(*signal)
+        });
+        ours.chain(harmless).map(name).collect()
+    }
+}
+
+/// Puts back what was done on signals before code in one of these places handled them; the names
+/// of these signals, and of those that could not be put back.
+pub(crate) fn take_from(code: &[Range<usize>]) -> (Vec<String>, Vec<String>) {
+    let is_there = |signal: &c_int| {
+        let handler = action(*signal).map_or(0, |action| action.sa_sigaction);
+        code.iter().any(|part| part.contains(&handler))
+    };
+    let (back, left): (Vec<_>, Vec<_>) = ALL.filter(is_there).partition(|signal| restore(*signal));
+    (back.into_iter().map(name).collect(), left.into_iter().map(name).collect())
+}
+
+/// What raised a signal to stop within the process itself, if something did: in words.
+#[must_use]
+pub fn raised_to_stop() -> Option<String> {
+    let notes = notes::take(&[Act::Sent]);
+    let note =
+        notes.into_iter().find(|note| [libc::SIGINT, libc::SIGTERM].contains(&note.number))?;
+    let by = if note.words.is_empty() { "the process itself" } else { note.words.as_str() };
+    Some(format!("{} raised by {by}", name(note.number)))
+}
+
+fn own(signal: c_int) -> Option<&'static libc::sigaction> {
+    OWN.get()?.get(usize::try_from(signal - ALL.start).ok()?)?.as_ref()
+}
+
+fn restore(signal: c_int) -> bool {
+    // SAFETY: an action that the system itself told, whose handler is code of this process and
+    // not of a library that may be closed.
+    own(signal).is_some_and(|own| unsafe { libc::sigaction(signal, own, ptr::null_mut()) } == 0)
+}
+
+/// Sets a handler of this program.
+fn set(signal: c_int, handler: Handler) {
+    // SAFETY: all zeroes is an action: an empty mask, no flags.
+    let mut action: libc::sigaction = unsafe { MaybeUninit::zeroed().assume_init() };
+    action.sa_sigaction = handler as usize;
+    action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK | libc::SA_RESTART;
+    // SAFETY: the handler has the signature that SA_SIGINFO asks for, calls only what may be
+    // called in handlers, and is part of this program, which is never closed.
+    unsafe { libc::sigaction(signal, &raw const action, ptr::null_mut()) };
+}
+
+fn make_harmless(signal: c_int) {
+    if action(signal).is_some_and(|now| now.sa_sigaction == libc::SIG_DFL) {
+        set(signal, on_harmless);
+    }
+}
+
+/// Who sent it: a process, or 0 for the kernel and its timers.
+fn sender(info: *const libc::siginfo_t) -> i32 {
+    // SAFETY: the system gives what SA_SIGINFO asks for; signals with these codes have a sender.
+    unsafe {
+        match (*info).si_code {
+            libc::SI_USER | libc::SI_TKILL | libc::SI_QUEUE => (*info).si_pid(),
+            _ => 0,
+        }
+    }
+}
+
+extern "C" fn on_harmless(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_void) {
+    let kept = Errno::keep();
+    notes::add(Act::Signal, signal, sender(info), last_words::words());
+    kept.put_back();
+}
+
+/// What was done before on the signals that stop the daemon.
+static STOPS: OnceLock<[(c_int, Option<libc::sigaction>); 2]> = OnceLock::new();
+
+/// Notes who raised it, when that was the process itself, and passes it on.
+extern "C" fn on_stop(signal: c_int, info: *mut libc::siginfo_t, context: *mut c_void) {
+    let kept = Errno::keep();
+    // SAFETY: it has no preconditions.
+    if sender(info) == unsafe { libc::getpid() } {
+        notes::add(Act::Sent, signal, 0, last_words::words());
+    }
+    let before = STOPS.get().and_then(|all| all.iter().find(|(own, _)| *own == signal)?.1.as_ref());
+    if let Some(before) =
+        before.filter(|one| ![libc::SIG_DFL, libc::SIG_IGN].contains(&one.sa_sigaction))
+    {
+        // SAFETY: the handler that the process had set, with the signature that its flags say.
+        unsafe {
+            if before.sa_flags & libc::SA_SIGINFO != 0 {
+                std::mem::transmute::<usize, Handler>(before.sa_sigaction)(signal, info, context);
+            } else {
+                std::mem::transmute::<usize, extern "C" fn(c_int)>(before.sa_sigaction)(signal);
+            }
+        }
+    }
+    kept.put_back();
+}
+
+/// The interrupted code's `errno`.
+struct Errno(c_int);
+
+impl Errno {
+    fn keep() -> Self {
+        // SAFETY: it leads to this thread's own.
+        Self(unsafe { *libc::__errno_location() })
+    }
+
+    fn put_back(self) {
+        // SAFETY: as above.
+        unsafe { *libc::__errno_location() = self.0 };
+    }
+}
+
+/// What the process does on a signal now.
+fn action(signal: c_int) -> Option<libc::sigaction> {
+    let mut action = MaybeUninit::uninit();
+    // SAFETY: without a new action the system only writes the present one, to where there is room.
+    let told = unsafe { libc::sigaction(signal, ptr::null(), action.as_mut_ptr()) } == 0;
+    // SAFETY: the system wrote it.
+    told.then(|| unsafe { action.assume_init() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_somebody_changes_is_put_back_and_told_once() {
+        // What runs in the background of a shell ignores SIGINT from the start.
+        // SAFETY: the default calls nothing.
+        unsafe { libc::signal(libc::SIGINT, libc::SIG_DFL) };
+        let kept = KeptSignals::remember();
+        assert_eq!(kept.put_back(), Vec::<String>::new());
+        let before = action(libc::SIGINT).map(|action| action.sa_sigaction);
+        // SAFETY: to ignore a signal calls nothing.
+        unsafe { libc::signal(libc::SIGINT, libc::SIG_IGN) };
+        assert_eq!(kept.put_back(), ["SIGINT"]);
+        assert_eq!(kept.put_back(), Vec::<String>::new());
+        assert_eq!(action(libc::SIGINT).map(|action| action.sa_sigaction), before);
+        // A signal that nobody handles ends nothing.
+        // SAFETY: to send this process a signal.
+        unsafe { libc::raise(libc::SIGUSR1) };
+        let notes = notes::take(&[Act::Signal]);
+        assert_eq!((notes[0].number, notes[0].times), (libc::SIGUSR1, 1));
+        // SAFETY: the default calls nothing.
+        unsafe { libc::signal(libc::SIGUSR1, libc::SIG_DFL) };
+        assert_eq!(kept.put_back(), ["SIGUSR1"]);
+    }
+}

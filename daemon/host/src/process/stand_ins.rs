@@ -1,0 +1,44 @@
+//! What the functions that stand in for those of the C library (`stand_ins.cc`) ask, and what keeps
+//! them all in the program. One of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::ffi::c_int;
+use std::hint::black_box;
+
+use super::notes::{self, Act};
+use super::{keys, limits, standard};
+use crate::last_words;
+
+unsafe extern "C" {
+    fn genom_host_stand_in();
+}
+
+/// Makes sure that the functions are part of the program: of what nothing refers to, the linker
+/// takes nothing.
+pub(super) fn keep() {
+    // SAFETY: it looks up functions of the C library.
+    unsafe { genom_host_stand_in() };
+    black_box::<[*const (); 7]>([
+        limits::setrlimit as *const (),
+        limits::setrlimit64 as *const (),
+        limits::prlimit as *const (),
+        limits::prlimit64 as *const (),
+        standard::close as *const (),
+        keys::pthread_key_create as *const (),
+        keys::pthread_key_delete as *const (),
+    ]);
+}
+
+#[unsafe(no_mangle)]
+extern "C" fn genom_host_in_codel() -> bool {
+    last_words::in_codel()
+}
+
+/// A codel sends a signal to its own process: the handler may run on another thread.
+#[unsafe(no_mangle)]
+extern "C" fn genom_host_signal_sent(signal: c_int, pid: c_int) {
+    // SAFETY: it has no preconditions.
+    if last_words::in_codel() && (pid == 0 || pid == unsafe { libc::getpid() }) {
+        notes::add(Act::Sent, signal, 0, last_words::words());
+    }
+}

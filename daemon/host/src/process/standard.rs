@@ -1,0 +1,163 @@
+//! Standard input, output and error, kept against codels that close them. One of the few unsafe
+//! modules.
+//!
+//! The next file or socket that the daemon opens gets the lowest free descriptor. Were that 2, what
+//! libraries print would end in a client's connection. The daemon itself writes to a copy of
+//! standard error that is its own.
+#![allow(unsafe_code)]
+
+use std::ffi::c_int;
+use std::fs::File;
+use std::io::{self, Write};
+use std::os::fd::{AsRawFd as _, FromRawFd as _, OwnedFd, RawFd};
+use std::sync::OnceLock;
+
+use super::forked;
+use super::notes::{self, Act};
+use crate::last_words;
+
+const NAMES: [&str; 3] = ["input", "output", "error"];
+/// Copies get descriptors from here on: above those that programs count on.
+const HIGH: RawFd = 100;
+
+/// Copies of the three, as they were at the start.
+static COPIES: OnceLock<[Option<File>; 3]> = OnceLock::new();
+
+fn copies() -> &'static [Option<File>; 3] {
+    COPIES.get_or_init(|| [0, 1, 2].map(copy))
+}
+
+/// A copy of a descriptor that no program inherits.
+fn copy(of: RawFd) -> Option<File> {
+    // SAFETY: to duplicate a descriptor reads no memory; the new one is nobody else's.
+    unsafe {
+        let found = libc::fcntl(of, libc::F_DUPFD_CLOEXEC, HIGH);
+        (found >= 0).then(|| File::from(OwnedFd::from_raw_fd(found)))
+    }
+}
+
+/// Standard error as it was when the process started, whatever codels do to descriptor 2.
+#[derive(Clone, Copy, Debug)]
+pub struct StandardError(());
+
+impl StandardError {
+    /// It; the first call is to be made before codels run.
+    #[must_use]
+    pub fn get() -> Self {
+        let _ = copies();
+        Self(())
+    }
+}
+
+impl Write for StandardError {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match copies()[2].as_ref() {
+            Some(mut file) => file.write(bytes),
+            None => Ok(bytes.len()),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// The descriptor for last words. Signal handlers may call it.
+pub(crate) fn error_descriptor() -> RawFd {
+    let copies = COPIES.get();
+    copies.and_then(|all| all[2].as_ref()).map_or(libc::STDERR_FILENO, |file| file.as_raw_fd())
+}
+
+/// Opens again what was closed: sentences on what was done.
+pub(super) fn put_back() -> Vec<String> {
+    let closed = |descriptor: &RawFd| {
+        // SAFETY: to ask for flags reads no memory.
+        unsafe { libc::fcntl(*descriptor, libc::F_GETFD) < 0 }
+    };
+    let told = |descriptor: RawFd| {
+        let name = NAMES.get(usize::try_from(descriptor).ok()?)?;
+        reopen(descriptor).then(|| format!("a codel closed standard {name}: it is open again"))
+    };
+    (0..3).filter(closed).filter_map(told).collect()
+}
+
+/// Makes a standard descriptor what it was, unless somebody else has taken it.
+fn reopen(descriptor: RawFd) -> bool {
+    let Some(Some(copy)) = usize::try_from(descriptor).ok().and_then(|at| copies().get(at)) else {
+        return false;
+    };
+    // The lowest free one: what is taken meanwhile is not overwritten.
+    // SAFETY: to duplicate a descriptor reads no memory; what is made is left open or closed here.
+    unsafe {
+        let made = libc::fcntl(copy.as_raw_fd(), libc::F_DUPFD, descriptor);
+        if made > descriptor {
+            libc::close(made);
+        }
+        made == descriptor
+    }
+}
+
+/// Moves a descriptor of the daemon's out of the place of a standard one, which it then has no
+/// more part in.
+///
+/// # Errors
+/// There are no more descriptors.
+pub fn keep_off(found: OwnedFd) -> io::Result<OwnedFd> {
+    if found.as_raw_fd() > libc::STDERR_FILENO {
+        return Ok(found);
+    }
+    // SAFETY: to duplicate a descriptor reads no memory; the new one is nobody else's.
+    let moved = unsafe {
+        let moved = libc::fcntl(found.as_raw_fd(), libc::F_DUPFD_CLOEXEC, HIGH);
+        if moved < 0 {
+            return Err(io::Error::last_os_error());
+        }
+        OwnedFd::from_raw_fd(moved)
+    };
+    let low = found.as_raw_fd();
+    drop(found);
+    reopen(low);
+    Ok(moved)
+}
+
+/// As the system's, but that codels do not close the standard descriptors, and that who kept a
+/// descriptor for itself keeps the next file of that number for nobody.
+///
+/// # Safety
+/// As for the system's.
+#[unsafe(no_mangle)]
+pub(super) unsafe extern "C" fn close(descriptor: c_int) -> c_int {
+    if (0..3).contains(&descriptor) && last_words::in_codel() {
+        notes::add(Act::Close, descriptor, 0, last_words::words());
+        return 0;
+    }
+    forked::forget(descriptor);
+    // SAFETY: the caller's own argument.
+    c_int::try_from(unsafe { libc::syscall(libc::SYS_close, descriptor) }).unwrap_or(-1)
+}
+
+/// The name of a standard descriptor.
+pub(super) fn name(descriptor: c_int) -> &'static str {
+    usize::try_from(descriptor).ok().and_then(|at| NAMES.get(at)).unwrap_or(&"")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_got_the_place_of_a_standard_descriptor_is_moved_and_the_place_is_filled() {
+        let _ = StandardError::get();
+        assert!(error_descriptor() >= HIGH);
+        // SAFETY: nothing here reads standard input.
+        unsafe { libc::close(0) };
+        let taken = OwnedFd::from(File::open("/dev/null").unwrap());
+        assert_eq!(taken.as_raw_fd(), 0);
+        let moved = keep_off(taken).unwrap();
+        assert!(moved.as_raw_fd() >= HIGH);
+        assert!(put_back().is_empty(), "it is open again already");
+        // SAFETY: as above.
+        unsafe { libc::close(0) };
+        assert_eq!(put_back(), ["a codel closed standard input: it is open again"]);
+    }
+}
