@@ -59,6 +59,7 @@ impl Refusal {
 
 /// Runs until asked to stop.
 pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
+    genom_host::check_memory(settings.check_memory);
     if settings.lock_memory {
         // Before there are threads: their stacks come into RAM as they are made.
         memory::lock();

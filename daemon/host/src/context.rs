@@ -147,13 +147,20 @@ impl Context {
         true
     }
 
-    /// Copies the detail that the last codel recorded with an exception named `name` into `into`,
-    /// of the same room, and returns its size; `None` when it recorded none. Called on the thread
-    /// that ran the codel.
-    pub(crate) fn take_detail(&self, name: &[u8], into: &mut [u64]) -> Option<usize> {
+    /// Copies the detail that the last codel recorded with the exception that it returned, named
+    /// `name`, into `into`, of the same room, and returns its size; `None` when it recorded none.
+    /// Called on the thread that ran the codel.
+    pub(crate) fn take_detail(
+        &self,
+        returned: *const c_char,
+        name: &[u8],
+        into: &mut [u64],
+    ) -> Option<usize> {
         // SAFETY: the codel returned, and its thread is the one that asks.
         let record = unsafe { &*self.record.get() };
-        if !record.fresh || crate::events::contents(record.event) != name {
+        let same =
+            || record.event == returned || crate::events::text(record.event, false) == Some(name);
+        if !record.fresh || !same() {
             return None;
         }
         let words = record.size.div_ceil(8);
@@ -233,7 +240,7 @@ mod tests {
         assert_eq!(raise_in(context, &[1; 8]), OK.as_ptr());
         assert_eq!(raise_in(context, &[2; 9]), FATAL.as_ptr());
         let mut detail = [0];
-        assert_eq!(context.take_detail(OK.to_bytes(), &mut detail), Some(8));
+        assert_eq!(context.take_detail(OK.as_ptr(), OK.to_bytes(), &mut detail), Some(8));
         assert_eq!(detail[0].to_ne_bytes(), [1; 8]);
     }
 
@@ -250,7 +257,7 @@ mod tests {
         assert!(contexts.passed(std::ptr::null()).is_none());
         context.leave();
         assert!(contexts.passed(context.pointer().cast()).is_none());
-        assert_eq!(context.take_detail(OK.to_bytes(), &mut [0]), None);
+        assert_eq!(context.take_detail(OK.as_ptr(), OK.to_bytes(), &mut [0]), None);
     }
 
     #[test]
@@ -262,6 +269,6 @@ mod tests {
         context.leave();
         context.enter();
         context.leave();
-        assert_eq!(context.take_detail(OK.to_bytes(), &mut [0]), None);
+        assert_eq!(context.take_detail(OK.as_ptr(), OK.to_bytes(), &mut [0]), None);
     }
 }

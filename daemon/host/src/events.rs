@@ -6,7 +6,7 @@
 #![allow(unsafe_code)]
 
 use std::collections::HashMap;
-use std::ffi::{CStr, CString, c_char};
+use std::ffi::{CString, c_char, c_long};
 
 use genom_runtime::body::EventId;
 
@@ -14,6 +14,9 @@ use crate::library::Library;
 
 /// Longest event that is read from a library's memory.
 const LONGEST: usize = 1024;
+
+/// Memory comes and goes in multiples of this.
+const PAGE: usize = 4096;
 
 /// The events a component may return or be given.
 #[derive(Debug)]
@@ -71,15 +74,49 @@ fn holds(at: usize, bytes: &[u8]) -> bool {
     bytes.iter().enumerate().all(|(i, byte)| unsafe { (at as *const u8).add(i).read() } == *byte)
 }
 
-/// Contents of an event that a codel returned; empty for NULL.
-pub(crate) fn contents<'a>(event: *const c_char) -> &'a [u8] {
+/// Contents of an event that a codel returned; empty for NULL, `None` where no text can be read.
+///
+/// `known`: it lies in memory of the library, which is there. Any other address is a codel's word:
+/// the kernel is asked whether it can be read.
+pub(crate) fn text<'a>(event: *const c_char, known: bool) -> Option<&'a [u8]> {
     if event.is_null() {
-        return &[];
+        return Some(&[]);
     }
-    // SAFETY: an event is a NUL-terminated string (genom3.md 5.3) of a library that is loaded, and
-    // the caller looks at it before the library runs again.
-    let bytes = unsafe { CStr::from_ptr(event) }.to_bytes();
-    &bytes[..bytes.len().min(LONGEST)]
+    let first = event as usize;
+    let mut end = first;
+    while end - first < LONGEST {
+        if !known && !is_readable(end) {
+            return None;
+        }
+        let rest = PAGE - end % PAGE;
+        for at in end..end + rest.min(LONGEST - (end - first)) {
+            // SAFETY: an event is a NUL-terminated string (genom3.md 5.3) of a library that is
+            // loaded, or this part of it was just found to be readable. The caller looks at it
+            // before the library runs again.
+            if unsafe { (at as *const u8).read() } == 0 {
+                // SAFETY: as above: each byte was read.
+                return Some(unsafe { std::slice::from_raw_parts(event.cast(), at - first) });
+            }
+        }
+        end += rest;
+    }
+    // SAFETY: as above.
+    Some(unsafe { std::slice::from_raw_parts(event.cast(), LONGEST) })
+}
+
+/// Whether the word at or before this address can be read.
+fn is_readable(address: usize) -> bool {
+    // Nothing lies there, and 0 is no mask to the kernel.
+    if address < PAGE {
+        return false;
+    }
+    // The kernel reads the new mask before it refuses what is to be done with it.
+    let (nothing, size) = (std::ptr::null_mut::<u8>(), 8);
+    // SAFETY: nothing is changed: there is no such thing to do with a mask.
+    let done = unsafe {
+        libc::syscall(libc::SYS_rt_sigprocmask, c_long::MAX, address & !7, nothing, size)
+    };
+    done == 0 || std::io::Error::last_os_error().raw_os_error() != Some(libc::EFAULT)
 }
 
 /// Numbers of events by pointer: a small table that never grows, private to one thread.
@@ -123,6 +160,20 @@ impl EventCache {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn text_is_read_where_there_is_some() {
+        let read = |text: &str, known| {
+            let text = CString::new(text).unwrap();
+            super::text(text.as_ptr(), known).map(<[u8]>::to_vec)
+        };
+        assert_eq!(read("::demo::ether", false), Some(b"::demo::ether".to_vec()));
+        assert_eq!(read(&"x".repeat(5000), false).map(|text| text.len()), Some(LONGEST));
+        assert_eq!(text(std::ptr::null(), false), Some(&[][..]));
+        for wild in [1, 7, 4096, 0x1234_5678_9000, usize::MAX - 8] {
+            assert_eq!(text(wild as *const c_char, false), None, "{wild:x}");
+        }
+    }
 
     #[test]
     fn a_cache_knows_what_was_noted_and_forgets_rather_than_confuses() {

@@ -21,7 +21,7 @@ mod remotes;
 mod shared;
 mod waits;
 
-pub use component::{Component, LoadError, LoadErrors};
+pub use component::{Component, LoadError, LoadErrors, MemoryCheck, check_memory};
 pub use last_words::{end_is_ours, tell_last_words};
 pub use library::{EmbeddedDescription, Library, OpenError, embedded_description};
 pub use process::{

@@ -59,6 +59,11 @@ pub trait Body: Send + Sync {
     /// Safe at any time: the body keeps a copy that it exchanges without blocking codels.
     fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value>;
 
+    /// Where codels wrote past the memory they were given, in words, once that was found.
+    fn damage(&self) -> Option<String> {
+        None
+    }
+
     /// Publishes `value` on an out port that no codel writes, such as `genom_state`.
     fn write_port(&self, port: usize, value: &Record);
 }

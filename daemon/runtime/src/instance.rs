@@ -118,6 +118,12 @@ impl Instance {
         self.engine.shared.body.port_value(port, element)
     }
 
+    /// Where codels wrote past the memory they were given, once that was found.
+    #[must_use]
+    pub fn damage(&self) -> Option<String> {
+        self.engine.shared.body.damage()
+    }
+
     /// Figures on tasks and codels since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {

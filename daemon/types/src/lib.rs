@@ -6,7 +6,7 @@
 //! the same for values that others own.
 //!
 //! This crate knows no `.gen` text, no codel and no middleware. Its `unsafe` code is what
-//! touches C memory: `memory`, `record`, `foreign`, `path` and the copying parts of `cdr`.
+//! touches C memory: `memory`, `record`, `room`, `foreign`, `path` and the copying parts of `cdr`.
 
 pub mod cdr;
 mod data_type;
@@ -23,6 +23,7 @@ pub mod message;
 mod names;
 mod path;
 mod record;
+mod room;
 pub mod table;
 
 pub use cdr::{CdrError, CdrProblem};
@@ -33,4 +34,5 @@ pub use kind::{Kind, Label, Member, ScopedName, TypeId, UnionMember};
 pub use layout::{Layout, LayoutError, MAX_NESTING, MAX_SIZE};
 pub use path::{CompiledPath, PathError, PathStep};
 pub use record::{BytesError, Record, TypeMismatch};
+pub use room::{Room, Side, Zones};
 pub use table::TypeTable;

@@ -1,9 +1,7 @@
 //! An owned value in C layout.
 
-use std::alloc::{self, Layout};
 use std::collections::HashSet;
 use std::mem::MaybeUninit;
-use std::ptr::NonNull;
 
 use serde_json::Value;
 use thiserror::Error;
@@ -12,6 +10,7 @@ use crate::cdr::{self, CdrError};
 use crate::data_type::DataType;
 use crate::json::{self, JsonError};
 use crate::memory::{self, Edit, View};
+use crate::room::{Room, Zones};
 
 /// Two types whose values cannot be copied into each other.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -60,7 +59,7 @@ pub enum BytesError {
 /// replace them. Dropping it releases them, each buffer through its `_release`.
 pub struct Record {
     ty: DataType,
-    at: NonNull<u8>,
+    room: Room,
 }
 
 // SAFETY: the memory belongs to the record alone; it is shared for reading only, and changed
@@ -73,13 +72,10 @@ impl Record {
     /// An empty value.
     #[must_use]
     pub fn new(ty: &DataType) -> Self {
-        let layout = memory_of(ty);
-        // SAFETY: the layout has a size.
-        let at = unsafe { alloc::alloc_zeroed(layout) };
-        let Some(at) = NonNull::new(at) else { alloc::handle_alloc_error(layout) };
+        let room = Room::new(ty.size());
         // SAFETY: the memory is zeroed and as large as the type.
-        unsafe { memory::init(ty.graph(), ty.ix(), at.as_ptr()) };
-        Self { ty: ty.clone(), at }
+        unsafe { memory::init(ty.graph(), ty.ix(), room.at()) };
+        Self { ty: ty.clone(), room }
     }
 
     /// Its type.
@@ -91,13 +87,19 @@ impl Record {
     /// Address of the value, the same for its whole life.
     #[must_use]
     pub fn as_ptr(&self) -> *const u8 {
-        self.at.as_ptr()
+        self.room.at()
     }
 
     /// Address of the value, to change it.
     #[must_use]
     pub fn as_mut_ptr(&mut self) -> *mut u8 {
-        self.at.as_ptr()
+        self.room.at()
+    }
+
+    /// Where the zones are that tell whether somebody wrote past the value.
+    #[must_use]
+    pub fn zones(&self) -> Zones {
+        self.room.zones()
     }
 
     /// The value as plain bytes, for fixed-size types.
@@ -116,7 +118,7 @@ impl Record {
 
     pub(crate) fn edit(&mut self) -> Edit<'_> {
         // SAFETY: the record holds a value of its type, borrowed while it is changed.
-        unsafe { Edit::new(self.ty.graph(), self.ty.ix(), self.at.as_ptr()) }
+        unsafe { Edit::new(self.ty.graph(), self.ty.ix(), self.room.at()) }
     }
 
     /// Gives up the strings and buffers whose addresses are in `seen`, and adds its others.
@@ -125,7 +127,7 @@ impl Record {
     /// `ids->image = *port->data(self)` does: what two of them point to is released once.
     pub fn give_up_shared(&mut self, seen: &mut HashSet<usize>) {
         // SAFETY: the record holds a value of its type, borrowed while it is changed.
-        unsafe { memory::give_up(self.ty.graph(), self.ty.ix(), self.at.as_ptr(), seen, 0) }
+        unsafe { memory::give_up(self.ty.graph(), self.ty.ix(), self.room.at(), seen, 0) }
     }
 
     /// Makes this value equal to another, deep. Nothing is allocated for fixed-size types, nor
@@ -140,7 +142,7 @@ impl Record {
         }
         // SAFETY: both hold values, of types with the same layout, at different places.
         unsafe {
-            memory::copy(self.ty.graph(), self.ty.ix(), from.as_ptr(), self.at.as_ptr(), 0);
+            memory::copy(self.ty.graph(), self.ty.ix(), from.as_ptr(), self.room.at(), 0);
         }
         Ok(())
     }
@@ -169,13 +171,13 @@ impl Record {
         unsafe { memory::repair(graph, ix, bytes.as_ptr().cast_mut(), false) }.map_err(wrong)?;
         // SAFETY: both have that size; the type owns nothing that would have to be released.
         let repaired = unsafe {
-            std::ptr::copy_nonoverlapping(bytes.as_ptr(), self.at.as_ptr(), bytes.len());
-            memory::repair(graph, ix, self.at.as_ptr(), true)
+            std::ptr::copy_nonoverlapping(bytes.as_ptr(), self.room.at(), bytes.len());
+            memory::repair(graph, ix, self.room.at(), true)
         };
         // Only bytes that another process changes meanwhile get here.
         repaired.map_err(|inner| {
             // SAFETY: the type owns nothing; zeros are a value.
-            unsafe { memory::release(graph, ix, self.at.as_ptr(), 0) };
+            unsafe { memory::release(graph, ix, self.room.at(), 0) };
             wrong(inner)
         })
     }
@@ -324,8 +326,7 @@ impl Record {
     fn decode(&mut self, payload: &[u8], from: usize, big_endian: bool) -> Result<(), CdrError> {
         let (graph, ix) = (self.ty.graph(), self.ty.ix());
         // SAFETY: the record holds a value of its type, borrowed here to be changed.
-        let decoded =
-            unsafe { cdr::decode(graph, ix, self.at.as_ptr(), payload, from, big_endian) };
+        let decoded = unsafe { cdr::decode(graph, ix, self.room.at(), payload, from, big_endian) };
         decoded.inspect_err(|_| self.clear())
     }
 
@@ -352,7 +353,7 @@ impl Record {
     pub(crate) fn swap_values(&mut self, other: &mut Record) {
         // SAFETY: both have that size; what they own goes along with the bytes.
         unsafe {
-            std::ptr::swap_nonoverlapping(self.at.as_ptr(), other.at.as_ptr(), self.ty.size());
+            std::ptr::swap_nonoverlapping(self.room.at(), other.room.at(), self.ty.size());
         }
     }
 }
@@ -362,7 +363,7 @@ impl Clone for Record {
         let copy = Self::new(&self.ty);
         // SAFETY: both hold values of one type, at different places.
         unsafe {
-            memory::copy(self.ty.graph(), self.ty.ix(), self.as_ptr(), copy.at.as_ptr(), 0);
+            memory::copy(self.ty.graph(), self.ty.ix(), self.as_ptr(), copy.room.at(), 0);
         }
         copy
     }
@@ -371,8 +372,6 @@ impl Clone for Record {
 impl Drop for Record {
     fn drop(&mut self) {
         self.clear();
-        // SAFETY: allocated in `new` with the same layout.
-        unsafe { alloc::dealloc(self.at.as_ptr(), memory_of(&self.ty)) };
     }
 }
 
@@ -380,10 +379,4 @@ impl std::fmt::Debug for Record {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}", self.ty)
     }
-}
-
-/// Memory for one value; at least a byte, so that it has an address.
-fn memory_of(ty: &DataType) -> Layout {
-    let size = ty.size().max(1);
-    Layout::from_size_align(size, 8).unwrap_or(Layout::new::<u64>())
 }

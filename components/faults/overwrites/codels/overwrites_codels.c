@@ -108,5 +108,6 @@ overwrites_within(double gains[4], const overwrites_samples *samples, const geno
   int i;
 
   for (i = 0; i < 4; i++) gains[i] = sample->values[i] = i;
-  return samples->write(self);
+  samples->write(self);
+  return overwrites_ether;
 }

@@ -160,7 +160,10 @@ remains_child(int32_t *pid, const genom_context self)
   *pid = fork();
   if (*pid == 0) {
     const struct timespec long_enough = { 100, 0 };
+    int descriptor;
 
+    /* As those do that stay in the background. */
+    for (descriptor = 0; descriptor < 3; descriptor++) close(descriptor);
     nanosleep(&long_enough, NULL);
     _exit(0);
   }

@@ -113,7 +113,14 @@ async fn tasks(session: &Session) -> Vec<Finding> {
     let mut found = Vec::new();
     let Ok(listed) = session.get("/components").await else { return found };
     let names = listed["components"].as_array().map(Vec::as_slice).unwrap_or_default();
-    for name in names.iter().filter_map(|one| one["name"].as_str()) {
+    for (one, name) in names.iter().filter_map(|one| Some((one, one["name"].as_str()?))) {
+        if one["state"] == "damaged" {
+            let what = format!("codels of {name} wrote past the memory they were given");
+            let fix = format!(
+                "`genomctl logs --level error` says which; mend it, `genomctl unload {name}` and load it"
+            );
+            found.push(Finding::problem("memory", what, fix));
+        }
         found.extend(unmet(session, name).await);
         let path = crate::names::url(["components", name, "tasks"]);
         let Ok(told) = session.get(&path).await else { continue };

@@ -28,6 +28,8 @@ pub(crate) struct Config {
     pub(crate) clock: ClockKind,
     /// Whether to keep all memory in RAM.
     pub(crate) lock_memory: bool,
+    /// When to look whether codels wrote past their memory.
+    pub(crate) check_memory: MemoryCheck,
     /// Seconds the start codel of a task may take.
     pub(crate) start_timeout: u64,
     /// Seconds a component may take to stop.
@@ -56,6 +58,30 @@ pub(crate) struct Telemetry {
     pub(crate) otlp: Option<String>,
 }
 
+/// When to look whether codels wrote past the memory they were given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum MemoryCheck {
+    /// Never.
+    Off,
+    /// When a codel pauses or ends.
+    #[default]
+    Pauses,
+    /// After each codel.
+    EachCodel,
+}
+
+impl MemoryCheck {
+    /// As the host says it.
+    pub(super) fn host(self) -> genom_host::MemoryCheck {
+        match self {
+            Self::Off => genom_host::MemoryCheck::Off,
+            Self::Pauses => genom_host::MemoryCheck::Pauses,
+            Self::EachCodel => genom_host::MemoryCheck::EachCodel,
+        }
+    }
+}
+
 impl Default for Config {
     fn default() -> Self {
         Self {
@@ -65,6 +91,7 @@ impl Default for Config {
             log: "info".to_owned(),
             clock: ClockKind::Monotonic,
             lock_memory: false,
+            check_memory: MemoryCheck::Pauses,
             start_timeout: 60,
             stop_timeout: 10,
             rpc: Rpc::default(),

@@ -54,6 +54,8 @@ pub(crate) struct Settings {
     pub(crate) clock: ClockKind,
     /// Whether to keep all memory in RAM.
     pub(crate) lock_memory: bool,
+    /// When to look whether codels wrote past their memory.
+    pub(crate) check_memory: genom_host::MemoryCheck,
     /// How long the start codel of a task may take before the component is refused.
     pub(crate) start_timeout: Duration,
     /// How long a component may take to stop before it is left behind.
@@ -126,6 +128,7 @@ impl Settings {
             backends: config.backends,
             clock: config.clock,
             lock_memory: config.lock_memory,
+            check_memory: config.check_memory.host(),
             start_timeout: Duration::from_secs(config.start_timeout),
             stop_timeout: Duration::from_secs(config.stop_timeout),
             rpc,

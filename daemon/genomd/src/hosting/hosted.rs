@@ -270,6 +270,11 @@ impl Hosted {
         Some(if found.phase == ActivityPhase::Init { "waiting".to_owned() } else { found.state })
     }
 
+    /// Where its codels wrote past the memory they were given, once that was found.
+    pub(crate) fn damage(&self) -> Option<String> {
+        self.instance.damage()
+    }
+
     /// Figures on its tasks and codels.
     pub(crate) fn figures(&self) -> Statistics {
         self.instance.statistics()

@@ -48,7 +48,7 @@ pub(crate) struct Summary {
     name: String,
     /// Name in the description.
     component: String,
-    /// `running`.
+    /// `running`, or `damaged`: its codels wrote past the memory they were given.
     state: &'static str,
     /// Middlewares of its services, and of ports that have no others.
     backend: BackendNames,
@@ -177,7 +177,7 @@ fn summary(hosted: &Hosted) -> Summary {
     Summary {
         name: hosted.name.clone(),
         component: hosted.model().name.clone(),
-        state: "running",
+        state: if hosted.damage().is_some() { "damaged" } else { "running" },
         backend: bindings.component(),
         port_backends: bindings.ports(),
         library: hosted.library.clone(),

@@ -130,6 +130,10 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
         }
     }
     stopped_tasks(hosted, &mut out);
+    if let Some(written) = hosted.damage() {
+        let fix = "set check_memory = \"each-codel\" to find the codel, mend it and load it again";
+        out.push(finding(format!("the memory of {} is damaged: {written}", hosted.name), fix));
+    }
     out
 }
 

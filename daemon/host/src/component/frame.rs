@@ -10,15 +10,16 @@ use genom_runtime::body::{EventId, Frame, Returned};
 use genom_types::{Record, foreign};
 use serde_json::{Value, json};
 
-use super::Inner;
 use super::codel::{From, Prepared};
 use super::cxx::{CxxService, Objects};
 use super::types::Copy;
 use super::way::Way;
+use super::zones::{self, MemoryCheck, Watched};
+use super::{Inner, Meant};
 use crate::context::Context;
 use crate::cxx::Catcher;
 use crate::detail::UNKEX;
-use crate::events::{EventCache, contents};
+use crate::events::{EventCache, text};
 use crate::ffi::{Class, Thrown, WHAT};
 use crate::last_words;
 use crate::process;
@@ -38,6 +39,9 @@ pub(super) struct BoundFrame {
     /// By codel of the component: its rank in `calls`.
     ranks: Box<[u16]>,
     cache: EventCache,
+    /// What its codels may write to, and when to look whether they wrote past it.
+    watched: Watched,
+    check: MemoryCheck,
     /// What the last C++ exception said.
     what: [u8; WHAT],
     /// Detail of the last exception.
@@ -104,6 +108,17 @@ impl BoundFrame {
                 local: local.as_mut_ptr(),
             },
         };
+        let mut watched = Watched::default();
+        let around = match &objects {
+            Some(objects) => [objects.input.zones(), objects.output.zones(), objects.local.zones()],
+            None => [input.zones(), output.zones(), local.zones()],
+        };
+        let described = service.and_then(|rank| inner.described.services.get(rank));
+        for (zones, described) in around.into_iter().zip(described.into_iter().flatten()) {
+            // SAFETY: the frame holds the records and objects, and looks only while it lives.
+            unsafe { watched.add(zones, described) };
+        }
+        inner.watch(codels.map_or(&[], Vec::as_slice), &mut watched);
         let mut calls = Vec::new();
         let mut ranks = vec![ABSENT; inner.codels.len()];
         for &codel in codels.into_iter().flatten() {
@@ -120,6 +135,8 @@ impl BoundFrame {
             calls: calls.into(),
             ranks: ranks.into(),
             cache: EventCache::new(),
+            watched,
+            check: zones::mode(),
             what: [0; WHAT],
             detail: vec![0; inner.details.room().div_ceil(8)].into(),
             last: Last::Plain,
@@ -153,33 +170,85 @@ impl BoundFrame {
 
     /// What a codel's pointer means.
     #[inline]
-    fn understand(&mut self, event: *const c_char, context: &Context) -> Returned {
+    fn understand(
+        &mut self,
+        event: *const c_char,
+        codel: &Prepared,
+        context: &Context,
+    ) -> Returned {
         if event.is_null() {
             self.last = Last::Plain;
-            return Returned::Ok;
+            return self.rested(codel).unwrap_or(Returned::Ok);
         }
-        let id = self.cache.get(event).or_else(|| {
-            let id = self.inner.shared.events.id(contents(event))?;
-            // Text that may be overwritten is looked at each time.
-            if self.inner.library.is_constant(event as usize) {
-                self.cache.note(event, id);
-            }
-            Some(id)
-        });
-        let Some(id) = id else { return self.unknown(event, context) };
-        self.last = match self.inner.exceptions.get(usize::from(id.0)) {
-            Some(true) => self.detailed(event, id, context),
-            _ => Last::Plain,
+        let Some(id) = self.cache.get(event) else { return self.read(event, codel, context) };
+        self.meant(id, event, codel, context)
+    }
+
+    /// An event that is seen for the first time, or whose text may be overwritten.
+    #[cold]
+    fn read(&mut self, event: *const c_char, codel: &Prepared, context: &Context) -> Returned {
+        let constant = self.inner.library.is_constant(event as usize);
+        let Some(text) = text(event, constant || self.inner.library.contains(event as usize))
+        else {
+            tracing::error!("codel {} returned {event:p}, where no event is", codel.name);
+            return self.fail(format!("{} returned {event:p}, where no event is", codel.name));
         };
+        let Some(id) = self.inner.shared.events.id(text) else {
+            return self.rested(codel).unwrap_or_else(|| self.unknown(event, text, context));
+        };
+        if constant {
+            self.cache.note(event, id);
+        }
+        self.meant(id, event, codel, context)
+    }
+
+    /// An event of the plan.
+    #[inline]
+    fn meant(
+        &mut self,
+        id: EventId,
+        event: *const c_char,
+        codel: &Prepared,
+        context: &Context,
+    ) -> Returned {
+        let everything = Meant { exception: true, rests: true };
+        let meant = self.inner.meant.get(usize::from(id.0)).copied().unwrap_or(everything);
+        if (meant.rests || self.check == MemoryCheck::EachCodel)
+            && let Some(failed) = self.rested(codel)
+        {
+            return failed;
+        }
+        self.last = if meant.exception { self.detailed(event, id, context) } else { Last::Plain };
         Returned::Event(id)
+    }
+
+    /// A codel paused or ended: what to say when somebody wrote past its memory.
+    #[inline]
+    fn rested(&mut self, codel: &Prepared) -> Option<Returned> {
+        match self.check {
+            MemoryCheck::Pauses if self.watched.is_whole_nearby() => None,
+            MemoryCheck::Off => None,
+            _ => self.overwritten(codel),
+        }
+    }
+
+    #[cold]
+    fn overwritten(&mut self, codel: &Prepared) -> Option<Returned> {
+        let written = self.watched.take_written()?;
+        let told = format!("codel {} wrote {written}", codel.name);
+        tracing::error!(
+            "{}: {told}, or codels beside it did; its memory may be wrong from here on",
+            self.inner.library.path().display()
+        );
+        let _ = self.inner.damage.set(told.clone());
+        Some(self.fail(told))
     }
 
     /// The detail of an exception of the plan, kept for later.
     fn detailed(&mut self, event: *const c_char, id: EventId, context: &Context) -> Last {
-        let Some(size) = context.take_detail(contents(event), &mut self.detail) else {
-            return Last::Plain;
-        };
         let name = self.inner.events.get(usize::from(id.0)).map_or("", String::as_str);
+        let found = context.take_detail(event, name.as_bytes(), &mut self.detail);
+        let Some(size) = found else { return Last::Plain };
         if self.inner.details.is_plain(name) {
             return Last::Detailed(id, size);
         }
@@ -188,9 +257,9 @@ impl BoundFrame {
     }
 
     #[cold]
-    fn unknown(&mut self, event: *const c_char, context: &Context) -> Returned {
-        let name = String::from_utf8_lossy(contents(event)).into_owned();
-        let size = context.take_detail(contents(event), &mut self.detail);
+    fn unknown(&mut self, event: *const c_char, text: &[u8], context: &Context) -> Returned {
+        let name = String::from_utf8_lossy(text).into_owned();
+        let size = context.take_detail(event, text, &mut self.detail);
         let detail = size.and_then(|size| self.inner.details.to_json(&name, &self.detail, size));
         self.last = Last::Unknown(name, detail);
         Returned::Unknown
@@ -405,7 +474,7 @@ impl Frame for BoundFrame {
         drop(running);
         context.leave();
         match returned {
-            Ok(event) => self.understand(event, context),
+            Ok(event) => self.understand(event, prepared, context),
             Err(how) => match catcher.as_mut().and_then(Catcher::take) {
                 Some((name, detail)) => self.thrown(name, detail),
                 None => self.escaped(&prepared.name, how),

@@ -1,4 +1,5 @@
-//! A component's code and memory: what the runtime calls a body.
+//! A component's code and memory: what the runtime calls a body. One of the few unsafe modules.
+#![allow(unsafe_code)]
 
 mod codel;
 mod cxx;
@@ -6,18 +7,20 @@ mod error;
 mod frame;
 mod types;
 mod way;
+mod zones;
 
 pub use error::{LoadError, LoadErrors};
+pub use zones::{MemoryCheck, check_memory};
 
 use std::collections::HashSet;
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use genom_description::model::{Owner, Port, Service, Span};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, Frame, Opener, RemoteCall};
-use genom_runtime::plan::{Meaning, Plan};
-use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
+use genom_runtime::plan::{Event, Meaning, Plan};
+use genom_types::{DataType, Kind, Record, ScopedName, TypeTable, Zones};
 use serde_json::Value;
 
 use crate::context::Contexts;
@@ -32,6 +35,7 @@ use crate::shared::Shared;
 use codel::{Prepared, Workshop};
 use cxx::{CxxService, CxxTypes};
 use types::{Checker, ServiceTypes};
+use zones::{Described, Watched};
 
 /// Events the host itself may hand to a library, besides declared exceptions.
 const GIVEN: &[&str] = &[
@@ -70,8 +74,11 @@ struct Inner {
     cxx: Option<InCpp>,
     shared: Arc<Shared>,
     details: Arc<Details>,
-    /// By event of the plan: whether it is an exception.
-    exceptions: Vec<bool>,
+    /// By event of the plan.
+    meant: Vec<Meant>,
+    described: AllDescribed,
+    /// Where codels wrote past what they were given, once they did.
+    damage: OnceLock<String>,
     /// Names of the plan's events, by rank.
     events: Vec<String>,
     /// Type of records that hold nothing.
@@ -83,6 +90,10 @@ impl Drop for Inner {
     /// Codels assign IDS and ports to one another, pointers included: each is freed once. They
     /// leave threads behind, which know the IDS: these stay with them.
     fn drop(&mut self) {
+        if let Some(written) = self.all_zones().take_written() {
+            let path = self.library.path().display();
+            tracing::error!("{path}: codels wrote {written}; found when it was unloaded");
+        }
         let mut seen = HashSet::new();
         self.ports.give_up_shared(&mut seen);
         if let Some(Ids { memory: Memory::C(record), .. }) = &mut self.ids {
@@ -90,6 +101,90 @@ impl Drop for Inner {
         }
         if self.library.is_outlived() {
             std::mem::forget(self.ids.take());
+        }
+    }
+}
+
+impl Inner {
+    /// Watches what these codels may write to besides their own service's memory.
+    fn watch(&self, codels: &[usize], watched: &mut Watched) {
+        let prepared = codels.iter().filter_map(|codel| self.codels.get(*codel)?.as_ref());
+        let arguments = prepared.flat_map(|codel| &codel.arguments);
+        let (mut ids, mut ports) = (false, Vec::new());
+        for argument in arguments {
+            match argument.from {
+                codel::From::Ids(_) => ids = true,
+                codel::From::Port(port) if !ports.contains(&port) => ports.push(port),
+                _ => {}
+            }
+        }
+        if let (true, Some(own), Some(described)) = (ids, &self.ids, &self.described.ids) {
+            // SAFETY: frames hold the component, and look only while they live.
+            unsafe { watched.add(own.zones(), described) };
+        }
+        for port in ports {
+            if let Some((zones, described)) =
+                self.ports.zones(port).zip(self.described.ports.get(port))
+            {
+                // SAFETY: as above.
+                unsafe { watched.add(zones, described) };
+            }
+        }
+    }
+
+    /// What lies around its IDS and its simple ports.
+    fn all_zones(&self) -> Watched {
+        let mut watched = Watched::default();
+        let ports = self.described.ports.iter().enumerate();
+        for (rank, described) in ports {
+            if let Some(zones) = self.ports.zones(rank) {
+                // SAFETY: the ports are asked only as long as they live.
+                unsafe { watched.add(zones, described) };
+            }
+        }
+        if let (Some(ids), Some(described)) = (&self.ids, &self.described.ids) {
+            // SAFETY: as above.
+            unsafe { watched.add(ids.zones(), described) };
+        }
+        watched
+    }
+}
+
+/// What an event of the plan means to who calls codels.
+#[derive(Clone, Copy)]
+struct Meant {
+    /// It is an exception, which may have a detail.
+    exception: bool,
+    /// The codel pauses or has ended: it is time to look at its memory.
+    rests: bool,
+}
+
+/// Memory of a component in words.
+struct AllDescribed {
+    ids: Option<Described>,
+    /// By service: inputs, outputs, local variables.
+    services: Vec<[Described; 3]>,
+    ports: Vec<Described>,
+}
+
+impl AllDescribed {
+    fn new(plan: &Plan) -> Self {
+        let (model, types) = (plan.component(), &plan.specification().types);
+        let service = |service: &Service| {
+            let of = |part: &str, ty| {
+                Described::new(format!("the {part} of `{}`", service.name), types, ty)
+            };
+            [
+                of("inputs", service.input),
+                of("outputs", service.output),
+                of("local variables", service.local),
+            ]
+        };
+        let port = |port: &Port| Described::whole(format!("the data of port `{}`", port.name));
+        Self {
+            ids: model.ids.map(|ids| Described::new("the ids".to_owned(), types, ids)),
+            services: model.services.iter().map(service).collect(),
+            ports: model.ports.iter().map(port).collect(),
         }
     }
 }
@@ -102,7 +197,16 @@ struct Ids {
 
 enum Memory {
     C(Record),
-    Cxx { _object: Object },
+    Cxx(Object),
+}
+
+impl Ids {
+    fn zones(&self) -> Zones {
+        match &self.memory {
+            Memory::C(record) => record.zones(),
+            Memory::Cxx(object) => object.zones(),
+        }
+    }
 }
 
 /// What a component in C++ has besides.
@@ -277,7 +381,7 @@ impl Parts {
                 Some(ty) => {
                     let object = Object::new(&ty);
                     let at = object.at() as usize;
-                    Ids { memory: Memory::Cxx { _object: object }, at }
+                    Ids { memory: Memory::Cxx(object), at }
                 }
                 None => {
                     let mut record = Record::new(&ty);
@@ -297,7 +401,13 @@ impl Parts {
                 tasks: model.tasks.iter().map(|task| task.codels.clone()).collect(),
             },
             cxx,
-            exceptions: events.iter().map(|name| details.is_exception(name)).collect(),
+            meant: plan
+                .events()
+                .iter()
+                .map(|event| meant(event, &details, &model.states))
+                .collect(),
+            described: AllDescribed::new(plan),
+            damage: OnceLock::new(),
             events,
             shared,
             details,
@@ -305,6 +415,16 @@ impl Parts {
             library,
         })
     }
+}
+
+fn meant(event: &Event, details: &Details, states: &[String]) -> Meant {
+    let rests = match event.meaning {
+        Meaning::State { state, pause } => {
+            pause || states.get(state).is_some_and(|name| name == "ether")
+        }
+        Meaning::Exception(_) => true,
+    };
+    Meant { exception: details.is_exception(&event.name), rests }
 }
 
 impl Body for Component {
@@ -335,6 +455,10 @@ impl Body for Component {
 
     fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value> {
         self.inner.ports.value(port, element)
+    }
+
+    fn damage(&self) -> Option<String> {
+        self.inner.damage.get().cloned()
     }
 
     fn write_port(&self, port: usize, value: &Record) {

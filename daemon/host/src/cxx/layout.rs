@@ -94,11 +94,6 @@ impl CxxType {
         self.node().size
     }
 
-    /// `alignof`.
-    pub(crate) fn align(&self) -> usize {
-        self.node().align
-    }
-
     /// Offset of a member of a struct, of the value of an optional (0), of the length of a
     /// bounded sequence (1).
     pub(crate) fn offset(&self, rank: usize) -> usize {

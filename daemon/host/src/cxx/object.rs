@@ -2,10 +2,9 @@
 //! One of the few unsafe modules.
 #![allow(unsafe_code)]
 
-use std::alloc::{self, Layout};
 use std::fmt;
 
-use genom_types::{Record, foreign};
+use genom_types::{Record, Room, Zones, foreign};
 
 use super::layout::{CxxType, Graph, Part, Shape};
 use super::shim;
@@ -17,8 +16,7 @@ const MAX_DEPTH: usize = 256;
 /// An owned C++ value, at an address that never changes.
 pub(crate) struct Object {
     ty: CxxType,
-    at: *mut u8,
-    memory: Layout,
+    room: Room,
 }
 
 // SAFETY: the value is the object's own; nothing in it belongs to a thread.
@@ -35,21 +33,20 @@ impl fmt::Debug for Object {
 impl Object {
     /// An empty value: numbers are zero.
     pub(crate) fn new(ty: &CxxType) -> Self {
-        let memory = Layout::from_size_align(ty.size().max(1), ty.align().max(8))
-            .unwrap_or(Layout::new::<u64>());
-        // SAFETY: the size is not 0.
-        let at = unsafe { alloc::alloc_zeroed(memory) };
-        if at.is_null() {
-            alloc::handle_alloc_error(memory);
-        }
+        let room = Room::new(ty.size());
         // SAFETY: fresh, zeroed memory of the type's size and alignment.
-        unsafe { make(&ty.graph, ty.node, at) };
-        Self { ty: ty.clone(), at, memory }
+        unsafe { make(&ty.graph, ty.node, room.at()) };
+        Self { ty: ty.clone(), room }
     }
 
     /// Its address.
     pub(crate) fn at(&self) -> *mut u8 {
-        self.at
+        self.room.at()
+    }
+
+    /// Where the zones are that tell whether somebody wrote past the value.
+    pub(crate) fn zones(&self) -> Zones {
+        self.room.zones()
     }
 
     /// Its type.
@@ -61,32 +58,29 @@ impl Object {
     pub(crate) fn clear(&mut self) {
         // SAFETY: the value is ours, and made anew after it was dropped.
         unsafe {
-            drop_inside(&self.ty.graph, self.ty.node, self.at);
-            self.at.write_bytes(0, self.ty.size());
-            make(&self.ty.graph, self.ty.node, self.at);
+            drop_inside(&self.ty.graph, self.ty.node, self.room.at());
+            self.room.at().write_bytes(0, self.ty.size());
+            make(&self.ty.graph, self.ty.node, self.room.at());
         }
     }
 
     /// Takes the value of `from`, of the same type.
     pub(crate) fn set(&mut self, from: &Record) {
         // SAFETY: both hold values of the type, which is the callers' only one for both.
-        unsafe { to_cxx(&self.ty, from.as_ptr(), self.at) }
+        unsafe { to_cxx(&self.ty, from.as_ptr(), self.room.at()) }
     }
 
     /// Gives its value to `to`, of the same type.
     pub(crate) fn get(&self, to: &mut Record) {
         // SAFETY: as above.
-        unsafe { to_c(&self.ty, self.at, to.as_mut_ptr()) }
+        unsafe { to_c(&self.ty, self.room.at(), to.as_mut_ptr()) }
     }
 }
 
 impl Drop for Object {
     fn drop(&mut self) {
-        // SAFETY: allocated in `new` with this layout, holding a value since.
-        unsafe {
-            drop_inside(&self.ty.graph, self.ty.node, self.at);
-            alloc::dealloc(self.at, self.memory);
-        }
+        // SAFETY: it holds a value since it was made.
+        unsafe { drop_inside(&self.ty.graph, self.ty.node, self.room.at()) }
     }
 }
 

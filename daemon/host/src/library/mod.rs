@@ -179,6 +179,11 @@ impl Library {
         elf::mangled(&self.bytes, function)
     }
 
+    /// Whether the byte at `address` lies in this library's memory.
+    pub(crate) fn contains(&self, address: usize) -> bool {
+        self.mappings.iter().any(|own| own.range.contains(&address))
+    }
+
     /// Whether the byte at `address` lies in this library's memory that nothing writes.
     pub(crate) fn is_constant(&self, address: usize) -> bool {
         self.mappings.iter().any(|own| !own.writable && own.range.contains(&address))

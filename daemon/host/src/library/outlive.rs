@@ -52,7 +52,7 @@ impl Library {
         // Last: now nothing starts any more that was not there before.
         let threads = threads::inside(code);
         if threads.inside > 0 {
-            uses.push(format!("{} of its threads run on", threads.inside));
+            uses.push(format!("threads that it started run on ({})", threads.inside));
         }
         if threads.unseen > 0 {
             uses.push(format!("{} threads cannot be looked at and may be in it", threads.unseen));

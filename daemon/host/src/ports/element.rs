@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
-use genom_types::{DataType, Record};
+use genom_types::{DataType, Record, Zones};
 use serde_json::Value;
 
 use super::snapshot::Snapshot;
@@ -33,6 +33,8 @@ pub(super) struct Element {
     inner: UnsafeCell<Inner>,
     /// Address of the buffer, the same for the element's life.
     address: usize,
+    /// What lies around it.
+    zones: Zones,
     /// Whether `data` shows the buffer.
     shown: AtomicBool,
     /// Somebody is at `inner`.
@@ -66,10 +68,12 @@ impl Element {
         let mut buffer = Record::new(ty);
         let object = cxx.map(Object::new);
         let address = object.as_ref().map_or(buffer.as_mut_ptr(), Object::at) as usize;
+        let zones = object.as_ref().map_or(buffer.zones(), Object::zones);
         let shown = AtomicBool::new(matches!(link, Link::Out(_)));
         Self {
             inner: UnsafeCell::new(Inner { buffer, object, link }),
             address,
+            zones,
             shown,
             busy: AtomicBool::new(false),
             snapshot: Snapshot::new(ty),
@@ -91,6 +95,11 @@ impl Element {
     /// Address of the buffer, 0 while there is no value to see (genom3.md 7.8).
     pub(super) fn data(&self) -> usize {
         if self.shown.load(Ordering::Relaxed) { self.address } else { 0 }
+    }
+
+    /// What lies around the buffer.
+    pub(super) fn zones(&self) -> Zones {
+        self.zones
     }
 
     /// Gives up what other records, in `seen`, own too.

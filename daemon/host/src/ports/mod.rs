@@ -15,7 +15,7 @@ use std::sync::{Arc, OnceLock};
 use genom_description::model::{Port, PortDirection};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::Opener;
-use genom_types::{DataType, Record};
+use genom_types::{DataType, Record, Zones};
 use serde_json::Value;
 
 use crate::cxx::{CxxType, Exceptions};
@@ -139,6 +139,14 @@ impl Ports {
                     handle.name
                 );
             }
+        }
+    }
+
+    /// What lies around the buffer of a simple port.
+    pub(crate) fn zones(&self, port: usize) -> Option<Zones> {
+        match &self.ports.get(port)?.buffers {
+            Buffers::Simple(buffer) => Some(buffer.zones()),
+            Buffers::Multiple(_) => None,
         }
     }
 

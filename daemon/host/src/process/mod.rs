@@ -70,7 +70,7 @@ fn sentence(note: &Note) -> String {
             "{who} wanted to close standard {}{often}: it stays open",
             standard::name(note.number)
         ),
-        Act::Signal | Act::Sent => {
+        Act::Signal | Act::Sent | Act::Reopened => {
             let name = signals::name(note.number);
             let from = match note.sender {
                 0 => " from a timer or the kernel".to_owned(),

@@ -15,6 +15,8 @@ pub(crate) enum Act {
     Limit,
     /// A standard descriptor was to be closed.
     Close,
+    /// A standard descriptor was closed, and is open again.
+    Reopened,
 }
 
 /// One act, as often as it was done since it was last taken.
@@ -70,7 +72,8 @@ pub(crate) fn add(act: Act, number: i32, sender: i32, words: &str) {
     if slot.busy.swap(1, Ordering::Acquire) == 0 {
         // A name that is known is better than none: the same signal may come without.
         if !words.is_empty() || slot.times.load(Ordering::Relaxed) == 0 {
-            let end = words.floor_char_boundary(ROOM - 1);
+            let mut ends = (0..=words.len().min(ROOM - 1)).rev();
+            let end = ends.find(|at| words.is_char_boundary(*at)).unwrap_or(0);
             for (to, byte) in slot.words.iter().zip(words.bytes().take(end).chain([0])) {
                 to.store(byte, Ordering::Relaxed);
             }

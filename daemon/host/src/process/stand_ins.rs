@@ -6,7 +6,7 @@ use std::ffi::c_int;
 use std::hint::black_box;
 
 use super::notes::{self, Act};
-use super::{keys, limits, standard};
+use super::{forked, keys, limits, standard};
 use crate::last_words;
 
 unsafe extern "C" {
@@ -18,12 +18,16 @@ unsafe extern "C" {
 pub(super) fn keep() {
     // SAFETY: it looks up functions of the C library.
     unsafe { genom_host_stand_in() };
-    black_box::<[*const (); 7]>([
+    black_box::<[*const (); 11]>([
         limits::setrlimit as *const (),
         limits::setrlimit64 as *const (),
         limits::prlimit as *const (),
         limits::prlimit64 as *const (),
         standard::close as *const (),
+        forked::open as *const (),
+        forked::socket as *const (),
+        forked::socketpair as *const (),
+        forked::open64 as *const (),
         keys::pthread_key_create as *const (),
         keys::pthread_key_delete as *const (),
     ]);

@@ -74,11 +74,10 @@ pub(super) fn put_back() -> Vec<String> {
         // SAFETY: to ask for flags reads no memory.
         unsafe { libc::fcntl(*descriptor, libc::F_GETFD) < 0 }
     };
-    let told = |descriptor: RawFd| {
-        let name = NAMES.get(usize::try_from(descriptor).ok()?)?;
-        reopen(descriptor).then(|| format!("a codel closed standard {name}: it is open again"))
-    };
-    (0..3).filter(closed).filter_map(told).collect()
+    let again = notes::take(&[Act::Reopened]).into_iter().map(|note| note.number);
+    let closed: Vec<_> = (0..3).filter(closed).filter(|one| reopen(*one)).chain(again).collect();
+    let told = |one: RawFd| format!("a codel closed standard {}: it is open again", name(one));
+    closed.into_iter().map(told).collect()
 }
 
 /// Makes a standard descriptor what it was, unless somebody else has taken it.
@@ -116,7 +115,9 @@ pub fn keep_off(found: OwnedFd) -> io::Result<OwnedFd> {
     };
     let low = found.as_raw_fd();
     drop(found);
-    reopen(low);
+    if reopen(low) {
+        notes::add(Act::Reopened, low, 0, "");
+    }
     Ok(moved)
 }
 
@@ -155,9 +156,10 @@ mod tests {
         assert_eq!(taken.as_raw_fd(), 0);
         let moved = keep_off(taken).unwrap();
         assert!(moved.as_raw_fd() >= HIGH);
-        assert!(put_back().is_empty(), "it is open again already");
+        let told = ["a codel closed standard input: it is open again"];
+        assert_eq!(put_back(), told, "and it is open already");
         // SAFETY: as above.
         unsafe { libc::close(0) };
-        assert_eq!(put_back(), ["a codel closed standard input: it is open again"]);
+        assert_eq!(put_back(), told);
     }
 }
