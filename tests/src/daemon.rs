@@ -185,6 +185,12 @@ impl Home {
         Running::start(&mut self.command(&[], arguments))
     }
 
+    /// The same through a program that becomes it.
+    #[must_use]
+    pub fn spawn_by(&self, prefix: &[&str], arguments: &[&str]) -> Running {
+        Running::start(&mut self.command(prefix, arguments))
+    }
+
     /// Starts a daemon here that is expected to refuse.
     #[must_use]
     pub fn refused(&self, arguments: &[&str]) -> Finished {

@@ -48,7 +48,7 @@ const UNSAFE: &[&str] = &[
 ];
 
 /// Modules of the daemon, each above all that it knows.
-const FLOORS: &str = "dates flag nearest memory shown ending cli bus registry telemetry logs \
+const FLOORS: &str = "dates flag known limits nearest memory shown ending cli bus registry telemetry logs \
     config recording wires hosting daemon wiring loading deploy rpc run check main";
 
 fn relative(path: &Path) -> String {

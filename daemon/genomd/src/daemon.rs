@@ -11,6 +11,7 @@ use crate::config::Settings;
 use crate::dates::Dates;
 use crate::flag::Flag;
 use crate::hosting::{Components, Hosted, UnloadError};
+use crate::known::Known;
 use crate::recording::{Recordings, Session};
 use crate::registry::Backends;
 use crate::shown::Shown;
@@ -23,6 +24,8 @@ pub(crate) struct Daemon {
     pub(crate) backends: Backends,
     /// What others see of this daemon.
     pub(crate) shown: Shown,
+    /// Descriptions and libraries that were read and compared already.
+    pub(crate) known: Known,
     /// The components that run, or are about to.
     pub(crate) components: Components,
     /// Time of all components: they live in one world.
@@ -56,6 +59,7 @@ impl Daemon {
         Arc::new(Self {
             backends: Backends::new(settings.backends.clone()),
             shown: Shown::default(),
+            known: Known::default(),
             components: Components::default(),
             clock,
             bus: Arc::new(Bus::new(dates.clone())),

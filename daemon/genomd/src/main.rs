@@ -14,6 +14,8 @@ mod deploy;
 mod ending;
 mod flag;
 mod hosting;
+mod known;
+mod limits;
 mod loading;
 mod logs;
 mod memory;

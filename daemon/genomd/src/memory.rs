@@ -14,8 +14,8 @@ pub(crate) fn lock() {
 fn refusal(locked: Result<()>) -> Option<String> {
     locked.err().map(|error| {
         format!(
-            "memory is not locked: {error} (see RLIMIT_MEMLOCK, CAP_IPC_LOCK); pages may be \
-             swapped out"
+            "memory is not locked: {error} (RLIMIT_MEMLOCK: `LimitMEMLOCK=infinity` of its systemd \
+             unit, `ulimit -l unlimited`, or CAP_IPC_LOCK); pages may be swapped out"
         )
     })
 }

@@ -14,6 +14,7 @@ use crate::daemon::Daemon;
 use crate::deploy::apply::{ApplyError, apply};
 use crate::deploy::plan::plan;
 use crate::deploy::{Step, keep};
+use crate::limits;
 use crate::loading;
 use crate::memory;
 use crate::rpc;
@@ -60,6 +61,7 @@ impl Refusal {
 /// Runs until asked to stop.
 pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     genom_host::check_memory(settings.check_memory);
+    limits::raise();
     if settings.lock_memory {
         // Before there are threads: their stacks come into RAM as they are made.
         memory::lock();

@@ -23,7 +23,7 @@ mod waits;
 
 pub use component::{Component, LoadError, LoadErrors, MemoryCheck, check_memory};
 pub use last_words::{end_is_ours, tell_last_words};
-pub use library::{EmbeddedDescription, Library, OpenError, embedded_description};
+pub use library::{Contents, Digest, EmbeddedDescription, Library, OpenError};
 pub use process::{
     KeptProcess, StandardError, guard_process, keep_from_children, keep_off, raised_to_stop,
 };

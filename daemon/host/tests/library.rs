@@ -5,7 +5,7 @@ mod support;
 use std::path::Path;
 
 use expect_test::expect;
-use genom_host::library::{Library, OpenError, embedded_description};
+use genom_host::library::{Contents, Library, OpenError};
 use support::Scratch;
 
 /// The message of a refusal, without the directory.
@@ -193,7 +193,7 @@ fn an_embedded_description_is_read_without_running_constructors() {
             marker.display()
         ),
     );
-    let found = embedded_description(&path).unwrap().unwrap();
+    let found = Contents::read(&path).unwrap().description().unwrap().unwrap();
     assert_eq!(found.text, "component demo {\n};\n");
     assert_eq!(found.name.as_deref(), Some("demo.gen"));
     assert!(!marker.exists());
@@ -207,14 +207,15 @@ fn an_embedded_description_is_read_without_running_constructors() {
 fn a_library_without_description_has_none() {
     let scratch = Scratch::new();
     let path = scratch.library("demo.so", "int f(void) { return 1; }");
-    assert_eq!(embedded_description(&path).unwrap(), None);
+    assert_eq!(Contents::read(&path).unwrap().description().unwrap(), None);
 }
 
 #[test]
 fn a_description_that_is_no_text_is_refused() {
     let scratch = Scratch::new();
     let path = scratch.library("demo.so", r#"const char genom_description[] = "\xff\xfe";"#);
-    assert!(matches!(embedded_description(&path), Err(OpenError::Description { .. })));
+    let read = Contents::read(&path).unwrap().description();
+    assert!(matches!(read, Err(OpenError::Description { .. })));
 }
 
 #[test]
@@ -263,7 +264,7 @@ fn two_loads_of_one_file_share_nothing_and_a_rebuilt_one_loads_anew() {
     let copies: std::collections::HashSet<_> = maps
         .lines()
         .filter_map(|line| line.split_once("/genomd-library-"))
-        .filter(|(_, rest)| rest.ends_with("/demo.so"))
+        .filter(|(_, rest)| rest.ends_with("-demo.so"))
         .map(|(_, rest)| rest.to_owned())
         .collect();
     assert!(copies.len() >= 3, "{copies:?}");

@@ -56,7 +56,10 @@ pub enum StartError {
         after: Duration,
     },
     /// The system gave no thread.
-    #[error("task {task} of {instance} has no thread")]
+    #[error(
+        "task {task} of {instance} has no thread: {source} (the limits of threads are `ulimit -u`, \
+         `TasksMax=` of a systemd unit and `pids.max` of a container; memory may be another)"
+    )]
     NoThread {
         /// The instance.
         instance: String,

@@ -1,10 +1,7 @@
 //! Why a component was not loaded.
 
-use std::path::PathBuf;
-
-use genom_runtime::plan::PlanError;
-
 use super::locate::LocateError;
+use crate::known::ReadError;
 use crate::registry::BackendError;
 use crate::wiring::publish::BindError;
 
@@ -20,12 +17,9 @@ pub(crate) enum LoadError {
     /// Library or description not found.
     #[error(transparent)]
     Locate(#[from] LocateError),
-    /// The description has errors: drawn, with their places.
-    #[error("{0}")]
-    Description(String),
-    /// The description declares no component, or several.
-    #[error("{}: {found}", path.display())]
-    NotOne { path: PathBuf, found: String },
+    /// The description cannot be used.
+    #[error(transparent)]
+    Read(#[from] ReadError),
     /// The instance name cannot name anything.
     #[error("`{0}` cannot name an instance: use letters, digits and _, a letter first")]
     Name(String),
@@ -38,12 +32,14 @@ pub(crate) enum LoadError {
     /// The library does not fit the description.
     #[error(transparent)]
     Mismatch(#[from] genom_host::LoadErrors),
-    /// The description cannot be run.
-    #[error(transparent)]
-    Plan(#[from] PlanError),
     /// A port could not be opened.
-    #[error("{name}: {source}")]
-    Bind { name: String, source: BindError },
+    #[error("{name}: {source}{limit}")]
+    Bind {
+        name: String,
+        source: BindError,
+        /// The limit of the system that was reached, if one was.
+        limit: String,
+    },
     /// What the request says of a task cannot be.
     #[error("{name}: {why}")]
     Override { name: String, why: String },

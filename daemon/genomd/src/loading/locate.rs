@@ -2,26 +2,20 @@
 
 use std::path::{Path, PathBuf};
 
-use genom_host::{EmbeddedDescription, embedded_description};
+use genom_host::{Contents, EmbeddedDescription};
 
 use crate::config::LoadRequest;
+use crate::known::Description;
 
 /// Where both halves are.
-#[derive(Debug, PartialEq, Eq)]
+#[derive(Debug)]
 pub(crate) struct Located {
     /// The library.
     pub(crate) library: PathBuf,
     /// The description.
     pub(crate) description: Description,
-}
-
-/// Where a description is.
-#[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Description {
-    /// In a file.
-    File(PathBuf),
-    /// In the library, under this name for messages.
-    Embedded { name: PathBuf, text: String },
+    /// The library's contents, if they were looked at for its description.
+    pub(crate) contents: Option<Contents>,
 }
 
 /// One half is missing.
@@ -77,16 +71,17 @@ pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located,
             tried: if is_library(wanted) { vec![wanted.clone()] } else { candidates(wanted) },
         });
     };
-    let description = match &request.gen_file {
-        Some(file) if file.is_file() => Description::File(file.clone()),
+    let (description, contents) = match &request.gen_file {
+        Some(file) if file.is_file() => (Description::File(file.clone()), None),
         Some(file) => return Err(LocateError::NoSuchDescription(file.clone())),
-        None if named_gen => Description::File(
-            find_description(wanted, path)
-                .ok_or_else(|| LocateError::NoSuchDescription(wanted.clone()))?,
-        ),
+        None if named_gen => {
+            let found = find_description(wanted, path);
+            let found = found.ok_or_else(|| LocateError::NoSuchDescription(wanted.clone()))?;
+            (Description::File(found), None)
+        }
         None => description_of(&library)?,
     };
-    Ok(Located { library, description })
+    Ok(Located { library, description, contents })
 }
 
 fn is_library(path: &Path) -> bool {
@@ -160,15 +155,16 @@ fn project_description(library: &Path) -> Option<PathBuf> {
     tree.into_iter().chain(installed).find_map(existing)
 }
 
-fn description_of(library: &Path) -> Result<Description, LocateError> {
+fn description_of(library: &Path) -> Result<(Description, Option<Contents>), LocateError> {
     let beside = library.with_file_name(format!("{}.gen", component_name(library)));
-    if let Some(EmbeddedDescription { text, name }) = embedded_description(library)? {
+    let contents = Contents::read(library)?;
+    if let Some(EmbeddedDescription { text, name }) = contents.description()? {
         // Its #include lines are relative to the library's directory.
         let name = name.map_or_else(|| beside.clone(), |name| library.with_file_name(name));
-        return Ok(Description::Embedded { name, text });
+        return Ok((Description::Embedded { name, text }, Some(contents)));
     }
     match existing(beside.clone()).or_else(|| project_description(library)) {
-        Some(file) => Ok(Description::File(file)),
+        Some(file) => Ok((Description::File(file), Some(contents))),
         None => Err(LocateError::NoDescription { library: library.to_owned(), beside }),
     }
 }

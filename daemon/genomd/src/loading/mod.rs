@@ -5,22 +5,17 @@ mod error;
 mod locate;
 mod start;
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use genom_description::diagnostic::Severity;
-use genom_description::diagnostic::render::human;
-use genom_description::model::{Component as Model, PortDirection, ServiceKind, Specification};
-use genom_description::source::SourceMap;
-use genom_description::{Analysis, Options, preprocess, read, read_text};
-use genom_host::{Component, Library};
-use genom_runtime::plan::Plan;
+use genom_description::model::{Component as Model, PortDirection, ServiceKind};
+use genom_host::{Component, Contents};
 
-use self::locate::{Description, Located};
+use self::locate::Located;
 use crate::config::{BackendNames, CallEntry, LoadRequest, Settings};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::hosting::request::{self, RequestError};
+use crate::known::Reading;
 use crate::nearest::suggest;
 use crate::wiring::requests::unload_killed;
 pub(crate) use error::LoadError;
@@ -62,10 +57,10 @@ fn bring_up(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, 
     for backend in named.flat_map(BackendNames::names) {
         daemon.backends.get(backend)?;
     }
-    let located = locate::locate(request, &daemon.settings.path)?;
-    let analysis = analyse(&located, &daemon.settings.include)?;
-    let index = choose(&analysis.specification, &located)?;
-    let model = &analysis.specification.components[index];
+    let mut located = locate::locate(request, &daemon.settings.path)?;
+    let reading = daemon.known.read(&located.description, &daemon.settings.include)?;
+    tell_warnings(&located, &reading);
+    let model = reading.model();
     let name = request.name.clone().unwrap_or_else(|| model.name.clone());
     if !is_name(&name) {
         return Err(LoadError::Name(name));
@@ -74,12 +69,12 @@ fn bring_up(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, 
     let Some(reservation) = daemon.components.reserve(&name) else {
         return Err(LoadError::Taken(name));
     };
-    for one in &analysis.specification.masquerades {
+    for one in &reading.plan.specification().masquerades {
         daemon.backends.masquerade(&one.template, &one.name.to_string(), &one.data)?;
     }
-    let specification = Arc::new(analysis.specification);
-    let plan = Arc::new(Plan::new(&specification, index)?);
-    let component = open(&located, &analysis.sources, &plan)?;
+    let component = open(&mut located, &reading)?;
+    let plan = Arc::clone(&reading.plan);
+    drop(reading);
     // A dump is read elsewhere: it says where the library is, not how one gets there from here.
     let library = std::path::absolute(&located.library).unwrap_or(located.library);
     let hosted = start::start(daemon, request, name, library, plan, component)?;
@@ -92,30 +87,42 @@ fn bring_up(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, 
 
 /// Does what [`load`] does before anything starts, and says what fits.
 pub(crate) fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadError> {
-    let located = locate::locate(request, &settings.path)?;
-    let analysis = analyse(&located, &settings.include)?;
-    let index = choose(&analysis.specification, &located)?;
-    let specification = Arc::new(analysis.specification);
-    let plan = Plan::new(&specification, index)?;
-    open(&located, &analysis.sources, &plan)?;
-    let model = &specification.components[index];
+    let mut located = locate::locate(request, &settings.path)?;
+    let reading = Reading::new(&located.description, &settings.include)?;
+    tell_warnings(&located, &reading);
+    open(&mut located, &reading)?;
+    let model = reading.model();
     Ok(format!(
         "{} fits {}: component {}, digest {}",
         located.library.display(),
-        described(&located).display(),
+        located.description.path().display(),
         model.name,
         model.digest
     ))
 }
 
-/// Opens the library and compares it with the description.
-fn open(located: &Located, sources: &SourceMap, plan: &Plan) -> Result<Component, LoadError> {
-    let library = Library::open(&located.library)?;
-    let place = |span| {
-        let at = sources.location(span);
-        format!("{}:{}", at.path.display(), at.line)
+/// Opens the library and compares it with the description, unless that was done.
+fn open(located: &mut Located, reading: &Reading) -> Result<Component, LoadError> {
+    let contents = match located.contents.take() {
+        Some(contents) => contents,
+        None => Contents::read(&located.library)?,
     };
-    Ok(Component::load(library, plan, &place)?)
+    let digest = contents.digest();
+    let library = contents.open()?;
+    let place = |span| reading.place(span);
+    if reading.fits(&digest) {
+        return Ok(Component::load_again(library, &reading.plan, &place)?);
+    }
+    tracing::debug!("{}: compared with its description", located.library.display());
+    let component = Component::load(library, &reading.plan, &place)?;
+    reading.found_to_fit(digest);
+    Ok(component)
+}
+
+fn tell_warnings(located: &Located, reading: &Reading) {
+    if let Some(warnings) = &reading.warnings {
+        tracing::warn!("{}\n{warnings}", located.description.path().display());
+    }
 }
 
 /// Refuses a request that says something of what the component has not.
@@ -161,56 +168,6 @@ fn check_names(request: &LoadRequest, model: &Model, instance: &str) -> Result<(
         check("attribute", attribute, attributes.map(|one| one.name.as_str()).collect())?;
     }
     Ok(())
-}
-
-/// Reads the description; its warnings are logged, its errors refuse it.
-fn analyse(located: &Located, include: &[PathBuf]) -> Result<Analysis, LoadError> {
-    let preprocess =
-        preprocess::Options { include_dirs: include.to_vec(), ..preprocess::Options::default() };
-    let options = Options { preprocess, ..Options::default() };
-    let analysis = match &located.description {
-        Description::File(path) => read(&[path], &options),
-        Description::Embedded { name, text } => {
-            read_text(&name.display().to_string(), text, &options)
-        }
-    };
-    let drawn = human(&analysis.diagnostics, &analysis.sources, false);
-    if analysis.has_errors() {
-        return Err(LoadError::Description(drawn));
-    }
-    let warnings = analysis.diagnostics.iter().filter(|said| said.severity == Severity::Warning);
-    if warnings.count() > 0 {
-        tracing::warn!("{}\n{drawn}", described(located).display());
-    }
-    Ok(analysis)
-}
-
-fn described(located: &Located) -> &Path {
-    match &located.description {
-        Description::File(path) | Description::Embedded { name: path, .. } => path,
-    }
-}
-
-/// The one component of a description.
-fn choose(specification: &Specification, located: &Located) -> Result<usize, LoadError> {
-    let refuse =
-        |found: String| Err(LoadError::NotOne { path: described(located).to_owned(), found });
-    match specification.components.as_slice() {
-        [_] => Ok(0),
-        [] => refuse("declares no component".to_owned()),
-        several => {
-            // A description may hold the components it uses: the file's name tells which is meant.
-            let stem = described(located).file_stem().unwrap_or_default().to_string_lossy();
-            if let Some(index) = several.iter().position(|component| component.name == stem) {
-                return Ok(index);
-            }
-            let names: Vec<_> = several.iter().map(|component| component.name.as_str()).collect();
-            refuse(format!(
-                "declares components {}, and the file's name is none of them",
-                names.join(", ")
-            ))
-        }
-    }
 }
 
 /// Instance names stand in addresses, file names and URLs.

@@ -234,11 +234,33 @@ impl Component {
         plan: &Plan,
         locate: &dyn Fn(Span) -> String,
     ) -> Result<Self, LoadErrors> {
+        Self::make(library, plan, locate, true)
+    }
+
+    /// As [`load`](Self::load), for a library whose contents were loaded with this plan before:
+    /// they are not compared again.
+    ///
+    /// # Errors
+    /// As `load`, differences apart.
+    pub fn load_again(
+        library: Library,
+        plan: &Plan,
+        locate: &dyn Fn(Span) -> String,
+    ) -> Result<Self, LoadErrors> {
+        Self::make(library, plan, locate, false)
+    }
+
+    fn make(
+        library: Library,
+        plan: &Plan,
+        locate: &dyn Fn(Span) -> String,
+        compare: bool,
+    ) -> Result<Self, LoadErrors> {
         let mut checker =
             Checker { specification: plan.specification(), locate, errors: Vec::new() };
         let parts = Parts::new(&mut checker, plan, &library);
         let mut errors = checker.errors;
-        if parts.is_some() {
+        if compare && parts.is_some() {
             errors.extend(differences(&library, plan, locate));
         }
         let path = library.path().to_owned();

@@ -4,7 +4,8 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Once;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use tempfile::TempDir;
 
@@ -13,34 +14,68 @@ const PREFIX: &str = "genomd-library-";
 /// Locked as long as the process that made the directory lives.
 const LOCK: &str = "lock";
 
-/// A copy of a library in a directory of its own; both go when it is dropped.
+/// A copy of a library in this process's own directory; removed when it is dropped.
 #[derive(Debug)]
 pub(super) struct PrivateCopy {
+    path: PathBuf,
+    _shelf: Arc<Shelf>,
+}
+
+/// The directory of this process's copies: there as long as one of them is.
+#[derive(Debug)]
+struct Shelf {
     path: PathBuf,
     _lock: File,
     _directory: TempDir,
 }
 
-impl PrivateCopy {
-    /// Writes `bytes` under the name of `original` into a new private directory.
-    pub(super) fn new(original: &Path, bytes: &[u8]) -> io::Result<Self> {
-        static SWEEP: Once = Once::new();
-        SWEEP.call_once(|| sweep(&std::env::temp_dir()));
+impl Shelf {
+    /// The directory; one lock and one look at what others left serve all copies.
+    fn get() -> io::Result<Arc<Self>> {
+        static SHELF: Mutex<Weak<Shelf>> = Mutex::new(Weak::new());
+        let mut known = SHELF.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(shelf) = known.upgrade().filter(|shelf| shelf.path.is_dir()) {
+            return Ok(shelf);
+        }
+        sweep(&std::env::temp_dir());
         let directory = tempfile::Builder::new().prefix(PREFIX).tempdir()?;
         // The lock takes its name only once it is held, or a sweep could come in between.
         let early = directory.path().join("lock.new");
         let lock = File::create(&early)?;
         lock.lock()?;
         fs::rename(&early, directory.path().join(LOCK))?;
-        let name = original.file_name().unwrap_or("library.so".as_ref());
-        let path = directory.path().canonicalize()?.join(name);
-        fs::write(&path, bytes)?;
-        Ok(Self { path, _lock: lock, _directory: directory })
+        let path = directory.path().canonicalize()?;
+        let shelf = Arc::new(Self { path, _lock: lock, _directory: directory });
+        *known = Arc::downgrade(&shelf);
+        Ok(shelf)
+    }
+}
+
+impl PrivateCopy {
+    /// Writes `bytes` to a new file that has the name of `original` in its own.
+    pub(super) fn new(original: &Path, bytes: &[u8]) -> io::Result<Self> {
+        static NUMBER: AtomicU64 = AtomicU64::new(0);
+        let shelf = Shelf::get()?;
+        let name = original.file_name().unwrap_or("library.so".as_ref()).to_string_lossy();
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let path = shelf.path.join(format!("{number}-{name}"));
+        // Known before it is written: half a copy goes as a whole one does.
+        let copy = Self { path, _shelf: shelf };
+        fs::write(&copy.path, bytes)?;
+        Ok(copy)
     }
 
     /// The file to load.
     pub(super) fn path(&self) -> &Path {
         &self.path
+    }
+}
+
+impl Drop for PrivateCopy {
+    fn drop(&mut self) {
+        if let Err(why) = fs::remove_file(&self.path) {
+            tracing::debug!("{}: a copy of a library stays: {why}", self.path.display());
+        }
     }
 }
 
@@ -80,6 +115,22 @@ pub(super) fn beside<T>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn all_copies_are_in_one_directory_that_goes_with_the_last() {
+        let original = Path::new("somewhere/demo.so");
+        let copies: Vec<_> = (0_u8..3).map(|n| PrivateCopy::new(original, &[n]).unwrap()).collect();
+        let directory = copies[0].path().parent().unwrap().to_owned();
+        for (n, copy) in (0_u8..).zip(&copies) {
+            assert_eq!(copy.path().parent(), Some(&*directory));
+            assert!(copy.path().to_string_lossy().ends_with("-demo.so"));
+            assert_eq!(fs::read(copy.path()).unwrap(), [n]);
+        }
+        let first = copies[0].path().to_owned();
+        let mut copies = copies.into_iter();
+        drop(copies.next());
+        assert!(!first.exists() && directory.join(LOCK).exists());
+    }
 
     #[test]
     fn a_sweep_removes_what_a_killed_daemon_left_and_keeps_what_is_in_use() {

@@ -1,5 +1,6 @@
 //! What an ELF file says of itself, read without loading it (so without running anything of it).
 
+use std::ops::Range;
 use std::path::Path;
 
 use object::read::elf::{Dyn as _, ElfFile, FileHeader, ProgramHeader};
@@ -14,18 +15,6 @@ pub struct EmbeddedDescription {
     pub text: String,
     /// Name to show in messages, when the library tells one.
     pub name: Option<String>,
-}
-
-/// The description that the library at `path` carries in the symbol `genom_description`.
-///
-/// The file is read, not loaded: no constructor runs.
-///
-/// # Errors
-/// When the file is missing or no shared object of this machine, or the symbol holds no text.
-pub fn embedded_description(path: &Path) -> Result<Option<EmbeddedDescription>, OpenError> {
-    let bytes = read(path)?;
-    check(path, &bytes)?;
-    description_of(path, &bytes)
 }
 
 /// Reads the whole file.
@@ -118,6 +107,36 @@ fn extent(bytes: &[u8]) -> object::Result<u64> {
         word(segment.p_offset(endian)).saturating_add(word(segment.p_filesz(endian)))
     });
     Ok(ends.max().unwrap_or(0))
+}
+
+/// A part of the file that is loaded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Segment {
+    /// Addresses, before the library has its place in memory.
+    pub(super) range: Range<u64>,
+    pub(super) writable: bool,
+    pub(super) executable: bool,
+}
+
+/// The loaded parts of a file that passed [`check`].
+pub(super) fn segments(bytes: &[u8]) -> Vec<Segment> {
+    let read = || -> object::Result<Vec<Segment>> {
+        let header = Header::parse(bytes)?;
+        let endian = header.endian()?;
+        let segments = header.program_headers(endian, bytes)?.iter();
+        let loadable = segments.filter(|segment| segment.p_type(endian) == elf::PT_LOAD);
+        let segment = loadable.map(|segment| {
+            let start = word(segment.p_vaddr(endian));
+            let flags = segment.p_flags(endian);
+            Segment {
+                range: start..start.saturating_add(word(segment.p_memsz(endian))),
+                writable: flags.contains(elf::PF_W),
+                executable: flags.contains(elf::PF_X),
+            }
+        });
+        Ok(segment.collect())
+    };
+    read().unwrap_or_default()
 }
 
 /// The functions that run when a library is closed, by address in the file.

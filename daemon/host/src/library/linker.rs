@@ -8,6 +8,7 @@ use std::path::Path;
 
 use libloading::os::unix;
 
+use super::elf::Segment;
 use crate::ffi::WHAT;
 use crate::last_words;
 
@@ -24,7 +25,10 @@ unsafe extern "C" {
 
 /// An open library as the dynamic linker knows it; closed when dropped.
 #[derive(Debug)]
-pub(super) struct Handle(Option<unix::Library>);
+pub(super) struct Handle {
+    library: Option<unix::Library>,
+    bias: usize,
+}
 
 impl Handle {
     /// Opens `file`, a copy of `library`, with all symbols bound now and none of them visible to
@@ -56,13 +60,27 @@ impl Handle {
             return Err(said.strip_prefix(&own).unwrap_or(&said).to_owned());
         }
         // SAFETY: the dynamic linker just gave this handle, to nobody else.
-        Ok(Self(Some(unsafe { unix::Library::from_raw(handle) })))
+        let library = Some(unsafe { unix::Library::from_raw(handle) });
+        Ok(Self { library, bias: bias(handle) })
+    }
+
+    /// Where these parts of the file lie. Asked of the linker: the list of all that is mapped
+    /// grows with each component.
+    pub(super) fn place(&self, segments: &[Segment]) -> Vec<Mapping> {
+        let at = |address: u64| {
+            usize::try_from(address).ok().map(|address| self.bias.wrapping_add(address))
+        };
+        let place = segments.iter().filter_map(|segment| {
+            let Segment { ref range, writable, executable } = *segment;
+            Some(Mapping { range: at(range.start)?..at(range.end)?, writable, executable })
+        });
+        place.collect()
     }
 
     /// Address of a symbol.
     pub(super) fn symbol(&self, name: &str) -> Option<usize> {
         // SAFETY: only the address is taken; nothing is read or called through it here.
-        let symbol = unsafe { self.0.as_ref()?.get::<*const c_void>(name) }.ok()?;
+        let symbol = unsafe { self.library.as_ref()?.get::<*const c_void>(name) }.ok()?;
         let address = symbol.as_raw_ptr() as usize;
         (address != 0).then_some(address)
     }
@@ -96,55 +114,48 @@ impl Handle {
 
     /// Leaves the library open for good.
     pub(super) fn keep(&mut self) {
-        std::mem::forget(self.0.take());
+        std::mem::forget(self.library.take());
     }
 }
 
-/// Part of a file in memory.
+/// Part of a library in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Mapping {
     /// Where it lies.
     pub(super) range: Range<usize>,
-    /// Whether the process may write there.
+    /// Whether the process may write there; what becomes constant once it is linked counts as
+    /// written.
     pub(super) writable: bool,
     /// Whether code lies there.
     pub(super) executable: bool,
-    /// The file.
-    pub(super) file: String,
 }
 
-/// Every file that is mapped now.
-pub(super) fn mappings() -> Vec<Mapping> {
-    let maps = std::fs::read_to_string("/proc/self/maps").unwrap_or_default();
-    maps.lines().filter_map(mapping).collect()
-}
-
-/// Reads a line of `/proc/self/maps`.
-fn mapping(line: &str) -> Option<Mapping> {
-    // from-to rights offset device inode path
-    let mut words = line.splitn(6, ' ');
-    let (from, to) = words.next()?.split_once('-')?;
-    let rights = words.next()?;
-    let (writable, executable) = (rights.contains('w'), rights.contains('x'));
-    let file = words.nth(3)?.trim_start().to_owned();
-    let address = |text| usize::from_str_radix(text, 16).ok();
-    Some(Mapping { range: address(from)?..address(to)?, writable, executable, file })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_line_of_maps_is_read() {
-        let line = "7f00-7f10 r--p 00000000 08:01 42      /tmp/my lib.so";
-        let file = "/tmp/my lib.so".to_owned();
-        let range = 0x7f00..0x7f10;
-        let read = Mapping { range, writable: false, executable: false, file };
-        assert_eq!(mapping(line), Some(read));
-        assert!(mapping("7f00-7f10 rw-p 00000000 08:01 42 /x").is_some_and(|m| m.writable));
-        assert!(mapping("7f00-7f10 r-xp 00000000 08:01 42 /x").is_some_and(|m| m.executable));
-        assert_eq!(mapping("garbage"), None);
-        assert_eq!(mapping("7f00-7f10 rw-p 00000000 00:00 0"), None, "no file");
+/// The file that holds `address`, as the dynamic linker opened it; empty when it did not.
+pub(super) fn file_of(address: usize) -> String {
+    // SAFETY: zeros are such a record, and the call fills it.
+    let mut found: libc::Dl_info = unsafe { std::mem::zeroed() };
+    // SAFETY: any address may be asked for.
+    if unsafe { libc::dladdr(address as *const c_void, &raw mut found) } == 0 {
+        return String::new();
     }
+    // SAFETY: a name that is told is a string of the dynamic linker's, as long as the file is open.
+    let name = unsafe { found.dli_fname.as_ref() }.map(|name| unsafe { CStr::from_ptr(name) });
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// The beginning of `struct link_map`, which is the same in every C library.
+#[repr(C)]
+struct LinkMap {
+    /// What the file's addresses are moved by.
+    bias: usize,
+}
+
+/// What the addresses of an open library are moved by.
+fn bias(handle: *mut c_void) -> usize {
+    let mut map: *const LinkMap = std::ptr::null();
+    let place = (&raw mut map).cast();
+    // SAFETY: the handle is open, and this request writes a pointer.
+    let told = unsafe { libc::dlinfo(handle, libc::RTLD_DI_LINKMAP, place) };
+    // SAFETY: the pointer leads to the library's entry, which lives as long as it is open.
+    if told == 0 { unsafe { map.as_ref() }.map_or(0, |map| map.bias) } else { 0 }
 }

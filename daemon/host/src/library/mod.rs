@@ -3,6 +3,7 @@
 //! It knows no component: which symbols to ask for is the caller's business.
 
 mod ask;
+mod contents;
 mod copy;
 mod elf;
 mod error;
@@ -11,7 +12,8 @@ mod outlive;
 mod threads;
 mod timers;
 
-pub use elf::{EmbeddedDescription, embedded_description};
+pub use contents::{Contents, Digest};
+pub use elf::EmbeddedDescription;
 pub use error::OpenError;
 
 use std::path::{Path, PathBuf};
@@ -36,12 +38,6 @@ const SYSTEM: &[&str] = &[
 /// Opens a file, or says as the dynamic linker does why not.
 type Linker = fn(&Path, &Path) -> Result<Handle, String>;
 
-/// The parts of `file` in memory.
-fn own(file: &Path) -> Vec<Mapping> {
-    let name = file.to_string_lossy();
-    linker::mappings().into_iter().filter(|mapping| mapping.file == name).collect()
-}
-
 /// An open library. Closing is dropping: no thread may still run its code then.
 #[derive(Debug)]
 pub struct Library {
@@ -65,42 +61,37 @@ impl Library {
     /// # Errors
     /// When the file is missing, no shared object of this machine, truncated, or not linkable.
     pub fn open(path: &Path) -> Result<Self, OpenError> {
-        Self::open_by(path, Handle::open)
+        Contents::read(path)?.open()
     }
 
-    /// As [`open`](Self::open), by this linker.
-    fn open_by(path: &Path, link: Linker) -> Result<Self, OpenError> {
-        let bytes = elf::read(path)?;
-        elf::check(path, &bytes)?;
-        let path = path.to_owned();
-        if elf::uses_origin(&bytes) {
-            return Self::open_beside(path, bytes, link);
+    /// Loads a private copy of these contents, by this linker.
+    fn open_by(contents: Contents, link: Linker) -> Result<Self, OpenError> {
+        if elf::uses_origin(&contents.bytes) {
+            return Self::open_beside(contents, link);
         }
-        let copy = match PrivateCopy::new(&path, &bytes) {
+        let copy = match PrivateCopy::new(&contents.path, &contents.bytes) {
             Ok(copy) => copy,
             Err(why) => {
-                tracing::warn!("{}: no copy in the temporary directory: {why}", path.display());
-                return Self::open_beside(path, bytes, link);
+                let path = contents.path.display();
+                tracing::warn!("{path}: no copy in the temporary directory: {why}");
+                return Self::open_beside(contents, link);
             }
         };
-        match link(copy.path(), &path) {
-            Ok(handle) => {
-                let mappings = own(copy.path());
-                let finishers = elf::finishers(&bytes);
-                Ok(Self { handle, _copy: Some(copy), path, bytes, mappings, finishers })
-            }
+        match link(copy.path(), &contents.path) {
+            Ok(handle) => Ok(Self::new(contents, handle, Some(copy))),
             // A temporary directory mounted `noexec`.
             Err(said) if said.contains("failed to map segment") => {
-                Self::open_beside(path, bytes, link)
+                Self::open_beside(contents, link)
             }
-            Err(said) => Err(OpenError::from_linker(path, &said)),
+            Err(said) => Err(OpenError::from_linker(contents.path, &said)),
         }
     }
 
     /// Loads a copy made beside the original, or else the original.
-    fn open_beside(path: PathBuf, bytes: Vec<u8>, link: Linker) -> Result<Self, OpenError> {
-        let load = |file: &Path| link(file, &path).map(|handle| (handle, own(file)));
-        let loaded = copy::beside(&path, &bytes, load).unwrap_or_else(|why| {
+    fn open_beside(contents: Contents, link: Linker) -> Result<Self, OpenError> {
+        let Contents { path, bytes } = &contents;
+        let load = |file: &Path| link(file, path);
+        let loaded = copy::beside(path, bytes, load).unwrap_or_else(|why| {
             tracing::warn!(
                 "{}: loaded in place, no copy beside it: {why}; once rebuilt it needs a restart \
                  of the daemon",
@@ -109,12 +100,16 @@ impl Library {
             load(&path.canonicalize().unwrap_or_else(|_| path.clone()))
         });
         match loaded {
-            Ok((handle, mappings)) => {
-                let finishers = elf::finishers(&bytes);
-                Ok(Self { handle, _copy: None, path, bytes, mappings, finishers })
-            }
-            Err(said) => Err(OpenError::from_linker(path, &said)),
+            Ok(handle) => Ok(Self::new(contents, handle, None)),
+            Err(said) => Err(OpenError::from_linker(contents.path, &said)),
         }
+    }
+
+    fn new(contents: Contents, handle: Handle, copy: Option<PrivateCopy>) -> Self {
+        let Contents { path, bytes } = contents;
+        let mappings = handle.place(&elf::segments(&bytes));
+        let finishers = elf::finishers(&bytes);
+        Self { handle, _copy: copy, path, bytes, mappings, finishers }
     }
 
     /// The file as it was asked for, not its copy.
@@ -160,8 +155,7 @@ impl Library {
         if self.own_symbol(name).is_some() {
             return Ok(Some(at));
         }
-        let mapped = linker::mappings().into_iter().find(|mapping| mapping.range.contains(&at));
-        let file = mapped.map_or(String::new(), |mapping| mapping.file);
+        let file = linker::file_of(at);
         let base = file.rsplit('/').next().unwrap_or_default();
         match SYSTEM.iter().any(|system| base.starts_with(system)) {
             true => Err(base.to_owned()),
@@ -198,7 +192,14 @@ mod tests {
 
     /// A temporary directory mounted `noexec`, as the linker of glibc tells it.
     fn nothing_runs_in_temporary(file: &Path, library: &Path) -> Result<Handle, String> {
-        if file.parent().unwrap().file_name().unwrap().to_string_lossy().starts_with("genomd-") {
+        if file
+            .parent()
+            .unwrap()
+            .file_name()
+            .unwrap()
+            .to_string_lossy()
+            .starts_with("genomd-library-")
+        {
             return Err("failed to map segment from shared object".to_owned());
         }
         Handle::open(file, library)
@@ -216,14 +217,51 @@ mod tests {
         let mut compiler = Command::new("cc");
         compiler.args(["-shared", "-fPIC", "-o"]).arg(&path).arg(&source);
         assert!(compiler.status().unwrap().success());
-        let library = Library::open_by(&path, nothing_runs_in_temporary).unwrap();
-        let own = library.mappings.first().expect("its parts are known");
-        assert!(own.file.contains("/.demo.so.genomd-"), "{own:?}");
-        assert!(library.own_symbol("f").is_some());
+        let open = |link| Library::open_by(Contents::read(&path).unwrap(), link);
+        let library = open(nothing_runs_in_temporary).unwrap();
+        let own = linker::file_of(library.own_symbol("f").unwrap());
+        assert!(own.contains("/.demo.so.genomd-"), "{own:?}");
         // A second load is of a file of its own as well.
-        let other = Library::open_by(&path, nothing_runs_in_temporary).unwrap();
+        let other = open(nothing_runs_in_temporary).unwrap();
         assert_ne!(library.own_symbol("f"), other.own_symbol("f"));
-        let refused = Library::open_by(&path, nothing_runs_anywhere).unwrap_err().to_string();
+        let refused = open(nothing_runs_anywhere).unwrap_err().to_string();
         assert!(refused.contains("failed to map segment"), "{refused}");
+    }
+
+    /// Lines of `/proc/self/maps` that are of a file: where, whether written, whether code.
+    fn mapped(file: &str) -> Vec<(std::ops::Range<usize>, bool, bool)> {
+        let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
+        let of = maps.lines().filter(|line| line.ends_with(file));
+        let parts = of.map(|line| {
+            let (place, rest) = line.split_once(' ').unwrap();
+            let (from, to) = place.split_once('-').unwrap();
+            let address = |text| usize::from_str_radix(text, 16).unwrap();
+            let (written, code) = (rest.starts_with("rw"), rest.starts_with("r-x"));
+            (address(from)..address(to), written, code)
+        });
+        parts.collect()
+    }
+
+    #[test]
+    fn the_parts_of_a_library_are_where_the_kernel_says() {
+        const C: &str = "int written = 1; const int constant = 2; int f(void) { return 1; }";
+        let scratch = tempfile::tempdir().unwrap();
+        let (source, path) = (scratch.path().join("f.c"), scratch.path().join("parts.so"));
+        std::fs::write(&source, C).unwrap();
+        let mut compiler = Command::new("cc");
+        compiler.args(["-shared", "-fPIC", "-o"]).arg(&path).arg(&source);
+        assert!(compiler.status().unwrap().success());
+        let library = Library::open(&path).unwrap();
+        let mapped = mapped(&linker::file_of(library.own_symbol("f").unwrap()));
+        assert!(!mapped.is_empty());
+        for part in &library.mappings {
+            let line = mapped.iter().find(|(place, ..)| place.contains(&part.range.start));
+            let (_, written, code) = line.unwrap_or_else(|| panic!("{part:?} in {mapped:?}"));
+            assert_eq!(part.executable, *code, "{part:?}");
+            // A part of what is written becomes constant once it is linked.
+            assert!(part.writable || !written, "{part:?}");
+        }
+        assert!(library.is_constant(library.own_symbol("constant").unwrap()));
+        assert!(!library.is_constant(library.own_symbol("written").unwrap()));
     }
 }

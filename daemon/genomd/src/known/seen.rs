@@ -1,0 +1,71 @@
+//! What was seen of files while a description was read: asked again, it tells whether reading it
+//! again would give the same.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use genom_description::source::{Disk, Files, tidy};
+
+/// Files, and what they answered.
+pub(super) struct Witness<'a> {
+    files: &'a dyn Files,
+    /// A text that is not on the disk, whatever is there under its name.
+    text: Option<PathBuf>,
+    seen: RefCell<Seen>,
+}
+
+/// Answers of the disk, by path.
+#[derive(Debug, Default)]
+pub(super) struct Seen {
+    /// Whether there is a file.
+    there: BTreeMap<PathBuf, bool>,
+    /// Its contents; nothing when it could not be read.
+    contents: BTreeMap<PathBuf, Option<Vec<u8>>>,
+}
+
+impl Seen {
+    /// Reads from `files` and notes what of it is the disk's: all but `text`.
+    pub(super) fn new<'a>(files: &'a dyn Files, text: Option<&Path>) -> Witness<'a> {
+        Witness { files, text: text.map(tidy), seen: RefCell::default() }
+    }
+
+    /// Whether the disk answers the same now.
+    pub(super) fn is_current(&self) -> bool {
+        let same = |(path, before): (&PathBuf, &Option<Vec<u8>>)| Disk.read(path).ok() == *before;
+        self.there.iter().all(|(path, before)| Disk.is_file(path) == *before)
+            && self.contents.iter().all(same)
+    }
+}
+
+impl Witness<'_> {
+    /// What was seen.
+    pub(super) fn done(self) -> Seen {
+        self.seen.into_inner()
+    }
+
+    fn note(&self, path: &Path, note: impl FnOnce(&mut Seen, PathBuf)) {
+        if self.text.as_deref() != Some(&tidy(path)) {
+            note(&mut self.seen.borrow_mut(), path.to_owned());
+        }
+    }
+}
+
+impl Files for Witness<'_> {
+    fn is_file(&self, path: &Path) -> bool {
+        let there = self.files.is_file(path);
+        self.note(path, |seen, path| _ = seen.there.insert(path, there));
+        there
+    }
+
+    fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
+        let read = self.files.read(path);
+        self.note(path, |seen, path| _ = seen.contents.insert(path, read.as_ref().ok().cloned()));
+        read
+    }
+
+    fn identity(&self, path: &Path) -> PathBuf {
+        self.files.identity(path)
+    }
+}
