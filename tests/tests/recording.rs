@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use genom_components::python;
-use genom_tests::{Daemon, Finished, Running, component, path};
+use genom_tests::{Daemon, Finished, Home, Running, component, path, program, repository, until};
 use serde_json::{Value, json};
 
 /// A daemon whose time stands still until it is stepped.
@@ -49,7 +49,7 @@ impl Recorder {
 fn counted(summary: &Value, topic: &str) -> (u64, u64) {
     let channels = summary["channels"].as_array().expect("channels");
     let channel = channels.iter().find(|channel| channel["topic"] == topic).expect(topic);
-    (channel["messages"].as_u64().unwrap(), channel["lost"].as_u64().unwrap())
+    (channel["messages"].as_u64().unwrap(), channel["lost"].as_u64().unwrap_or_default())
 }
 
 /// The file as the Python packages `mcap` and `mcap-ros2-support` read it: by topic, a list of
@@ -255,4 +255,136 @@ fn a_daemon_that_stops_ends_the_file() {
     let last = read(&recorder.file)["/demo/position"].as_array().unwrap().last().unwrap().clone();
     assert_eq!(last[2]["position"], 0.5);
     drop(home);
+}
+
+/// A daemon whose wall clock is ahead by as many seconds as the file has bytes.
+fn settable() -> (Daemon, std::fs::File) {
+    let home = Home::new();
+    let (wall, library) = (home.path().join("wall"), home.path().join("wall.so"));
+    let file = std::fs::File::create(&wall).unwrap();
+    let mut compiler = Command::new("cc");
+    compiler.args(["-std=gnu11", "-Wall", "-Wextra", "-Werror", "-fPIC", "-shared"]);
+    compiler.arg(repository().join("tests/fixtures/wall/wall.c"));
+    compiler.arg("-o").arg(&library).arg("-ldl");
+    Running::start(&mut compiler).finish().expect_code(0);
+    let preload = format!("LD_PRELOAD={}", path(&library));
+    let wall = format!("WALL={}", path(&wall));
+    let demo = component("demo");
+    (home.start_by(&["env", &preload, &wall], &[path(&demo.library)]), file)
+}
+
+#[test]
+fn samples_keep_their_distance_when_the_machines_clock_is_set() {
+    /// Seconds by which the clock is set, forth and then back.
+    const BY: u64 = 100_000;
+    let (daemon, clock) = settable();
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=0.001"]).expect_code(0);
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+    let written = || daemon.port("demo", "position")["traffic"]["samples"].as_u64().unwrap();
+    for ahead in [BY, 0] {
+        let name = format!("{ahead}.mcap");
+        let recorder = Recorder::start(&daemon, &name, &[]);
+        let go_on = || {
+            let before = written();
+            until("samples are written", || written() > before + 5);
+        };
+        go_on();
+        clock.set_len(ahead).unwrap();
+        go_on();
+        let topics = read(&recorder.end().1);
+        let dates: Vec<u64> = list(&topics, "/demo/position")
+            .iter()
+            .map(|sample| sample[0].as_u64().unwrap())
+            .collect();
+        let gap = |pair: &[u64]| pair[1].abs_diff(pair[0]);
+        assert!(dates.is_sorted(), "{dates:?}");
+        assert!(dates.windows(2).map(gap).all(|gap| gap < BY / 2 * 1_000_000_000), "{dates:?}");
+        // Who compares it with other logs learns of it.
+        let changes = list(&topics, "/genom/changes");
+        let set = changes.iter().find(|change| change[2]["event"] == "clock_set");
+        let by = set.expect("it is noted")[2]["ahead_ns"].as_i64().unwrap() / 1_000_000_000;
+        let wanted = if ahead == 0 { -BY.cast_signed() } else { BY.cast_signed() };
+        assert!((by - wanted).abs() < BY.cast_signed() / 2, "{by} s");
+    }
+}
+
+#[test]
+fn of_a_recorder_that_was_killed_all_that_is_whole_is_replayed_and_recovered() {
+    let daemon = stepped();
+    let recorder = Recorder::start(&daemon, "run.mcap", &[]);
+    for gain in ["0.5", "0.25", "1"] {
+        daemon.ctl(&["pub", "demo/parameter", gain]).expect_code(0);
+        daemon.ctl(&["step", "20ms"]).expect_code(0);
+    }
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=0.001"]).expect_code(0);
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+    daemon.ctl(&["step", "50s"]).expect_code(0);
+    let size = || std::fs::metadata(&recorder.file).unwrap().len();
+    until("the recorder writes", || size() > 100_000);
+    recorder.running.signal("KILL");
+    let file = recorder.file;
+    assert_eq!(recorder.running.finish().code, None);
+    // It ends in the middle of a sample.
+    let cut = std::fs::File::options().write(true).open(&file).unwrap();
+    cut.set_len(99_990).unwrap();
+
+    let other = stepped();
+    let replayed = other.ctl(&["--json", "replay", "--step", path(&file)]);
+    replayed.expect_code(0).expect_err("run.mcap was not ended: ").expect_err("genomctl recover");
+    let reply: Value = serde_json::from_str(&replayed.out).unwrap();
+    assert_eq!(reply["ports"], json!([{"port": "demo/parameter", "published": 3}]));
+
+    let whole = daemon.home().path().join("whole.mcap");
+    let recover = ["recover", path(&file), "-o", path(&whole)];
+    let recovered = daemon.json(&recover);
+    assert!(recovered["bytes_given_up"].as_u64().unwrap() > 0, "{recovered}");
+    let topics = read(&whole);
+    assert_eq!(list(&topics, "/demo/parameter").len(), 3);
+    let positions = list(&topics, "/demo/position");
+    assert!(positions.len() > 100);
+    for (number, sample) in positions.iter().enumerate() {
+        assert_eq!(sample[1], number as u64);
+    }
+    assert_eq!(counted(&recovered, "/demo/position"), (positions.len() as u64, 0));
+    assert_eq!(topics["attachments"], json!(["deployment.toml"]));
+    assert_eq!(topics["metadata"]["genom"]["clock"], "virtual");
+
+    daemon.ctl(&recover).expect_code(2).expect_err("--force");
+    daemon.ctl(&["recover", path(&file), "-o", path(&file)]).expect_code(2);
+    let nothing = daemon.home().path().join("genomd.toml");
+    let refused = daemon.ctl(&["recover", path(&nothing), "--force", "-o", path(&whole)]);
+    refused.expect_code(1).expect_err("genomd.toml: it is no MCAP file");
+    assert_eq!(list(&read(&whole), "/demo/parameter").len(), 3);
+}
+
+#[test]
+fn a_recording_that_finds_no_room_ends_in_order_and_says_so() {
+    const MOST: u64 = 200_000;
+    let daemon = stepped();
+    let file = daemon.home().path().join("run.mcap");
+    let mut command = Command::new("prlimit");
+    command.arg(format!("--fsize={MOST}")).arg(program("genomctl"));
+    command.arg("--socket").arg(daemon.home().socket());
+    command.args(["--json", "record", "demo", "-o"]).arg(&file);
+    let recorder = Running::start(&mut command);
+    assert!(recorder.error_line_where(|line| line.contains("recording to")).is_some());
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=0.001"]).expect_code(0);
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+    // It ends by itself.
+    for _ in 0..5 {
+        daemon.ctl(&["step", "10s"]).expect_code(0);
+    }
+    let full = recorder.finish();
+    full.expect_code(1).expect_err("run.mcap: File too large").expect_err(" bytes: it ends there");
+    assert!(std::fs::metadata(&file).unwrap().len() <= MOST);
+    let summary: Value = serde_json::from_str(&full.out).unwrap();
+    let topics = read(&file);
+    let messages = list(&topics, "/demo/position").len() as u64;
+    assert!(messages > 1000, "{messages}");
+    assert_eq!(counted(&summary, "/demo/position").0, messages);
+    assert_eq!(topics["metadata"]["genom.lost"]["complete"], "false");
+
+    // A disk that does not say so before.
+    let full = daemon.ctl(&["record", "-o", "/dev/full", "--force", "--duration", "0.01"]);
+    full.expect_code(1).expect_err("/dev/full: No space left on device");
 }

@@ -24,6 +24,11 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
     ),
     ("replay", "tests/tests/recording.rs", "a_replay_on_the_stepped_clock_gives_the_same_motion"),
     (
+        "recover",
+        "tests/tests/recording.rs",
+        "of_a_recorder_that_was_killed_all_that_is_whole_is_replayed_and_recovered",
+    ),
+    (
         "ros2-package",
         "daemon/genomctl/tests/ros2_package/main.rs",
         "packages_are_written_for_colcon",

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::contexts::Chosen;
+use crate::recording::file::WriteError;
 use crate::terminal::{Tone, coloured_errors};
 
 /// Why a verb failed.
@@ -92,6 +93,13 @@ fn shown(detail: &Value) -> String {
         Value::Null => String::new(),
         Value::Object(members) if members.is_empty() => String::new(),
         detail => format!(" {detail}"),
+    }
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        let code = if matches!(error, WriteError::Full { .. }) { "full" } else { "file" };
+        Self::refused(code, error.to_string())
     }
 }
 

@@ -86,8 +86,8 @@ pub(crate) enum StepStatus {
 pub(crate) struct Numbered {
     /// From 1, without gaps.
     pub(crate) id: u64,
-    /// When it was told.
-    pub(crate) date: u64,
+    /// When it was told, as recordings count.
+    pub(crate) moment: u64,
     /// What was told, as JSON.
     pub(crate) data: Arc<Value>,
 }
@@ -197,7 +197,7 @@ impl Numbers {
         let data = Arc::new(data);
         let mut past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
         past.last += 1;
-        let numbered = Numbered { id: past.last, date: self.dates.now(), data };
+        let numbered = Numbered { id: past.last, moment: self.dates.moment(), data };
         if past.kept.len() == KEPT {
             past.kept.pop_front();
         }

@@ -10,18 +10,58 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
 
 use super::frames::{Channel, Lost, Sample, Start};
+use super::room::{Counted, Room};
+
+/// What a file ends with at most, besides what grows with it.
+const END: u64 = 4096;
+/// Of the end: for each chunk, for each channel, for each of these in those, for each sample.
+const OF_CHUNK: u64 = 128;
+const OF_CHANNEL: u64 = 128;
+const OF_BOTH: u64 = 10;
+const OF_SAMPLE: u64 = 16;
+/// Before each sample.
+const HEAD: u64 = 31;
 
 /// A file that is being written.
 pub(crate) struct Recorder {
-    writer: Writer<BufWriter<File>>,
+    path: PathBuf,
+    writer: Writer<Counted<BufWriter<File>>>,
     /// By number of the daemon's.
     channels: BTreeMap<u16, Told>,
-    /// Date of the last sample.
-    last: u64,
+    room: Room,
+    /// Bytes written.
+    written: Arc<AtomicU64>,
+    /// Bytes of descriptions, which the end repeats.
+    repeated: u64,
+    /// Times that the file was brought up to date.
+    saved: u64,
+    /// Samples since.
+    unsaved: u64,
+}
+
+/// A recording cannot be written.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum WriteError {
+    /// The disk is full, or the file as large as it may be; it can be ended in order still.
+    #[error(
+        "{}: {why} after {written} bytes: it ends there; make room, or record to another disk",
+        path.display()
+    )]
+    Full { path: PathBuf, written: u64, why: std::io::Error },
+    /// It was not written whole.
+    #[error(
+        "{}: {why} after {written} bytes: what came before can be read; \
+         `genomctl recover` makes a whole file of it", path.display()
+    )]
+    Broken { path: PathBuf, written: u64, why: String },
 }
 
 /// What became of a channel.
@@ -36,49 +76,54 @@ pub(crate) struct Told {
 
 impl Recorder {
     /// Begins a file.
-    pub(crate) fn new(file: File, start: &Start) -> Result<Self, McapError> {
-        let library = format!("genomctl {}", env!("CARGO_PKG_VERSION"));
-        let options = WriteOptions::new().compression(None).library(library);
-        let mut writer = options.create(BufWriter::new(file))?;
-        writer.write_metadata(&Metadata {
-            name: "genom".to_owned(),
-            metadata: BTreeMap::from([
-                ("genomd".to_owned(), start.genomd.clone()),
-                ("clock".to_owned(), start.clock.clone()),
-            ]),
-        })?;
-        writer.attach(&Attachment {
-            log_time: 0,
-            create_time: 0,
-            name: "deployment.toml".to_owned(),
-            media_type: "application/toml".to_owned(),
-            data: Cow::Borrowed(start.deployment.as_bytes()),
-        })?;
-        Ok(Self { writer, channels: BTreeMap::new(), last: 0 })
+    pub(crate) fn new(path: &Path, file: File, start: &Start) -> Result<Self, WriteError> {
+        let (path, mut room) = (path.to_owned(), Room::of(&file));
+        let expected = END + 2 * start.deployment.len() as u64;
+        let full = |why| WriteError::Full { path: path.clone(), written: 0, why };
+        if let Ok(room) = &mut room {
+            room.reach(expected).map_err(full)?;
+        }
+        let room = room.map_err(full)?;
+        let (counted, written) = Counted::new(BufWriter::new(file));
+        let broken = |why: McapError| broken(&path, &written, &why);
+        let writer = begin(counted, start).map_err(broken)?;
+        let channels = BTreeMap::new();
+        Ok(Self { path, writer, channels, room, written, repeated: 0, saved: 0, unsaved: 0 })
     }
 
     /// A channel comes.
-    pub(crate) fn channel(&mut self, channel: Channel) -> Result<(), McapError> {
+    pub(crate) fn channel(&mut self, channel: Channel) -> Result<(), WriteError> {
         let Channel { channel, topic, encoding, schema, definition, metadata } = channel;
+        let texts = metadata.iter().map(|(key, value)| key.len() + value.len() + 8);
+        let size = schema.len() + definition.len() + topic.len() + texts.sum::<usize>();
+        self.repeated += size as u64;
+        self.reach(size as u64 + OF_CHANNEL)?;
         let language = if encoding == "cdr" { "ros2msg" } else { "jsonschema" };
-        let schema = self.writer.add_schema(&schema, language, definition.as_bytes())?;
-        let id = self.writer.add_channel(schema, &topic, &encoding, &metadata)?;
+        let id = self
+            .writer
+            .add_schema(&schema, language, definition.as_bytes())
+            .and_then(|schema| self.writer.add_channel(schema, &topic, &encoding, &metadata));
+        let id = id.map_err(|why| broken(&self.path, &self.written, &why))?;
         self.channels.insert(channel, Told { id, topic, messages: 0, lost: 0 });
         Ok(())
     }
 
     /// A sample comes; one of a channel that never was announced is given up.
-    pub(crate) fn sample(&mut self, sample: &Sample) -> Result<(), McapError> {
-        let Some(told) = self.channels.get_mut(&sample.channel) else { return Ok(()) };
+    pub(crate) fn sample(&mut self, sample: &Sample) -> Result<(), WriteError> {
+        let Some(told) = self.channels.get(&sample.channel) else { return Ok(()) };
         let header = MessageHeader {
             channel_id: told.id,
             sequence: sample.number,
             log_time: sample.date,
             publish_time: sample.date,
         };
-        self.writer.write_to_known_channel(&header, &sample.message)?;
-        told.messages += 1;
-        self.last = self.last.max(sample.date);
+        self.unsaved += 1;
+        self.reach(HEAD + sample.message.len() as u64)?;
+        let written = self.writer.write_to_known_channel(&header, &sample.message);
+        written.map_err(|why| broken(&self.path, &self.written, &why))?;
+        if let Some(told) = self.channels.get_mut(&sample.channel) {
+            told.messages += 1;
+        }
         Ok(())
     }
 
@@ -95,13 +140,30 @@ impl Recorder {
         all.fold((0, 0), |(messages, lost), told| (messages + told.messages, lost + told.lost))
     }
 
-    /// What came so far is in the file then, whatever happens.
-    pub(crate) fn save(&mut self) -> Result<(), McapError> {
-        self.writer.flush()
+    /// What came so far is in the file then, whatever happens to this process.
+    pub(crate) fn save(&mut self) -> Result<(), WriteError> {
+        if self.unsaved > 0 {
+            (self.saved, self.unsaved) = (self.saved + 1, 0);
+        }
+        self.writer.flush().map_err(|why| broken(&self.path, &self.written, &why))
+    }
+
+    /// Makes sure that so much more can be written, and the end after it.
+    fn reach(&mut self, more: u64) -> Result<(), WriteError> {
+        let written = self.written.load(Ordering::Relaxed);
+        let channels = self.channels.len() as u64 + 1;
+        let chunks = self.saved + written / WriteOptions::DEFAULT_CHUNK_SIZE + 2;
+        let end = END
+            + 3 * self.repeated
+            + channels * OF_CHANNEL
+            + chunks * (OF_CHUNK + channels * OF_BOTH)
+            + self.unsaved * OF_SAMPLE;
+        let why = self.room.reach(written + more + end);
+        why.map_err(|why| WriteError::Full { path: self.path.clone(), written, why })
     }
 
     /// Ends the file: with its index, and with what was lost.
-    pub(crate) fn finish(mut self, complete: bool) -> Result<Vec<Told>, McapError> {
+    pub(crate) fn finish(mut self, complete: bool) -> Result<Vec<Told>, WriteError> {
         let mut metadata = BTreeMap::from([("complete".to_owned(), complete.to_string())]);
         let mut all: BTreeMap<String, Told> = BTreeMap::new();
         // A component that went and came back has had two channels of one topic.
@@ -117,8 +179,45 @@ impl Recorder {
         for told in all.values() {
             metadata.insert(told.topic.clone(), told.lost.to_string());
         }
-        self.writer.write_metadata(&Metadata { name: "genom.lost".to_owned(), metadata })?;
-        self.writer.finish()?;
+        let lost = Metadata { name: "genom.lost".to_owned(), metadata };
+        let ended = self.writer.write_metadata(&lost).and_then(|()| self.writer.finish());
+        ended.map_err(|why| broken(&self.path, &self.written, &why))?;
+        // The file's last bytes are still on their way to the system.
+        let flushed = std::io::Write::flush(&mut self.writer.into_inner());
+        let done = flushed.and_then(|()| self.room.done());
+        done.map_err(|why| broken(&self.path, &self.written, &why.into()))?;
         Ok(all.into_values().collect())
     }
+}
+
+/// What every recording begins with.
+fn begin(
+    file: Counted<BufWriter<File>>,
+    start: &Start,
+) -> Result<Writer<Counted<BufWriter<File>>>, McapError> {
+    let library = format!("genomctl {}", env!("CARGO_PKG_VERSION"));
+    let mut writer = WriteOptions::new().compression(None).library(library).create(file)?;
+    writer.write_metadata(&Metadata {
+        name: "genom".to_owned(),
+        metadata: BTreeMap::from([
+            ("genomd".to_owned(), start.genomd.clone()),
+            ("clock".to_owned(), start.clock.clone()),
+        ]),
+    })?;
+    writer.attach(&Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: "deployment.toml".to_owned(),
+        media_type: "application/toml".to_owned(),
+        data: Cow::Borrowed(start.deployment.as_bytes()),
+    })?;
+    Ok(writer)
+}
+
+fn broken(path: &Path, written: &AtomicU64, why: &McapError) -> WriteError {
+    let why = match why {
+        McapError::Io(why) => why.to_string(),
+        why => why.to_string(),
+    };
+    WriteError::Broken { path: path.to_owned(), written: written.load(Ordering::Relaxed), why }
 }

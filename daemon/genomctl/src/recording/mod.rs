@@ -3,3 +3,5 @@
 pub(crate) mod file;
 pub(crate) mod frames;
 pub(crate) mod reader;
+pub(crate) mod room;
+pub(crate) mod walk;

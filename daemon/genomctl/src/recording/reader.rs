@@ -1,13 +1,20 @@
 //! Reads samples of an MCAP file in order of their dates, a chunk at a time.
+//!
+//! A file that was not ended has no index: it is made here, of what is whole.
 
+use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 use std::sync::Arc;
 
+use mcap::records::{ChunkIndex, Record};
 use mcap::sans_io::indexed_reader::{IndexedReadEvent, IndexedReader, IndexedReaderOptions};
 use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader};
-use mcap::{Channel, McapError, Summary};
+use mcap::{Channel, McapError, Schema, Summary};
+
+use super::walk::{Extent, Part, begins_well, records, walk};
 
 /// A file that is being read.
 pub(crate) struct Recording {
@@ -18,6 +25,8 @@ pub(crate) struct Recording {
     reader: Option<IndexedReader>,
     /// A chunk, as it lies in the file.
     chunk: Vec<u8>,
+    /// Of a file that was not ended: how far it goes, and the samples that are there.
+    pub(crate) cut: Option<(Extent, u64)>,
 }
 
 /// A sample of the file.
@@ -33,10 +42,14 @@ pub(crate) struct Recorded {
 pub(crate) enum ReadError {
     #[error(transparent)]
     Io(#[from] std::io::Error),
-    #[error("it is no MCAP file, or a damaged one: {0}")]
+    #[error("it is no MCAP file")]
+    NotMcap,
+    #[error("it is a damaged MCAP file: {0}")]
     Mcap(#[from] McapError),
-    #[error("it was not ended properly and has no index: `mcap recover` repairs such files")]
-    NoIndex,
+    #[error(
+        "it has no index, and its chunks are compressed ({0}): `mcap recover` reads such files"
+    )]
+    Compressed(String),
     #[error("it is damaged: something in it is said to be larger than the file")]
     Beyond,
     #[error("it is damaged: a sample is dated years after the one before it")]
@@ -46,22 +59,20 @@ pub(crate) enum ReadError {
 impl Recording {
     /// Opens a file and reads what is in it, but no samples.
     pub(crate) fn open(path: &Path) -> Result<Self, ReadError> {
-        let file = File::open(path)?;
+        let mut file = File::open(path)?;
+        begins_well(&mut file)?;
         let size = file.metadata()?.len();
         let mut file = BufReader::new(file);
-        let mut reader = SummaryReader::new();
-        while let Some(event) = reader.next_event() {
-            match event? {
-                SummaryReadEvent::ReadRequest(need) => {
-                    within(size, 0, need)?;
-                    let read = file.read(reader.insert(need))?;
-                    reader.notify_read(read);
-                }
-                SummaryReadEvent::SeekRequest(to) => reader.notify_seeked(file.seek(to)?),
+        let (summary, cut) = match summary(&mut file, size) {
+            Ok(summary) => (summary, None),
+            Err(Some(error)) => return Err(error),
+            Err(None) => {
+                let mut index = Index::default();
+                let extent = walk(path, |part| index.add(&part))?;
+                (index.summary, Some((extent, index.messages)))
             }
-        }
-        let summary = reader.finish().ok_or(ReadError::NoIndex)?;
-        Ok(Self { file, size, summary, reader: None, chunk: Vec::new() })
+        };
+        Ok(Self { file, size, summary, reader: None, chunk: Vec::new(), cut })
     }
 
     /// Its channels, by number.
@@ -96,6 +107,94 @@ impl Recording {
             reader.insert_chunk_record_data(offset, &self.chunk)?;
         }
         Ok(None)
+    }
+}
+
+/// The index at the end of a file; no error when it has none.
+fn summary(file: &mut BufReader<File>, size: u64) -> Result<Summary, Option<ReadError>> {
+    let failed = |error: std::io::Error| Some(ReadError::from(error));
+    let mut reader = SummaryReader::new();
+    while let Some(event) = reader.next_event() {
+        match event {
+            Ok(SummaryReadEvent::ReadRequest(need)) => {
+                within(size, 0, need).map_err(Some)?;
+                let read = file.read(reader.insert(need)).map_err(failed)?;
+                reader.notify_read(read);
+            }
+            Ok(SummaryReadEvent::SeekRequest(to)) => {
+                let Ok(at) = file.seek(to) else { return Err(None) };
+                reader.notify_seeked(at);
+            }
+            // How the end of an MCAP file looks when it is none.
+            Err(McapError::BadMagic | McapError::BadFooter | McapError::UnexpectedEof) => {
+                return Err(None);
+            }
+            Err(error) => return Err(Some(error.into())),
+        }
+    }
+    reader.finish().ok_or(None)
+}
+
+/// An index that is being made.
+#[derive(Default)]
+struct Index {
+    summary: Summary,
+    messages: u64,
+}
+
+impl Index {
+    fn add(&mut self, part: &Part<'_>) -> Result<(), ReadError> {
+        match part {
+            Part::Record(record) => self.describe(record),
+            Part::Chunk { start, records: bytes } => {
+                let (mut first, mut last) = (u64::MAX, 0);
+                for record in records(bytes) {
+                    if let Record::Message { header, .. } = &record {
+                        (first, last) = (first.min(header.log_time), last.max(header.log_time));
+                        self.messages += 1;
+                    }
+                    self.describe(&record);
+                }
+                let size = bytes.len() as u64;
+                self.summary.chunk_indexes.push(ChunkIndex {
+                    message_start_time: first.min(last),
+                    message_end_time: last,
+                    chunk_start_offset: *start,
+                    chunk_length: size,
+                    message_index_offsets: BTreeMap::new(),
+                    message_index_length: 0,
+                    compression: String::new(),
+                    compressed_size: size,
+                    uncompressed_size: size,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn describe(&mut self, record: &Record<'_>) {
+        match record {
+            Record::Schema { header, data } => {
+                let schema = Schema {
+                    id: header.id,
+                    name: header.name.clone(),
+                    encoding: header.encoding.clone(),
+                    data: Cow::Owned(data.to_vec()),
+                };
+                self.summary.schemas.insert(header.id, Arc::new(schema));
+            }
+            Record::Channel(channel) => {
+                let known = Channel {
+                    id: channel.id,
+                    topic: channel.topic.clone(),
+                    schema: self.summary.schemas.get(&channel.schema_id).cloned(),
+                    message_encoding: channel.message_encoding.clone(),
+                    metadata: channel.metadata.clone(),
+                };
+                self.summary.channels.insert(channel.id, Arc::new(known));
+            }
+            _ => {}
+        }
     }
 }
 

@@ -37,6 +37,7 @@ mod outcome;
 mod ports;
 mod publish;
 mod record;
+mod recover;
 mod reference;
 mod replay;
 mod ros2_package;
@@ -73,6 +74,7 @@ pub(crate) enum Verb {
     Publish(publish::Args),
     Record(record::Args),
     Replay(replay::Args),
+    Recover(recover::Args),
     Connect(connect::Args),
     Disconnect(disconnect::Args),
     Connections(connections::Args),
@@ -130,6 +132,7 @@ pub(crate) async fn run(
         Verb::Publish(args) => publish::run(args, session).await,
         Verb::Record(args) => record::run(args, session).await,
         Verb::Replay(args) => replay::run(args, session).await,
+        Verb::Recover(args) => recover::run(&args, session),
         Verb::Connect(args) => connect::run(args, session).await,
         Verb::Disconnect(args) => disconnect::run(args, session).await,
         Verb::Connections(args) => connections::run(args, session).await,

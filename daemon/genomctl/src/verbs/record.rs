@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::failure::Failure;
-use crate::recording::file::{Recorder, Told};
+use crate::recording::file::{Recorder, Told, WriteError};
 use crate::recording::frames::{Frame, Frames};
 use crate::session::Session;
 use crate::table::Table;
@@ -22,7 +22,9 @@ const SAVE: Duration = Duration::from_secs(1);
 ///
 /// Every sample that codels write or read is recorded, with the date of that moment. Foxglove,
 /// PlotJuggler and the MCAP libraries read the file. Samples that could not be kept up with are
-/// counted, and shown at the end.
+/// counted, and shown at the end. Each second the file is brought up to date: of a recorder that
+/// is killed, `genomctl replay` reads what came until then, and `genomctl recover` makes a whole
+/// file of it.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// What to record: COMPONENT, COMPONENT/PORT or COMPONENT/PORT/ELEMENT [default: everything].
@@ -60,28 +62,35 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let file = File::create(&args.output).map_err(|error| {
         Failure::usage(format!("{}: {error}", args.output.display()), "name another file")
     })?;
-    let failed = |error| Failure::file(&args.output, error);
-    let mut recorder = Recorder::new(file, &start).map_err(failed)?;
+    let mut recorder = Recorder::new(&args.output, file, &start)?;
     tell(&format!("recording to {}; Ctrl-C ends it\n", args.output.display()));
 
     let mut over = std::pin::pin!(tokio::time::sleep(args.duration.unwrap_or(Duration::MAX)));
     let mut tick = tokio::time::interval(SAVE);
     let mut ending = false;
     let lives = std::io::stderr().is_terminal();
+    let mut full = None;
     let complete = loop {
         let enough = tokio::select! {
             frame = frames.next() => {
-                match frame {
-                    Some(Ok(Frame::Channel(channel))) => recorder.channel(channel).map_err(failed)?,
-                    Some(Ok(Frame::Sample(sample))) => recorder.sample(&sample).map_err(failed)?,
-                    Some(Ok(Frame::Lost(lost))) => recorder.lost(&lost),
+                let taken = match frame {
+                    Some(Ok(Frame::Channel(channel))) => recorder.channel(channel),
+                    Some(Ok(Frame::Sample(sample))) => recorder.sample(&sample),
+                    Some(Ok(Frame::Lost(lost))) => Ok(recorder.lost(&lost)),
                     Some(Ok(Frame::End)) => break true,
                     Some(Ok(Frame::Start(_)) | Err(_)) | None => break false,
+                };
+                match taken {
+                    Err(error @ WriteError::Full { .. }) => {
+                        full = Some(error);
+                        break false;
+                    }
+                    taken => taken?,
                 }
                 false
             }
             _ = tick.tick() => {
-                recorder.save().map_err(failed)?;
+                recorder.save()?;
                 if lives {
                     let (messages, lost) = recorder.counts();
                     tell(&format!("\r{messages} messages, {lost} lost "));
@@ -108,9 +117,13 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     if lives {
         tell("\n");
     }
-    let channels = recorder.finish(complete).map_err(failed)?;
+    let channels = recorder.finish(complete)?;
     session.show_table(reply(&args, &channels, complete), |_: &Value| render(&channels))?;
-    if complete { Ok(()) } else { Err(Failure::cut_short(&args.output)) }
+    match full {
+        Some(full) => Err(full.into()),
+        None if complete => Ok(()),
+        None => Err(Failure::cut_short(&args.output)),
+    }
 }
 
 fn tell(text: &str) {

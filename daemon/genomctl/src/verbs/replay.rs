@@ -52,6 +52,14 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
     let failed = |error| Failure::file(&args.file, error);
     let mut recording = Recording::open(&args.file).map_err(failed)?;
+    if let Some((extent, messages)) = recording.cut {
+        let file = args.file.display();
+        tell(&format!(
+            "{file} was not ended: {messages} messages are whole, and {} bytes at its end are \
+             not; `genomctl recover` makes a whole file of it\n",
+            extent.size - extent.whole
+        ));
+    }
     let mut targets = choose(&args, &recording, session).await?;
     let topic = |channel: &u16| {
         recording.channels().find(|(number, _)| number == channel).map(|(_, one)| one.topic.clone())

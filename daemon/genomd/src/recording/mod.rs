@@ -1,7 +1,8 @@
 //! Recordings of what passes through ports and what is asked of services, for `genomctl record`.
 //!
 //! Samples are taken where codels write and read them, at that date, on whatever middleware:
-//! nothing is asked of the middleware, and nothing is lost that is not counted.
+//! nothing is asked of the middleware, and nothing is lost that is not counted. A recording's
+//! dates go on as they began when the machine's clock is set meanwhile, which it notes.
 
 mod frame;
 mod notes;
@@ -17,7 +18,7 @@ use genom_types::{DataType, message};
 use serde_json::{Value, json};
 
 use crate::bus::Numbered;
-use crate::dates::Dates;
+use crate::dates::{Calendar, Dates};
 use crate::ending::Ending;
 use notes::{Notes, Subject};
 pub(crate) use pump::run;
@@ -44,6 +45,9 @@ pub(crate) struct Session {
     /// Channels that the recording's thread does not know yet.
     new: Mutex<Vec<(Value, Reel)>>,
     notes: Notes,
+    /// Dates of all that is recorded: those of its beginning, carried on.
+    calendar: Calendar,
+    dates: Dates,
     /// Somebody asked for its end.
     end: AtomicBool,
 }
@@ -78,6 +82,8 @@ impl Recordings {
             wanted,
             new: Mutex::default(),
             notes: Notes::default(),
+            calendar: self.dates.calendar(),
+            dates: self.dates.clone(),
             end: AtomicBool::new(false),
         });
         self.with(|sessions| sessions.push(Arc::clone(&session)));
@@ -154,7 +160,7 @@ impl Recordings {
         let call = Call {
             recordings: Arc::clone(self),
             number: self.calls.fetch_add(1, Ordering::Relaxed) + 1,
-            begin: self.dates.now(),
+            begin: self.dates.moment(),
             component: component.to_owned(),
             service: service.to_owned(),
         };
@@ -168,12 +174,12 @@ impl Recordings {
         Some(call)
     }
 
-    fn note(&self, on: Subject, component: &str, date: u64, content: impl FnOnce() -> Value) {
+    fn note(&self, on: Subject, component: &str, moment: u64, content: impl FnOnce() -> Value) {
         let all = self.with(|sessions| sessions.clone());
         if all.iter().any(|session| session.concerns(component)) {
             let content = content();
             for session in all.iter().filter(|session| session.concerns(component)) {
-                session.notes.add(on, date, &content);
+                session.notes.add(on, moment, &content);
             }
         }
     }
@@ -196,7 +202,7 @@ impl Call {
     /// The service ended.
     pub(crate) fn ended(&self, activity: Option<u64>, ending: &Ending) {
         let Self { recordings, component, service, .. } = self;
-        let now = recordings.dates.now();
+        let now = recordings.dates.moment();
         let told = |more: Value| {
             let mut note = json!({"component": component, "service": service});
             if let (Value::Object(note), Value::Object(more)) = (&mut note, more) {

@@ -85,7 +85,7 @@ impl Subject {
 pub(super) struct Note {
     pub(super) subject: Subject,
     pub(super) number: u32,
-    pub(super) date: u64,
+    pub(super) moment: u64,
     pub(super) text: String,
 }
 
@@ -101,14 +101,14 @@ struct State {
 }
 
 impl Notes {
-    pub(super) fn add(&self, subject: Subject, date: u64, content: &Value) {
+    pub(super) fn add(&self, subject: Subject, moment: u64, content: &Value) {
         let text = content.to_string();
         let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let at = usize::from(subject.channel());
         let number = state.numbers[at];
         state.numbers[at] = number.wrapping_add(1);
         if state.waiting.len() < MOST {
-            state.waiting.push_back(Note { subject, number, date, text });
+            state.waiting.push_back(Note { subject, number, moment, text });
         } else {
             state.lost[at] += 1;
         }

@@ -14,6 +14,7 @@ use super::notes::{SUBJECTS, Subject};
 use super::tape::Reel;
 use super::{Session, frame, subject};
 use crate::bus::Numbered;
+use crate::dates::Calendar;
 use crate::flag::Flag;
 
 /// How often tapes are looked at: far more often than they fill.
@@ -22,6 +23,10 @@ const LOOK: Duration = Duration::from_millis(2);
 const BATCH: usize = 64 << 10;
 /// A reader that takes nothing for so long is given up.
 const SLOWEST_READER: Duration = Duration::from_secs(60);
+
+/// The machine's clock was set when it is so far from where it was, in nanoseconds: what adjusts
+/// it slowly moves it less between two looks.
+const SET: u64 = 100_000_000;
 
 /// A port that is recorded.
 struct Channel {
@@ -37,6 +42,8 @@ struct Pump<'a> {
     channels: Vec<Channel>,
     next: u16,
     notes_lost: [u64; SUBJECTS.len()],
+    /// The machine's clock as it was last noted.
+    noted: Calendar,
     sender: Sender<Vec<u8>>,
     runtime: Handle,
 }
@@ -58,6 +65,7 @@ pub(crate) fn run(
         channels: Vec::new(),
         next: SUBJECTS.len() as u16,
         notes_lost: [0; SUBJECTS.len()],
+        noted: session.calendar,
         sender,
         runtime: Handle::current(),
     };
@@ -99,7 +107,9 @@ impl Pump<'_> {
             self.next = self.next.saturating_add(1);
         }
         self.take_changes();
+        self.look_at_the_clock();
         // Frames of this look, to be put in order.
+        let calendar = self.session.calendar;
         let mut bytes = Vec::new();
         let mut frames: Vec<(u64, std::ops::Range<usize>)> = Vec::new();
         let mut lost = Vec::new();
@@ -107,8 +117,9 @@ impl Pump<'_> {
             let over = reel.is_over();
             reel.wind(|sample| {
                 let begin = bytes.len();
-                frame::sample(&mut bytes, *number, sample.number, sample.date, sample.message);
-                frames.push((sample.date, begin..bytes.len()));
+                let date = calendar.date(sample.moment);
+                frame::sample(&mut bytes, *number, sample.number, date, sample.message);
+                frames.push((date, begin..bytes.len()));
             });
             let count = reel.lost();
             if count > *told {
@@ -120,8 +131,9 @@ impl Pump<'_> {
         let (notes, notes_lost) = self.session.notes.take();
         for note in notes {
             let (begin, channel) = (bytes.len(), note.subject.channel());
-            frame::sample(&mut bytes, channel, note.number, note.date, note.text.as_bytes());
-            frames.push((note.date, begin..bytes.len()));
+            let date = calendar.date(note.moment);
+            frame::sample(&mut bytes, channel, note.number, date, note.text.as_bytes());
+            frames.push((date, begin..bytes.len()));
         }
         for (channel, (&count, told)) in notes_lost.iter().zip(&mut self.notes_lost).enumerate() {
             if count > *told {
@@ -148,7 +160,7 @@ impl Pump<'_> {
                 Ok(change) => {
                     let (on, component) = subject(&change);
                     if component.is_none_or(|component| self.session.concerns(component)) {
-                        self.session.notes.add(on, change.date, &change.data);
+                        self.session.notes.add(on, change.moment, &change.data);
                     }
                 }
                 Err(TryRecvError::Lagged(count)) => {
@@ -156,6 +168,18 @@ impl Pump<'_> {
                 }
                 Err(TryRecvError::Empty | TryRecvError::Closed) => return,
             }
+        }
+    }
+
+    /// Notes that the machine's clock was set: dates of the recording do not follow it.
+    fn look_at_the_clock(&mut self) {
+        let now = self.session.dates.calendar();
+        if self.noted.until(now).unsigned_abs() > SET {
+            self.noted = now;
+            let ahead = self.session.calendar.until(now);
+            let moment = self.session.dates.moment();
+            let note = json!({"event": "clock_set", "ahead_ns": ahead});
+            self.session.notes.add(Subject::Changes, moment, &note);
         }
     }
 

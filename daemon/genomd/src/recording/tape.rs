@@ -11,7 +11,7 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use crate::dates::Dates;
 
-/// Before each sample: date, number, length.
+/// Before each sample: moment, number, length.
 const HEAD: usize = 16;
 /// Samples of a fixed size that wait at most: a second of a 1 kHz port.
 const SAMPLES: usize = 1024;
@@ -41,7 +41,7 @@ pub(super) struct Reel {
 
 /// A sample as it was taken.
 pub(super) struct Sample<'a> {
-    pub(super) date: u64,
+    pub(super) moment: u64,
     /// From 0, lost ones counted.
     pub(super) number: u32,
     /// CDR with its encapsulation header.
@@ -70,7 +70,7 @@ impl Tape {
         let number = self.number;
         self.number = number.wrapping_add(1);
         self.scratch.clear();
-        self.scratch.extend_from_slice(&self.dates.now().to_le_bytes());
+        self.scratch.extend_from_slice(&self.dates.moment().to_le_bytes());
         self.scratch.extend_from_slice(&number.to_le_bytes());
         self.scratch.extend_from_slice(&[0; 4]);
         let encoded = value.encode_message(&mut self.scratch);
@@ -97,7 +97,7 @@ impl Reel {
             }
             left = left.saturating_sub(HEAD + length);
             each(Sample {
-                date: u64::from_le_bytes([a, b, c, d, e, f, g, h]),
+                moment: u64::from_le_bytes([a, b, c, d, e, f, g, h]),
                 number: u32::from_le_bytes([i, j, k, l]),
                 message: &self.scratch,
             });
@@ -180,7 +180,7 @@ mod tests {
         }
         let mut seen = Vec::new();
         reel.wind(|sample| {
-            assert!(sample.date > 0);
+            assert!(sample.moment > 0);
             let mut read = Record::new(&ty);
             read.decode_message(sample.message).unwrap();
             assert_eq!(read.to_json(), f64::from(sample.number));

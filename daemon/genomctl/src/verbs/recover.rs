@@ -1,0 +1,144 @@
+//! `genomctl recover`: a whole recording of one whose recorder was killed.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::PathBuf;
+
+use mcap::records::{Metadata, Record};
+use mcap::{Attachment, McapError, WriteOptions, Writer};
+use serde_json::{Value, json};
+
+use crate::failure::Failure;
+use crate::recording::reader::ReadError;
+use crate::recording::walk::{Extent, Part, records, walk};
+use crate::session::Session;
+use crate::table::Table;
+
+/// Make a whole MCAP file of one that was not ended, as after a crash or on a full disk.
+///
+/// All samples that are whole are copied, with attachments and metadata, and the index is made
+/// anew; the file itself stays as it is. `genomctl replay` reads such files also as they are;
+/// other tools often do not.
+#[derive(Debug, clap::Args)]
+pub(crate) struct Args {
+    /// The file that was not ended.
+    file: PathBuf,
+    /// The whole file.
+    #[arg(long, short, value_name = "FILE")]
+    output: PathBuf,
+    /// Replace it if there is one.
+    #[arg(long)]
+    force: bool,
+}
+
+pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    let same = |path: &PathBuf| path.canonicalize().ok();
+    let there = same(&args.output);
+    if there.is_some() && there == same(&args.file) {
+        let message = format!("{} is the file to read", args.output.display());
+        return Err(Failure::usage(message, "name another file"));
+    }
+    if there.is_some() && !args.force {
+        let message = format!("{} is there already", args.output.display());
+        return Err(Failure::usage(message, "name another file, or replace it with --force"));
+    }
+    let mut copy = Copy::default();
+    // Nothing is made of a file that cannot be read.
+    walk(&args.file, |_| Ok::<_, ReadError>(())).map_err(|why| Failure::file(&args.file, why))?;
+    let copied = copy.all(args);
+    let extent = copied.map_err(|why| match why {
+        CopyError::Read(why) => Failure::file(&args.file, why),
+        CopyError::Write(McapError::Io(why)) => Failure::file(&args.output, why),
+        CopyError::Write(why) => Failure::file(&args.file, why),
+    })?;
+    let lost = extent.size - extent.whole;
+    let topics: Vec<Value> = copy
+        .topics
+        .values()
+        .map(|(topic, messages)| json!({"topic": topic, "messages": messages}))
+        .collect();
+    let reply = json!({"file": args.output, "bytes_given_up": lost, "channels": topics});
+    session.show_table(reply, |_: &Value| {
+        let rows = copy.topics.values();
+        let rows = rows.map(|(topic, messages)| vec![topic.clone(), messages.to_string()]);
+        Table { header: vec!["TOPIC", "MESSAGES"], rows: rows.collect() }
+    })
+}
+
+/// A copy under way.
+#[derive(Default)]
+struct Copy {
+    /// By channel: its topic, and how many messages it has.
+    topics: BTreeMap<u16, (String, u64)>,
+}
+
+#[derive(Debug, thiserror::Error)]
+enum CopyError {
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    #[error(transparent)]
+    Write(#[from] McapError),
+}
+
+impl Copy {
+    fn all(&mut self, args: &Args) -> Result<Extent, CopyError> {
+        let file = File::create(&args.output).map_err(McapError::from)?;
+        let library = format!("genomctl {}", env!("CARGO_PKG_VERSION"));
+        let options = WriteOptions::new().compression(None).library(library);
+        let mut writer = options.create(BufWriter::new(file))?;
+        let mut recovered = BTreeMap::new();
+        let extent = walk(&args.file, |part| match part {
+            Part::Chunk { records: bytes, .. } => {
+                records(bytes).try_for_each(|record| self.one(&mut writer, record))
+            }
+            Part::Record(record) => self.one(&mut writer, record),
+        })?;
+        recovered.insert("bytes_given_up".to_owned(), (extent.size - extent.whole).to_string());
+        let metadata = Metadata { name: "genom.recovered".to_owned(), metadata: recovered };
+        writer.write_metadata(&metadata)?;
+        writer.finish()?;
+        std::io::Write::flush(&mut writer.into_inner()).map_err(McapError::from)?;
+        Ok(extent)
+    }
+
+    fn one<W: std::io::Write + std::io::Seek>(
+        &mut self,
+        writer: &mut Writer<W>,
+        record: Record<'_>,
+    ) -> Result<(), CopyError> {
+        match record {
+            Record::Schema { header, data } => {
+                writer.add_schema_with_id(header.id, &header.name, &header.encoding, &data)?;
+            }
+            Record::Channel(one) => {
+                let (topic, encoding) = (&one.topic, &one.message_encoding);
+                writer.add_channel_with_id(
+                    one.id,
+                    one.schema_id,
+                    topic,
+                    encoding,
+                    &one.metadata,
+                )?;
+                self.topics.entry(one.id).or_insert((one.topic, 0));
+            }
+            Record::Message { header, data } => {
+                writer.write_to_known_channel(&header, &data)?;
+                if let Some((_, messages)) = self.topics.get_mut(&header.channel_id) {
+                    *messages += 1;
+                }
+            }
+            Record::Attachment { header, data, .. } => writer.attach(&Attachment {
+                log_time: header.log_time,
+                create_time: header.create_time,
+                name: header.name,
+                media_type: header.media_type,
+                data,
+            })?,
+            Record::Metadata(metadata) => writer.write_metadata(&metadata)?,
+            // Indexes and sums, which the writer makes, and what is not known.
+            _ => {}
+        }
+        Ok(())
+    }
+}
