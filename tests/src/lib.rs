@@ -19,6 +19,7 @@ pub mod faults;
 mod http;
 mod many;
 mod transcript;
+pub mod trial;
 mod until;
 
 pub use build::{component, files, fixture, program, repository};

@@ -1,0 +1,110 @@
+//! What many components cost: 1, 50 and 500 of five ports each, on local and shared memory. Start
+//! until ready, stop, memory, descriptors, and how long `list` and `ports` take meanwhile.
+//!
+//! `cargo bench -p genom-tests --bench many [-- BACKEND... NUMBER...]`. The programs are built as
+//! users build them (`--release`).
+
+#![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::print_stdout, reason = "a benchmark")]
+
+use std::path::PathBuf;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use genom_tests::{Footprint, Home, Many, Running, repository, request};
+
+/// Requests of each kind.
+const REQUESTS: usize = 200;
+
+fn main() {
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let numbers: Vec<usize> = words.iter().filter_map(|word| word.parse().ok()).collect();
+    let numbers = if numbers.is_empty() { vec![1, 50, 500] } else { numbers };
+    let backends: Vec<&str> =
+        words.iter().map(String::as_str).filter(|word| word.parse::<usize>().is_err()).collect();
+    let backends = if backends.is_empty() { vec!["local", "shm"] } else { backends };
+    let genomd = release();
+    println!(
+        "{:8} {:>6} {:>9} {:>9} {:>9} {:>8} {:>8} {:>8} {:>17} {:>17}",
+        "backend",
+        "number",
+        "start",
+        "stop",
+        "MB",
+        "shm MB",
+        "files",
+        "threads",
+        "list p50/p99",
+        "ports p50/p99"
+    );
+    for backend in backends {
+        for &components in &numbers {
+            measure(&genomd, backend, components);
+        }
+    }
+}
+
+/// The daemon as users have it.
+fn release() -> PathBuf {
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.current_dir(repository()).args([
+        "build",
+        "--release",
+        "-p",
+        "genomd",
+        "-p",
+        "genomctl",
+    ]);
+    assert!(command.status().expect("cargo runs").success(), "genomd does not build");
+    let target =
+        std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| "target".into(), PathBuf::from);
+    repository().join(target).join("release/genomd")
+}
+
+fn measure(genomd: &PathBuf, backend: &str, components: usize) {
+    let made = tempfile::tempdir().expect("a directory");
+    let text = Many { components, chained: false }.configuration(backend, made.path());
+    let home = Home::new().configured(&text);
+    let mut command = Command::new(genomd);
+    command.arg("--config").arg(home.path().join("genomd.toml"));
+    command.arg("--socket").arg(home.socket());
+    let begin = Instant::now();
+    let daemon = Running::start(&mut command);
+    let ready = daemon.error_line_where(|line| line.contains("ready on "));
+    let start = begin.elapsed();
+    if ready.is_none() {
+        let said = daemon.finish().err;
+        println!("{backend:8} {components:>6} refused: {}", said.lines().last().unwrap_or(""));
+        return;
+    }
+    let held = Footprint::of(daemon.id());
+    let answered = |path: &str| {
+        let mut all: Vec<Duration> = (0..REQUESTS)
+            .map(|_| {
+                let begin = Instant::now();
+                assert_eq!(request(&home.socket(), "GET", path, "").status, 200);
+                begin.elapsed()
+            })
+            .collect();
+        all.sort_unstable();
+        let at = |part: usize| all[(all.len() - 1) * part / 100].as_secs_f64() * 1e3;
+        format!("{:.1}/{:.1} ms", at(50), at(99))
+    };
+    let (list, ports) = (answered("/components"), answered("/ports?values=false"));
+    let begin = Instant::now();
+    daemon.signal("TERM");
+    let code = daemon.finish_within(Duration::from_secs(600)).code;
+    let stop = begin.elapsed();
+    println!(
+        "{backend:8} {components:>6} {:>7.0}ms {:>7.0}ms {:>9.1} {:>8.1} {:>8} {:>8} {list:>17} \
+         {ports:>17}{}",
+        start.as_secs_f64() * 1e3,
+        stop.as_secs_f64() * 1e3,
+        held.resident as f64 / 1024.0,
+        held.shared as f64 / 1024.0,
+        held.descriptors,
+        held.threads,
+        if code == Some(0) { "" } else { "  (ended badly)" },
+    );
+}

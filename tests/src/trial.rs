@@ -1,0 +1,149 @@
+//! One fault, tried: in a daemon that also runs a well-behaved component, beside another daemon
+//! on the same middleware. What became of it, of these two, and of the next start.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::time::Instant;
+
+use serde_json::{Value, json};
+
+use crate::faults::{Fault, Outcome};
+use crate::{Daemon, Finished, Home, Memory, component, path};
+
+/// What a trial showed.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// What was done: "a codel ...", or where a daemon was ended.
+    pub fault: String,
+    /// The middleware.
+    pub backend: String,
+    /// What happened to whoever did it.
+    pub happened: String,
+    /// What happened to the others: periods that they missed.
+    pub neighbours: String,
+    /// How the next start went.
+    pub next: String,
+    /// What stayed of the daemon after everything had ended.
+    pub left: String,
+    /// Why this is not what is to become of it; none when it is.
+    pub wrong: Option<String>,
+}
+
+impl Trial {
+    /// As data.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        json!({
+            "fault": self.fault, "backend": self.backend, "happened": self.happened,
+            "neighbours": self.neighbours, "next_start": self.next, "left_behind": self.left,
+            "wrong": self.wrong,
+        })
+    }
+
+    /// Tries a fault on a middleware. A step that fails or hangs is told as what is wrong.
+    #[must_use]
+    pub fn of(fault: &Fault, backend: &str) -> Self {
+        let mut trial = Self {
+            fault: fault.what.to_owned(),
+            backend: backend.to_owned(),
+            happened: String::new(),
+            neighbours: String::new(),
+            next: String::new(),
+            left: String::new(),
+            wrong: None,
+        };
+        let tried = catch_unwind(AssertUnwindSafe(|| trial.take_place(fault)));
+        if let Err(panic) = tried {
+            let text = panic.downcast_ref::<String>().cloned();
+            let text = text.or_else(|| panic.downcast_ref::<&str>().map(|&text| text.to_owned()));
+            trial.wrong = Some(text.unwrap_or_else(|| "the trial failed".to_owned()));
+        }
+        trial
+    }
+
+    fn take_place(&mut self, fault: &Fault) {
+        let memory = Arc::new(Memory::new());
+        let demo = component("demo");
+        let peer = self.daemon(&memory, "peer", path(&demo.library));
+        let daemon = self.daemon(&memory, "neighbour", path(&demo.library));
+        let (before, peer_before) = (missed(&daemon, "neighbour"), missed(&peer, "peer"));
+        let seen = fault.provoke(&daemon);
+        let (outcome, ended, beside) = if fault.outcome.goes_on() {
+            daemon.ctl(&["call", "neighbour", "goto", "goal=0.01"]).expect_code(0);
+            let beside = missed(&daemon, "neighbour") - before;
+            daemon.ctl(&["unload", fault.component]).expect_code(0);
+            let outcome = match seen.code {
+                Some(0) => "goes on".to_owned(),
+                _ => format!("ends with {}", exception(&seen.said)),
+            };
+            let ended = daemon.stop("TERM").0;
+            ended.expect_code(0);
+            (outcome, ended, Some(beside))
+        } else {
+            let ended = daemon.finish().0;
+            let outcome = match ended.code {
+                Some(code) => format!("the daemon ends, exit {code}"),
+                None => "the daemon ends by a signal".to_owned(),
+            };
+            (outcome, ended, None)
+        };
+        peer.ctl(&["call", "peer", "goto", "goal=0.01"]).expect_code(0);
+        let apart = missed(&peer, "peer") - peer_before;
+        let beside = beside.map_or("its daemon's end".to_owned(), |beside| beside.to_string());
+        self.neighbours = format!("{beside}; in another daemon {apart}");
+        self.happened = outcome;
+        self.wrong = wrong(fault, &self.happened, &ended, &seen.said);
+
+        let begin = Instant::now();
+        let next = self.daemon(&memory, "neighbour", path(&demo.library));
+        self.next = format!("ready after {} ms", begin.elapsed().as_millis());
+        next.ctl(&["load", path(&component(fault.component).library)]).expect_code(0);
+        next.stop("TERM").0.expect_code(0);
+        peer.stop("TERM").0.expect_code(0);
+        let left = memory.files();
+        self.left = match left.as_slice() {
+            [] => "nothing".to_owned(),
+            [one] => one.display().to_string(),
+            [one, rest @ ..] => format!("{} and {} more", one.display(), rest.len()),
+        };
+        if !left.is_empty() && self.wrong.is_none() {
+            self.wrong = Some(format!("left behind: {left:?}"));
+        }
+    }
+
+    fn daemon(&self, memory: &Arc<Memory>, name: &str, library: &str) -> Daemon {
+        let text = format!(
+            "backend = {:?}\n[[component]]\nlibrary = {library:?}\nname = {name:?}\n",
+            self.backend
+        );
+        Home::with(memory).configured(&text).start(&[])
+    }
+}
+
+/// Periods that a component missed so far.
+fn missed(daemon: &Daemon, name: &str) -> u64 {
+    let stats = daemon.json(&["stats", name]);
+    let tasks = stats["tasks"].as_array().expect("tasks");
+    tasks.iter().map(|task| task["overruns"].as_u64().expect("a number")).sum()
+}
+
+/// The exception that a call ended with.
+fn exception(said: &str) -> &str {
+    let after = said.split_once("ended with ").map_or("", |(_, after)| after);
+    after.split_whitespace().next().unwrap_or("?")
+}
+
+/// What differs from what is to become of it.
+fn wrong(fault: &Fault, happened: &str, ended: &Finished, said: &str) -> Option<String> {
+    let fits = match fault.outcome {
+        Outcome::GoesOn => happened == "goes on",
+        Outcome::Exception(name) => happened == format!("ends with {name}"),
+        Outcome::Stops(code) | Outcome::Ends(Some(code)) => ended.code == Some(code),
+        Outcome::Ends(None) => ended.code.is_none(),
+    };
+    if !fits {
+        return Some(format!("{happened}; it is to be: {}", fault.outcome));
+    }
+    let told = ended.err.contains(fault.told) || said.contains(fault.told);
+    (!told).then(|| format!("nothing says `{}`", fault.told))
+}
