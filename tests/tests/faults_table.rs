@@ -223,7 +223,7 @@ fn a_component_whose_codels_wrote_past_their_memory_is_told_and_the_codel_is_fou
     };
     // The first codel does it, and yields no pause; the second ends the activity.
     damaged("pauses", "overwrites_rest");
-    damaged("each-codel", "overwrites_past_ids");
+    damaged("each-codel", "overwrites_past_ids_and_on");
 }
 
 #[test]

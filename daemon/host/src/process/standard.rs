@@ -32,7 +32,10 @@ fn copy(of: RawFd) -> Option<File> {
     // SAFETY: to duplicate a descriptor reads no memory; the new one is nobody else's.
     unsafe {
         let found = libc::fcntl(of, libc::F_DUPFD_CLOEXEC, HIGH);
-        (found >= 0).then(|| File::from(OwnedFd::from_raw_fd(found)))
+        let copy = (found >= 0).then(|| File::from(OwnedFd::from_raw_fd(found)))?;
+        // Or who reads what the daemon says would wait for the ends of its children, too.
+        forked::keep_from_children(&copy);
+        Some(copy)
     }
 }
 
@@ -64,6 +67,9 @@ impl Write for StandardError {
 
 /// The descriptor for last words. Signal handlers may call it.
 pub(crate) fn error_descriptor() -> RawFd {
+    if forked::is_child() {
+        return libc::STDERR_FILENO;
+    }
     let copies = COPIES.get();
     copies.and_then(|all| all[2].as_ref()).map_or(libc::STDERR_FILENO, |file| file.as_raw_fd())
 }
