@@ -42,6 +42,8 @@ pub(super) fn mode() -> MemoryCheck {
 #[derive(Clone, Debug)]
 pub(super) struct Described {
     what: String,
+    /// No codel gets a part of it.
+    is_empty: bool,
     /// Names of the first and the last member.
     members: Option<(String, String)>,
 }
@@ -51,12 +53,13 @@ impl Described {
     pub(super) fn new(what: String, types: &TypeTable, ty: TypeId) -> Self {
         let members = types.members(ty);
         let ends = members.first().zip(members.last());
-        Self { what, members: ends.map(|(a, b)| (a.name.clone(), b.name.clone())) }
+        let ends = ends.map(|(first, last)| (first.name.clone(), last.name.clone()));
+        Self { what, is_empty: ends.is_none(), members: ends }
     }
 
     /// Something without members of interest.
     pub(super) fn whole(what: String) -> Self {
-        Self { what, members: None }
+        Self { what, is_empty: false, members: None }
     }
 
     fn beyond(&self, side: Side) -> String {
@@ -73,28 +76,36 @@ impl Described {
 
 /// Zones that one frame or component looks at.
 #[derive(Debug, Default)]
-pub(super) struct Watched(Vec<(Zones, Described)>);
+pub(super) struct Watched {
+    /// Apart from the words: these are looked at on every pause.
+    zones: Vec<Zones>,
+    described: Vec<Described>,
+}
 
 impl Watched {
-    /// Watches memory too.
+    /// Watches memory too, unless it has no members to write to.
     ///
     /// # Safety
     /// What the zones belong to lives as long as this is asked.
     pub(super) unsafe fn add(&mut self, zones: Zones, described: &Described) {
-        self.0.push((zones, described.clone()));
+        if described.is_empty {
+            return;
+        }
+        self.zones.push(zones);
+        self.described.push(described.clone());
     }
 
     /// Whether nobody wrote to the bytes next to any of it.
     #[inline]
     pub(super) fn is_whole_nearby(&self) -> bool {
         // SAFETY: the promise of `add`.
-        self.0.iter().all(|(zones, _)| unsafe { zones.are_whole_nearby() })
+        self.zones.iter().all(|zones| unsafe { zones.are_whole_nearby() })
     }
 
     /// Where somebody wrote, in words, if anywhere. The zones are then as they were.
     #[cold]
     pub(super) fn take_written(&self) -> Option<String> {
-        let found = self.0.iter().filter_map(|(zones, described)| {
+        let found = self.zones.iter().zip(&self.described).filter_map(|(zones, described)| {
             // SAFETY: the promise of `add`.
             unsafe {
                 let side = zones.written()?;
