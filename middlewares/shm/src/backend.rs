@@ -14,7 +14,11 @@ use crate::ground::Ground;
 use crate::inner::Inner;
 use crate::options::Options;
 use crate::raw::Ipc;
-use crate::{calls, discover, publisher, subscription};
+use crate::{calls, catalog, discover, publisher, subscription};
+
+/// Writers that left whose samples a reader may still read; more than the samples that a reader
+/// holds at a time.
+const EXPIRED: usize = 4;
 
 /// Ports over shared memory. Clones share the node.
 #[derive(Clone)]
@@ -40,6 +44,8 @@ impl Shm {
                 .map_err(|_| ShmError::Root(root.clone()))?;
             config.global.set_root_path(&path);
         }
+        // Each costs a reader kilobytes of its own memory, used or not; ports have one writer.
+        config.defaults.publish_subscribe.subscriber_expired_connection_buffer = EXPIRED;
         let name =
             NodeName::new(&options.node).map_err(|_| ShmError::Node(options.node.clone()))?;
         let node = NodeBuilder::new()
@@ -52,7 +58,8 @@ impl Shm {
                 why: error.to_string(),
             })?;
         node.try_cleanup_dead_nodes();
-        Ok(Self { inner: Arc::new(Inner::new(Ground { node, options })) })
+        catalog::sweep(&node);
+        Ok(Self { inner: Arc::new(Inner::new(Ground::new(node, options))) })
     }
 }
 

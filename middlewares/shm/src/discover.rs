@@ -6,12 +6,12 @@ use iceoryx2::service::static_config::StaticConfig;
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern as Pattern;
 
 use crate::attributes::{TYPE_KEY, attribute};
-use crate::calls::SERVICE_KEY;
+use crate::catalog;
 use crate::error::BACKEND;
 use crate::queue;
 use crate::raw::{self, Ipc};
 
-/// Every end of every publish-subscribe service, and every server.
+/// Every end of every publish-subscribe service, and every service that is served.
 pub(crate) fn list(node: &Node<Ipc>) -> Result<Vec<Endpoint>, DiscoverError> {
     let mut services = Vec::new();
     <Ipc as Service>::list(node.config(), |service| {
@@ -25,10 +25,10 @@ pub(crate) fn list(node: &Node<Ipc>) -> Result<Vec<Endpoint>, DiscoverError> {
             Pattern::PublishSubscribe(_) if !service.name().as_str().starts_with(queue::PREFIX) => {
                 ends(node, &service, &mut seen);
             }
-            Pattern::RequestResponse(_) => servers(node, &service, &mut seen),
             _ => {}
         }
     }
+    catalog::listed(node, &mut seen);
     Ok(seen)
 }
 
@@ -51,16 +51,4 @@ fn ends(node: &Node<Ipc>, service: &StaticConfig, seen: &mut Vec<Endpoint>) {
             ty: ty.clone(),
         }));
     }
-}
-
-/// The servers of one service of ours; others carry types this cannot open.
-fn servers(node: &Node<Ipc>, service: &StaticConfig, seen: &mut Vec<Endpoint>) {
-    let builder = node.service_builder(service.name()).request_response::<[u8], [u8]>();
-    let Ok(open) = builder.open() else { return };
-    let ty = attribute(service.attributes(), SERVICE_KEY).unwrap_or_default();
-    seen.extend((0..open.dynamic_config().number_of_servers()).map(|_| Endpoint {
-        kind: EndpointKind::Service,
-        address: service.name().to_string(),
-        ty: ty.clone(),
-    }));
 }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use genom_middleware::{Address, OpenError};
 
+use crate::limits;
+
 /// What errors call this middleware.
 pub(crate) const BACKEND: &str = "shm";
 
@@ -30,7 +32,8 @@ pub enum ShmError {
     },
 }
 
-/// An address was refused.
+/// An address was refused; a limit of the system that is reached is named.
 pub(crate) fn failed(at: &Address, why: &str) -> OpenError {
-    OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why: why.to_owned() }
+    let why = limits::explained(why);
+    OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why }
 }

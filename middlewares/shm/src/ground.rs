@@ -1,5 +1,8 @@
 //! What services of ports are opened from, and how.
 
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
 use genom_middleware::describe::type_of_port;
 use genom_middleware::{Address, OpenError};
 use genom_types::DataType;
@@ -11,6 +14,7 @@ use iceoryx2::service::builder::publish_subscribe::{
 
 use crate::attain::{Attempt, attain};
 use crate::attributes::{DIGEST_KEY, TYPE_KEY, attribute, attributes, describe, type_of_service};
+use crate::catalog::{Catalog, Kind, Offer, Reader};
 use crate::error::{BACKEND, failed};
 use crate::options::Options;
 use crate::raw::{self, Ipc, RawPublisher, RawService};
@@ -28,8 +32,18 @@ const SAMPLE_BYTES: usize = 4 << 20;
 /// What services are opened from. Apart from `Inner`, so that what the upkeep thread holds
 /// never owns that thread.
 pub(crate) struct Ground {
+    /// What this daemon offers; made with the first offer. Its file goes before the node does.
+    catalog: Mutex<Option<Catalog>>,
+    /// What others do.
+    others: Mutex<Reader>,
+    /// Services that are open: the ends of one port in this daemon share its descriptors.
+    services: Mutex<HashMap<String, Weak<RawService>>>,
     pub(crate) node: Node<Ipc>,
     pub(crate) options: Options,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What a service is made for.
@@ -44,6 +58,43 @@ pub(crate) struct Shape {
 }
 
 impl Ground {
+    /// Nothing is open yet.
+    pub(crate) fn new(node: Node<Ipc>, options: Options) -> Self {
+        let (catalog, others, services) = (Mutex::default(), Mutex::default(), Mutex::default());
+        Self { catalog, others, services, node, options }
+    }
+
+    /// Tells all that this daemon offers something at an address, unless it is taken.
+    pub(crate) fn offer(&self, kind: Kind, at: &Address, offer: Offer) -> Result<(), OpenError> {
+        let (address, taken) = (at.to_string(), || OpenError::Taken { address: at.clone() });
+        let mut catalog = lock(&self.catalog);
+        let own = match &mut *catalog {
+            Some(own) => own,
+            none => none.insert(Catalog::create(&self.node).map_err(|why| failed(at, &why))?),
+        };
+        if !own.add(kind, &address, offer).map_err(|why| failed(at, &why))? {
+            return Err(taken());
+        }
+        // Looked after this daemon said so: of two that come at once, one at most stays.
+        if lock(&self.others).is_of_others(&self.node, kind, &address) {
+            own.remove(kind, &address);
+            return Err(taken());
+        }
+        Ok(())
+    }
+
+    /// Tells all that it offers it no more.
+    pub(crate) fn withdraw(&self, kind: Kind, at: &Address) {
+        if let Some(own) = &mut *lock(&self.catalog) {
+            own.remove(kind, &at.to_string());
+        }
+    }
+
+    /// Whose offers there are at an address; also of daemons that were killed.
+    pub(crate) fn find(&self, kind: Kind, at: &Address) -> Vec<(u128, Offer)> {
+        lock(&self.others).find(&self.node, kind, &at.to_string())
+    }
+
     /// The shape of a port's own service.
     pub(crate) fn port(&self, wire: &Wire) -> Shape {
         let fits = if wire.slice { usize::MAX } else { DEPTH_BYTES / wire.size.max(1) };
@@ -56,8 +107,28 @@ impl Ground {
         ServiceName::new(name).map_err(|error| failed(at, &format!("illegal name: {error:?}")))
     }
 
-    /// Opens the service, or creates it.
+    /// Opens the service, or creates it, unless this daemon has it open already.
     pub(crate) fn service(
+        &self,
+        at: &Address,
+        name: &str,
+        ty: &DataType,
+        shape: Shape,
+    ) -> Result<Arc<RawService>, OpenError> {
+        let mut services = lock(&self.services);
+        if let Some(open) = services.get(name).and_then(Weak::upgrade)
+            && attribute(open.attributes(), DIGEST_KEY).is_some()
+        {
+            self.agree(at, ty, &open)?;
+            return Ok(open);
+        }
+        let service = Arc::new(self.new_service(at, name, ty, shape)?);
+        services.retain(|_, service| service.strong_count() > 0);
+        services.insert(name.to_owned(), Arc::downgrade(&service));
+        Ok(service)
+    }
+
+    fn new_service(
         &self,
         at: &Address,
         name: &str,
@@ -70,10 +141,19 @@ impl Ground {
             ty: ty.name().to_owned(),
             why: format!("its name is longer than {MAX_NAME} characters"),
         };
+        let attempt = |wire: &Wire| {
+            let builder = raw::builder(&self.node, &name, wire, false).ok_or_else(too_long)?;
+            Ok(builder.open())
+        };
         let open = || {
-            let builder = raw::builder(&self.node, &name, &wire, false).ok_or_else(too_long)?;
-            match builder.open() {
-                Ok(service) => self.agree(at, ty, service).map(Attempt::Done),
+            let mut opened = attempt(&wire)?;
+            if let Err(Open::IncompatibleTypes) = opened
+                && let Some(theirs) = self.equal(&name, ty, &wire)
+            {
+                opened = attempt(&theirs)?;
+            }
+            match opened {
+                Ok(service) => self.agree(at, ty, &service).map(|()| Attempt::Done(service)),
                 Err(Open::DoesNotExist) => Ok(Attempt::Absent),
                 Err(Open::IncompatibleTypes) => match self.mismatch(at, &name, ty) {
                     Some(mismatch) => Err(mismatch),
@@ -115,12 +195,7 @@ impl Ground {
     }
 
     /// Two types of one name and size may still differ: the digests tell.
-    fn agree(
-        &self,
-        at: &Address,
-        ty: &DataType,
-        service: RawService,
-    ) -> Result<RawService, OpenError> {
+    fn agree(&self, at: &Address, ty: &DataType, service: &RawService) -> Result<(), OpenError> {
         match attribute(service.attributes(), DIGEST_KEY) {
             Some(digest) if digest != ty.digest() => Err(OpenError::TypeMismatch {
                 address: at.clone(),
@@ -130,8 +205,21 @@ impl Ground {
                     service.static_config().message_type_details().payload,
                 ),
             }),
-            _ => Ok(service),
+            _ => Ok(()),
         }
+    }
+
+    /// As what to open a service that was made for an equal type of another name: the type of
+    /// another component's module with the same members (genom3.md 4.9).
+    fn equal(&self, name: &ServiceName, ty: &DataType, wire: &Wire) -> Option<Wire> {
+        let details =
+            <Ipc as Service>::details(name, self.node.config(), MessagingPattern::PublishSubscribe);
+        let service = details.ok()??.static_details;
+        let payload = service.publish_subscribe().message_type_details().payload;
+        let equal = attribute(service.attributes(), DIGEST_KEY)? == ty.digest()
+            && payload.size() == wire.size
+            && payload.alignment().is_multiple_of(wire.align);
+        equal.then(|| Wire { name: payload.type_name().to_string(), ..wire.clone() })
     }
 
     fn mismatch(&self, at: &Address, name: &ServiceName, ty: &DataType) -> Option<OpenError> {

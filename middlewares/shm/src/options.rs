@@ -23,6 +23,11 @@ pub struct Options {
     pub keep_free: u64,
 }
 
+impl Options {
+    /// Greatest number of readers, and of unread samples of one.
+    pub const MOST: usize = 1024;
+}
+
 impl Default for Options {
     fn default() -> Self {
         Self {

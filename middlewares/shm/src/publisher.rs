@@ -6,7 +6,7 @@ use genom_middleware::{Address, OpenError, PublishError, Publisher};
 use genom_types::{DataType, Record};
 
 use crate::inner::Inner;
-use crate::raw::{SendError, Stamp, Value};
+use crate::raw::{SendError, Value};
 use crate::room::{WAY_OUT, Written};
 use crate::writer::Core;
 
@@ -14,8 +14,6 @@ use crate::writer::Core;
 struct ShmPublisher {
     core: Arc<Core>,
     inner: Arc<Inner>,
-    /// Stamp of the next sample.
-    next: Stamp,
     dropped: u64,
     written: Written,
     /// Whether the last sample found no room: told once.
@@ -29,13 +27,10 @@ pub(crate) fn open(
     ty: &DataType,
 ) -> Result<impl Publisher + 'static, OpenError> {
     let core = Arc::new(Core::open(&inner.ground, at, ty)?);
-    core.upkeep();
+    core.upkeep()?;
     inner.upkeep.add(&core);
-    let id = core.publisher.id().value();
-    let next = Stamp { writer: (id ^ (id >> 32) ^ (id >> 64) ^ (id >> 96)) as u32, number: 1 };
-    let size = (!core.wire.slice).then_some(core.wire.size);
-    let written = Written::new(size, inner.ground.options.keep_free);
-    Ok(ShmPublisher { core, inner: Arc::clone(inner), next, dropped: 0, written, full: false })
+    let written = Written::new(core.size(), inner.ground.options.keep_free);
+    Ok(ShmPublisher { core, inner: Arc::clone(inner), dropped: 0, written, full: false })
 }
 
 impl Publisher for ShmPublisher {
@@ -47,16 +42,12 @@ impl Publisher for ShmPublisher {
             Some(bytes) => Value::Plain(bytes),
             None => Value::Message(value, value.message_size()),
         };
-        let sent = self.core.send(value, self.next, &mut self.written);
+        let sent = self.core.send(value, &mut self.written);
         let full = sent == Err(SendError::NoRoom);
         if full && !self.full {
             tracing::warn!(port = %self.core.at, "no shared memory is left for its samples: {WAY_OUT}");
         }
         self.full = full;
-        // What cannot be encoded is no sample that a reader could miss.
-        if sent != Err(SendError::Serialization) {
-            self.next.number += 1;
-        }
         match sent {
             Ok(()) => Ok(()),
             Err(SendError::Full) => {

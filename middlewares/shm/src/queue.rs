@@ -4,6 +4,8 @@
 //! with a queue get a second service that refuses new samples when full; the writer joins it only
 //! when such a reader is there. The reader shows it by the name of its end on the port itself.
 
+use std::sync::Arc;
+
 use genom_middleware::{Address, OpenError};
 use genom_types::DataType;
 use iceoryx2::prelude::*;
@@ -42,7 +44,7 @@ fn open(
     at: &Address,
     ty: &DataType,
     port: Shape,
-) -> Result<RawService, OpenError> {
+) -> Result<Arc<RawService>, OpenError> {
     let shape = Shape { overflow: false, history: false, ..port };
     ground.service(at, &format!("{PREFIX}{at}"), ty, shape)
 }
@@ -55,12 +57,13 @@ pub(crate) fn join(
     wire: &Wire,
     port: Shape,
 ) -> Result<RawPublisher, OpenError> {
-    ground.writer(at, &open(ground, at, ty, port)?, wire)
+    let service = open(ground, at, ty, port)?;
+    ground.writer(at, &service, wire)
 }
 
 /// A reader's end.
 pub(crate) struct Queue {
-    pub(crate) service: RawService,
+    pub(crate) service: Arc<RawService>,
     pub(crate) subscriber: RawSubscriber,
 }
 

@@ -42,11 +42,16 @@ const MAGIC: u32 = u32::from_ne_bytes(*b"gn3\x01");
 /// Which sample it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stamp {
-    /// Tells the writer from those before it under the same address; the same on all services
+    /// Tells the publisher from those before it under the same address; the same on all services
     /// it writes to.
     pub(crate) writer: u32,
-    /// Number among the samples of that writer, from 1.
+    /// Number among the samples of that publisher, from 1.
     pub(crate) number: u64,
+}
+
+/// What stamps call the publisher of this id.
+pub(crate) fn short(id: u128) -> u32 {
+    (id ^ (id >> 32) ^ (id >> 64) ^ (id >> 96)) as u32
 }
 
 impl Stamp {
@@ -132,6 +137,8 @@ pub(crate) enum Value<'a> {
     Plain(&'a [u8]),
     /// A value to be encoded, for slices, and the bytes of its message.
     Message(&'a Record, usize),
+    /// A message, for slices.
+    Encoded(&'a [u8]),
 }
 
 /// Publishes a copy of a value, which is encoded where it is published.
@@ -145,8 +152,9 @@ pub(crate) fn send(
     let elements = match value {
         Value::Plain(_) => 1,
         Value::Message(_, size) => size + STAMP,
+        Value::Encoded(message) => message.len() + STAMP,
     };
-    if matches!(value, Value::Message(..)) != wire.slice {
+    if matches!(value, Value::Plain(_)) == wire.slice {
         return Err(SendError::Refused);
     }
     // SAFETY: more than one element for slices only; the payload is written in full below.
@@ -178,6 +186,16 @@ pub(crate) fn send(
             }
             // SAFETY: the slice has room for the message and the stamp.
             unsafe { to.add(size).copy_from_nonoverlapping(mark.as_ptr(), STAMP) };
+        }
+        Value::Encoded(message) => {
+            if count != elements {
+                return Err(SendError::Refused);
+            }
+            // SAFETY: the slice has room for the message and the stamp, and is ours alone.
+            unsafe {
+                to.copy_from_nonoverlapping(message.as_ptr(), message.len());
+                to.add(message.len()).copy_from_nonoverlapping(mark.as_ptr(), STAMP);
+            }
         }
         Value::Plain(payload) => {
             if payload.len() != wire.size || count < payload.len() {

@@ -1,6 +1,8 @@
 //! The reading end of a port.
 
 use std::sync::Arc;
+use std::thread;
+use std::time::Instant;
 
 use genom_middleware::{Address, OpenError, Policy, ReadError, Reading, Subscription};
 use genom_types::{DataType, Record};
@@ -12,14 +14,17 @@ use crate::inner::Inner;
 use crate::queue::{self, Queue};
 use crate::raw::{self, RawSample, RawService, RawSubscriber, Stamp};
 use crate::typing::{Wire, wire};
+use crate::upkeep::PERIOD;
 
 /// The reader. Fields go in order: ends of services before the node.
 struct ShmSubscription {
+    /// The last value of the writer when this reader came, which it reads first.
+    start: Option<RawSample>,
     /// The newest sample on the port, kept until the queue is joined.
     held: Option<RawSample>,
     queue: Option<Queue>,
     subscriber: RawSubscriber,
-    _service: RawService,
+    _service: Arc<RawService>,
     values: Values,
     /// Whether every sample counts, or only the newest.
     latest: bool,
@@ -33,6 +38,9 @@ struct Values {
     scratch: Option<Record>,
     /// The last sample read or given up.
     last: Option<Stamp>,
+    /// The publisher that was there before this reader, when it is not known which of its samples
+    /// came before it, too. All samples of other publishers came after it.
+    unsure: Option<u32>,
     any: bool,
     dropped: u64,
 }
@@ -57,7 +65,11 @@ pub(crate) fn open(
         return Err(OpenError::Unsupported {
             backend: BACKEND.to_owned(),
             ty: ty.name().to_owned(),
-            why: format!("{at} was opened for at most {most} unread samples, not {wanted}"),
+            why: format!(
+                "{at} was opened for at most {most} unread samples a reader (of large types, for \
+                 16 MiB of them), not {wanted}: ask for {most}, or set backends.shm.depth in the \
+                 configuration of the daemon that opens the port first"
+            ),
         });
     }
     // The queue is there before the writer is told that it is wanted.
@@ -69,24 +81,58 @@ pub(crate) fn open(
     if let (Some(mark), true) = (queue::mark(), queue.is_some()) {
         builder = builder.name(&mark);
     }
+    let before = publisher(&service);
     let subscriber = builder.create().map_err(|error| match error {
         SubscriberCreateError::ExceedsMaxSupportedSubscribers => {
             let readers = service.static_config().max_subscribers();
-            failed(at, &format!("the port was opened for at most {readers} readers"))
+            let full = format!(
+                "the port was opened for at most {readers} readers, and has them: set \
+                 backends.shm.readers in the configuration of the daemon that opens it first"
+            );
+            failed(at, &full)
         }
         other => failed(at, &other.to_string()),
     })?;
-    inner.upkeep.reader_came(at);
+    let is_own = inner.upkeep.reader_came(at)?;
+    let start = match policy {
+        Policy::Latest => None,
+        _ => last_value(&subscriber, before.is_none() || is_own),
+    };
     let scratch = wire.slice.then(|| Record::new(ty));
+    let unsure = before.filter(|_| start.is_none() && !is_own);
     Ok(ShmSubscription {
+        start,
         held: None,
         queue,
         subscriber,
         _service: service,
-        values: Values { wire, scratch, last: None, any: false, dropped: 0 },
+        values: Values { wire, scratch, last: None, unsure, any: false, dropped: 0 },
         latest: policy == Policy::Latest,
         _inner: Arc::clone(inner),
     })
+}
+
+/// The last value of the writer, if it wrote any. That of another daemon connects readers within
+/// a period, and sends it then.
+fn last_value(subscriber: &RawSubscriber, connected: bool) -> Option<RawSample> {
+    let end = Instant::now() + 2 * PERIOD;
+    loop {
+        let sample = subscriber.receive().ok().flatten();
+        if sample.is_some() || connected || Instant::now() > end {
+            return sample;
+        }
+        thread::park_timeout(PERIOD / 10);
+    }
+}
+
+/// The publisher of a port, as stamps call it.
+fn publisher(service: &RawService) -> Option<u32> {
+    let mut found = None;
+    service.dynamic_config().list_publishers(|publisher| {
+        found = Some(raw::short(publisher.publisher_id.value()));
+        CallbackProgression::Stop
+    });
+    found
 }
 
 impl Values {
@@ -94,12 +140,15 @@ impl Values {
     /// it is new.
     fn is_next(&mut self, sample: &RawSample) -> bool {
         let Some(stamp) = self.stamp(sample) else { return true };
-        if let Some(last) = self.last_of(stamp.writer) {
-            if stamp.number <= last {
-                return false;
-            }
-            self.dropped += stamp.number - last - 1;
+        let last = match self.last_of(stamp.writer) {
+            Some(last) => last,
+            None if self.unsure == Some(stamp.writer) => stamp.number.saturating_sub(1),
+            None => 0,
+        };
+        if stamp.number <= last {
+            return false;
         }
+        self.dropped += stamp.number - last - 1;
         self.last = Some(stamp);
         true
     }
@@ -198,6 +247,10 @@ impl ShmSubscription {
 
 impl Subscription for ShmSubscription {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        if let Some(start) = self.start.take() {
+            self.values.last = self.values.stamp(&start);
+            return self.values.take(&start, into);
+        }
         if self.queue.is_some() {
             return self.read_queue(into);
         }

@@ -9,12 +9,12 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-use genom_middleware::Address;
+use genom_middleware::{Address, OpenError};
 
 use crate::writer::Core;
 
 /// Longest time a late reader in another process waits for the last value of an idle writer.
-const PERIOD: Duration = Duration::from_millis(20);
+pub(crate) const PERIOD: Duration = Duration::from_millis(20);
 
 pub(crate) struct Upkeep {
     shared: Arc<Shared>,
@@ -42,7 +42,8 @@ impl Shared {
         let mut state = self.lock();
         while !state.stop {
             for writer in &state.writers {
-                writer.upkeep();
+                // It tells by itself.
+                let _ = writer.upkeep();
             }
             state = if state.writers.is_empty() {
                 self.changed.wait(state).unwrap_or_else(PoisonError::into_inner)
@@ -75,11 +76,13 @@ impl Upkeep {
         self.shared.lock().writers.retain(|other| !Arc::ptr_eq(other, writer));
     }
 
-    /// Connects a reader of this process at once.
-    pub(crate) fn reader_came(&self, at: &Address) {
-        for writer in self.shared.lock().writers.iter().filter(|writer| writer.is_at(at)) {
-            writer.upkeep();
-        }
+    /// Connects a reader of this daemon at once; whether the writer is of this daemon.
+    pub(crate) fn reader_came(&self, at: &Address) -> Result<bool, OpenError> {
+        let state = self.shared.lock();
+        let Some(writer) = state.writers.iter().find(|writer| writer.is_at(at)) else {
+            return Ok(false);
+        };
+        writer.upkeep().map(|()| true)
     }
 }
 

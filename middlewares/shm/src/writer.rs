@@ -1,6 +1,12 @@
 //! What the writer of a port shares with the upkeep thread: its ends, and who reads them.
+//!
+//! A port that nobody reads has a service, so that readers of any make find it, but no publisher:
+//! that would cost descriptors and memory. Its last value is parked. When a reader comes, the
+//! upkeep thread makes the publisher, which connects the reader, sends it the value, and opens
+//! the gate: from then on the writer sends by itself. At any time one of the two may send, and
+//! neither waits for the other.
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use genom_middleware::{Address, OpenError};
@@ -8,18 +14,32 @@ use genom_types::DataType;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 
+use crate::catalog::{Kind, Offer};
 use crate::ground::{Ground, Shape};
+use crate::parked::Parked;
 use crate::queue;
 use crate::raw::{self, RawPublisher, RawService, SendError, Stamp, Value};
 use crate::room::Written;
 use crate::typing::{Wire, wire};
 
+/// Gate: the writer parked a value that the upkeep thread may not have seen.
+const FRESH: u8 = 1;
+/// Gate: the writer sends by itself.
+const OPEN: u8 = 2;
+
 /// What the writer shares with the upkeep thread.
 pub(crate) struct Core {
     /// Set by the upkeep thread when a reader wants a queue.
     queue: OnceLock<RawPublisher>,
-    pub(crate) publisher: RawPublisher,
-    service: RawService,
+    /// Set by the upkeep thread when a reader comes.
+    out: OnceLock<Out>,
+    gate: AtomicU8,
+    parked: Parked,
+    /// Values that were parked so far.
+    rank: AtomicU64,
+    /// Samples that were sent so far.
+    sent: AtomicU64,
+    service: Arc<RawService>,
     ground: Arc<Ground>,
     pub(crate) at: Address,
     pub(crate) ty: DataType,
@@ -27,6 +47,14 @@ pub(crate) struct Core {
     shape: Shape,
     /// Which readers were there when connections were last made.
     readers: AtomicU64,
+    /// Whether the last reader could not be connected: told once.
+    failing: AtomicBool,
+}
+
+/// The publisher, and what its samples are stamped with.
+struct Out {
+    publisher: RawPublisher,
+    writer: u32,
 }
 
 impl Core {
@@ -42,16 +70,20 @@ impl Core {
         if service.static_config().history_size() == 0 {
             tracing::warn!(port = %at, "the peer that made this port keeps no last value: readers that come late wait for the next one");
         }
-        let publisher = match ground.writer(at, &service, &wire) {
-            // The writer may be one that was killed.
-            Err(OpenError::Taken { .. }) if ground.node.try_cleanup_dead_nodes().cleanups > 0 => {
-                ground.writer(at, &service, &wire)?
-            }
-            other => other?,
-        };
+        let writers = || service.dynamic_config().number_of_publishers();
+        // The writer may be one that was killed.
+        if writers() > 0 && (ground.node.try_cleanup_dead_nodes().cleanups == 0 || writers() > 0) {
+            return Err(OpenError::Taken { address: at.clone() });
+        }
+        let offer = Offer { digests: ty.digest().to_owned(), spelling: ty.name().to_owned() };
+        ground.offer(Kind::Writer, at, offer)?;
         Ok(Self {
             queue: OnceLock::new(),
-            publisher,
+            out: OnceLock::new(),
+            gate: AtomicU8::new(0),
+            parked: Parked::new((!wire.slice).then_some(wire.size)),
+            rank: AtomicU64::new(0),
+            sent: AtomicU64::new(0),
             service,
             ground: Arc::clone(ground),
             at: at.clone(),
@@ -59,6 +91,7 @@ impl Core {
             wire,
             shape,
             readers: AtomicU64::new(0),
+            failing: AtomicBool::new(false),
         })
     }
 
@@ -66,8 +99,14 @@ impl Core {
         self.at == *at
     }
 
-    /// Connects readers that came since the last time, and joins their queue.
-    pub(crate) fn upkeep(&self) {
+    /// Whether values of one size only are written, and which.
+    pub(crate) fn size(&self) -> Option<usize> {
+        (!self.wire.slice).then_some(self.wire.size)
+    }
+
+    /// Connects readers that came since the last time, and joins their queue. Called by one
+    /// thread at a time.
+    pub(crate) fn upkeep(&self) -> Result<(), OpenError> {
         let mut readers = 0u64;
         self.service.dynamic_config().list_subscribers(|reader| {
             let id = reader.subscriber_id.value();
@@ -75,32 +114,102 @@ impl Core {
             CallbackProgression::Continue
         });
         if self.readers.swap(readers, Ordering::Relaxed) == readers {
-            return;
+            return Ok(());
         }
-        if let Err(error) = self.publisher.update_connections() {
-            tracing::warn!(port = %self.at, ?error, "cannot connect a reader");
-        }
-        if self.queue.get().is_none() && queue::wanted(&self.service) {
-            match queue::join(&self.ground, &self.at, &self.ty, &self.wire, self.shape) {
-                Ok(publisher) => drop(self.queue.set(publisher)),
-                Err(error) => tracing::warn!(port = %self.at, %error, "cannot join a queue"),
+        let connected = self.connect(readers != 0);
+        match &connected {
+            Ok(()) => self.failing.store(false, Ordering::Relaxed),
+            Err(error) => {
+                // Tried again the next time.
+                self.readers.store(0, Ordering::Relaxed);
+                if !self.failing.swap(true, Ordering::Relaxed) {
+                    tracing::warn!(port = %self.at, %error, "cannot connect a reader");
+                }
             }
+        }
+        connected
+    }
+
+    fn connect(&self, any: bool) -> Result<(), OpenError> {
+        if self.queue.get().is_none() && queue::wanted(&self.service) {
+            let queue = queue::join(&self.ground, &self.at, &self.ty, &self.wire, self.shape)?;
+            drop(self.queue.set(queue));
+        }
+        match self.out.get() {
+            Some(out) => {
+                if let Err(error) = out.publisher.update_connections() {
+                    tracing::warn!(port = %self.at, ?error, "cannot connect a reader");
+                }
+                Ok(())
+            }
+            None if any => self.open_gate(),
+            None => Ok(()),
         }
     }
 
-    /// Sends a sample to all readers; `written` remembers what has its memory.
-    pub(crate) fn send(
-        &self,
-        value: Value<'_>,
-        stamp: Stamp,
-        written: &mut Written,
-    ) -> Result<(), SendError> {
+    /// Makes the publisher, and lets the writer send.
+    fn open_gate(&self) -> Result<(), OpenError> {
+        // This connects all readers.
+        let publisher = self.ground.writer(&self.at, &self.service, &self.wire)?;
+        let writer = raw::short(publisher.id().value());
+        drop(self.out.set(Out { publisher, writer }));
+        let mut written = Written::new(self.size(), self.ground.options.keep_free);
+        let mut rank = 0;
+        loop {
+            self.gate.fetch_and(!FRESH, Ordering::AcqRel);
+            rank = self.parked.newest(rank, |bytes| {
+                let value =
+                    if self.wire.slice { Value::Encoded(bytes) } else { Value::Plain(bytes) };
+                if let Err(error) = self.send_now(value, &mut written) {
+                    tracing::warn!(port = %self.at, ?error, "a reader that came late does not see its last value");
+                }
+            });
+            let open = self.gate.compare_exchange(0, OPEN, Ordering::AcqRel, Ordering::Acquire);
+            if open.is_ok() {
+                break;
+            }
+        }
+        self.parked.forget();
+        Ok(())
+    }
+
+    /// Sends a sample to all readers, or parks it while there are none; `written` remembers what
+    /// has its memory. Called by one thread at a time.
+    pub(crate) fn send(&self, value: Value<'_>, written: &mut Written) -> Result<(), SendError> {
+        if self.gate.load(Ordering::Acquire) & OPEN == 0 {
+            let rank = self.rank.fetch_add(1, Ordering::Relaxed) + 1;
+            self.parked.park(value, rank)?;
+            // Who opens the gate after this has seen the value.
+            if self.gate.fetch_or(FRESH, Ordering::AcqRel) & OPEN == 0 {
+                return Ok(());
+            }
+        }
+        self.send_now(value, written)
+    }
+
+    fn send_now(&self, value: Value<'_>, written: &mut Written) -> Result<(), SendError> {
+        let Some(out) = self.out.get() else { return Err(SendError::Refused) };
+        let number = self.sent.load(Ordering::Relaxed) + 1;
+        let stamp = Stamp { writer: out.writer, number };
         // The queue first: a reader that sees a sample on the port knows that the queue has it,
         // or refused it.
         let queued = match self.queue.get() {
             Some(queue) => raw::send(queue, &self.wire, value, stamp, written),
             None => Ok(()),
         };
-        raw::send(&self.publisher, &self.wire, value, stamp, written).and(queued)
+        let sent = raw::send(&out.publisher, &self.wire, value, stamp, written).and(queued);
+        // What cannot be encoded is no sample that a reader could miss.
+        if sent != Err(SendError::Serialization) {
+            self.sent.store(number, Ordering::Relaxed);
+        }
+        sent
+    }
+}
+
+impl Drop for Core {
+    fn drop(&mut self) {
+        // Who opens the address after it is free finds no publisher there.
+        drop((self.out.take(), self.queue.take()));
+        self.ground.withdraw(Kind::Writer, &self.at);
     }
 }

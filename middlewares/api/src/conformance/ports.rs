@@ -184,6 +184,35 @@ pub fn a_ring_keeps_the_newest_and_counts_the_rest(world: &dyn World) {
     assert_eq!(ring.dropped(), 7);
 }
 
+/// Whenever it reads, and as much as it likes: what it did not read was counted as lost.
+pub fn every_sample_is_read_or_counted(world: &dyn World) {
+    let (a, b) = (world.join(), world.join());
+    for (port, policy) in [("ring", Policy::Ring(4)), ("queue", Policy::Queue(4))] {
+        let at = Address::new("demo", port);
+        let mut writer = a.publisher(&at, &state()).expect("an out port");
+        let open = |policy| b.subscription(&at, &state(), policy).expect("an in port");
+        let (mut reader, mut witness) = (open(policy), open(Policy::Latest));
+        connect(&mut *writer, &mut *reader);
+        let (mut written, mut seen) = (0, 0);
+        for (burst, reads) in [(3, 1), (9, 2), (1, 5), (20, 0), (4, 4), (2, 1), (13, 3), (30, 0)] {
+            for n in written..written + burst {
+                writer.publish(&numbered(n + 2)).unwrap();
+                read_until(&mut *witness, n + 2);
+            }
+            written += burst;
+            let found = (0..reads).map(|_| read(&mut *reader).0);
+            seen += found.filter(|reading| *reading == Reading::New).count() as u64;
+        }
+        // What came after its last read is lost as well, or still there.
+        eventually("all is read or counted", || {
+            seen += u64::from(read(&mut *reader).0 == Reading::New);
+            seen + reader.dropped() == written
+        });
+        assert_eq!(read(&mut *reader).0, Reading::Same);
+        assert_eq!(seen + reader.dropped(), written, "{port}");
+    }
+}
+
 /// A reader that does not read takes nothing from the others.
 pub fn readers_go_at_their_own_pace(world: &dyn World) {
     let (a, b) = (world.join(), world.join());

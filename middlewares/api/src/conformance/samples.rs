@@ -13,9 +13,13 @@ fn lay_out(table: TypeTable, id: TypeId) -> DataType {
 }
 
 fn structure(table: &mut TypeTable, name: &str, members: &[(&str, TypeId)]) -> TypeId {
+    structure_of(table, ["demo", name], members)
+}
+
+fn structure_of(table: &mut TypeTable, name: [&str; 2], members: &[(&str, TypeId)]) -> TypeId {
     let member = |&(name, ty): &(&str, TypeId)| Member { name: name.to_owned(), ty };
     table.add(Kind::Struct {
-        name: ScopedName::new(["demo", name]),
+        name: ScopedName::new(name),
         members: members.iter().map(member).collect(),
     })
 }
@@ -23,11 +27,21 @@ fn structure(table: &mut TypeTable, name: &str, members: &[(&str, TypeId)]) -> T
 /// `::demo::state`: 64 bytes, a count and seven doubles.
 #[must_use]
 pub fn state() -> DataType {
+    state_named(["demo", "state"])
+}
+
+/// `::other::pose`: the members of a `::demo::state`, in the module of another component.
+#[must_use]
+pub fn twin() -> DataType {
+    state_named(["other", "pose"])
+}
+
+fn state_named(name: [&str; 2]) -> DataType {
     let mut table = TypeTable::default();
     let count = table.add(Kind::UnsignedLongLong);
     let double = table.add(Kind::Double);
     let values = table.add(Kind::Array { element: double, length: 7 });
-    let id = structure(&mut table, "state", &[("count", count), ("values", values)]);
+    let id = structure_of(&mut table, name, &[("count", count), ("values", values)]);
     lay_out(table, id)
 }
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::harness::{World, eventually};
 use super::ports::{position, reader, writer};
-use super::samples::{LARGE, basic, image, note, note_of, other_state, state};
+use super::samples::{LARGE, basic, image, note, note_of, other_state, state, twin};
 use crate::{Address, Middleware, OpenError, Policy, Publisher, Reading, Subscription};
 
 /// Opens an end until it is refused for its type, and checks that both types are named.
@@ -54,6 +54,28 @@ pub fn types_of_one_name_and_other_members_are_refused(world: &dyn World) {
     refused(&other_state(), &state(), || {
         b.subscription(&position(), &other_state(), Policy::Latest)
     });
+}
+
+/// The name says too much: two components may each define a type of these members (genom3.md 4.9).
+pub fn types_of_other_names_and_equal_members_connect(world: &dyn World) {
+    assert_eq!(state().digest(), twin().digest());
+    let (a, b) = (world.join(), world.join());
+    for (n, (first, second)) in [(state(), twin()), (twin(), state())].into_iter().enumerate() {
+        let at = Address::new("demo", format!("position{n}"));
+        let policies = [Policy::Latest, Policy::Queue(4)];
+        // Once the reader is there first, once the writer.
+        let early = b.subscription(&at, &first, policies[n]).expect("an in port");
+        let mut writer = a.publisher(&at, &second).expect("an out port");
+        let late = b.subscription(&at, &first, policies[1 - n]).expect("an in port");
+        let mut sent = Record::new(&second);
+        sent.merge_json(&json!({"count": 7, "values": [1, 2, 3, 4, 5, 6, 7]})).expect("a value");
+        writer.publish(&sent).expect("published");
+        let mut got = Record::new(&first);
+        for mut reader in [early, late] {
+            eventually("the value arrives", || reader.read(&mut got) == Ok(Reading::New));
+            assert_eq!(got.to_json(), sent.to_json());
+        }
+    }
 }
 
 type Ends = (Box<dyn Publisher>, Box<dyn Subscription>);

@@ -2,8 +2,8 @@
 
 use std::sync::{Arc, Mutex};
 
-use genom_middleware::{CallError, Outcome, Replies};
-use genom_types::DataType;
+use genom_middleware::describe::types_of_service;
+use genom_middleware::{Address, CallError, Outcome, Replies, ServiceType};
 use iceoryx2::pending_response::PendingResponse;
 
 use super::bell::{Bell, lock};
@@ -18,7 +18,8 @@ pub(super) struct Call {
     pending: Mutex<Option<Pending>>,
     /// Taken when the request ends.
     replies: Mutex<Option<Box<dyn Replies>>>,
-    output: DataType,
+    at: Address,
+    ty: ServiceType,
     bell: Arc<Bell>,
 }
 
@@ -26,11 +27,12 @@ impl Call {
     pub(super) fn new(
         pending: Pending,
         replies: Box<dyn Replies>,
-        output: DataType,
+        at: &Address,
+        ty: &ServiceType,
         bell: &Arc<Bell>,
     ) -> Self {
         let (pending, replies) = (Mutex::new(Some(pending)), Mutex::new(Some(replies)));
-        Self { pending, replies, output, bell: Arc::clone(bell) }
+        Self { pending, replies, at: at.clone(), ty: ty.clone(), bell: Arc::clone(bell) }
     }
 
     /// Asks the server to stop.
@@ -50,7 +52,7 @@ impl Call {
                     let over = !pending.is_connected();
                     match pending.receive() {
                         Ok(Some(response)) => {
-                            (Some(frame::read(response.payload(), &self.output)), over)
+                            (Some(frame::read(response.payload(), &self.ty.output)), over)
                         }
                         Ok(None) => (None, over),
                         Err(_) => (None, true),
@@ -69,6 +71,15 @@ impl Call {
                         replies.feedback(&state);
                     }
                 }
+                Some(Response::NotServed) => {
+                    self.fail(CallError::Nobody { address: self.at.clone() });
+                    return true;
+                }
+                Some(Response::OtherTypes(theirs)) => {
+                    let (address, ours) = (self.at.clone(), types_of_service(&self.ty));
+                    self.fail(CallError::TypeMismatch { address, ours, theirs });
+                    return true;
+                }
                 Some(Response::Finished(outcome)) => {
                     self.finish(outcome);
                     return true;
@@ -84,7 +95,11 @@ impl Call {
 
     /// The server is gone, or this side.
     pub(super) fn lose(&self) {
-        self.finish(Outcome::Lost(CallError::Gone));
+        self.fail(CallError::Gone);
+    }
+
+    fn fail(&self, error: CallError) {
+        self.finish(Outcome::Lost(error));
     }
 
     fn finish(&self, outcome: Outcome) {

@@ -1,29 +1,25 @@
-//! The calling end.
+//! The calling end of one service.
 
 use std::sync::Arc;
 
-use genom_middleware::describe::type_of_port;
+use genom_middleware::describe::{type_of_port, types_of_service};
 use genom_middleware::{Address, CallError, Client, OpenError, Replies, Running, ServiceType};
 use genom_types::Record;
-use iceoryx2::port::client::{Client as RawClient, RequestSendError};
-use iceoryx2::prelude::*;
+use iceoryx2::port::client::RequestSendError;
 
-use super::bell::Bell;
 use super::call::Call;
-use super::service::{CallService, FIRST_ROOM, service};
-use crate::error::{BACKEND, failed};
+use super::frame;
+use super::meeting::REQUESTS;
+use super::request::digests;
+use crate::catalog::Kind;
+use crate::error::BACKEND;
 use crate::inner::Inner;
-use crate::raw::Ipc;
-
-/// Memory for requests that is made beforehand.
-const PREPARED: usize = 48;
 
 struct ShmClient {
-    port: RawClient<Ipc, [u8], (), [u8], ()>,
-    service: CallService,
     at: Address,
     ty: ServiceType,
-    bell: Arc<Bell>,
+    /// What all its requests start with.
+    start: Vec<u8>,
     inner: Arc<Inner>,
 }
 
@@ -42,17 +38,18 @@ pub(crate) fn open(
     at: &Address,
     ty: &ServiceType,
 ) -> Result<impl Client + 'static, OpenError> {
-    let bell = Arc::clone(inner.worker(at)?.bell());
-    let service = service(&inner.ground, at, ty)?;
-    let port = service
-        .client_builder()
-        .initial_max_slice_len(FIRST_ROOM)
-        .allocation_strategy(AllocationStrategy::PowerOfTwo)
-        .override_request_preallocation(|worst| worst.min(PREPARED))
-        .create()
-        .map_err(|error| failed(at, &error.to_string()))?;
-    let inner = Arc::clone(inner);
-    Ok(ShmClient { port, service, at: at.clone(), ty: ty.clone(), bell, inner })
+    let digests = digests(ty);
+    for (_, offer) in inner.ground.find(Kind::Service, at) {
+        if offer.digests != digests {
+            return Err(OpenError::TypeMismatch {
+                address: at.clone(),
+                ours: types_of_service(ty),
+                theirs: format!("{}, digests of {}", offer.spelling, offer.digests),
+            });
+        }
+    }
+    let start = frame::request(&at.to_string(), &digests);
+    Ok(ShmClient { at: at.clone(), ty: ty.clone(), start, inner: Arc::clone(inner) })
 }
 
 impl Client for ShmClient {
@@ -68,24 +65,26 @@ impl Client for ShmClient {
                 theirs: type_of_port(&self.ty.input),
             });
         }
-        if self.service.dynamic_config().number_of_servers() == 0 {
-            return Err(CallError::Nobody { address: self.at.clone() });
-        }
+        let worker = self.inner.worker(&self.at).map_err(|error| broken(&error))?;
+        let way = worker.callers.way(&self.inner.ground, &self.at).map_err(|e| broken(&e))?;
+        let way = way.ok_or_else(|| CallError::Nobody { address: self.at.clone() })?;
         let mut message = Vec::new();
         input
             .encode_message(&mut message)
             .map_err(|error| CallError::Serialization(error.to_string()))?;
-        let loan = self.port.loan_slice_uninit(message.len()).map_err(|error| broken(&error))?;
+        let message = [self.start.as_slice(), &message].concat();
+        let loan = way.client.loan_slice_uninit(message.len()).map_err(|error| broken(&error))?;
         let pending = loan.write_from_slice(&message).send().map_err(|error| match error {
-            RequestSendError::ExceedsMaxActiveRequests => {
-                broken(&"too many requests are under way")
-            }
+            RequestSendError::ExceedsMaxActiveRequests => broken(&format!(
+                "{REQUESTS} requests of this daemon are under way at the one that serves {}, and \
+                 there may be no more: wait until one ends",
+                self.at
+            )),
             other => broken(&other),
         })?;
-        let call = Arc::new(Call::new(pending, replies, self.ty.output.clone(), &self.bell));
-        let worker = self.inner.worker(&self.at).map_err(|error| broken(&error))?;
+        let call = Arc::new(Call::new(pending, replies, &self.at, &self.ty, worker.bell()));
         worker.add_call(Arc::clone(&call));
-        self.bell.ring();
+        worker.bell().ring();
         Ok(Box::new(ShmRunning { call, _inner: Arc::clone(&self.inner) }))
     }
 }

@@ -1,4 +1,9 @@
-//! What a response holds: a byte that says what it is, then that.
+//! What requests and responses hold.
+//!
+//! A request: length of the address, 4 bytes little endian; the address, `demo/goto`; length and
+//! text of the digests of the service as the caller knows it, likewise; its input as a CDR message.
+//!
+//! A response: a byte that says what it is, then that.
 //!
 //! | byte | rest |
 //! |---|---|
@@ -7,6 +12,8 @@
 //! | 3 success | output as a CDR message |
 //! | 4 exception | length of its name, 4 bytes little endian; its name; its detail as JSON |
 //! | 5 refused | why the request could not be read |
+//! | 6 not served | nothing: no such service here, or no more |
+//! | 7 other types | types of the service as it is served |
 
 use genom_middleware::{ActivityId, CallError, Outcome};
 use genom_types::{DataType, Record};
@@ -21,6 +28,14 @@ pub(super) fn feedback(state: &str) -> Vec<u8> {
 
 pub(super) fn refused(why: &str) -> Vec<u8> {
     with(5, why.as_bytes())
+}
+
+pub(super) fn not_served() -> Vec<u8> {
+    vec![6]
+}
+
+pub(super) fn other_types(theirs: &str) -> Vec<u8> {
+    with(7, theirs.as_bytes())
 }
 
 fn with(what: u8, rest: &[u8]) -> Vec<u8> {
@@ -40,19 +55,50 @@ pub(super) fn finished(outcome: &Outcome) -> Option<Vec<u8>> {
             })
         }
         Outcome::Exception { name, detail } => {
-            let mut frame = with(4, &(name.len() as u32).to_le_bytes());
-            frame.extend_from_slice(name.as_bytes());
+            let mut frame = Vec::new();
+            frame.push(4);
+            put(&mut frame, name);
             frame.extend_from_slice(detail.to_string().as_bytes());
             Some(frame)
         }
+        Outcome::Lost(CallError::Serialization(why)) => Some(refused(why)),
         Outcome::Lost(_) => None,
     }
+}
+
+/// A request for a service, its input not yet after it.
+pub(super) fn request(address: &str, digests: &str) -> Vec<u8> {
+    let mut frame = Vec::new();
+    put(&mut frame, address);
+    put(&mut frame, digests);
+    frame
+}
+
+/// Address, digests and input of a request.
+pub(super) fn read_request(frame: &[u8]) -> Option<(&str, &str, &[u8])> {
+    let (address, rest) = take(frame)?;
+    let (digests, input) = take(rest)?;
+    Some((address, digests, input))
+}
+
+/// A text after its length.
+fn put(frame: &mut Vec<u8>, text: &str) {
+    frame.extend_from_slice(&(text.len() as u32).to_le_bytes());
+    frame.extend_from_slice(text.as_bytes());
+}
+
+fn take(frame: &[u8]) -> Option<(&str, &[u8])> {
+    let (length, rest) = frame.split_first_chunk::<4>()?;
+    let (text, rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize)?;
+    Some((std::str::from_utf8(text).ok()?, rest))
 }
 
 /// A response, read.
 pub(super) enum Response {
     Accepted(ActivityId),
     Feedback(String),
+    NotServed,
+    OtherTypes(String),
     Finished(Outcome),
 }
 
@@ -76,13 +122,32 @@ fn parse(frame: &[u8], output: &DataType) -> Result<Response, String> {
             Response::Finished(Outcome::Success(value))
         }
         4 => {
-            let (length, rest) = rest.split_first_chunk::<4>().ok_or("it ends early")?;
-            let length = u32::from_le_bytes(*length) as usize;
-            let (name, detail) = rest.split_at_checked(length).ok_or("it ends early")?;
+            let (name, detail) = take(rest).ok_or("it ends early")?;
             let detail = serde_json::from_slice(detail).map_err(|error| error.to_string())?;
-            Response::Finished(Outcome::Exception { name: text(name)?, detail })
+            Response::Finished(Outcome::Exception { name: name.to_owned(), detail })
         }
         5 => return Err(text(rest)?),
+        6 => Response::NotServed,
+        7 => Response::OtherTypes(text(rest)?),
         other => return Err(format!("{other} is no kind of response")),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_request_is_read_as_written_and_none_is_read_from_less() {
+        let mut frame = request("demo/goto", "activity 1f-2e");
+        assert_eq!(read_request(&frame), Some(("demo/goto", "activity 1f-2e", &[][..])));
+        let whole = frame.len();
+        frame.extend_from_slice(&[7; 3]);
+        assert_eq!(read_request(&frame).map(|(_, _, input)| input), Some(&[7; 3][..]));
+        for end in 0..whole {
+            assert_eq!(read_request(&frame[..end]), None, "of {end} bytes");
+        }
+        frame[..4].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert_eq!(read_request(&frame), None);
+    }
 }

@@ -1,7 +1,7 @@
 //! The thread that hands on requests and responses.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, Weak};
+use std::sync::{Arc, Mutex};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -9,7 +9,8 @@ use genom_middleware::{Address, OpenError};
 
 use super::bell::{Bell, lock};
 use super::call::Call;
-use super::server::Server;
+use super::callers::Callers;
+use super::hub::Hub;
 use crate::error::failed;
 use crate::ground::Ground;
 
@@ -21,6 +22,7 @@ const DAEMONS: usize = 64;
 const PERIOD: Duration = Duration::from_millis(200);
 
 pub(crate) struct Worker {
+    pub(super) callers: Callers,
     shared: Arc<Shared>,
     bell: Arc<Bell>,
     thread: Option<JoinHandle<()>>,
@@ -28,7 +30,8 @@ pub(crate) struct Worker {
 
 #[derive(Default)]
 struct Shared {
-    servers: Mutex<Vec<Weak<Server>>>,
+    /// Made when the first service is served.
+    hub: Mutex<Option<Arc<Hub>>>,
     calls: Mutex<Vec<Arc<Call>>>,
     stop: AtomicBool,
 }
@@ -67,17 +70,21 @@ impl Worker {
                 }
             })
             .map_err(|error| failed(at, &error.to_string()))?;
-        Ok(Self { shared, bell: Arc::new(Bell(notifier)), thread: Some(thread) })
+        let (bell, thread) = (Arc::new(Bell(notifier)), Some(thread));
+        Ok(Self { callers: Callers::default(), shared, bell, thread })
     }
 
     pub(super) fn bell(&self) -> &Arc<Bell> {
         &self.bell
     }
 
-    pub(super) fn add_server(&self, server: &Arc<Server>) {
-        let mut servers = lock(&self.shared.servers);
-        servers.retain(|other| other.strong_count() > 0);
-        servers.push(Arc::downgrade(server));
+    /// The serving end.
+    pub(super) fn hub(&self, ground: &Arc<Ground>, at: &Address) -> Result<Arc<Hub>, OpenError> {
+        let mut hub = lock(&self.shared.hub);
+        if let Some(hub) = &*hub {
+            return Ok(Arc::clone(hub));
+        }
+        Ok(Arc::clone(hub.insert(Arc::new(Hub::open(ground, &self.bell, at)?))))
     }
 
     pub(super) fn add_call(&self, call: Arc<Call>) {
@@ -88,9 +95,9 @@ impl Worker {
 impl Shared {
     /// Hands on all there is. No lock is held while somebody else's code runs.
     fn work(&self) {
-        let servers: Vec<_> = lock(&self.servers).iter().filter_map(Weak::upgrade).collect();
-        for server in servers {
-            server.work();
+        let hub = lock(&self.hub).clone();
+        if let Some(hub) = hub {
+            hub.work();
         }
         let calls = lock(&self.calls).clone();
         for call in calls {
@@ -113,5 +120,8 @@ impl Drop for Worker {
         {
             let _ = thread.join();
         }
+        self.callers.clear();
+        // Ends before the node, which others may hold through it.
+        drop(lock(&self.shared.hub).take());
     }
 }

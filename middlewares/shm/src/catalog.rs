@@ -1,0 +1,307 @@
+//! What each daemon offers, in a file of its own beside iceoryx2's: `genom-UID/<prefix><node>`.
+//!
+//! A line says that a service is served or a port written from now on, another that it is no
+//! more. Who looks for one reads what was added since the last look: nobody has to answer, and an
+//! offer holds no descriptor. The file is its daemon's alone to write, and goes before the
+//! daemon's node does; one whose daemon was killed counts for nothing, and the next start removes
+//! it.
+
+use std::collections::{HashMap, HashSet};
+use std::fs::{self, DirBuilder, File, OpenOptions};
+use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
+use std::path::{Path, PathBuf};
+
+use genom_middleware::{Endpoint, EndpointKind};
+use iceoryx2::node::NodeState;
+use iceoryx2::prelude::{CallbackProgression, Node};
+use rustix::fs::OFlags;
+
+use crate::raw::Ipc;
+
+/// Lines of offers that are gone, beyond those that are there, before the file is made anew.
+const GONE: usize = 256;
+
+/// Nobody offers more than fits.
+const LONGEST: u64 = 64 << 20;
+
+/// What is offered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Kind {
+    /// A service.
+    Service,
+    /// The writer of a port.
+    Writer,
+}
+
+impl Kind {
+    fn letter(self) -> char {
+        match self {
+            Self::Service => 's',
+            Self::Writer => 'w',
+        }
+    }
+}
+
+/// What a line says of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Offer {
+    /// By which both sides agree.
+    pub(crate) digests: String,
+    /// Its type, for people.
+    pub(crate) spelling: String,
+}
+
+/// Offers of one daemon, by kind and address: `s demo/goto`.
+type Offers = HashMap<String, Offer>;
+
+fn key(kind: Kind, address: &str) -> String {
+    format!("{} {address}", kind.letter())
+}
+
+/// The folder, and the start of the names of its files.
+fn place(node: &Node<Ipc>) -> (PathBuf, String) {
+    let global = &node.config().global;
+    let own = format!("genom-{}", rustix::process::geteuid().as_raw());
+    (Path::new(&global.root_path().to_string()).join(own), global.prefix.to_string())
+}
+
+/// The node that a file is of.
+fn owner(file: &str, prefix: &str) -> Option<u128> {
+    let digits = file.strip_prefix(prefix)?;
+    (digits.len() == 32).then(|| u128::from_str_radix(digits, 16).ok()).flatten()
+}
+
+/// All files with their nodes.
+fn files(node: &Node<Ipc>) -> Vec<(u128, PathBuf)> {
+    let (folder, prefix) = place(node);
+    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+    let named =
+        |entry: fs::DirEntry| Some((owner(entry.file_name().to_str()?, &prefix)?, entry.path()));
+    entries.filter_map(named).collect()
+}
+
+/// The nodes that live, or may.
+fn alive(node: &Node<Ipc>) -> Vec<u128> {
+    let mut found = vec![node.id().value()];
+    let _ = Node::<Ipc>::list(node.config(), |state| {
+        if !matches!(state, NodeState::Dead(_)) {
+            found.push(state.node_id().value());
+        }
+        CallbackProgression::Continue
+    });
+    found
+}
+
+/// Removes what killed daemons left.
+pub(crate) fn sweep(node: &Node<Ipc>) {
+    let ((folder, prefix), alive) = (place(node), alive(node));
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        // One that was being made anew has more after the node.
+        let of = name.get(..prefix.len() + 32).and_then(|name| owner(name, &prefix));
+        if of.is_some_and(|of| !alive.contains(&of)) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Every service that living daemons serve, and every port that they write and that does not
+/// show with a writer yet.
+pub(crate) fn listed(node: &Node<Ipc>, seen: &mut Vec<Endpoint>) {
+    let alive = alive(node);
+    let written: HashSet<String> = seen
+        .iter()
+        .filter(|end| end.kind == EndpointKind::Publisher)
+        .map(|end| end.address.clone())
+        .collect();
+    for (_, path) in files(node).into_iter().filter(|(owner, _)| alive.contains(owner)) {
+        let mut peer = Peer::default();
+        peer.read(&path);
+        for (key, offer) in peer.offers {
+            let kind = match key.split_at_checked(2) {
+                Some(("s ", _)) => EndpointKind::Service,
+                Some(("w ", address)) if !written.contains(address) => EndpointKind::Publisher,
+                _ => continue,
+            };
+            seen.push(Endpoint { kind, address: key[2..].to_owned(), ty: offer.spelling });
+        }
+    }
+}
+
+/// That of this daemon, which writes it.
+pub(crate) struct Catalog {
+    path: PathBuf,
+    file: File,
+    offers: Offers,
+    gone: usize,
+}
+
+fn create(path: &Path) -> Result<File, String> {
+    let mut options = OpenOptions::new();
+    options.append(true).create_new(true).mode(0o600);
+    let file = options.open(path);
+    file.map_err(|error| format!("cannot make {}: {error}", path.display()))
+}
+
+fn added(key: &str, offer: &Offer) -> String {
+    format!("+\t{key}\t{}\t{}\n", offer.digests, offer.spelling)
+}
+
+impl Catalog {
+    /// An empty one.
+    pub(crate) fn create(node: &Node<Ipc>) -> Result<Self, String> {
+        let (folder, prefix) = place(node);
+        let made = DirBuilder::new().recursive(true).mode(0o700).create(&folder);
+        made.map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
+        let path = folder.join(format!("{prefix}{:032x}", node.id().value()));
+        let file = create(&path)?;
+        Ok(Self { path, file, offers: HashMap::new(), gone: 0 })
+    }
+
+    /// Says that something is offered; false when it already is.
+    pub(crate) fn add(&mut self, kind: Kind, address: &str, offer: Offer) -> Result<bool, String> {
+        let key = key(kind, address);
+        if self.offers.contains_key(&key) {
+            return Ok(false);
+        }
+        // For people: the digests decide. No line may end within it.
+        let spelling = offer.spelling.chars().take(120);
+        let spelling = spelling.map(|c| if c.is_control() { ' ' } else { c }).collect();
+        let offer = Offer { spelling, ..offer };
+        self.write(&added(&key, &offer))?;
+        self.offers.insert(key, offer);
+        Ok(true)
+    }
+
+    /// Says that it is no more.
+    pub(crate) fn remove(&mut self, kind: Kind, address: &str) {
+        let key = key(kind, address);
+        if self.offers.remove(&key).is_none() {
+            return;
+        }
+        self.gone += 1;
+        let said = if self.gone > self.offers.len() + GONE {
+            self.renew()
+        } else {
+            self.write(&format!("-\t{key}\n"))
+        };
+        if let Err(error) = said {
+            tracing::warn!("{address} is still listed for others, though it is gone: {error}");
+        }
+    }
+
+    fn write(&mut self, text: &str) -> Result<(), String> {
+        let written = self.file.write_all(text.as_bytes());
+        written.map_err(|error| format!("cannot write {}: {error}", self.path.display()))
+    }
+
+    /// A new file with what is there only takes the place of the old one.
+    fn renew(&mut self) -> Result<(), String> {
+        let mut new = self.path.clone().into_os_string();
+        new.push(".new");
+        let new = PathBuf::from(new);
+        let _ = fs::remove_file(&new);
+        let mut file = create(&new)?;
+        let text: String = self.offers.iter().map(|(key, offer)| added(key, offer)).collect();
+        let done = file.write_all(text.as_bytes()).and_then(|()| fs::rename(&new, &self.path));
+        done.map_err(|error| format!("cannot write {}: {error}", new.display()))?;
+        (self.file, self.gone) = (file, 0);
+        Ok(())
+    }
+}
+
+impl Drop for Catalog {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// What all daemons offer, as far as it was read.
+#[derive(Default)]
+pub(crate) struct Reader {
+    peers: HashMap<u128, Peer>,
+}
+
+impl Reader {
+    /// Whose offers there are of this kind at an address; also of killed ones.
+    pub(crate) fn find(
+        &mut self,
+        node: &Node<Ipc>,
+        kind: Kind,
+        address: &str,
+    ) -> Vec<(u128, Offer)> {
+        let (files, key) = (files(node), key(kind, address));
+        self.peers.retain(|owner, _| files.iter().any(|(other, _)| other == owner));
+        let mut found = Vec::new();
+        for (owner, path) in files {
+            let peer = self.peers.entry(owner).or_default();
+            peer.read(&path);
+            found.extend(peer.offers.get(&key).map(|offer| (owner, offer.clone())));
+        }
+        found
+    }
+
+    /// Whether a living daemon other than this one offers it.
+    pub(crate) fn is_of_others(&mut self, node: &Node<Ipc>, kind: Kind, address: &str) -> bool {
+        let mut others = self.find(node, kind, address);
+        others.retain(|(owner, _)| *owner != node.id().value());
+        if others.is_empty() {
+            return false;
+        }
+        let alive = alive(node);
+        others.iter().any(|(owner, _)| alive.contains(owner))
+    }
+}
+
+/// The file of one daemon, as far as it was read.
+#[derive(Default)]
+struct Peer {
+    inode: u64,
+    read: u64,
+    offers: Offers,
+}
+
+impl Peer {
+    /// Reads what was added; a file that cannot be read offers nothing.
+    fn read(&mut self, path: &Path) {
+        if self.try_read(path).is_none() {
+            *self = Self::default();
+        }
+    }
+
+    fn try_read(&mut self, path: &Path) -> Option<()> {
+        let about = fs::symlink_metadata(path).ok()?;
+        if about.ino() == self.inode && about.len() == self.read {
+            return Some(());
+        }
+        // Nothing that would block or lead elsewhere, whoever put it there.
+        let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
+        let mut options = OpenOptions::new();
+        let options = options.read(true).custom_flags(flags.bits().cast_signed());
+        let mut file = options.open(path).ok()?;
+        let about = file.metadata().ok().filter(fs::Metadata::is_file)?;
+        if about.ino() != self.inode || about.len() < self.read {
+            *self = Self { inode: about.ino(), ..Self::default() };
+        }
+        let mut new = Vec::new();
+        file.seek(SeekFrom::Start(self.read)).ok()?;
+        file.take(LONGEST.checked_sub(self.read)?).read_to_end(&mut new).ok()?;
+        // What is not yet written to its end is read the next time.
+        let whole = new.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
+        self.read += whole as u64;
+        for line in String::from_utf8_lossy(new.get(..whole)?).lines() {
+            let mut words = line.splitn(4, '\t');
+            match (words.next(), words.next(), words.next(), words.next()) {
+                (Some("+"), Some(key), Some(digests), Some(spelling)) => {
+                    let (digests, spelling) = (digests.to_owned(), spelling.to_owned());
+                    self.offers.insert(key.to_owned(), Offer { digests, spelling });
+                }
+                (Some("-"), Some(key), ..) => drop(self.offers.remove(key)),
+                _ => {}
+            }
+        }
+        Some(())
+    }
+}

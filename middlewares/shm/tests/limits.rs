@@ -1,0 +1,56 @@
+//! A limit that is reached is named, and nothing is broken by it. The only test of its process,
+//! whose limits it lowers.
+
+mod world;
+
+use genom_middleware::conformance::World as _;
+use genom_middleware::conformance::samples::{numbered, state};
+use genom_middleware::{Address, Middleware, OpenError, Policy};
+use genom_shm::{Options, Shm};
+use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+
+use world::ShmWorld;
+
+#[test]
+fn limits_that_are_reached_are_named_with_the_way_out() {
+    let world = ShmWorld::new();
+    let at = Address::new("demo", "position");
+    let read = |shm: &Shm, policy| shm.subscription(&at, &state(), policy);
+
+    // Those of a port, as they are configured.
+    let small = Shm::open(Options { readers: 2, depth: 4, ..world.options() }).unwrap();
+    let mut writer = small.publisher(&at, &state()).unwrap();
+    let refused = read(&small, Policy::Queue(5)).err().unwrap().to_string();
+    let told = "at most 4 unread samples a reader (of large types, for 16 MiB of them), not 5: \
+                ask for 4, or set backends.shm.depth";
+    assert!(refused.contains(told), "{refused}");
+    let readers: Vec<_> = (0..2).map(|_| read(&small, Policy::Ring(4)).unwrap()).collect();
+    let refused = read(&small, Policy::Latest).err().unwrap().to_string();
+    assert!(refused.contains("at most 2 readers") && refused.contains("backends.shm.readers"));
+    writer.publish(&numbered(1)).unwrap();
+    drop((readers, writer, small));
+
+    // That of the process.
+    let shm = world.open();
+    let held = std::fs::read_dir("/proc/self/fd").unwrap().count() as u64;
+    let before = getrlimit(Resource::Nofile);
+    setrlimit(Resource::Nofile, Rlimit { current: Some(held + 30), ..before }).unwrap();
+    let mut ports = Vec::new();
+    let refused = loop {
+        match shm.publisher(&Address::new("demo", format!("port{}", ports.len())), &state()) {
+            Ok(port) => ports.push(port),
+            Err(error) => break error,
+        }
+        assert!(ports.len() < 100, "a port holds files");
+    };
+    setrlimit(Resource::Nofile, before).unwrap();
+    let OpenError::Failed { why, .. } = refused else { panic!("{refused}") };
+    let told = format!("of the {} files it may have open: raise RLIMIT_NOFILE", held + 30);
+    assert!(why.contains(&told), "{why}");
+    assert!(ports.len() >= 8, "a port that nobody reads holds few files: {}", ports.len());
+    // With more files the port that was refused opens.
+    let again = Address::new("demo", format!("port{}", ports.len()));
+    shm.publisher(&again, &state()).unwrap();
+    drop((ports, shm));
+    assert_eq!(world.leftovers(), Vec::<String>::new());
+}
