@@ -119,6 +119,11 @@ impl Gauge {
         }
     }
 
+    /// So many samples were given up so far, though none passed.
+    pub(super) fn lost(&self, dropped: u64) {
+        self.dropped.store(dropped, Ordering::Relaxed);
+    }
+
     /// A write or read failed.
     pub(super) fn failed(&self) {
         self.failed.fetch_add(1, Ordering::Relaxed);

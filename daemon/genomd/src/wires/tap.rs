@@ -66,7 +66,10 @@ impl Subscription for TapSubscription {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
         let Tap { end, gauge, tapes } = &self.tap;
         let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
-        match end.read(into) {
+        let reading = end.read(into);
+        // Some middlewares see what was lost only when there is nothing more to read.
+        gauge.lost(end.dropped());
+        match reading {
             Ok(Reading::New) => {
                 self.read = true;
                 gauge.passed(end.dropped());
@@ -93,6 +96,30 @@ mod tests {
     use super::*;
     use genom_middleware::{Address, Middleware, Policy};
     use genom_types::{DataType, Kind, TypeTable};
+
+    /// Finds nothing, but that so many samples were lost.
+    struct Lossy(u64);
+
+    impl Subscription for Lossy {
+        fn read(&mut self, _: &mut Record) -> Result<Reading, ReadError> {
+            self.0 += 3;
+            Ok(Reading::Same)
+        }
+
+        fn dropped(&self) -> u64 {
+            self.0
+        }
+    }
+
+    #[test]
+    fn losses_that_show_after_the_last_sample_are_counted() {
+        let mut table = TypeTable::default();
+        let id = table.add(Kind::Double);
+        let ty = DataType::new(&Arc::new(table), id).unwrap();
+        let tap = Tap::new(Box::new(Lossy(0)), &Clock::Monotonic, &ty);
+        assert_eq!(tap.subscription().read(&mut Record::new(&ty)), Ok(Reading::Same));
+        assert_eq!(tap.gauge().counts().dropped, 3);
+    }
 
     #[test]
     fn a_reader_keeps_its_last_value_when_the_middleware_is_exchanged() {
