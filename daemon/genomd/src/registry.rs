@@ -37,14 +37,10 @@ pub(crate) fn known() -> &'static [Known] {
         Known {
             name: "shm",
             version: "iceoryx2 0.10",
-            check: |options| read::<ShmOptions>(options).map(drop),
-            open: |options| {
-                let ShmOptions { prefix, root } = read(options)?;
-                let options = genom_shm::Options { prefix, root, ..genom_shm::Options::default() };
-                match genom_shm::Shm::open(options) {
-                    Ok(shm) => Ok(Arc::new(shm)),
-                    Err(error) => Err(error.to_string()),
-                }
+            check: |options| read::<ShmOptions>(options)?.options().map(drop),
+            open: |options| match genom_shm::Shm::open(read::<ShmOptions>(options)?.options()?) {
+                Ok(shm) => Ok(Arc::new(shm)),
+                Err(error) => Err(error.to_string()),
             },
         },
         Known {
@@ -104,6 +100,27 @@ struct ShmOptions {
     prefix: Option<String>,
     /// Directory of the files that say what is there.
     root: Option<PathBuf>,
+    /// Readers a port may have.
+    readers: Option<usize>,
+    /// Unread samples a reader may hold.
+    depth: Option<usize>,
+}
+
+impl ShmOptions {
+    fn options(self) -> Result<genom_shm::Options, String> {
+        let Self { prefix, root, readers, depth } = self;
+        let default = genom_shm::Options::default();
+        let within = |key: &str, value: Option<usize>, default: usize, least: usize| {
+            let value = value.unwrap_or(default);
+            let fits = (least..=genom_shm::Options::MOST).contains(&value);
+            fits.then_some(value).ok_or_else(|| {
+                format!("{key} = {value}: give {least} to {}", genom_shm::Options::MOST)
+            })
+        };
+        let readers = within("readers", readers, default.readers, 1)?;
+        let depth = within("depth", depth, default.depth, 2)?;
+        Ok(genom_shm::Options { prefix, root, readers, depth, ..default })
+    }
 }
 
 /// `[backends.zenoh]`; `configs/zenoh.toml` explains it.
@@ -426,8 +443,12 @@ mod tests {
         let told = |text: &str| check_options(&toml::from_str(text).unwrap()).unwrap_err();
         assert_eq!(
             told("[shm]\nprefx = 'a'").to_string(),
-            "[backends.shm]: unknown field `prefx`, expected `prefix` or `root`; did you mean \
-             `prefix`?"
+            "[backends.shm]: unknown field `prefx`, expected one of `prefix`, `root`, `readers`, \
+             `depth`; did you mean `prefix`?"
+        );
+        assert_eq!(
+            told("[shm]\ndepth = 1").to_string(),
+            "[backends.shm]: depth = 1: give 2 to 1024"
         );
         assert!(told("[zenho]").to_string().contains("did you mean `zenoh`?"));
         assert!(check_options(&toml::from_str("[zenoh]\nlisten = []").unwrap()).is_ok());
