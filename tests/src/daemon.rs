@@ -182,7 +182,7 @@ impl Home {
     /// Starts a daemon here and waits for nothing.
     #[must_use]
     pub fn spawn(&self, arguments: &[&str]) -> Running {
-        Running::start(&mut self.command(&[], arguments))
+        self.spawn_by(&[], arguments)
     }
 
     /// The same through a program that becomes it.
