@@ -42,6 +42,7 @@ const UNSAFE: &[&str] = &[
     "genom-host",
     "genom-local",
     "genom-middleware",
+    "genom-ros2",
     "genom-shm",
     "genom",
     "genom-allocations",

@@ -57,7 +57,6 @@ fn main() -> ExitCode {
     }
     genom_host::tell_last_words();
     genom_host::guard_process();
-    genom_host::outlast_signals();
     let run = if cli.check { check::run } else { run::run };
     let outcome = settings(cli).and_then(run);
     genom_host::end_is_ours();

@@ -211,6 +211,9 @@ struct Ros2Options {
     masquerade: BTreeMap<String, String>,
     /// Folders of packages that define them.
     interfaces: Vec<PathBuf>,
+    /// Bytes.
+    greatest_sample: Option<u32>,
+    participants: Option<usize>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -257,7 +260,8 @@ impl Ros2Options {
     fn over_environment(self) -> Result<genom_ros2::Options, String> {
         let environment = genom_ros2::Options::from_env().map_err(|error| error.to_string())?;
         let Self { domain, networks, namespace, services, qos, .. } = self;
-        let Self { parameters, masquerade, interfaces, .. } = self;
+        let Self { parameters, masquerade, interfaces, greatest_sample, participants, .. } = self;
+        let usual = environment.limits;
         let Ros2Qos { reliable, depth, transient_local } = qos;
         Ok(genom_ros2::Options {
             domain: domain.unwrap_or(environment.domain),
@@ -276,6 +280,11 @@ impl Ros2Options {
             parameters: parameters.unwrap_or(environment.parameters),
             masquerade,
             interfaces,
+            limits: genom_ros2::Limits {
+                sample: greatest_sample.unwrap_or(usual.sample),
+                participants: participants.unwrap_or(usual.participants),
+                ..usual
+            },
         })
     }
 }
@@ -457,11 +466,14 @@ mod tests {
     #[test]
     fn options_of_ros2_are_read_and_wrong_ones_are_named() {
         let table = |text: &str| text.parse::<toml::Table>().unwrap();
-        let given = "domain = 7\nnetworks = [\"192.168.1.7\"]\n[qos]\ndepth = 4\n\
+        let given = "domain = 7\nnetworks = [\"192.168.1.7\"]\ngreatest_sample = 4096\n[qos]\n\
+                     depth = 4\n\
                      [masquerade]\n\"::demo::pose\" = \"geometry_msgs/msg/Pose\"\n";
         let options = read::<Ros2Options>(&table(given)).unwrap().over_environment().unwrap();
         assert_eq!((options.domain, options.qos.depth, options.qos.reliable), (7, 4, true));
         assert_eq!(options.networks, genom_ros2::Networks::Only(vec![[192, 168, 1, 7].into()]));
+        let usual = genom_ros2::Limits::default();
+        assert_eq!(options.limits, genom_ros2::Limits { sample: 4096, ..usual });
         assert_eq!(options.masquerade["::demo::pose"], "geometry_msgs/msg/Pose");
         let all = read::<Ros2Options>(&table("networks = \"all\"")).unwrap();
         assert_eq!(all.over_environment().unwrap().networks, genom_ros2::Networks::All);

@@ -19,7 +19,6 @@ mod ports;
 mod process;
 mod remotes;
 mod shared;
-mod waits;
 
 pub use component::{Component, LoadError, LoadErrors, MemoryCheck, check_memory};
 pub use last_words::{end_is_ours, tell_last_words};
@@ -27,4 +26,3 @@ pub use library::{Contents, Digest, EmbeddedDescription, Library, OpenError};
 pub use process::{
     KeptProcess, StandardError, guard_process, keep_from_children, keep_off, raised_to_stop,
 };
-pub use waits::outlast_signals;

@@ -24,8 +24,8 @@ pub mod spares;
 pub use address::Address;
 pub use error::{CallError, DiscoverError, OpenError, PublishError, ReadError};
 pub use port::{
-    Capabilities, Endpoint, EndpointKind, Middleware, Policy, Publisher, Reading, Stranger,
-    Subscription,
+    Capabilities, Endpoint, EndpointKind, Middleware, Policy, Publisher, Reading, Refused,
+    Stranger, Subscription,
 };
 pub use quality::{Obstacle, Quality};
 pub use relay::{AnnounceError, AskError, OnRequest, Relay};

@@ -122,6 +122,18 @@ pub enum Stranger {
     },
 }
 
+/// What came from others and was not let in: counted by reason.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Refused {
+    /// Why, in the words of the log.
+    pub why: &'static str,
+    /// How many there were so far.
+    pub count: u64,
+    /// Who sent the last one, as far as known.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peer: Option<std::net::IpAddr>,
+}
+
 /// A middleware, open and ready. One value serves a whole daemon.
 pub trait Middleware: Send + Sync {
     /// Short name: `local`, `shm`, `zenoh`, `ros2`.
@@ -198,6 +210,11 @@ pub trait Middleware: Send + Sync {
     /// What keeps our ends at an address and others from meeting, though both are there.
     fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
         let _ = at;
+        Vec::new()
+    }
+
+    /// What peers sent that would have harmed, and was refused.
+    fn refused(&self) -> Vec<Refused> {
         Vec::new()
     }
 

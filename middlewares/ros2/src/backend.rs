@@ -1,25 +1,29 @@
 //! The middleware as the daemon sees it.
 
-use std::sync::Arc;
+use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use genom_middleware::describe::type_of_port;
 use genom_middleware::mailbox::{Full, Mailbox};
 use genom_middleware::{
     Address, Capabilities, Client, DiscoverError, Endpoint, EndpointKind, Middleware, Obstacle,
-    OpenError, Policy, Publisher, Quality, Served, ServiceHandler, ServiceType, Subscription,
+    OpenError, Policy, Publisher, Quality, Refused, Served, ServiceHandler, ServiceType,
+    Subscription,
 };
 use genom_types::{DataType, Record};
 use rustdds::bytes::Bytes;
 use rustdds::{
     DomainParticipant, DomainParticipantBuilder, DomainParticipantStatusEvent as Event,
-    EndpointDescription, QosPolicies, RTPSEntity, TopicKind,
+    EndpointDescription, LostReason, QosPolicies, RTPSEntity, TopicKind,
 };
 
 use crate::farewell::Farewell;
 use crate::feed::{Feed, FeedHandle, Feeds, Inbox};
 use crate::graph::{Found, Graph, Made, Wanted};
+use crate::guard::Tally;
+use crate::hook;
 use crate::info::{self, Ends};
 use crate::masquerades::Masquerades;
 use crate::meetings;
@@ -30,6 +34,7 @@ use crate::post::Matches;
 use crate::process::Process;
 use crate::quality::{self, Ours, Wish};
 use crate::receiver::{Inlet, Sample, Sink};
+use crate::reunions::Reunions;
 use crate::sender::{Announce, Orders, Outlet, Worker};
 use crate::services::Services;
 use crate::wire::{self, Payload, Reader, Writer};
@@ -76,6 +81,8 @@ pub(crate) struct Core {
     pub(crate) graph: Arc<Graph>,
     pub(crate) dds: Arc<Dds>,
     _farewell: Farewell,
+    /// What was kept from DDS.
+    tally: Arc<Tally>,
     pub(crate) options: Options,
     pub(crate) masquerades: Masquerades,
 }
@@ -85,6 +92,15 @@ pub(crate) struct Dds {
     publisher: rustdds::Publisher,
     subscriber: rustdds::Subscriber,
     participant: DomainParticipant,
+    /// Topics that were ever written or read here, with type and quality.
+    opened: Mutex<HashMap<(String, Direction), (String, QosPolicies)>>,
+}
+
+/// Which end of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Direction {
+    Writes,
+    Reads,
 }
 
 /// What this daemon tells of itself.
@@ -152,7 +168,7 @@ impl Dds {
         let qos = QosPolicies::qos_none();
         let publisher = participant.create_publisher(&qos).map_err(|error| error.to_string())?;
         let subscriber = participant.create_subscriber(&qos).map_err(|error| error.to_string())?;
-        Ok(Self { publisher, subscriber, participant })
+        Ok(Self { publisher, subscriber, participant, opened: Mutex::default() })
     }
 
     fn topic(&self, name: &str, ty: &str, qos: &QosPolicies) -> Result<rustdds::Topic, String> {
@@ -161,18 +177,45 @@ impl Dds {
             .map_err(|error| error.to_string())
     }
 
+    fn note(&self, topic: &str, direction: Direction, ty: &str, qos: &QosPolicies) {
+        let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        opened.insert((topic.to_owned(), direction), (ty.to_owned(), qos.clone()));
+    }
+
+    /// Type and quality of what was last opened on a topic.
+    pub(crate) fn opened(
+        &self,
+        topic: &str,
+        direction: Direction,
+    ) -> Option<(String, QosPolicies)> {
+        let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        opened.get(&(topic.to_owned(), direction)).cloned()
+    }
+
     pub(crate) fn writer(
         &self,
         topic: &str,
         ty: &str,
         qos: &QosPolicies,
     ) -> Result<Writer, String> {
+        self.note(topic, Direction::Writes, ty, qos);
         let topic = self.topic(topic, ty, qos)?;
         let writer = self.publisher.create_datawriter_no_key(&topic, Some(qos.clone()));
         writer.map_err(|error| error.to_string())
     }
 
     pub(crate) fn reader(
+        &self,
+        topic: &str,
+        ty: &str,
+        qos: &QosPolicies,
+    ) -> Result<Reader, String> {
+        self.note(topic, Direction::Reads, ty, qos);
+        self.moment(topic, ty, qos)
+    }
+
+    /// A reader that is not one of the topic's.
+    pub(crate) fn moment(
         &self,
         topic: &str,
         ty: &str,
@@ -325,6 +368,7 @@ impl Ros2 {
     pub fn open(options: &Options) -> Result<Arc<Self>, ParticipantError> {
         options.check()?;
         let failed = |why| ParticipantError::Dds { domain: options.domain, why };
+        let tally = hook::guard(options.domain, options.limits);
         let dds = Arc::new(Dds::open(options).map_err(failed)?);
         let graph = Arc::new(Graph::default());
         let told_qos = wire::qos(true, true, 256);
@@ -344,6 +388,7 @@ impl Ros2 {
         let ourselves = dds.participant.guid();
         let (known, orders) = (Arc::clone(&graph), worker.orders.clone());
         let hearing = Arc::clone(&feeds);
+        let mut reunions = Reunions::new(Arc::clone(&dds));
         let news = move |event| match event {
             Event::WriterDetected { writer } if writer.guid.prefix != ourselves.prefix => {
                 let (guid, found) = found(writer, true);
@@ -367,13 +412,19 @@ impl Ros2 {
                 known.lost(&guid);
                 orders.part(move |reader| *reader == guid);
             }
-            Event::ParticipantLost { id, .. } => {
-                known.lost_all(|guid| guid.prefix == id);
+            Event::ParticipantLost { id, reason } => {
+                let silent = matches!(reason, LostReason::Timeout { .. });
+                let ends = known.lost_all(|guid| guid.prefix == id, silent);
+                reunions.lost(id, ends, silent);
                 orders.part(move |reader| reader.prefix == id);
             }
-            Event::RemoteReaderMatched { local_writer, remote_reader } => {
+            Event::ParticipantDiscovered { dpd } => reunions.found(dpd.guid.prefix),
+            Event::RemoteReaderMatched { local_writer, remote_reader }
+                if !reunions.matched(local_writer) =>
+            {
                 orders.meet(local_writer, remote_reader);
             }
+            Event::RemoteWriterMatched { local_reader, .. } => _ = reunions.matched(local_reader),
             _ => {}
         };
         let inlet = Inlet::start(dds.participant.status_listener(), Box::new(news))?;
@@ -393,6 +444,7 @@ impl Ros2 {
                 domain: options.domain,
                 addresses: options.addresses(),
             },
+            tally,
             options: options.clone(),
             masquerades: Masquerades::new(options),
         };
@@ -519,6 +571,11 @@ impl Middleware for Ros2 {
 
     fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), String> {
         self.core.masquerades.add(ours, foreign)
+    }
+
+    fn refused(&self) -> Vec<Refused> {
+        let refused = self.core.tally.list().into_iter();
+        refused.map(|(why, count, peer)| Refused { why: why.text(), count, peer }).collect()
     }
 
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {

@@ -12,6 +12,9 @@ use rustdds::{EndpointDescription, GUID, QosPolicies};
 use crate::info::{self, End, Ends, Gid, Node, Nodes};
 use crate::process::Process;
 
+/// Daemons whose words are kept while they are away.
+const MANY: usize = 256;
+
 /// News of an end that is just being closed elsewhere may be under way for so long.
 const GRACE: Duration = Duration::from_millis(100);
 
@@ -203,13 +206,17 @@ impl Graph {
         }
     }
 
-    /// A whole participant is gone.
-    pub(crate) fn lost_all(&self, of: impl Fn(&GUID) -> bool) {
+    /// A whole participant is gone: its ends. What it told stays if it may come back, since it
+    /// does not tell that again.
+    pub(crate) fn lost_all(&self, of: impl Fn(&GUID) -> bool, may_return: bool) -> Vec<Found> {
         let mut state = self.lock();
-        state.found.retain(|guid, _| !of(guid));
-        state.told.retain(|guid, _| !of(guid));
+        let ends = state.found.extract_if(|guid, _| of(guid)).map(|(_, found)| found).collect();
+        if !may_return || state.told.len() > MANY {
+            state.told.retain(|guid, _| !of(guid));
+        }
         drop(state);
         self.touch();
+        ends
     }
 
     /// A daemon told its ends, all of them.

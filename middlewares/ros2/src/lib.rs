@@ -39,7 +39,7 @@
 //! the daemon ends (`farewell` says why). A daemon that is killed they show for 50 seconds more:
 //! the lease that RustDDS announces for all its participants.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 
 mod backend;
 mod body;
@@ -50,6 +50,8 @@ mod farewell;
 mod feed;
 mod goals;
 mod graph;
+mod guard;
+mod hook;
 mod info;
 mod masquerades;
 mod meetings;
@@ -61,10 +63,13 @@ mod post;
 mod process;
 mod quality;
 mod receiver;
+mod reunions;
 mod sender;
 mod server;
 mod services;
+mod waits;
 mod wire;
 
 pub use backend::{ParticipantError, Ros2};
+pub use guard::Limits;
 pub use options::{Networks, Options, OptionsError, Qos, ServiceMapping};

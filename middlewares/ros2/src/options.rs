@@ -6,6 +6,8 @@ use std::path::PathBuf;
 
 use genom_rosidl::TypeName;
 
+use crate::guard::Limits;
+
 /// Greatest domain whose ports fit (RTPS 9.6.1.1).
 const LAST_DOMAIN: u16 = 232;
 
@@ -72,6 +74,8 @@ pub struct Options {
     /// Folders of packages that define such types, `FOLDER/geometry_msgs/msg/Pose.msg`, besides
     /// those of `AMENT_PREFIX_PATH`; ROS's common types are known without.
     pub interfaces: Vec<PathBuf>,
+    /// What peers may have this daemon hold.
+    pub limits: Limits,
 }
 
 impl Default for Options {
@@ -85,6 +89,7 @@ impl Default for Options {
             parameters: true,
             masquerade: BTreeMap::new(),
             interfaces: Vec::new(),
+            limits: Limits::default(),
         }
     }
 }

@@ -85,9 +85,24 @@ async fn daemon(session: &Session) -> Vec<Finding> {
         let known = known["middlewares"].as_array().map(Vec::as_slice).unwrap_or_default();
         let versions: Vec<_> = known.iter().filter_map(of).collect();
         found.push(Finding::ok("middlewares", versions.join("; ")));
+        found.extend(known.iter().flat_map(refused));
     }
     found.extend(tasks(session).await);
     found
+}
+
+/// What peers sent to a middleware that would have harmed.
+fn refused(middleware: &Value) -> Vec<Finding> {
+    let name = middleware["name"].as_str().unwrap_or_default();
+    let all = middleware["refused"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let told = |one: &Value| {
+        let (why, peer) = (one["why"].as_str().unwrap_or_default(), one["peer"].as_str());
+        let peer = peer.map_or_else(String::new, |peer| format!(", the last one from {peer}"));
+        let what = format!("{name} refused {} messages: {why}{peer}", one["count"]);
+        let fix = format!("see who sends that; configs/{name}.toml tells of limits");
+        Finding::note("refused", what, fix)
+    };
+    all.iter().map(told).collect()
 }
 
 /// Ends of a component's ports that do not meet others, though both are there.

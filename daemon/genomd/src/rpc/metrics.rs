@@ -10,6 +10,7 @@ use genom_runtime::Durations;
 
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
+use crate::registry;
 use crate::rpc::ports;
 
 /// Figures for Prometheus, in its text format.
@@ -24,6 +25,14 @@ pub(crate) async fn text(State(daemon): State<Arc<Daemon>>) -> impl IntoResponse
     let mut page = Page::default();
     for hosted in daemon.components.all() {
         describe(&mut page, &hosted);
+    }
+    let open = registry::known().iter().filter_map(|known| daemon.backends.opened(known.name));
+    for open in open {
+        for refused in open.refused() {
+            let labels = [("backend", open.name()), ("why", refused.why)];
+            let help = "Messages of peers that would have harmed, and were refused.";
+            page.add("genom_refused_total", COUNTER, help, &labels, count(refused.count));
+        }
     }
     ([(header::CONTENT_TYPE, "text/plain; version=0.0.4; charset=utf-8")], page.text())
 }

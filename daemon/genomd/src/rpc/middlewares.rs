@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::State;
-use genom_middleware::{Capabilities, Endpoint, Stranger};
+use genom_middleware::{Capabilities, Endpoint, Refused, Stranger};
 use serde::{Deserialize, Serialize};
 use utoipa::{IntoParams, ToSchema};
 
@@ -56,6 +56,11 @@ pub(crate) struct Described {
     #[schema(value_type = Vec<Object>)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     strangers: Vec<Stranger>,
+    /// What peers sent that would have harmed and was refused, as
+    /// `{"why": "far ahead of what its writer sent", "count": 3, "peer": "10.0.0.7"}`.
+    #[schema(value_type = Vec<Object>)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    refused: Vec<Refused>,
     /// Why nothing is visible.
     #[serde(skip_serializing_if = "Option::is_none")]
     problem: Option<String>,
@@ -97,6 +102,7 @@ fn described(daemon: &Daemon, visible: bool) -> Middlewares {
             version: known.version,
             capabilities: open.as_ref().map(|open| open.capabilities()),
             meet: open.iter().flat_map(|open| open.meeting_point()).collect(),
+            refused: open.iter().flat_map(|open| open.refused()).collect(),
             endpoints,
             problem,
         }

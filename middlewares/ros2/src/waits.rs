@@ -1,5 +1,5 @@
-//! An `epoll_wait` for the whole program that signals do not cut short for RustDDS. One of the few
-//! unsafe modules.
+//! An `epoll_wait` for the whole program that signals do not cut short for RustDDS. One of the two
+//! unsafe modules of this crate.
 //!
 //! A debugger that attaches, Ctrl-Z and `fg`, the machine's sleep, and timers of codels interrupt
 //! the waits of all threads. RustDDS 0.15 takes that for the end: its threads are gone, without a
@@ -12,14 +12,13 @@ use std::io;
 use std::ptr;
 use std::time::{Duration, Instant};
 
-/// How the names of its threads begin.
-const RUSTDDS: &[u8] = b"RustDDS ";
+use crate::hook::is_rustdds;
 
 type EpollWait = unsafe extern "C" fn(c_int, *mut libc::epoll_event, c_int, c_int) -> c_int;
 
 /// Makes sure that [`epoll_wait`] is part of the program: of what nothing refers to, the linker
 /// takes nothing.
-pub fn outlast_signals() {
+pub(crate) fn outlast_signals() {
     std::hint::black_box::<EpollWait>(epoll_wait);
 }
 
@@ -53,13 +52,4 @@ unsafe extern "C" fn epoll_wait(
             left = c_int::try_from(rest).unwrap_or(c_int::MAX);
         }
     }
-}
-
-/// Whether this is a thread of RustDDS's.
-fn is_rustdds() -> bool {
-    // With its end, the name of a thread has at most 16 bytes.
-    let mut name = [0_u8; 16];
-    // SAFETY: the system writes no more than that.
-    let told = unsafe { libc::prctl(libc::PR_GET_NAME, name.as_mut_ptr()) };
-    told == 0 && name.starts_with(RUSTDDS)
 }

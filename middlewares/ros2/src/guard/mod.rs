@@ -1,0 +1,334 @@
+//! What comes between the network and RustDDS: every datagram is looked at before it is heard.
+//!
+//! RustDDS 0.15 believes what it is told. One heartbeat that announces 2^62 samples, one fragment
+//! of a sample of 4 GiB or one gap of 2^40 numbers takes all memory or a processor for good, and
+//! anybody on the network may send it. So each datagram passes here first (`hook`), on the thread
+//! that will hear it. What no peer has a reason to say is made silent in place, submessage by
+//! submessage; all else goes through as it came, or with less in it: heartbeats and gaps may say
+//! less at a time, since both come again, and a lease may be shorter.
+//!
+//! Nothing here depends on how large sequence numbers are: writers that run for weeks are heard
+//! from their first message on. Who forges messages in the name of a participant that is there can
+//! still end its flows, by saying that it is gone, for one: that is for DDS Security, which
+//! RustDDS does not speak here, or for a network that strangers are not on.
+
+mod discovery;
+mod flows;
+mod limits;
+mod message;
+mod peers;
+mod pieces;
+mod tally;
+#[cfg(test)]
+mod tests;
+
+use std::net::IpAddr;
+use std::sync::Arc;
+use std::time::Duration;
+
+pub use limits::Limits;
+pub(crate) use tally::Tally;
+
+use discovery::{PAIRS, PARTICIPANTS, READERS, WRITERS};
+use flows::{Flows, Heard};
+use message::{Entity, Fields, HEADER, Head, Prefix, is_builtin, kind, put_number};
+use peers::Peers;
+use pieces::{Piece, Pieces};
+use tally::Reason;
+
+/// Nobody in particular (9.3.1.5).
+const UNKNOWN: Entity = [0; 4];
+
+/// Looks at what one participant of ours receives.
+#[derive(Debug)]
+pub(crate) struct Guard {
+    limits: Limits,
+    peers: Peers,
+    flows: Flows,
+    pieces: Pieces,
+    /// Who says good-bye in the datagram at hand.
+    leaving: Option<Prefix>,
+    tally: Arc<Tally>,
+}
+
+/// Where a submessage comes from, and when.
+#[derive(Clone, Copy, Debug)]
+struct From {
+    participant: Prefix,
+    address: Option<IpAddr>,
+    now: Duration,
+}
+
+impl Guard {
+    pub(crate) fn new(limits: Limits, tally: Arc<Tally>) -> Self {
+        Self {
+            limits,
+            peers: Peers::new(&limits),
+            flows: Flows::new(),
+            pieces: Pieces::new(&limits),
+            leaving: None,
+            tally,
+        }
+    }
+
+    /// Makes a datagram one that RustDDS may hear; false if nothing of it is left.
+    ///
+    /// `now` is the time since the machine started, its sleep included: writers went on meanwhile.
+    pub(crate) fn screen(
+        &mut self,
+        datagram: &mut [u8],
+        address: Option<IpAddr>,
+        now: Duration,
+    ) -> bool {
+        let passed = self.look(datagram, address, now);
+        if let Err(reason) = passed {
+            self.tally.add(reason, address);
+        }
+        passed.is_ok()
+    }
+
+    fn look(
+        &mut self,
+        datagram: &mut [u8],
+        address: Option<IpAddr>,
+        now: Duration,
+    ) -> Result<(), Reason> {
+        // 9.4.4: protocol, version, vendor, participant.
+        let (Some(b"RTPS"), Some(sender)) = (
+            datagram.first_chunk(),
+            datagram.get(8..HEADER).and_then(|prefix| prefix.first_chunk().copied()),
+        ) else {
+            return Err(Reason::Malformed);
+        };
+        let mut from = From { participant: sender, address, now };
+        let mut at = HEADER;
+        // All of it is well formed, or none of it is heard: RustDDS holds it likewise.
+        while let Some(head) = Head::read(datagram, at)? {
+            at = head.body.end;
+            if head.kind == kind::INFO_SRC {
+                from.participant = source(datagram.get(head.body.clone()).unwrap_or_default())?;
+            } else if let Err(reason) = self.submessage(datagram, &head, &from) {
+                self.tally.add(reason, address);
+                head.silence(datagram);
+            }
+        }
+        // RustDDS notes the way to whoever it hears, even where it does not know them.
+        let known = self.peers.knows(&sender, now);
+        if let Some(gone) = self.leaving.take() {
+            self.peers.leave(&gone);
+            self.flows.forget(&gone);
+            self.pieces.forget(&gone);
+        }
+        if known { Ok(()) } else { Err(Reason::Stranger) }
+    }
+
+    fn submessage(&mut self, datagram: &mut [u8], head: &Head, from: &From) -> Result<(), Reason> {
+        let body = datagram.get_mut(head.body.clone()).unwrap_or_default();
+        match head.kind {
+            kind::DATA => self.data(body, head, from),
+            kind::DATA_FRAG => self.fragment(body, head, from),
+            kind::HEARTBEAT => self.heartbeat(body, head, from),
+            kind::GAP => self.gap(body, head, from),
+            kind::HEARTBEAT_FRAG => {
+                let mut fields = Fields::new(body, head.little());
+                self.ends(&mut fields, from).map(drop)
+            }
+            kind::ACKNACK => {
+                let mut fields = Fields::new(body, head.little());
+                self.ends(&mut fields, from)?;
+                let base = fields.number()?;
+                // 0 is what some makers say who have heard nothing yet.
+                if !(0..=limits::LAST_NUMBER).contains(&base) {
+                    return Err(Reason::Range);
+                }
+                fields.bitmap()?;
+                fields.u32().map(drop)
+            }
+            kind::NACK_FRAG => {
+                let mut fields = Fields::new(body, head.little());
+                self.ends(&mut fields, from)?;
+                if !(1..=limits::LAST_NUMBER).contains(&fields.number()?) {
+                    return Err(Reason::Range);
+                }
+                if !self.pieces.can_ask(fields.u32()?) {
+                    return Err(Reason::Range);
+                }
+                fields.bitmap()?;
+                fields.u32().map(drop)
+            }
+            kind::INFO_REPLY => reply(body, head),
+            _ => Ok(()),
+        }
+    }
+
+    /// Who writes, and to whom, where that may be; they stand first in what ends say.
+    fn ends(&self, fields: &mut Fields<'_>, from: &From) -> Result<(Entity, Entity), Reason> {
+        let (reader, writer): (Entity, Entity) = (fields.bytes()?, fields.bytes()?);
+        pair(reader, writer)?;
+        // Who announces itself is not known yet.
+        if writer != PARTICIPANTS.0 && !self.peers.knows(&from.participant, from.now) {
+            return Err(Reason::Stranger);
+        }
+        Ok((reader, writer))
+    }
+
+    fn data(&mut self, body: &mut [u8], head: &Head, from: &From) -> Result<(), Reason> {
+        const INLINE: u8 = 2;
+        const DATA: u8 = 4;
+        const KEY: u8 = 8;
+        let mut fields = Fields::new(body, head.little());
+        fields.skip(2)?;
+        let skipped = usize::from(fields.u16()?).checked_sub(16).ok_or(Reason::Malformed)?;
+        let (_, writer) = self.ends(&mut fields, from)?;
+        let number = fields.number()?;
+        fields.skip(skipped)?;
+        let mut about = None;
+        if head.flags & INLINE != 0 {
+            message::parameters(&mut fields, limits::PARAMETERS, |id, _, value| {
+                about = about.or(discovery::key_hash(id, value));
+                Ok(())
+            })?;
+        }
+        let about = about.map(|(prefix, entity)| (*prefix, entity));
+        let (start, payload) = (fields.at(), fields.rest());
+        let has = head.flags & (DATA | KEY);
+        if has != 0 && payload.len() < 4 {
+            return Err(Reason::Malformed);
+        }
+        if writer == PARTICIPANTS.0 {
+            if has != DATA {
+                gone(about, (has == KEY).then_some(payload), from)?;
+                // RustDDS is to hear this yet: a stranger from the next datagram on.
+                self.leaving = Some(from.participant);
+                return Ok(());
+            }
+            let announced = discovery::read(payload, &from.participant)?;
+            if announced.entity.is_none() {
+                return Err(Reason::Malformed);
+            }
+            let lease = discovery::lease(&announced, &self.limits);
+            self.peers.announce(from.participant, from.address, lease, from.now)?;
+            if let Some((said, at)) = announced.lease
+                && said > lease
+                && let Some(payload) = body.get_mut(start..)
+            {
+                discovery::put_lease(payload, at, lease);
+            }
+            return Ok(());
+        }
+        if writer == WRITERS.0 || writer == READERS.0 {
+            if has == DATA {
+                let announced = discovery::read(payload, &from.participant)?;
+                let end = announced.entity.ok_or(Reason::Malformed)?;
+                self.peers.open(&from.participant, end)?;
+            } else if let Some(end) = gone(about, (has == KEY).then_some(payload), from)? {
+                self.peers.close(&from.participant, end);
+            }
+        }
+        self.flows.sample((from.participant, writer), number, from.now)
+    }
+
+    fn fragment(&mut self, body: &mut [u8], head: &Head, from: &From) -> Result<(), Reason> {
+        const INLINE: u8 = 2;
+        const KEY: u8 = 4;
+        let mut fields = Fields::new(body, head.little());
+        fields.skip(2)?;
+        let skipped = usize::from(fields.u16()?).checked_sub(28).ok_or(Reason::Malformed)?;
+        let (_, writer) = self.ends(&mut fields, from)?;
+        // Announcements do not need fragments, and would pass unseen in them.
+        if writer == PARTICIPANTS.0 {
+            return Err(Reason::Announcement);
+        }
+        let number = fields.number()?;
+        let (first, count, fragment) = (fields.u32()?, fields.u16()?, fields.u16()?);
+        let whole = fields.u32()?;
+        fields.skip(skipped)?;
+        if head.flags & INLINE != 0 {
+            message::parameters(&mut fields, limits::PARAMETERS, |_, _, _| Ok(()))?;
+        }
+        if is_builtin(writer) && whole > u32::from(u16::MAX) {
+            return Err(Reason::Announcement);
+        }
+        if (writer == WRITERS.0 || writer == READERS.0) && first == 1 && head.flags & KEY == 0 {
+            let end = discovery::first_piece(fields.rest(), &from.participant)?;
+            self.peers.open(&from.participant, end)?;
+        }
+        let piece = Piece { first, count, fragment, whole, payload: fields.rest().len() };
+        self.flows.sample((from.participant, writer), number, from.now)?;
+        self.pieces.add((from.participant, writer, number), piece, from.now)
+    }
+
+    fn heartbeat(&mut self, body: &mut [u8], head: &Head, from: &From) -> Result<(), Reason> {
+        let mut fields = Fields::new(body, head.little());
+        let (_, writer) = self.ends(&mut fields, from)?;
+        let at = fields.at();
+        let said = Heard { first: fields.number()?, last: fields.number()? };
+        fields.u32()?;
+        let heard = self.flows.heartbeat((from.participant, writer), said, from.now)?;
+        if heard != said {
+            put_number(body, at, head.little(), heard.first);
+            put_number(body, at + 8, head.little(), heard.last);
+        }
+        Ok(())
+    }
+
+    fn gap(&mut self, body: &mut [u8], head: &Head, from: &From) -> Result<(), Reason> {
+        let mut fields = Fields::new(body, head.little());
+        let (_, writer) = self.ends(&mut fields, from)?;
+        let start = fields.number()?;
+        let at = fields.at();
+        let end = fields.number()?;
+        fields.bitmap()?;
+        let heard = self.flows.gap((from.participant, writer), start, end, from.now)?;
+        if heard != end {
+            put_number(body, at, head.little(), heard);
+            // The rest of what it says is about numbers further on: none of them now.
+            if let Some(bits) = body.get_mut(at + 8..at + 12) {
+                bits.fill(0);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A participant or an end of one is gone: which.
+fn gone(
+    about: Option<(Prefix, Entity)>,
+    key: Option<&[u8]>,
+    from: &From,
+) -> Result<Option<Entity>, Reason> {
+    match (about, key) {
+        (Some((prefix, _)), _) if prefix != from.participant => Err(Reason::Name),
+        (Some((_, entity)), _) => Ok(Some(entity)),
+        (None, Some(payload)) => Ok(discovery::read(payload, &from.participant)?.entity),
+        (None, None) => Ok(None),
+    }
+}
+
+/// Who speaks from here on (9.4.5.10).
+fn source(body: &[u8]) -> Result<Prefix, Reason> {
+    let prefix = body.get(8..).and_then(<[u8]>::first_chunk);
+    prefix.copied().ok_or(Reason::Malformed)
+}
+
+/// Ends of DDS's own talk to their counterparts alone, those of users among themselves.
+fn pair(reader: Entity, writer: Entity) -> Result<(), Reason> {
+    let mixed = reader != UNKNOWN && is_builtin(reader) != is_builtin(writer);
+    let of_own = |(theirs, ours): &(Entity, Entity)| *ours == reader && *theirs != writer;
+    if mixed || PAIRS.iter().any(of_own) { Err(Reason::Name) } else { Ok(()) }
+}
+
+/// Where answers are to go (9.4.5.9): few places.
+fn reply(body: &[u8], head: &Head) -> Result<(), Reason> {
+    const MULTICAST: u8 = 2;
+    const LOCATOR: usize = 24;
+    let mut fields = Fields::new(body, head.little());
+    for _ in 0..if head.flags & MULTICAST == 0 { 1 } else { 2 } {
+        let count = fields.u32()?;
+        if count > limits::LOCATORS {
+            return Err(Reason::Announcement);
+        }
+        fields.skip(count as usize * LOCATOR)?;
+    }
+    Ok(())
+}

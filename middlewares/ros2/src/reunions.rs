@@ -1,0 +1,90 @@
+//! Participants that were lost in silence and are back: the network was down, or one side slept.
+//!
+//! RustDDS keeps what it knew of the ends of such a participant and, when it hears of it again,
+//! believes to know them as before; but it matched them with ours when it was told of them, and is
+//! not told again, since it takes each announcement once. It looks at all ends of a topic anew when
+//! one is added here: so for each topic that both sides use, an end is added for a moment.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use rustdds::{GUID, RTPSEntity};
+
+use crate::backend::{Dds, Direction};
+use crate::graph::Found;
+use crate::wire::{self, Reader, Writer};
+
+/// Participants that are remembered while they are away.
+const MANY: usize = 256;
+
+/// An end that nobody matched is of no use any more.
+const LONGEST: Duration = Duration::from_secs(5);
+
+enum Moment {
+    Writer(#[allow(dead_code, reason = "to be there is what it does")] Box<Writer>),
+    Reader(#[allow(dead_code, reason = "to be there is what it does")] Box<Reader>),
+}
+
+/// Who is away, and the ends that are there for a moment.
+pub(crate) struct Reunions {
+    dds: Arc<Dds>,
+    away: HashMap<Vec<u8>, HashSet<(String, Direction)>>,
+    moments: HashMap<GUID, (Moment, Instant)>,
+}
+
+impl Reunions {
+    pub(crate) fn new(dds: Arc<Dds>) -> Self {
+        Self { dds, away: HashMap::new(), moments: HashMap::new() }
+    }
+
+    /// A participant with these ends is gone, in silence or with a word.
+    pub(crate) fn lost(&mut self, id: impl AsRef<[u8]>, ends: Vec<Found>, silent: bool) {
+        if !silent || (self.away.len() >= MANY && !self.away.contains_key(id.as_ref())) {
+            self.away.remove(id.as_ref());
+            return;
+        }
+        // Ours are the other end of theirs.
+        let ours = |found: Found| {
+            let direction = if found.writer { Direction::Reads } else { Direction::Writes };
+            (found.topic, direction)
+        };
+        self.away.insert(id.as_ref().to_vec(), ends.into_iter().map(ours).collect());
+    }
+
+    /// A participant is there, perhaps again.
+    pub(crate) fn found(&mut self, id: impl AsRef<[u8]>) {
+        self.moments.retain(|_, (_, since)| since.elapsed() < LONGEST);
+        let Some(ends) = self.away.remove(id.as_ref()) else { return };
+        let mut topics = 0;
+        for (topic, direction) in ends {
+            let Some((ty, qos)) = self.dds.opened(&topic, direction) else { continue };
+            let moment = match direction {
+                Direction::Writes => self
+                    .dds
+                    .writer(&topic, &ty, &qos)
+                    .map(|writer| (writer.guid(), Moment::Writer(Box::new(writer)))),
+                // It asks for nothing, so that all writers will do.
+                Direction::Reads => {
+                    let qos = wire::qos(false, false, 1);
+                    self.dds
+                        .moment(&topic, &ty, &qos)
+                        .map(|reader| (reader.guid(), Moment::Reader(Box::new(reader))))
+                }
+            };
+            match moment {
+                Ok((guid, moment)) => {
+                    self.moments.insert(guid, (moment, Instant::now()));
+                    topics += 1;
+                }
+                Err(why) => tracing::warn!(%topic, %why, "an end that came back is not met"),
+            }
+        }
+        tracing::info!(topics, "a participant is back that was silent for too long");
+    }
+
+    /// RustDDS has matched an end of ours; whether that was one for a moment, which is over.
+    pub(crate) fn matched(&mut self, end: GUID) -> bool {
+        self.moments.remove(&end).is_some()
+    }
+}
