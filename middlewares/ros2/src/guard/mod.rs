@@ -207,7 +207,12 @@ impl Guard {
                 return Err(Reason::Malformed);
             }
             let lease = discovery::lease(&announced, &self.limits);
-            self.peers.announce(from.participant, from.address, lease, from.now)?;
+            let returned = self.peers.announce(from.participant, from.address, lease, from.now)?;
+            // Fast DDS says the same again under the same number, and RustDDS hears each number
+            // once: one that came back would never be met.
+            if returned > 0 {
+                put_number(body, 12, head.little(), (number & 0xff_ffff_ffff) + (returned << 40));
+            }
             if let Some((said, at)) = announced.lease
                 && said > lease
                 && let Some(payload) = body.get_mut(start..)

@@ -14,6 +14,9 @@ const GRACE: Duration = Duration::from_secs(10);
 /// RustDDS looks every 2 s who was silent for longer than it may be.
 const LOOKS: Duration = Duration::from_millis(2500);
 
+/// Returns of one participant that are told apart.
+const RETURNS: i64 = 1 << 15;
+
 #[derive(Debug)]
 struct Peer {
     address: Option<IpAddr>,
@@ -21,6 +24,8 @@ struct Peer {
     lease: Duration,
     /// Until when it is not heard, since it was silent for too long.
     late: Option<Duration>,
+    /// How often it was lost in silence and came back.
+    returned: i64,
     ends: HashSet<Entity>,
 }
 
@@ -47,7 +52,7 @@ impl Peers {
         self.peers.get(prefix).is_some_and(|peer| peer.late.is_none() && !peer.is_gone(now))
     }
 
-    /// A participant announces itself.
+    /// A participant announces itself: how often it was lost in silence and came back.
     ///
     /// One that was silent for longer than it may be is not heard for a while, until RustDDS has
     /// lost it for certain. Else it were a matter of chance: RustDDS does not lose those whose
@@ -59,7 +64,7 @@ impl Peers {
         address: Option<IpAddr>,
         lease: Duration,
         now: Duration,
-    ) -> Result<(), Reason> {
+    ) -> Result<i64, Reason> {
         if let Some(peer) = self.peers.get_mut(&prefix) {
             if now.saturating_sub(peer.seen) > peer.lease {
                 let late = *peer.late.get_or_insert(now + LOOKS);
@@ -67,9 +72,10 @@ impl Peers {
                     return Err(Reason::Stranger);
                 }
                 peer.late = None;
+                peer.returned = (peer.returned + 1) % RETURNS;
             }
             (peer.seen, peer.lease) = (now, lease);
-            return Ok(());
+            return Ok(peer.returned);
         }
         if self.peers.len() >= self.most / 2 {
             self.sweep(now);
@@ -78,9 +84,10 @@ impl Peers {
                 return Err(Reason::Participants);
             }
         }
-        let peer = Peer { address, seen: now, lease, late: None, ends: HashSet::new() };
+        let peer =
+            Peer { address, seen: now, lease, late: None, returned: 0, ends: HashSet::new() };
         self.peers.insert(prefix, peer);
-        Ok(())
+        Ok(0)
     }
 
     /// A participant says that it is gone.

@@ -274,6 +274,27 @@ fn who_was_silent_for_too_long_is_heard_when_rustdds_has_lost_it() {
 }
 
 #[test]
+fn who_comes_back_with_the_same_words_is_heard_anew() {
+    let mut world = World::new();
+    let number = |datagram: &[u8]| {
+        let mut fields = Fields::new(&datagram[HEADER + 4..], true);
+        fields.skip(12).unwrap();
+        fields.number().unwrap()
+    };
+    let same = PEER.announcement(1, 7000, 20);
+    let mut heard = Vec::new();
+    for seconds in [5, 5, 60, 3, 5] {
+        world.now += Duration::from_secs(seconds);
+        let mut datagram = same.clone();
+        if world.hears(&mut datagram) {
+            heard.push(number(&datagram));
+        }
+    }
+    let again = 1 + (1 << 40);
+    assert_eq!(heard, [1, 1, again, again]);
+}
+
+#[test]
 fn announcements_that_came_are_not_asked_for_again() {
     let mut world = World::new();
     let end = |number: u8| PEER.end([0, 0, number, 3], "rt/a", "a::msg::dds_::A_");
