@@ -16,6 +16,7 @@ pub mod conformance;
 mod counts;
 mod daemon;
 pub mod faults;
+pub mod fleet;
 mod http;
 mod many;
 mod transcript;

@@ -5,7 +5,7 @@
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
-use std::os::unix::fs::MetadataExt as _;
+use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _};
 use std::path::Path;
 use std::process::Command;
 
@@ -210,6 +210,10 @@ fn certificates(home: &Path) {
         std::fs::write(home.join(format!("{name}.pem")), &pem).unwrap();
         let both = format!("{pem}{}", key.serialize_pem());
         std::fs::write(home.join(format!("{name}-both.pem")), both).unwrap();
+        for secret in [format!("{name}.key"), format!("{name}-both.pem")] {
+            let private = std::fs::Permissions::from_mode(0o600);
+            std::fs::set_permissions(home.join(secret), private).unwrap();
+        }
     }
 }
 

@@ -6,45 +6,9 @@
 use std::process::Command;
 use std::sync::Arc;
 
-use genom_tests::{Daemon, Finished, Home, Memory, Running, component, path, program};
+use genom_tests::fleet::{at_the_robot, fleet};
+use genom_tests::{Daemon, Home, Memory, Running, component, path, repository};
 use serde_json::json;
-
-/// A robot with the demo, and a desk without components; they share nothing but zenoh.
-fn fleet() -> (Daemon, Daemon) {
-    let memory = Arc::new(Memory::new());
-    let robot = Home::with(&memory);
-    for (name, rights) in [("watcher", "read"), ("driver", "read,call")] {
-        for file in ["tokens.toml", name] {
-            let mut command = Command::new(program("genomctl"));
-            command.current_dir(robot.path()).args(["token", name, "--rights", rights]);
-            let made = Running::start(command.args(["--into", file])).finish();
-            made.expect_code(0);
-        }
-        let text = |file| std::fs::read_to_string(robot.path().join(file)).unwrap();
-        let all = text("tokens.toml");
-        let others = &all[..all.rfind("[[token]]").unwrap()];
-        std::fs::write(robot.path().join("tokens.toml"), format!("{others}{}", text(name)))
-            .unwrap();
-    }
-    let demo = component("demo");
-    let robot = robot.start(&[
-        "--backend",
-        "zenoh",
-        "--daemon",
-        "robot",
-        "--token-file",
-        "tokens.toml",
-        path(&demo.library),
-    ]);
-    let desk = Home::with(&memory).start(&["--backend", "zenoh", "--daemon", "desk"]);
-    (robot, desk)
-}
-
-/// A `genomctl` at the desk that means the robot.
-fn at_the_robot(robot: &Daemon, desk: &Daemon, token: &str, arguments: &[&str]) -> Finished {
-    let token = robot.home().path().join(token);
-    desk.ctl(&[&["--host", "zenoh:robot", "--token-file", path(&token)], arguments].concat())
-}
 
 #[test]
 fn a_daemon_is_supervised_through_another_one() {
@@ -144,6 +108,28 @@ fn the_live_table_shows_another_daemon() {
 }
 
 #[test]
+fn python_supervises_a_daemon_through_another_one() {
+    let (robot, desk) = fleet();
+    let script = "import genom, sys\n\
+        with genom.connect('zenoh:robot', socket=sys.argv[1], token_file=sys.argv[2]) as g:\n\
+        \x20   demo = g.component('demo')\n\
+        \x20   demo.set_speed(0.25)\n\
+        \x20   with g.events() as events:\n\
+        \x20       demo.goto(0.0)\n\
+        \x20       print(next(events)['component'], demo.get_speed())\n\
+        try:\n\
+        \x20   genom.connect('zenoh:robot', socket=sys.argv[1], token='x' * 32)\n\
+        except genom.DaemonError as why:\n\
+        \x20   print(why.name)\n";
+    let (socket, token) = (desk.home().socket(), robot.home().path().join("driver"));
+    let mut command = Command::new(std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()));
+    command.env_clear().env("PYTHONPATH", repository().join("clients/python/src"));
+    command.env("PYTHONDONTWRITEBYTECODE", "1").args(["-S", "-W", "error", "-c", script]);
+    let ran = Running::start(command.args([path(&socket), path(&token)])).finish();
+    ran.expect_code(0).expect_out("demo {'velocity': 0.25}\nnot_proved\n");
+}
+
+#[test]
 fn a_second_daemon_of_one_name_is_told_so() {
     let memory = Arc::new(Memory::new());
     let arguments = ["--backend", "zenoh", "--daemon", "robot"];
@@ -169,17 +155,19 @@ fn a_token_counts_over_zenoh_as_it_does_over_tcp() {
     // The desk has no token file: nobody comes in from outside.
     let token = robot.home().path().join("driver");
     let back = robot.ctl(&["--host", "zenoh:desk", "--token-file", path(&token), "list"]);
-    back.expect_code(1).expect_err("this token is not known here");
+    back.expect_code(1).expect_err("does not know your token");
 }
 
 #[test]
 fn a_daemon_that_is_not_there_is_told_so() {
     let (robot, desk) = fleet();
     at_the_robot(&robot, &desk, "driver", &["list"]).expect_code(0);
-    let refused = desk.ctl(&["--host", "zenoh:robto", "list"]);
+    let token = robot.home().path().join("driver");
+    let lost = ["--host", "zenoh:robto", "--token-file", path(&token), "list"];
+    let refused = desk.ctl(&lost);
     refused.expect_code(1).expect_err("no daemon `robto`").expect_err("did you mean `robot`?");
     let alone = Daemon::start(&[]);
-    let refused = alone.ctl(&["--host", "zenoh:robot", "list"]);
+    let refused = alone.ctl(&lost);
     refused.expect_code(1).expect_err("on no middleware").expect_err("--backend zenoh");
 }
 

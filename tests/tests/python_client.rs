@@ -50,6 +50,11 @@ fn python_calls_services_and_follows_activities_and_events() {
 }
 
 #[test]
+fn python_proves_tokens_as_genomctl_does() {
+    the_standard_library_is_enough("tests.test_proof", "local");
+}
+
+#[test]
 fn python_reads_and_feeds_ports_through_the_daemon() {
     the_standard_library_is_enough("tests.test_ports", "local");
 }

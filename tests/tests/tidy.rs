@@ -24,7 +24,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-bench", MIDDLEWARE),
     ("genom-runtime", &["genom-description", "genom-middleware", "genom-types"]),
     ("genom-host", HOST),
-    ("genomctl", &["genom-description", "genom-rosidl", "genom-types"]),
+    ("genom-proof", &[]),
+    ("genomctl", &["genom-description", "genom-proof", "genom-rosidl", "genom-types"]),
     ("genom-derive", &[]),
     ("genom", &["genom-derive"]),
     ("genom-components", &[]),
@@ -49,7 +50,7 @@ const UNSAFE: &[&str] = &[
 ];
 
 /// Modules of the daemon, each above all that it knows.
-const FLOORS: &str = "dates flag known limits nearest memory shown ending cli bus registry telemetry logs \
+const FLOORS: &str = "dates flag known limits nearest memory shown slots ending cli bus registry telemetry logs \
     config recording wires hosting daemon wiring loading deploy rpc run check main";
 
 fn relative(path: &Path) -> String {

@@ -1,29 +1,84 @@
-//! HTTP/1.1 with JSON bodies to the daemon, over its Unix socket or TCP.
+//! HTTP/1.1 with JSON bodies to the daemon, over its Unix socket or TCP, or sealed through it to
+//! another one (`far`).
 
-use http_body_util::{BodyExt, Full};
-use hyper::body::{Bytes, Incoming};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use http_body_util::Full;
+use hyper::body::Bytes;
 use hyper::client::conn::http1;
-use hyper::{Method, Request, Response, header};
+use hyper::{Method, Request, header};
 use hyper_util::rt::TokioIo;
 use serde_json::Value;
 
+use crate::body::Body;
 use crate::connection::Connection;
 use crate::contexts;
+use crate::escape;
 use crate::failure::{Failure, Refusal};
+use crate::far::Far;
 use crate::sse::EventStream;
 use crate::target::Target;
 
+/// A session that was not used for so long is begun anew: the daemon forgets them some time later.
+const IDLE: Duration = Duration::from_secs(60);
+
 /// A daemon to talk to. Each request is a connection of its own: queries are rare and short.
-#[derive(Debug)]
 pub(crate) struct Client {
     given: Connection,
+    /// The daemon behind the one at the socket, when that is meant, and when it was last asked.
+    far: Mutex<Option<(Arc<Far>, Instant)>>,
+}
+
+impl std::fmt::Debug for Client {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.given.fmt(f)
+    }
+}
+
+/// What came back.
+pub(crate) struct Reply {
+    /// As HTTP has it.
+    pub(crate) status: u16,
+    pub(crate) body: Body,
+}
+
+impl Reply {
+    pub(crate) fn is_success(&self) -> bool {
+        (200..300).contains(&self.status)
+    }
+
+    /// The whole reply as JSON; what was refused is a failure.
+    pub(crate) async fn json(self, target: &Target) -> Result<Value, Failure> {
+        if !self.is_success() {
+            return Err(self.refusal(target).await);
+        }
+        let bytes = self.body.whole().await.ok_or_else(|| target.lost())?;
+        if bytes.is_empty() {
+            return Ok(Value::Null);
+        }
+        serde_json::from_slice(&bytes).map_err(|error| target.misread(error.to_string()))
+    }
+
+    /// Why it was refused.
+    pub(crate) async fn refusal(self, target: &Target) -> Failure {
+        let status = self.status;
+        let Some(bytes) = self.body.whole().await else { return target.lost() };
+        let mut reply: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
+        // It is told on standard error, and in words.
+        escape::all(&mut reply);
+        match serde_json::from_value::<Refusal>(reply["error"].take()) {
+            Ok(refusal) => Failure::Refused(refusal),
+            Err(_) => target.misread(format!("status {status} without an error")),
+        }
+    }
 }
 
 impl Client {
     /// A client of the daemon that the command line names; nothing is read or opened yet, since
     /// verbs that talk to no daemon work whatever contexts and tokens there are.
     pub(crate) fn new(given: Connection) -> Self {
-        Self { given }
+        Self { given, far: Mutex::default() }
     }
 
     fn way(&self) -> Result<Target, Failure> {
@@ -43,19 +98,8 @@ impl Client {
         path: &str,
         body: Option<&Value>,
     ) -> Result<Value, Failure> {
-        let response = self.send(method, path, body).await?;
-        self.whole(response).await
-    }
-
-    async fn whole(&self, response: Response<Incoming>) -> Result<Value, Failure> {
-        let status = response.status();
-        let bytes = response.into_body().collect().await.map_err(|_| self.lost())?.to_bytes();
-        let reply: Value = if bytes.is_empty() {
-            Value::Null
-        } else {
-            serde_json::from_slice(&bytes).map_err(|error| self.misread(error.to_string()))?
-        };
-        if status.is_success() { Ok(reply) } else { Err(self.refused(reply, status.as_u16())) }
+        let (reply, target) = self.send(method, path, body).await?;
+        reply.json(&target).await
     }
 
     /// Opens a stream of server-sent events.
@@ -69,20 +113,17 @@ impl Client {
         path: &str,
         after: Option<u64>,
     ) -> Result<EventStream, Failure> {
-        let response = self.send_bytes(Method::GET, path, Bytes::new(), after).await?;
-        let status = response.status();
-        if status.is_success() {
-            return Ok(EventStream::new(response.into_body()));
+        let (reply, target) = self.send_bytes(Method::GET, path, Bytes::new(), after).await?;
+        match reply.is_success() {
+            true => Ok(EventStream::new(reply.body)),
+            false => Err(reply.refusal(&target).await),
         }
-        let bytes = response.into_body().collect().await.map_err(|_| self.lost())?.to_bytes();
-        let reply = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
-        Err(self.refused(reply, status.as_u16()))
     }
 
     /// `POST` of bytes.
     pub(crate) async fn post_bytes(&self, path: &str, body: Vec<u8>) -> Result<Value, Failure> {
-        let response = self.send_bytes(Method::POST, path, body.into(), None).await?;
-        self.whole(response).await
+        let (reply, target) = self.send_bytes(Method::POST, path, body.into(), None).await?;
+        reply.json(&target).await
     }
 
     /// Asks, and gives the reply's body as it comes.
@@ -91,15 +132,12 @@ impl Client {
         method: Method,
         path: &str,
         body: &Value,
-    ) -> Result<Incoming, Failure> {
-        let response = self.send(method, path, Some(body)).await?;
-        let status = response.status();
-        if status.is_success() {
-            return Ok(response.into_body());
+    ) -> Result<Body, Failure> {
+        let (reply, target) = self.send(method, path, Some(body)).await?;
+        match reply.is_success() {
+            true => Ok(reply.body),
+            false => Err(reply.refusal(&target).await),
         }
-        let bytes = response.into_body().collect().await.map_err(|_| self.lost())?.to_bytes();
-        let reply = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
-        Err(self.refused(reply, status.as_u16()))
     }
 
     /// The daemon closed the connection before it had answered.
@@ -112,19 +150,12 @@ impl Client {
         Failure::Reply { target: self.target(), why }
     }
 
-    fn refused(&self, mut reply: Value, status: u16) -> Failure {
-        match serde_json::from_value::<Refusal>(reply["error"].take()) {
-            Ok(refusal) => Failure::Refused(refusal),
-            Err(_) => self.misread(format!("status {status} without an error")),
-        }
-    }
-
     async fn send(
         &self,
         method: Method,
         path: &str,
         body: Option<&Value>,
-    ) -> Result<Response<Incoming>, Failure> {
+    ) -> Result<(Reply, Target), Failure> {
         let bytes = body.map_or_else(Bytes::new, |body| Bytes::from(body.to_string()));
         self.send_bytes(method, path, bytes, None).await
     }
@@ -135,32 +166,62 @@ impl Client {
         path: &str,
         bytes: Bytes,
         after: Option<u64>,
-    ) -> Result<Response<Incoming>, Failure> {
+    ) -> Result<(Reply, Target), Failure> {
         let target = self.way()?;
-        let mut request = Request::builder()
-            .method(method)
-            .uri(path)
-            .header(header::HOST, "genomd")
-            .header(header::CONTENT_TYPE, "application/json");
-        if let Some(authorization) = target.authorization() {
-            request = request.header(header::AUTHORIZATION, authorization);
-        }
-        if let Some(daemon) = &target.daemon {
-            request = request.header("genomd-daemon", daemon);
-        }
-        if let Some(after) = after {
-            request = request.header("last-event-id", after);
-        }
-        let request =
-            request.body(Full::new(bytes)).map_err(|error| self.misread(error.to_string()))?;
-        let stream = target.open().await?;
-        let (mut sender, connection) = http1::handshake(TokioIo::new(stream))
-            .await
-            .map_err(|error| self.misread(error.to_string()))?;
-        // It ends when the reply's body has been read or dropped.
-        tokio::spawn(connection);
-        sender.send_request(request).await.map_err(|error| {
-            if error.is_parse() { self.misread(error.to_string()) } else { self.lost() }
-        })
+        let reply = match target.daemon.clone() {
+            None => near(&target, method, path, bytes, after).await?,
+            Some(daemon) => {
+                let far = self.met(daemon).await?;
+                far.request(method, path, &bytes, after).await?
+            }
+        };
+        Ok((reply, target))
     }
+
+    /// The session with a daemon behind this one.
+    async fn met(&self, daemon: String) -> Result<Arc<Far>, Failure> {
+        let kept = || self.far.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((far, used)) = kept().as_mut()
+            && used.elapsed() < IDLE
+        {
+            *used = Instant::now();
+            return Ok(Arc::clone(far));
+        }
+        let far = Arc::new(Far::meet(self.way()?, daemon).await?);
+        *kept() = Some((Arc::clone(&far), Instant::now()));
+        Ok(far)
+    }
+}
+
+/// Asks the daemon that the way leads to.
+pub(crate) async fn near(
+    target: &Target,
+    method: Method,
+    path: &str,
+    bytes: Bytes,
+    after: Option<u64>,
+) -> Result<Reply, Failure> {
+    let mut request = Request::builder()
+        .method(method)
+        .uri(path)
+        .header(header::HOST, "genomd")
+        .header(header::CONTENT_TYPE, "application/json");
+    if let Some(authorization) = target.authorization() {
+        request = request.header(header::AUTHORIZATION, authorization);
+    }
+    if let Some(after) = after {
+        request = request.header("last-event-id", after);
+    }
+    let request =
+        request.body(Full::new(bytes)).map_err(|error| target.misread(error.to_string()))?;
+    let stream = target.open().await?;
+    let (mut sender, connection) = http1::handshake(TokioIo::new(stream))
+        .await
+        .map_err(|error| target.misread(error.to_string()))?;
+    // It ends when the reply's body has been read or dropped.
+    tokio::spawn(connection);
+    let response = sender.send_request(request).await.map_err(|error| {
+        if error.is_parse() { target.misread(error.to_string()) } else { target.lost() }
+    })?;
+    Ok(Reply { status: response.status().as_u16(), body: Body::Near(response.into_body()) })
 }

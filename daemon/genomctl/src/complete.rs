@@ -13,6 +13,7 @@ use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
 use serde_json::Value;
 
 use crate::connection::Connection;
+use crate::escape;
 use crate::names::{Path2, url};
 use crate::session::Session;
 
@@ -65,8 +66,12 @@ impl From<Names> for ArgValueCompleter {
             let typed = typed.to_string_lossy();
             let all = Line::read().map_or_else(Vec::new, |line| line.ask(names));
             all.into_iter()
-                .filter(|(name, _)| name.starts_with(&*typed))
-                .map(|(name, help)| CompletionCandidate::new(name).help(help.map(Into::into)))
+                // A name with control characters is none that a shell should get.
+                .filter(|(name, _)| name.starts_with(&*typed) && escape::line(name) == *name)
+                .map(|(name, help)| {
+                    let help = help.map(|help| escape::line(&help).into());
+                    CompletionCandidate::new(name).help(help)
+                })
                 .collect()
         })
     }

@@ -7,16 +7,20 @@
 
 mod agreement;
 mod args;
+mod body;
 mod client;
 mod complete;
 mod connection;
 mod contexts;
 mod doctor;
+mod escape;
 mod failure;
+mod far;
 mod inputs;
 mod lsp;
 mod names;
 mod parameter;
+mod private;
 mod prompt;
 mod reading;
 mod recording;

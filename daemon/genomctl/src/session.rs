@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use crate::client::Client;
 use crate::connection::Connection;
+use crate::escape;
 use crate::failure::Failure;
 use crate::table::Table;
 use crate::terminal::{Progress, Terminal};
@@ -120,14 +121,16 @@ impl Session {
         Ok(())
     }
 
-    /// The reply as the type a verb expects.
-    pub(crate) fn read<R: DeserializeOwned>(&self, reply: Value) -> Result<R, Failure> {
+    /// The reply as the type a verb expects, with its texts as they may be shown.
+    pub(crate) fn read<R: DeserializeOwned>(&self, mut reply: Value) -> Result<R, Failure> {
+        escape::all(&mut reply);
         serde_json::from_value(reply).map_err(|error| self.client.misread(error.to_string()))
     }
 
     /// Writes on standard output, at once: the reader may be a pipe that follows a stream.
     pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         let mut out = io::stdout().lock();
+        let text = if self.json { escape::json(text) } else { text.to_owned() };
         out.write_all(text.as_bytes())?;
         out.flush()?;
         Ok(())

@@ -2,8 +2,7 @@
 
 use std::collections::VecDeque;
 
-use http_body_util::BodyExt;
-use hyper::body::Incoming;
+use crate::body::Body;
 
 /// One event.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -18,13 +17,13 @@ pub(crate) struct Event {
 
 /// The events of one reply, in order.
 pub(crate) struct EventStream {
-    body: Incoming,
+    body: Body,
     parser: Parser,
 }
 
 impl EventStream {
     /// Reads from `body`.
-    pub(crate) fn new(body: Incoming) -> Self {
+    pub(crate) fn new(body: Body) -> Self {
         Self { body, parser: Parser::default() }
     }
 
@@ -34,10 +33,8 @@ impl EventStream {
             if let Some(event) = self.parser.ready.pop_front() {
                 return Some(event);
             }
-            let frame = self.body.frame().await?.ok()?;
-            if let Some(bytes) = frame.data_ref() {
-                self.parser.feed(bytes);
-            }
+            let bytes = self.body.next().await?;
+            self.parser.feed(&bytes);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Tables: columns as wide as their content, two blanks between them; cut to fit a terminal.
 
+use crate::escape;
 use crate::terminal::{Terminal, Tone};
 
 /// Rows under a header.
@@ -20,6 +21,13 @@ impl Table {
         if self.rows.is_empty() {
             return String::new();
         }
+        // A cell is one line, and says nothing to the terminal.
+        let lines = |row: &Vec<String>| row.iter().map(|cell| escape::line(cell)).collect();
+        let rows: Vec<Vec<String>> = self.rows.iter().map(lines).collect();
+        Self { header: self.header.clone(), rows }.laid_out(terminal)
+    }
+
+    fn laid_out(&self, terminal: Terminal) -> String {
         let widths = self.widths(terminal.width);
         let head = self.header.iter().map(|&cell| cell.to_owned()).collect::<Vec<_>>();
         let mut out = String::new();

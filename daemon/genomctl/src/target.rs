@@ -1,7 +1,6 @@
 //! Which daemon to talk to, from the command line and contexts, and the way to it.
 
 use std::io;
-use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -17,6 +16,7 @@ use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 use crate::connection::{Connection, Host, Tcp};
 use crate::contexts::Chosen;
 use crate::failure::Failure;
+use crate::private;
 
 /// A daemon and the way to it.
 #[derive(Debug)]
@@ -94,9 +94,26 @@ impl Target {
         Ok(Self { way, token, daemon, chosen })
     }
 
-    /// Value of the header that says who asks.
+    /// Value of the header that says who asks. A token for another daemon goes to none: it is
+    /// proved.
     pub(crate) fn authorization(&self) -> Option<String> {
-        self.token.as_ref().map(|Secret(token)| format!("Bearer {token}"))
+        let own = self.token.as_ref().filter(|_| self.daemon.is_none());
+        own.map(|Secret(token)| format!("Bearer {token}"))
+    }
+
+    /// What proves to a daemon behind this one who asks.
+    pub(crate) fn proof(&self) -> Option<genom_proof::Token> {
+        self.token.as_ref().map(|Secret(token)| genom_proof::Token::new(token))
+    }
+
+    /// The daemon closed the connection before it had answered.
+    pub(crate) fn lost(&self) -> Failure {
+        Failure::Lost { target: self.to_string() }
+    }
+
+    /// The reply has another shape than expected.
+    pub(crate) fn misread(&self, why: String) -> Failure {
+        Failure::Reply { target: self.to_string(), why }
     }
 
     /// Opens the way.
@@ -109,6 +126,7 @@ impl Target {
         match &self.way {
             // Blocking: a daemon with many peers at its door is waited for, not given up.
             Way::Socket(path) => {
+                private::place_of_socket(path)?;
                 let stream = std::os::unix::net::UnixStream::connect(path).map_err(unreachable)?;
                 stream.set_nonblocking(true).map_err(unreachable)?;
                 Ok(Box::new(UnixStream::from_std(stream).map_err(unreachable)?))
@@ -156,7 +174,8 @@ fn connector(ca: &Path, cert: Option<&Path>) -> Result<TlsConnector, Failure> {
     let config = match cert {
         None => builder.with_no_client_auth(),
         Some(path) => {
-            let key = PrivateKeyDer::from_pem_file(path)
+            let text = private::read(path, "key file")?;
+            let key = PrivateKeyDer::from_pem_slice(text.as_bytes())
                 .map_err(|error| unusable(path, "private key", &error))?;
             builder
                 .with_client_auth_cert(certificates(path)?, key)
@@ -179,13 +198,7 @@ fn read_token(path: &Path) -> Result<Secret, Failure> {
     let refuse = |why: String, help: &str| {
         Failure::usage(format!("the token file {}: {why}", path.display()), help)
     };
-    let unreadable =
-        |error: io::Error| refuse(error.to_string(), "ask whoever runs the daemon for a token");
-    let mode = std::fs::metadata(path).map_err(unreadable)?.mode();
-    if mode & 0o077 != 0 {
-        return Err(refuse("others may read it".to_owned(), "`chmod 600` it"));
-    }
-    let text = std::fs::read_to_string(path).map_err(unreadable)?;
+    let text = private::read(path, "token file")?;
     let of_file = toml::from_str::<Tokens>(&text).ok().and_then(|all| all.token.into_iter().next());
     let token = of_file.map_or_else(|| text.trim().to_owned(), |one| one.token);
     let plain = token.bytes().all(|byte| byte.is_ascii_graphic());

@@ -3,7 +3,6 @@
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use genom_runtime::{Clock, VirtualClock};
-use tokio::sync::Semaphore;
 
 use crate::bus::{Bus, Change};
 use crate::cli::ClockKind;
@@ -15,7 +14,11 @@ use crate::known::Known;
 use crate::recording::{Recordings, Session};
 use crate::registry::Backends;
 use crate::shown::Shown;
+use crate::slots::Slots;
 use crate::wires::declared::Declared;
+
+/// Questions to other daemons under way at a time, each of which holds a thread.
+const QUESTIONS: usize = 64;
 
 /// The daemon.
 pub(crate) struct Daemon {
@@ -39,7 +42,9 @@ pub(crate) struct Daemon {
     /// Held while a deployment is applied: one at a time.
     deploying: Mutex<()>,
     /// Slots for open streams.
-    pub(crate) streams: Arc<Semaphore>,
+    pub(crate) streams: Arc<Slots>,
+    /// Slots for questions to other daemons under way.
+    pub(crate) questions: Arc<Slots>,
     /// Somebody asked to stop: nothing is loaded any more.
     stop: Flag,
     /// Somebody asked again: what hangs is left behind.
@@ -66,7 +71,8 @@ impl Daemon {
             recordings: Arc::new(Recordings::new(dates)),
             declared: Declared::default(),
             deploying: Mutex::default(),
-            streams: Arc::new(Semaphore::new(settings.rpc.max_streams)),
+            streams: Slots::new(settings.rpc.max_streams, settings.rpc.max_streams_per_token),
+            questions: Slots::new(QUESTIONS, QUESTIONS / 4),
             stop: Flag::new(),
             forced: Flag::new(),
             closed: Flag::new(),

@@ -25,6 +25,7 @@ mod registry;
 mod rpc;
 mod run;
 mod shown;
+mod slots;
 mod telemetry;
 mod wires;
 mod wiring;

@@ -18,9 +18,9 @@ use crate::limits;
 use crate::loading;
 use crate::memory;
 use crate::rpc;
-use crate::rpc::access::Door;
+use crate::rpc::access::{Door, Log};
 use crate::rpc::listen::{self, Socket};
-use crate::rpc::serve::{Entrance, Listener, serve};
+use crate::rpc::serve::{Entrance, Listener, Most, serve};
 use crate::rpc::tls;
 use crate::rpc::tokens::Tokens;
 use crate::telemetry;
@@ -95,11 +95,12 @@ async fn open_tcp(
 async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let signals = stop_signals().map_err(Refusal::own)?;
     let socket = Socket::open(&settings.rpc.socket).map_err(Refusal::own)?;
-    let tokens = match &settings.rpc.token_file {
-        Some(path) => Tokens::read(path).map_err(Refusal::usage)?,
-        None => Tokens::default(),
-    };
-    let tokens = Arc::new(tokens);
+    let tokens = Tokens::read(settings.rpc.token_file.as_deref()).map_err(Refusal::usage)?;
+    if settings.rpc.token_file.is_some() {
+        let hang_up = signal(SignalKind::hangup()).map_err(Refusal::own)?;
+        tokio::spawn(reload_on(hang_up, Arc::clone(&tokens)));
+    }
+    let log = Arc::new(Log::default());
     let tcp = match settings.rpc.listen {
         Some(address) => {
             let (listener, address) = open_tcp(&settings.rpc, address).await?;
@@ -111,14 +112,14 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     };
     let backend = settings.backend.clone();
     let daemon = Daemon::new(settings);
-    let (weak, runtime, known) =
-        (Arc::downgrade(&daemon), tokio::runtime::Handle::current(), Arc::clone(&tokens));
+    let (weak, runtime) = (Arc::downgrade(&daemon), tokio::runtime::Handle::current());
+    let (known, told) = (Arc::clone(&tokens), Arc::clone(&log));
     daemon.backends.on_open(move |middleware| {
         if let Some(daemon) = weak.upgrade().filter(|_| middleware.relay().is_some()) {
-            // Whoever comes this way may be anybody on the network: the tokens say who.
-            let door = Door::Guarded { tokens: Arc::clone(&known), certified: Vec::new() };
-            let router = rpc::router(Arc::clone(&daemon), door);
-            rpc::relay::announce(&daemon, &router, &runtime, middleware);
+            // Whoever comes this way may be anybody on the network: proofs say who.
+            let door = Door::Proved { log: Arc::clone(&told) };
+            let router = rpc::router(Arc::clone(&daemon), &known, door);
+            rpc::relay::announce(&daemon, &router, &known, &runtime, middleware);
         }
     });
     let opening = Arc::clone(&daemon);
@@ -136,17 +137,19 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     tokio::spawn(keep_process(KeptProcess::remember()));
 
     // Requests are served while components load: a slow start codel holds up nobody.
-    let max_connections = daemon.settings.rpc.max_connections;
+    let RpcSettings { max_connections, max_connections_per_token, .. } = daemon.settings.rpc;
+    let most = Most { connections: max_connections, per_token: max_connections_per_token };
     let (listener, socket) = socket.split();
-    let router = rpc::router(Arc::clone(&daemon), Door::Own);
+    let router = rpc::router(Arc::clone(&daemon), &tokens, Door::Own);
     let mut entrances = vec![Entrance { listener: Listener::Unix(listener), router }];
     if let Some(listener) = tcp {
         let tls = daemon.settings.rpc.tls.iter().filter(|tls| tls.client_ca.is_some());
         let certified = tls.flat_map(|tls| tls.client_rights.clone()).collect();
-        let router = rpc::router(Arc::clone(&daemon), Door::Guarded { tokens, certified });
+        let door = Door::Guarded { tokens: Arc::clone(&tokens), log, certified };
+        let router = rpc::router(Arc::clone(&daemon), &tokens, door);
         entrances.push(Entrance { listener, router });
     }
-    let server = tokio::spawn(serve(entrances, max_connections, daemon.closed.clone()));
+    let server = tokio::spawn(serve(entrances, most, daemon.closed.clone()));
     let outcome = tokio::select! {
         outcome = work(&daemon) => outcome,
         () = daemon.forced.raised() => Err(Refusal::component("stopped before all codels had ended")),
@@ -267,6 +270,15 @@ async fn keep_process(kept: KeptProcess) {
         tokio::time::sleep(LOOK).await;
         for told in kept.look() {
             tracing::warn!("{told}");
+        }
+    }
+}
+
+/// Reads the token file again whenever the signal comes; a mistake in it changes nothing.
+async fn reload_on(mut hang_up: tokio::signal::unix::Signal, tokens: Arc<Tokens>) {
+    while hang_up.recv().await.is_some() {
+        if let Err(error) = tokens.read_again() {
+            tracing::error!("the tokens are those of before: {error}");
         }
     }
 }

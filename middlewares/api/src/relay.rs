@@ -27,12 +27,36 @@ pub trait Relay: Send + Sync {
     /// When the middleware cannot tell.
     fn daemons(&self) -> Result<Vec<String>, DiscoverError>;
 
-    /// Sends a request to the daemon of that name and waits for the answer. A daemon that does
-    /// not show yet is waited for, but not for long.
+    /// Which end of the middleware this is: what others are told with its answers.
+    fn own(&self) -> String;
+
+    /// Sends a request to all that take requests to that name, and gathers what they answer, each
+    /// with the end of the middleware that it came from, until none is left to answer or
+    /// `patience` is over. A daemon that does not show yet is waited for, but not for long.
+    ///
+    /// A name is no proof: who answers may be anybody on the network.
     ///
     /// # Errors
-    /// It does not show, or it did not answer within `patience`.
-    fn ask(&self, name: &str, request: &[u8], patience: Duration) -> Result<Vec<u8>, AskError>;
+    /// No daemon of that name shows, or the middleware fails.
+    fn ask_all(
+        &self,
+        name: &str,
+        request: &[u8],
+        patience: Duration,
+    ) -> Result<Vec<(String, Vec<u8>)>, AskError>;
+
+    /// Sends a request to the one daemon of that name that is at that end, and waits for the
+    /// answer.
+    ///
+    /// # Errors
+    /// It did not answer within `patience`.
+    fn ask(
+        &self,
+        name: &str,
+        at: &str,
+        request: &[u8],
+        patience: Duration,
+    ) -> Result<Vec<u8>, AskError>;
 }
 
 /// A daemon cannot be shown.

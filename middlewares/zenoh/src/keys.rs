@@ -70,6 +70,11 @@ impl Keys {
         format!("{}{TOKENS}/rpc/{}", self.prefix, escape(name))
     }
 
+    /// Where requests go to the daemon of that name in that session.
+    pub(crate) fn to_daemon_at(&self, name: &str, session: &str) -> String {
+        format!("{}/{}", self.to_daemon(name), escape(session))
+    }
+
     pub(crate) fn of_token(&self, token: &Token) -> String {
         let kind = match token.kind {
             EndpointKind::Publisher => "pub",

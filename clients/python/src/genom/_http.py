@@ -9,12 +9,14 @@ import os
 import select
 import socket
 import ssl
+import stat
 import threading
 import time
 import weakref
 from typing import Any, Dict, Optional, Tuple
 from urllib.parse import quote
 
+from ._far import Far
 from ._target import Target
 from .errors import DaemonError, refusal
 
@@ -43,6 +45,7 @@ class _UnixConnection(_Connection):
         self._path = path
 
     def connect(self) -> None:
+        _trusted(self._path)
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
         try:
             sock.connect(self._path)
@@ -50,6 +53,22 @@ class _UnixConnection(_Connection):
             sock.close()
             raise
         self.sock = sock
+
+
+def _trusted(path: str) -> None:
+    """Refuses a socket that another user may have put there; genomctl has the same rule."""
+    try:
+        place = os.stat(os.path.dirname(path) or ".")
+        owners = {place.st_uid, os.lstat(path).st_uid}
+    except OSError:
+        return  # Then connecting says what is wrong.
+    open_to_all = place.st_mode & 0o002 and not place.st_mode & stat.S_ISVTX
+    if open_to_all or not owners <= {0, os.geteuid()}:
+        raise DaemonError(
+            "unreachable",
+            None,
+            f"{path} is not used: another user may have put it there, and could answer as genomd",
+        )
 
 
 class _Idle(threading.local):
@@ -63,10 +82,12 @@ class Transport:
     def __init__(self, target: Target) -> None:
         self._target = target
         self._headers = {"Content-Type": "application/json"}
-        if target.token is not None:
-            self._headers["Authorization"] = "Bearer " + target.token
+        # A token for another daemon goes to none: it is proved.
+        self._far: Optional[Far] = None
         if target.daemon is not None:
-            self._headers["Genomd-Daemon"] = target.daemon
+            self._far = Far(self._post, target.daemon, target.token)
+        elif target.token is not None:
+            self._headers["Authorization"] = "Bearer " + target.token
         self._idle = _Idle()
         self._open: "weakref.WeakSet[http.client.HTTPConnection]" = weakref.WeakSet()
         self.target = str(target)
@@ -76,6 +97,26 @@ class Transport:
 
     def request(self, method: str, path: str, body: Any = None) -> Any:
         """Asks, and waits for the reply."""
+        text = None if body is None else json.dumps(_plain(body), allow_nan=False).encode()
+        if self._far is not None:
+            status, data = self._far.request(method, path, text or b"")
+        else:
+            status, data = self._whole(method, path, text)
+        try:
+            reply = json.loads(data) if data else None
+        except ValueError:
+            raise DaemonError(
+                "not_understood", None, f"what answers on {self.target} is no genomd"
+            ) from None
+        if status >= 300:
+            raise refusal(reply, status)
+        return reply
+
+    def _post(self, path: str, body: bytes) -> Tuple[int, bytes]:
+        return self._whole("POST", path, body)
+
+    def _whole(self, method: str, path: str, body: Optional[bytes]) -> Tuple[int, bytes]:
+        """Status and body of the reply of the daemon that the connection leads to."""
         connection = self._take()
         try:
             response = self._send(connection, method, path, body, {})
@@ -87,22 +128,16 @@ class Transport:
             # Half a reply may be on its way: this connection is of no use any more.
             connection.close()
             raise
-        try:
-            reply = json.loads(data) if data else None
-        except ValueError:
-            connection.close()
-            raise DaemonError(
-                "not_understood", None, f"what answers on {self.target} is no genomd"
-            ) from None
         self._keep(connection)
-        if response.status >= 300:
-            raise refusal(reply, response.status)
-        return reply
+        return response.status, data
 
     def stream(
         self, path: str, headers: Optional[Dict[str, str]] = None
-    ) -> Tuple[http.client.HTTPConnection, http.client.HTTPResponse]:
-        """Opens a stream of server-sent events on a connection of its own."""
+    ) -> Tuple[Any, Any]:
+        """Opens a stream of server-sent events on a connection of its own: that, and the reply."""
+        if self._far is not None:
+            far = self._far.stream(path, headers or {})
+            return far, far
         connection = self._connection()
         try:
             response = self._send(connection, "GET", path, None, headers or {})
@@ -150,10 +185,9 @@ class Transport:
         connection: http.client.HTTPConnection,
         method: str,
         path: str,
-        body: Any,
+        text: Optional[bytes],
         headers: Dict[str, str],
     ) -> http.client.HTTPResponse:
-        text = None if body is None else json.dumps(_plain(body), allow_nan=False).encode()
         try:
             try:
                 connection.request(method, path, text, {**self._headers, **headers})

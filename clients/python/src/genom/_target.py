@@ -83,6 +83,9 @@ def _by_tcp(host: str, token: Optional[str], ca: Optional[str], cert: Optional[s
             )
         found.tls = ssl.create_default_context(cafile=ca)
         if cert is not None:
+            with open(cert, "rb") as file:
+                if os.fstat(file.fileno()).st_mode & 0o077:
+                    raise ValueError(f"the key file {cert}: others may read it; `chmod 600` it")
             found.tls.load_cert_chain(cert)
     elif not _is_here(name):
         raise ValueError(

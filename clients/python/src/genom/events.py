@@ -114,7 +114,7 @@ class EventStream:
         headers = {} if self._last is None else {"Last-Event-ID": str(self._last)}
         self._connection, self._response = self._transport.stream(self._path, headers)
         # Kept apart: http.client lets go of it when the reply says that the connection ends.
-        self._socket: Optional[socket.socket] = self._connection.sock
+        self._socket: Any = self._connection.sock
 
     def _again(self) -> None:
         self._connection.close()

@@ -3,9 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use http_body_util::BodyExt as _;
-use hyper::body::Incoming;
 use serde::Deserialize;
+
+use crate::body::Body;
 
 /// A frame longer than this is none.
 const LONGEST: usize = 256 << 20;
@@ -66,7 +66,7 @@ pub(crate) struct Lost {
 
 /// The frames of one recording, in order.
 pub(crate) struct Frames {
-    body: Incoming,
+    body: Body,
     /// Bytes that are not handed over yet.
     bytes: Vec<u8>,
     /// How many of them are.
@@ -74,7 +74,7 @@ pub(crate) struct Frames {
 }
 
 impl Frames {
-    pub(crate) fn new(body: Incoming) -> Self {
+    pub(crate) fn new(body: Body) -> Self {
         Self { body, bytes: Vec::new(), done: 0 }
     }
 
@@ -92,10 +92,8 @@ impl Frames {
             }
             self.bytes.drain(..self.done);
             self.done = 0;
-            let frame = self.body.frame().await?.ok()?;
-            if let Some(bytes) = frame.data_ref() {
-                self.bytes.extend_from_slice(bytes);
-            }
+            let bytes = self.body.next().await?;
+            self.bytes.extend_from_slice(&bytes);
         }
     }
 }

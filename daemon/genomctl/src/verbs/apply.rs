@@ -9,6 +9,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value};
 use tokio::time::{Instant, interval_at};
 
+use crate::escape;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::terminal::Progress;
@@ -94,7 +95,8 @@ struct AtWork {
 impl AtWork {
     /// Something changed in the daemon.
     fn hear(&mut self, data: &str) {
-        let Ok(change) = serde_json::from_str::<Value>(data) else { return };
+        let Ok(mut change) = serde_json::from_str::<Value>(data) else { return };
+        escape::all(&mut change);
         let Some(step) = change["step"].as_str() else { return };
         match (change["event"].as_str(), change["status"].as_str()) {
             (Some("deployment_waits"), _) => {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use crate::doctor::{Finding, Level, Machine, live};
+use crate::escape;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::terminal::{Terminal, Tone};
@@ -52,9 +53,9 @@ fn render(finding: &Finding, terminal: Terminal) -> String {
     let padded = format!("{level:<8}");
     let tone = Tone::of(level).filter(|_| terminal.colour);
     let level = tone.map_or(padded.clone(), |tone| tone.paint(&padded));
-    let mut text = format!("{level} {}: {}\n", finding.about, finding.what);
+    let mut text = format!("{level} {}: {}\n", finding.about, escape::lines(&finding.what));
     if let Some(fix) = &finding.fix {
-        text.push_str(&format!("         fix: {fix}\n"));
+        text.push_str(&format!("         fix: {}\n", escape::lines(fix)));
     }
     text
 }

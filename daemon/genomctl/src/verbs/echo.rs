@@ -4,6 +4,7 @@ use clap_complete::engine::ArgValueCompleter;
 use serde_json::Value;
 
 use crate::complete::Names;
+use crate::escape;
 use crate::failure::Failure;
 use crate::names::{Path2, encode, url};
 use crate::session::Session;
@@ -55,11 +56,11 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
 /// One value a line: the value alone for a plain number, JSON for the rest.
 fn render(data: &str, json: bool) -> String {
     match serde_json::from_str::<Value>(data) {
-        Ok(Value::String(text)) if !json => format!("{text}\n"),
-        _ => format!("{data}\n"),
+        Ok(Value::String(text)) if !json => format!("{}\n", escape::lines(&text)),
+        _ => format!("{}\n", escape::json(data)),
     }
 }
 
 fn ended(port: &Path2, why: &str) -> Failure {
-    Failure::refused("ended", format!("{port} is no more: {why}"))
+    Failure::refused("ended", format!("{port} is no more: {}", escape::line(why)))
 }

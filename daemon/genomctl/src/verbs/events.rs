@@ -2,6 +2,7 @@
 
 use serde_json::Value;
 
+use crate::escape;
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -45,15 +46,14 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
 /// The kind of event, then its members as `key=value`.
 fn render(data: &str) -> String {
     let Ok(Value::Object(members)) = serde_json::from_str(data) else {
-        return format!("{data}\n");
+        return format!("{}\n", escape::line(data));
     };
     let mut line = members.get("event").and_then(Value::as_str).unwrap_or_default().to_owned();
     for (key, value) in members.iter().filter(|(key, _)| *key != "event") {
         let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         line.push_str(&format!(" {key}={value}"));
     }
-    line.push('\n');
-    line
+    escape::line(&line) + "\n"
 }
 
 #[cfg(test)]

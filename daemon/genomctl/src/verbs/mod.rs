@@ -153,7 +153,7 @@ pub(crate) async fn run(
         Verb::Kill(args) => kill::run(args, session).await,
         Verb::Daemons(args) => daemons::run(args, session).await,
         Verb::Context(args) => context::run(&args, session),
-        Verb::Token(args) => token::run(&args, session),
+        Verb::Token(args) => token::run(&args, session).await,
         Verb::Check(args) => check::run(&args, session),
         Verb::Explain(args) => explain::run(&args, session),
         Verb::Fmt(args) => fmt::run(&args, session),

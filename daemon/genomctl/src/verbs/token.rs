@@ -6,21 +6,42 @@ use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::PathBuf;
 
 use clap::ValueEnum;
+use serde::Deserialize;
+use serde_json::json;
 
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Make a token, as an entry of a daemon's token file (`genomd --token-file`).
+/// Make a token, as an entry of a daemon's token file (`genomd --token-file`); `token reload` has
+/// the daemon read that file again.
 #[derive(Debug, clap::Args)]
+#[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct Args {
+    #[command(subcommand)]
+    what: Option<What>,
     /// Whose it is: messages and logs tell this name.
-    name: String,
+    #[arg(required = true)]
+    name: Option<String>,
     /// What it is good for.
     #[arg(long, value_delimiter = ',', default_value = "read")]
     rights: Vec<Right>,
     /// Add it to this file, which is made for you alone if it is not there [default: print it].
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum What {
+    /// Have the daemon read its token file again, as SIGHUP does.
+    ///
+    /// A token that is not in it any more counts no more, from the next request on. A file with a
+    /// mistake changes nothing.
+    Reload,
+}
+
+#[derive(Debug, Deserialize)]
+struct Reloaded {
+    tokens: usize,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -35,11 +56,16 @@ enum Right {
     Admin,
 }
 
-pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
+    if let Some(What::Reload) = args.what {
+        let reply = session.post("/tokens/reload", &json!({})).await?;
+        return session.show(reply, |reply: &Reloaded| format!("{} tokens known\n", reply.tokens));
+    }
+    let name = args.name.as_deref().unwrap_or_default();
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.@".contains(c);
-    if args.name.is_empty() || !args.name.chars().all(plain) {
+    if name.is_empty() || !name.chars().all(plain) {
         return Err(Failure::usage(
-            format!("`{}` is no name for a token", args.name),
+            format!("`{name}` is no name for a token"),
             "letters, digits, `-`, `_`, `.` and `@`",
         ));
     }
@@ -53,8 +79,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         .map(|value| format!("{:?}", value.get_name()))
         .collect();
     let entry = format!(
-        "[[token]]\nname = \"{}\"\ntoken = \"{token}\"\nrights = [{}]\n",
-        args.name,
+        "[[token]]\nname = \"{name}\"\ntoken = \"{token}\"\nrights = [{}]\n",
         rights.join(", ")
     );
     match &args.into {

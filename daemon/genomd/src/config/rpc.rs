@@ -25,8 +25,12 @@ pub(crate) struct Rpc {
     pub(crate) max_body: usize,
     /// Connections served at a time, at each address.
     pub(crate) max_connections: usize,
-    /// Open streams at a time.
+    /// Requests under way at a time, at each address, of one token.
+    pub(crate) max_connections_per_token: usize,
+    /// Open streams at a time: of the Unix socket, and of all tokens together.
     pub(crate) max_streams: usize,
+    /// The same of one token.
+    pub(crate) max_streams_per_token: usize,
     /// Seconds the result of an ended activity stays readable.
     pub(crate) keep_results: u64,
 }
@@ -60,7 +64,9 @@ impl Default for Rpc {
             tls: None,
             max_body: 1 << 20,
             max_connections: 256,
+            max_connections_per_token: 64,
             max_streams: 64,
+            max_streams_per_token: 16,
             keep_results: 300,
         }
     }
@@ -81,8 +87,12 @@ pub(crate) struct RpcSettings {
     pub(crate) max_body: usize,
     /// Connections served at a time, at each address; more wait.
     pub(crate) max_connections: usize,
-    /// Open streams at a time; more are refused.
+    /// Requests under way at a time, at each address, of one token; more are refused.
+    pub(crate) max_connections_per_token: usize,
+    /// Open streams at a time, of the Unix socket and of all tokens together; more are refused.
     pub(crate) max_streams: usize,
+    /// The same of one token.
+    pub(crate) max_streams_per_token: usize,
     /// How long the result of an ended activity stays readable.
     pub(crate) keep_results: Duration,
 }
@@ -109,7 +119,9 @@ impl RpcSettings {
             tls: config.tls,
             max_body: config.max_body,
             max_connections: config.max_connections,
+            max_connections_per_token: config.max_connections_per_token,
             max_streams: config.max_streams,
+            max_streams_per_token: config.max_streams_per_token,
             keep_results: Duration::from_secs(config.keep_results),
         })
     }

@@ -80,6 +80,11 @@ impl RpcError {
         self.status
     }
 
+    /// The sentence.
+    pub(crate) fn message(&self) -> &str {
+        &self.reason.message
+    }
+
     /// A place in a value of the body, as `goal.x[2]`.
     pub(crate) fn inside(self, path: &str) -> Self {
         let steps = path.split(['.', '[', ']']).filter(|step| !step.is_empty());

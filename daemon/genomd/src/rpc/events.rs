@@ -3,10 +3,10 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
+use axum::{Extension, Json};
 use serde::Serialize;
 use serde_json::json;
 use tokio_stream::Stream;
@@ -16,6 +16,7 @@ use crate::bus::{Change, Heard};
 use crate::daemon::Daemon;
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
+use crate::rpc::holder::Holder;
 use crate::rpc::stream;
 
 /// An event was fired.
@@ -63,12 +64,13 @@ pub(crate) async fn fire(
 )]
 pub(crate) async fn stream(
     State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
     headers: HeaderMap,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
     let after =
         headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.parse().ok());
     let mut listener = daemon.bus.listen(after);
-    stream::open(&daemon, |writer| async move {
+    stream::open(&daemon, &holder, |writer| async move {
         loop {
             let heard = tokio::select! {
                 heard = listener.next() => heard,

@@ -6,6 +6,7 @@ use axum::http::StatusCode;
 
 use crate::config::Right;
 use crate::rpc::error::RpcError;
+use crate::slots::Share;
 
 /// Whoever sent a request.
 #[derive(Clone, Debug)]
@@ -13,9 +14,22 @@ pub(crate) struct Holder {
     /// Who it is, for messages: never the token itself.
     pub(crate) who: String,
     pub(crate) rights: Vec<Right>,
+    /// Whose slots it takes for what it holds open.
+    pub(crate) share: Share,
 }
 
 impl Holder {
+    /// Whoever came by the Unix socket.
+    pub(crate) fn own() -> Self {
+        let who = "the daemon's user".to_owned();
+        Self { who, rights: vec![Right::Admin], share: Share::Own }
+    }
+
+    /// Somebody else.
+    pub(crate) fn of(who: String, rights: Vec<Right>) -> Self {
+        Self { share: Share::Of(who.clone()), who, rights }
+    }
+
     /// Refuses what it has no right to.
     pub(crate) fn may(&self, right: Right, what: impl fmt::Display) -> Result<(), RpcError> {
         if self.rights.contains(&right) || self.rights.contains(&Right::Admin) {

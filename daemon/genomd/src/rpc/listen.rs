@@ -24,8 +24,11 @@ pub(crate) enum ListenError {
     /// Something else bears the name.
     #[error("{} exists and is no socket: give another --socket", .0.display())]
     NotSocket(PathBuf),
-    /// The directory belongs to somebody else, who could replace the socket.
-    #[error("{} belongs to another user: give another --socket", .0.display())]
+    /// Somebody else could replace the socket.
+    #[error(
+        "{} belongs to another user, or others may write there: give another --socket",
+        .0.display()
+    )]
     Foreign(PathBuf),
     /// The system refused.
     #[error("cannot listen on {}: {source}", path.display())]
@@ -109,8 +112,9 @@ fn prepare_directory(path: &Path) -> Result<(), ListenError> {
     DirBuilder::new().recursive(true).mode(0o700).create(directory).map_err(failed)?;
     let found = fs::metadata(directory).map_err(failed)?;
     let ours = rustix::process::geteuid().as_raw();
-    // Sticky directories such as /tmp are nobody's to replace files in.
-    if found.uid() != ours && found.uid() != 0 && found.mode() & 0o1000 == 0 {
+    // Its owner may replace what is in it, and so may others unless it is sticky, as /tmp is.
+    let open = found.mode() & 0o002 != 0 && found.mode() & 0o1000 == 0;
+    if open || found.uid() != ours && found.uid() != 0 {
         return Err(ListenError::Foreign(directory.to_owned()));
     }
     Ok(())

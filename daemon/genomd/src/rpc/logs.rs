@@ -3,10 +3,10 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use axum::Json;
 use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
+use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use tokio_stream::Stream;
@@ -18,6 +18,7 @@ use crate::logs;
 use crate::nearest::suggest;
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
+use crate::rpc::holder::Holder;
 use crate::rpc::input::Parameters;
 use crate::rpc::stream;
 
@@ -124,6 +125,7 @@ pub(crate) async fn list(
 )]
 pub(crate) async fn stream(
     State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
     headers: HeaderMap,
     Parameters(parameters): Parameters<LogParameters>,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
@@ -136,7 +138,7 @@ pub(crate) async fn stream(
         None => latest(listener.take_past(), &wanted, Some(last.unwrap_or(0))),
         Some(_) => Vec::new(),
     };
-    stream::open(&daemon, move |writer| async move {
+    stream::open(&daemon, &holder, move |writer| async move {
         for entry in past {
             if !writer.send(event(entry.id, &entry.data)).await {
                 return;

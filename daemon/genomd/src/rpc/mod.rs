@@ -18,6 +18,7 @@ mod deployment;
 mod document;
 mod error;
 mod events;
+mod guests;
 mod holder;
 mod input;
 pub(crate) mod listen;
@@ -25,9 +26,11 @@ mod logs;
 mod metrics;
 mod middlewares;
 mod ports;
+mod private;
 mod recordings;
 pub(crate) mod relay;
 mod replay;
+mod seldom;
 pub(crate) mod serve;
 mod services;
 mod stall;
@@ -51,6 +54,7 @@ use crate::daemon::Daemon;
 use access::{Door, Gate};
 use document::Document;
 use error::RpcError;
+use tokens::Tokens;
 
 /// Every path of the control plane, with its part of the document.
 fn routes() -> OpenApiRouter<Arc<Daemon>> {
@@ -86,13 +90,16 @@ fn routes() -> OpenApiRouter<Arc<Daemon>> {
         .routes(routes!(clock::look, clock::step))
         .routes(routes!(middlewares::list))
         .routes(routes!(relay::list))
+        .routes(routes!(relay::asking::hello))
+        .routes(routes!(relay::asking::question))
+        .routes(routes!(tokens::reload))
         .routes(routes!(document::json))
         .routes(routes!(document::page))
         .routes(routes!(daemon::shutdown))
 }
 
 /// The control plane, as it shows at a door.
-pub(crate) fn router(daemon: Arc<Daemon>, door: Door) -> Router {
+pub(crate) fn router(daemon: Arc<Daemon>, tokens: &Arc<Tokens>, door: Door) -> Router {
     let max_body = daemon.settings.rpc.max_body;
     let guarded = matches!(door, Door::Guarded { .. });
     let (router, mut document) = routes().split_for_parts();
@@ -101,9 +108,10 @@ pub(crate) fn router(daemon: Arc<Daemon>, door: Door) -> Router {
     router
         .fallback(no_such_path)
         .method_not_allowed_fallback(no_such_method)
-        .layer(from_fn_with_state(Arc::clone(&daemon), relay::pass_on))
+        .layer(from_fn(relay::refuse_old))
         .layer(from_fn(input::read_whole))
         .layer(Extension(Document::new(&document)))
+        .layer(Extension(Arc::clone(tokens)))
         .layer(from_fn_with_state(gate, access::check))
         .layer(from_fn_with_state(guarded, refuse_browsers))
         .layer(from_fn_with_state(max_body, refuse_large))

@@ -4,10 +4,10 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use axum::response::sse::{Event, Sse};
+use axum::{Extension, Json};
 use genom_middleware::OpenError;
 use genom_types::Record;
 use serde::{Deserialize, Serialize};
@@ -21,6 +21,7 @@ use crate::daemon::Daemon;
 use crate::hosting::{self, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
+use crate::rpc::holder::Holder;
 use crate::rpc::input::{Body, Parameters};
 use crate::rpc::stream::{self, Writer};
 use crate::wires::gauge::{Counts, Traffic};
@@ -290,6 +291,7 @@ pub(crate) async fn traffic(
 )]
 pub(crate) async fn stream(
     State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
     Path((component, port)): Path<(String, String)>,
     Parameters(parameters): Parameters<StreamParameters>,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
@@ -301,7 +303,7 @@ pub(crate) async fn stream(
         let message = format!("rate: {rate} is not between 0 and {GREATEST_RATE} values a second");
         return Err(RpcError::bad_input(message).place("rate"));
     }
-    stream::open(&daemon, move |writer| follow(hosted, index, element, rate, writer))
+    stream::open(&daemon, &holder, move |writer| follow(hosted, index, element, rate, writer))
 }
 
 async fn follow(

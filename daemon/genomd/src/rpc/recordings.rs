@@ -3,11 +3,11 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use axum::Json;
 use axum::body::{Body as Stream, Bytes};
 use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
 use genom_runtime::Clock;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -20,6 +20,7 @@ use crate::daemon::Daemon;
 use crate::deploy;
 use crate::recording;
 use crate::rpc::error::RpcError;
+use crate::rpc::holder::Holder;
 use crate::rpc::input::Body;
 use crate::rpc::{components, ports, stream};
 
@@ -59,6 +60,7 @@ pub(crate) struct Wanted {
 )]
 pub(crate) async fn start(
     State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
     Body(wanted): Body<Wanted>,
 ) -> Result<Response, RpcError> {
     for name in &wanted.ports {
@@ -68,7 +70,7 @@ pub(crate) async fn start(
             ports::find(&hosted, port)?;
         }
     }
-    let slot = stream::slot(&daemon)?;
+    let slot = stream::slot(&daemon, &holder)?;
     let (sender, receiver) = mpsc::channel(WAITING);
     tokio::task::spawn_blocking(move || {
         let changes = daemon.bus.live();

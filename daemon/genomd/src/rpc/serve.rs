@@ -1,23 +1,27 @@
 //! Serves connections of the listeners: limits, time-outs, and an orderly end.
 
 use std::io;
+use std::net::SocketAddr;
 use std::os::fd::OwnedFd;
-use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Router;
 use genom_host::{keep_from_children, keep_off};
+use hyper::Request;
+use hyper::body::Incoming;
 use hyper::server::conn::http1;
+use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpListener, TcpStream, UnixListener, UnixStream};
-use tokio::sync::Semaphore;
 use tokio::task::JoinSet;
 use tokio::time::timeout;
 use tokio_rustls::TlsAcceptor;
 
 use crate::flag::Flag;
+use crate::rpc::access::Peer;
+use crate::rpc::guests::{Guest, Guests};
 use crate::rpc::stall::Unstalled;
 
 /// A peer that sends half a request head, or half a handshake, is given up after this.
@@ -33,9 +37,9 @@ pub(crate) enum Listener {
 }
 
 /// A peer that was let in.
-enum Peer {
+enum Stream {
     Unix(UnixStream),
-    Tcp(TcpStream, Option<TlsAcceptor>),
+    Tcp(TcpStream, SocketAddr, Option<TlsAcceptor>),
 }
 
 /// A listener, and what it serves.
@@ -44,11 +48,19 @@ pub(crate) struct Entrance {
     pub(crate) router: Router,
 }
 
+/// How many may come in at a time, at each listener.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Most {
+    pub(crate) connections: usize,
+    /// With a request under way, of one token.
+    pub(crate) per_token: usize,
+}
+
 /// Serves until `closed` is raised, then lets the replies under way finish.
-pub(crate) async fn serve(entrances: Vec<Entrance>, max_connections: usize, closed: Flag) {
+pub(crate) async fn serve(entrances: Vec<Entrance>, most: Most, closed: Flag) {
     let serving = entrances
         .into_iter()
-        .map(|entrance| tokio::spawn(serve_one(entrance, max_connections, closed.clone())));
+        .map(|entrance| tokio::spawn(serve_one(entrance, most, closed.clone())));
     for one in serving.collect::<Vec<_>>() {
         if let Err(error) = one.await {
             tracing::error!("a listener ended badly: {error}");
@@ -56,28 +68,33 @@ pub(crate) async fn serve(entrances: Vec<Entrance>, max_connections: usize, clos
     }
 }
 
-async fn serve_one(entrance: Entrance, max_connections: usize, closed: Flag) {
+async fn serve_one(entrance: Entrance, most: Most, closed: Flag) {
     match &entrance.listener {
         Listener::Unix(listener) => keep_from_children(listener),
         Listener::Tcp(listener, _) => keep_from_children(listener),
     }
     // Each listener has its own: who fills one does not lock out the other.
-    let slots = Arc::new(Semaphore::new(max_connections));
+    let guests = Guests::new(most.connections, most.per_token);
     let mut connections = JoinSet::new();
     loop {
-        // No slot, no accept: further peers wait in the kernel's queue.
-        let slot = tokio::select! {
-            slot = Arc::clone(&slots).acquire_owned() => slot,
+        // No room, no accept: further peers wait in the kernel's queue.
+        tokio::select! {
+            () = guests.room() => {}
             () = closed.raised() => break,
-        };
-        let Ok(slot) = slot else { break };
+        }
         tokio::select! {
             accepted = accept(&entrance.listener) => match accepted {
-                Ok(peer) => {
+                Ok(stream) => {
                     let (router, closed) = (entrance.router.clone(), closed.clone());
+                    let guest = guests.enter();
                     connections.spawn(async move {
-                        receive(peer, router, closed).await;
-                        drop(slot);
+                        let leave = guest.leave().clone();
+                        tokio::select! {
+                            () = receive(stream, router, guest, closed) => {}
+                            () = leave.raised() => {
+                                tracing::debug!("an idle connection made room for another");
+                            }
+                        }
                     });
                 }
                 Err(error) => pause_after(&error).await,
@@ -91,15 +108,16 @@ async fn serve_one(entrance: Entrance, max_connections: usize, closed: Flag) {
     let _ = timeout(LAST_REPLIES, all).await;
 }
 
-async fn accept(listener: &Listener) -> io::Result<Peer> {
+async fn accept(listener: &Listener) -> io::Result<Stream> {
     match listener {
         Listener::Unix(listener) => {
             let stream = own(listener.accept().await?.0.into_std()?.into())?;
-            Ok(Peer::Unix(UnixStream::from_std(stream.into())?))
+            Ok(Stream::Unix(UnixStream::from_std(stream.into())?))
         }
         Listener::Tcp(listener, tls) => {
-            let stream = own(listener.accept().await?.0.into_std()?.into())?;
-            Ok(Peer::Tcp(TcpStream::from_std(stream.into())?, tls.clone()))
+            let (stream, peer) = listener.accept().await?;
+            let stream = own(stream.into_std()?.into())?;
+            Ok(Stream::Tcp(TcpStream::from_std(stream.into())?, peer, tls.clone()))
         }
     }
 }
@@ -117,26 +135,36 @@ async fn pause_after(error: &io::Error) {
     tokio::time::sleep(Duration::from_millis(100)).await;
 }
 
-async fn receive(peer: Peer, router: Router, closed: Flag) {
-    match peer {
-        Peer::Unix(stream) => talk(stream, router, closed).await,
-        Peer::Tcp(stream, None) => talk(stream, router, closed).await,
-        Peer::Tcp(stream, Some(tls)) => match timeout(HEAD_TIMEOUT, tls.accept(stream)).await {
-            Ok(Ok(stream)) => talk(stream, router, closed).await,
-            Ok(Err(error)) => tracing::debug!("a TLS handshake failed: {error}"),
-            Err(_) => tracing::debug!("a TLS handshake took too long"),
-        },
+async fn receive(stream: Stream, router: Router, guest: Guest, closed: Flag) {
+    match stream {
+        Stream::Unix(stream) => talk(stream, router, guest, None, closed).await,
+        Stream::Tcp(stream, peer, None) => talk(stream, router, guest, Some(peer), closed).await,
+        Stream::Tcp(stream, peer, Some(tls)) => {
+            match timeout(HEAD_TIMEOUT, tls.accept(stream)).await {
+                Ok(Ok(stream)) => talk(stream, router, guest, Some(peer), closed).await,
+                Ok(Err(error)) => tracing::debug!("a TLS handshake with {peer} failed: {error}"),
+                Err(_) => tracing::debug!("a TLS handshake with {peer} took too long"),
+            }
+        }
     }
 }
 
-async fn talk<S>(stream: S, router: Router, closed: Flag)
+async fn talk<S>(stream: S, router: Router, guest: Guest, peer: Option<SocketAddr>, closed: Flag)
 where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
+    let routes = TowerToHyperService::new(router);
+    let service = service_fn(move |mut request: Request<Incoming>| {
+        request.extensions_mut().insert(guest.clone());
+        if let Some(peer) = peer {
+            request.extensions_mut().insert(Peer(peer));
+        }
+        routes.call(request)
+    });
     let connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIMEOUT)
-        .serve_connection(TokioIo::new(Unstalled::new(stream)), TowerToHyperService::new(router));
+        .serve_connection(TokioIo::new(Unstalled::new(stream)), service);
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,

@@ -6,12 +6,14 @@ use std::time::Duration;
 
 use axum::http::StatusCode;
 use axum::response::sse::{Event, KeepAlive, Sse};
-use tokio::sync::{OwnedSemaphorePermit, mpsc};
+use tokio::sync::mpsc;
 use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
 
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
+use crate::rpc::holder::Holder;
+use crate::slots::{Full, Slot};
 
 /// What a stream sends.
 pub(super) type Events = ReceiverStream<Result<Event, Infallible>>;
@@ -34,26 +36,39 @@ impl Writer {
     }
 }
 
+/// How many there are, for messages.
+pub(super) fn told(full: Full) -> String {
+    match full {
+        Full::All(most) => most.to_string(),
+        Full::Share(most) => format!("{most} of this token"),
+    }
+}
+
 /// Takes one of the slots for open streams; refused when too many are open.
-pub(super) fn slot(daemon: &Daemon) -> Result<OwnedSemaphorePermit, RpcError> {
-    Arc::clone(&daemon.streams).try_acquire_owned().map_err(|_| {
-        let most = daemon.settings.rpc.max_streams;
-        let message = format!("{most} streams are open already");
+pub(super) fn slot(daemon: &Daemon, holder: &Holder) -> Result<Slot, RpcError> {
+    daemon.streams.take(holder.share.clone()).map_err(|full| {
+        let key = match full {
+            Full::All(_) => "rpc.max_streams",
+            Full::Share(_) => "rpc.max_streams_per_token",
+        };
+        let message = format!("{} streams are open already", told(full));
+        let message = message.replace(" of this token streams", " streams of this token");
         RpcError::new(StatusCode::SERVICE_UNAVAILABLE, "too_many_streams", message)
-            .help("close one, or raise rpc.max_streams in the daemon's configuration")
+            .help(format!("close one, or raise {key} in the daemon's configuration"))
     })
 }
 
 /// Opens a stream that `feed` writes; refused when too many are open.
 pub(super) fn open<F, R>(
     daemon: &Arc<Daemon>,
+    holder: &Holder,
     feed: F,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>> + use<F, R>>, RpcError>
 where
     F: FnOnce(Writer) -> R,
     R: Future<Output = ()> + Send + 'static,
 {
-    let slot = slot(daemon)?;
+    let slot = slot(daemon, holder)?;
     let (sender, receiver) = mpsc::channel(8);
     let feeding = feed(Writer(sender));
     let closed = daemon.closed.clone();

@@ -11,6 +11,7 @@ use tokio_rustls::rustls::server::{VerifierBuilderError, WebPkiClientVerifier};
 use tokio_rustls::rustls::{self, RootCertStore, ServerConfig};
 
 use crate::config::Tls;
+use crate::rpc::private::{self, PrivateError};
 
 /// Certificates or keys that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -18,6 +19,9 @@ pub(crate) enum TlsError {
     /// A file that is not there, or is no PEM file of what it should hold.
     #[error("{}: no usable {what}: {source}", path.display())]
     File { path: PathBuf, what: &'static str, source: pem::Error },
+    /// Others could read the key.
+    #[error(transparent)]
+    Open(#[from] private::NotPrivate),
     /// The files do not fit together.
     #[error("the certificate and key of rpc.tls cannot be used: {0}")]
     Unfit(#[from] rustls::Error),
@@ -39,11 +43,13 @@ fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, TlsError> {
 /// What answers TLS handshakes.
 pub(crate) fn acceptor(tls: &Tls) -> Result<TlsAcceptor, TlsError> {
     let certificates_of_ours = certificates(&tls.cert)?;
-    let key = PrivateKeyDer::from_pem_file(&tls.key).map_err(|source| TlsError::File {
-        path: tls.key.clone(),
-        what: "private key in PEM",
-        source,
+    let unusable =
+        |source| TlsError::File { path: tls.key.clone(), what: "private key in PEM", source };
+    let text = private::read(&tls.key).map_err(|error| match error {
+        PrivateError::Read(source) => unusable(pem::Error::Io(source)),
+        PrivateError::Open(open) => open.into(),
     })?;
+    let key = PrivateKeyDer::from_pem_slice(text.as_bytes()).map_err(unusable)?;
     let provider = Arc::new(ring::default_provider());
     let builder = ServerConfig::builder_with_provider(Arc::clone(&provider))
         .with_safe_default_protocol_versions()?;

@@ -1,21 +1,74 @@
 //! The token file: who may come in by other doors than the Unix socket, and what for.
 
 use std::fmt;
-use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, PoisonError, RwLock};
 
-use serde::Deserialize;
+use axum::{Extension, Json};
+use genom_proof::{Bytes, HINT, NONCE};
+use serde::{Deserialize, Serialize};
 use subtle::{Choice, ConstantTimeEq as _};
+use utoipa::ToSchema;
 
 use crate::config::Right;
+use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
+use crate::rpc::private;
 
 /// A shorter token could be guessed.
 const SHORTEST: usize = 32;
 
-/// The tokens a daemon knows.
+/// What the token file holds now.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Reloaded {
+    /// How many tokens are known.
+    tokens: usize,
+}
+
+/// Read the token file again.
+///
+/// What was taken out of it counts no more, from the next request on. A file with a mistake
+/// changes nothing. SIGHUP does the same.
+#[utoipa::path(
+    post,
+    path = "/tokens/reload",
+    tag = "daemon",
+    security(("token" = ["admin"])),
+    responses((status = 200, body = Reloaded), (status = 409))
+)]
+pub(crate) async fn reload(
+    Extension(tokens): Extension<Arc<Tokens>>,
+) -> Result<Json<Reloaded>, RpcError> {
+    let tokens = tokens.read_again().map_err(|error| {
+        RpcError::conflict("token_file", error.to_string())
+            .help("nothing was changed: the tokens are those of before")
+    })?;
+    Ok(Json(Reloaded { tokens }))
+}
+
+/// The tokens a daemon knows; its file can be read again while it runs.
 #[derive(Debug, Default)]
-pub(crate) struct Tokens(Vec<Token>);
+pub(crate) struct Tokens {
+    path: Option<PathBuf>,
+    known: RwLock<Vec<Entry>>,
+    /// How often the file was read again.
+    generation: AtomicU64,
+}
+
+/// A token, and what is made of it to be proved with.
+#[derive(Debug)]
+struct Entry {
+    token: Token,
+    key: genom_proof::Token,
+}
+
+/// A token that somebody proved to hold.
+#[derive(Debug)]
+pub(crate) struct Known {
+    pub(crate) key: genom_proof::Token,
+    pub(crate) holder: Holder,
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -50,57 +103,114 @@ pub(crate) enum TokenError {
     )]
     Read { path: PathBuf, source: std::io::Error },
     /// Others could read the tokens.
-    #[error("others may read the token file {0}: `chmod 600 {0}`")]
-    Open(String),
+    #[error(transparent)]
+    Open(#[from] private::NotPrivate),
+    /// There is none to read again.
+    #[error("this daemon has no token file: start it with `--token-file FILE`")]
+    None,
     /// A mistake in it. The text itself is never shown.
     #[error("{}:{line}: {message}", path.display())]
     Mistake { path: PathBuf, line: usize, message: String },
 }
 
 impl Tokens {
-    /// Reads a file of tokens, which nobody else may read.
-    pub(crate) fn read(path: &Path) -> Result<Self, TokenError> {
-        let unreadable = |source| TokenError::Read { path: path.to_owned(), source };
-        let mode = std::fs::metadata(path).map_err(unreadable)?.mode();
-        if mode & 0o077 != 0 {
-            return Err(TokenError::Open(path.display().to_string()));
-        }
-        Self::parse(path, &std::fs::read_to_string(path).map_err(unreadable)?)
+    /// Reads a file of tokens, which nobody else may read; without one there are none.
+    pub(crate) fn read(path: Option<&Path>) -> Result<Arc<Self>, TokenError> {
+        let known = path.map(entries).transpose()?.unwrap_or_default();
+        let path = path.map(Path::to_owned);
+        Ok(Arc::new(Self { path, known: RwLock::new(known), generation: AtomicU64::new(0) }))
     }
 
-    fn parse(path: &Path, text: &str) -> Result<Self, TokenError> {
-        let mistake = |line, message| TokenError::Mistake { path: path.to_owned(), line, message };
-        let file: TokenFile = toml::from_str(text).map_err(|error| {
-            let start = error.span().map_or(0, |span| span.start).min(text.len());
-            let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
-            mistake(line, error.message().trim().replace('\n', ", "))
-        })?;
-        for token in &file.token {
-            if token.token.len() < SHORTEST {
-                let line = text.lines().position(|line| line.contains(&token.token)).unwrap_or(0);
-                let name = &token.name;
-                let message = format!(
-                    "the token of {name} is shorter than {SHORTEST} characters; `genomctl token \
-                     {name}` makes one"
-                );
-                return Err(mistake(line + 1, message));
-            }
-        }
-        Ok(Self(file.token))
+    /// Reads the file again; how many tokens it holds. One with a mistake changes nothing.
+    pub(crate) fn read_again(&self) -> Result<usize, TokenError> {
+        let read = entries(self.path.as_deref().ok_or(TokenError::None)?)?;
+        let count = read.len();
+        tracing::info!("read the token file again: {count} tokens");
+        *self.known.write().unwrap_or_else(PoisonError::into_inner) = read;
+        self.generation.fetch_add(1, Ordering::Release);
+        Ok(count)
+    }
+
+    /// How often the file was read again.
+    pub(crate) fn generation(&self) -> u64 {
+        self.generation.load(Ordering::Acquire)
     }
 
     /// Whose token it is. Takes the same time whichever it is, and if it is none.
     pub(crate) fn holder(&self, given: &[u8]) -> Option<Holder> {
+        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
         let mut found = None;
-        for known in &self.0 {
-            let same: Choice = known.token.as_bytes().ct_eq(given);
+        for entry in &*known {
+            let same: Choice = entry.token.token.as_bytes().ct_eq(given);
             if bool::from(same) {
-                found = Some(known);
+                found = Some(entry);
             }
         }
-        let token = found?;
-        Some(Holder { who: format!("token {}", token.name), rights: token.rights.clone() })
+        found.map(|entry| entry.token.holder())
     }
+
+    /// The token that gives this hint.
+    pub(crate) fn hinted(&self, nonce: &[u8; NONCE], hint: &Bytes<HINT>) -> Option<Known> {
+        self.find(|key| key.hint(nonce) == *hint)
+    }
+
+    /// The token of this key, if it is still known.
+    pub(crate) fn same(&self, key: &genom_proof::Token) -> Option<Known> {
+        let nonce = [0; NONCE];
+        let hint = key.hint(&nonce);
+        self.find(|known| known.hint(&nonce) == hint)
+    }
+
+    fn find(&self, wanted: impl Fn(&genom_proof::Token) -> bool) -> Option<Known> {
+        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
+        let entry = known.iter().find(|entry| wanted(&entry.key))?;
+        Some(Known { key: entry.key.clone(), holder: entry.token.holder() })
+    }
+
+    /// One token, for tests.
+    #[cfg(test)]
+    pub(crate) fn of(name: &str, text: &str) -> Arc<Self> {
+        let text =
+            format!("[[token]]\nname = \"{name}\"\ntoken = \"{text}\"\nrights = [\"read\"]\n");
+        let known = RwLock::new(parse(Path::new("tokens"), &text).unwrap());
+        Arc::new(Self { known, ..Self::default() })
+    }
+}
+
+impl Token {
+    fn holder(&self) -> Holder {
+        Holder::of(format!("token {}", self.name), self.rights.clone())
+    }
+}
+
+fn entries(path: &Path) -> Result<Vec<Entry>, TokenError> {
+    let text = private::read(path).map_err(|error| match error {
+        private::PrivateError::Read(source) => TokenError::Read { path: path.to_owned(), source },
+        private::PrivateError::Open(open) => TokenError::Open(open),
+    })?;
+    parse(path, &text)
+}
+
+fn parse(path: &Path, text: &str) -> Result<Vec<Entry>, TokenError> {
+    let mistake = |line, message| TokenError::Mistake { path: path.to_owned(), line, message };
+    let file: TokenFile = toml::from_str(text).map_err(|error| {
+        let start = error.span().map_or(0, |span| span.start).min(text.len());
+        let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
+        mistake(line, error.message().trim().replace('\n', ", "))
+    })?;
+    for token in &file.token {
+        if token.token.len() < SHORTEST {
+            let line = text.lines().position(|line| line.contains(&token.token)).unwrap_or(0);
+            let name = &token.name;
+            let message = format!(
+                "the token of {name} is shorter than {SHORTEST} characters; `genomctl token \
+                 {name}` makes one"
+            );
+            return Err(mistake(line + 1, message));
+        }
+    }
+    let entry = |token: Token| Entry { key: genom_proof::Token::new(&token.token), token };
+    Ok(file.token.into_iter().map(entry).collect())
 }
 
 #[cfg(test)]
@@ -112,7 +222,7 @@ mod tests {
 
     #[test]
     fn a_token_tells_its_holder_and_is_never_shown() {
-        let tokens = Tokens::parse(Path::new("tokens"), FILE).unwrap();
+        let tokens = Tokens::of("dashboard", "0123456789abcdef0123456789abcdef");
         let holder = tokens.holder(b"0123456789abcdef0123456789abcdef").unwrap();
         assert_eq!(
             (holder.who.as_str(), &holder.rights[..]),
@@ -126,7 +236,7 @@ mod tests {
 
     #[test]
     fn a_mistake_names_the_line_and_no_secret() {
-        let told = |text: &str| Tokens::parse(Path::new("t"), text).unwrap_err().to_string();
+        let told = |text: &str| parse(Path::new("t"), text).unwrap_err().to_string();
         let short = told(&FILE.replace("0123456789abcdef0123456789abcdef", "short-secret"));
         assert!(short.starts_with("t:3: the token of dashboard is shorter"), "{short}");
         assert!(!short.contains("short-secret"));

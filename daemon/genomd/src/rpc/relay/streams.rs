@@ -4,7 +4,6 @@
 //! fast as it likes, and when it asks no more, whatever became of it, the stream is closed.
 
 use std::collections::HashMap;
-use std::io::Read as _;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -25,35 +24,31 @@ const FULL: usize = 256 << 10;
 /// A piece, and whether there may be more.
 type Piece = (Vec<u8>, bool);
 
-/// The open streams, each by a name that nobody guesses.
+/// The open streams of a session, by number.
 #[derive(Debug, Default)]
 pub(super) struct Streams {
-    open: Mutex<HashMap<String, mpsc::Sender<oneshot::Sender<Piece>>>>,
+    open: Mutex<HashMap<u64, mpsc::Sender<oneshot::Sender<Piece>>>>,
 }
 
 impl Streams {
-    fn lock(&self) -> MutexGuard<'_, HashMap<String, mpsc::Sender<oneshot::Sender<Piece>>>> {
+    fn lock(&self) -> MutexGuard<'_, HashMap<u64, mpsc::Sender<oneshot::Sender<Piece>>>> {
         self.open.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Keeps a body to be read; its name.
-    pub(super) fn add(self: &Arc<Self>, body: Body) -> std::io::Result<String> {
-        let mut random = [0; 16];
-        std::fs::File::open("/dev/urandom")?.read_exact(&mut random)?;
-        let name = format!("{:032x}", u128::from_ne_bytes(random));
+    /// Keeps a body to be read, under the number of the question that asked for it.
+    pub(super) fn add(self: &Arc<Self>, number: u64, body: Body) {
         let (sender, questions) = mpsc::channel(1);
-        self.lock().insert(name.clone(), sender);
-        let (streams, own) = (Arc::clone(self), name.clone());
+        self.lock().insert(number, sender);
+        let streams = Arc::clone(self);
         tokio::spawn(async move {
             serve(body.into_data_stream(), questions).await;
-            streams.end(&own);
+            streams.end(number);
         });
-        Ok(name)
     }
 
     /// What came since the last time; none, and no more, of a stream that is not open.
-    pub(super) async fn more(&self, name: &str) -> Piece {
-        let stream = self.lock().get(name).cloned();
+    pub(super) async fn more(&self, number: u64) -> Piece {
+        let stream = self.lock().get(&number).cloned();
         let Some(stream) = stream else { return Piece::default() };
         let (tell, told) = oneshot::channel();
         if stream.send(tell).await.is_err() {
@@ -63,8 +58,8 @@ impl Streams {
     }
 
     /// Closes a stream.
-    pub(super) fn end(&self, name: &str) {
-        self.lock().remove(name);
+    pub(super) fn end(&self, number: u64) {
+        self.lock().remove(&number);
     }
 }
 
@@ -103,21 +98,21 @@ mod tests {
         let streams = Arc::new(Streams::default());
         let (sender, receiver) = mpsc::channel(8);
         let frames = ReceiverStream::new(receiver).map(Ok::<Bytes, Infallible>);
-        let name = streams.add(Body::from_stream(frames)).unwrap();
+        streams.add(7, Body::from_stream(frames));
         for text in ["one ", "two"] {
             sender.send(Bytes::from(text)).await.unwrap();
         }
-        assert_eq!(streams.more(&name).await, (b"one two".to_vec(), true));
-        assert_eq!(streams.more("another").await, (Vec::new(), false));
-        streams.end(&name);
+        assert_eq!(streams.more(7).await, (b"one two".to_vec(), true));
+        assert_eq!(streams.more(8).await, (Vec::new(), false));
+        streams.end(7);
         timeout(LEASE, sender.closed()).await.unwrap();
-        assert_eq!(streams.more(&name).await, (Vec::new(), false));
+        assert_eq!(streams.more(7).await, (Vec::new(), false));
     }
 
     #[tokio::test]
     async fn the_end_of_a_stream_is_told() {
         let streams = Arc::new(Streams::default());
-        let name = streams.add(Body::from("all")).unwrap();
-        assert_eq!(streams.more(&name).await, (b"all".to_vec(), false));
+        streams.add(7, Body::from("all"));
+        assert_eq!(streams.more(7).await, (b"all".to_vec(), false));
     }
 }

@@ -1,0 +1,137 @@
+//! A daemon behind the one that is connected to, which passes messages on and reads none.
+//!
+//! It proves that it holds the token before anything is asked of it, and every request and answer
+//! is sealed (`genom_proof`, `docs/security.md`): the token is sent to nobody.
+
+use std::sync::Arc;
+
+use genom_proof::message::{self, Answer, Question, Request};
+use genom_proof::{Greeting, HandshakeError, Session};
+use hyper::Method;
+use hyper::body::Bytes;
+use serde::Deserialize;
+use tokio::sync::mpsc;
+
+use crate::body::Body;
+use crate::client::{Reply, near};
+use crate::failure::{Failure, Refusal};
+use crate::names::url;
+use crate::target::Target;
+
+/// Pieces of a stream that wait to be read.
+const WAITING: usize = 4;
+
+/// A daemon that has proved itself.
+pub(crate) struct Far {
+    target: Target,
+    daemon: String,
+    session: Session,
+}
+
+#[derive(Deserialize)]
+struct Answers {
+    answers: Vec<Answered>,
+}
+
+#[derive(Deserialize)]
+struct Answered {
+    at: String,
+    message: String,
+}
+
+impl Far {
+    /// Finds the one daemon of that name that holds the token.
+    pub(crate) async fn meet(target: Target, daemon: String) -> Result<Self, Failure> {
+        let Some(token) = target.proof() else {
+            return Err(Failure::Refused(Refusal {
+                code: "unauthorized".to_owned(),
+                message: format!("a token is needed here: daemon {daemon} asks who you are"),
+                place: None,
+                help: Some("--token-file FILE, of those that its own token file knows".to_owned()),
+            }));
+        };
+        let greeting = Greeting::new(&token, &daemon)?;
+        let path = url(["daemons", &daemon, "hello"]);
+        let said: Bytes = greeting.message().into();
+        let reply = near(&target, Method::POST, &path, said, None).await?;
+        let told: Answers = serde_json::from_value(reply.json(&target).await?)
+            .map_err(|error| target.misread(error.to_string()))?;
+        let answers: Vec<_> =
+            told.answers.into_iter().map(|one| (one.at, one.message.into_bytes())).collect();
+        let session = greeting.meet(&answers).map_err(|error| {
+            let code = match error {
+                HandshakeError::Several { .. } => "several_daemons",
+                HandshakeError::Impostor { .. } => "not_proved",
+                _ => "daemon_silent",
+            };
+            Failure::refused(code, error.to_string())
+        })?;
+        Ok(Self { target, daemon, session })
+    }
+
+    async fn ask(
+        &self,
+        question: &Question,
+        body: &[u8],
+        waits: bool,
+    ) -> Result<(Answer, Vec<u8>), Failure> {
+        let (number, sealed) = self.session.seal(&message::encode(question, body));
+        let path = url(["daemons", &self.daemon, "questions"]);
+        // An end of the middleware is a word of letters and digits.
+        let path = format!("{path}?at={}&wait={waits}", self.session.at());
+        let reply = near(&self.target, Method::POST, &path, sealed.into(), None).await?;
+        if !reply.is_success() {
+            return Err(reply.refusal(&self.target).await);
+        }
+        let bytes = reply.body.whole().await.ok_or_else(|| self.target.lost())?;
+        let forged = |error: &dyn std::fmt::Display| {
+            Failure::refused("not_proved", format!("{error}; ask again"))
+        };
+        let answer = self.session.open(number, &bytes).map_err(|error| forged(&error))?;
+        let (answer, body) = message::decode::<Answer>(answer).map_err(|error| forged(&error))?;
+        Ok((answer, body.to_vec()))
+    }
+
+    /// Asks as by HTTP.
+    pub(crate) async fn request(
+        self: &Arc<Self>,
+        method: Method,
+        path: &str,
+        body: &[u8],
+        after: Option<u64>,
+    ) -> Result<Reply, Failure> {
+        let waits = path.contains("wait=") || path == "/deployment";
+        let question = Question::Request(Request {
+            method: method.to_string(),
+            path: path.to_owned(),
+            last_event_id: after.map(|number| number.to_string()),
+        });
+        let (answer, body) = self.ask(&question, body, waits).await?;
+        let body = match answer.stream {
+            None => Body::Whole(Some(body.into())),
+            Some(stream) => {
+                let (sender, pieces) = mpsc::channel(WAITING);
+                tokio::spawn(Arc::clone(self).fetch(stream, sender));
+                Body::Far(pieces)
+            }
+        };
+        Ok(Reply { status: answer.status, body })
+    }
+
+    /// Fetches a stream for as long as it is read. Should the reader end without a word, the
+    /// daemon closes it when nobody has asked for some time.
+    async fn fetch(self: Arc<Self>, stream: u64, reader: mpsc::Sender<Bytes>) {
+        loop {
+            let more = Question::More(stream);
+            let Ok((answer, piece)) = self.ask(&more, &[], false).await else { return };
+            let gone = !piece.is_empty() && reader.send(piece.into()).await.is_err();
+            if answer.stream.is_none() {
+                return;
+            }
+            if gone || reader.is_closed() {
+                let _ = self.ask(&Question::End(stream), &[], false).await;
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,32 @@
+//! Files that hold secrets: read only if nobody else can.
+
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::os::unix::fs::MetadataExt as _;
+use std::path::{Path, PathBuf};
+
+/// Others could read a secret.
+#[derive(Debug, thiserror::Error)]
+#[error("others may read {}, which holds a secret: `chmod 600 {}`", .0.display(), .0.display())]
+pub(crate) struct NotPrivate(PathBuf);
+
+/// A secret that was not read.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum PrivateError {
+    #[error(transparent)]
+    Read(#[from] io::Error),
+    #[error(transparent)]
+    Open(#[from] NotPrivate),
+}
+
+/// The text of a file that its owner alone may read.
+pub(crate) fn read(path: &Path) -> Result<String, PrivateError> {
+    // The file that is looked at is the one that is read, whatever its name leads to meanwhile.
+    let mut file = File::open(path)?;
+    if file.metadata()?.mode() & 0o077 != 0 {
+        return Err(NotPrivate(path.to_owned()).into());
+    }
+    let mut text = String::new();
+    file.read_to_string(&mut text)?;
+    Ok(text)
+}

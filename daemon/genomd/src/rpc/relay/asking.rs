@@ -1,0 +1,148 @@
+//! Passes a client's messages on to another daemon, and its answers back. It reads neither.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::body::Bytes;
+use axum::extract::{Path, State};
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use axum::{Extension, Json};
+use genom_middleware::{AskError, Relay};
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use super::relays;
+use crate::daemon::Daemon;
+use crate::rpc::error::RpcError;
+use crate::rpc::holder::Holder;
+use crate::rpc::input::Parameters;
+use crate::rpc::stream;
+
+/// How long all of a name may take to answer a hello.
+const HELLO: Duration = Duration::from_secs(3);
+
+/// How long another daemon may take to answer.
+const ANSWER: Duration = Duration::from_secs(60);
+
+/// The same for requests that wait for something.
+const WAIT: Duration = Duration::from_secs(3700);
+
+/// What answered to a name.
+#[derive(Serialize, ToSchema)]
+pub(crate) struct Answers {
+    answers: Vec<Answered>,
+}
+
+/// One answer.
+#[derive(Serialize, ToSchema)]
+pub(crate) struct Answered {
+    /// Which end of the middleware it came from.
+    at: String,
+    /// Its words.
+    message: String,
+}
+
+/// `?at=ID&wait=true`
+#[derive(Debug, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct AskParameters {
+    /// Which end of the middleware is meant, as it was told with the answer to the hello.
+    at: String,
+    /// The answer may take an hour instead of a minute.
+    #[serde(default)]
+    wait: bool,
+}
+
+/// Pass a hello on to all that answer to the name of a daemon.
+///
+/// `docs/security.md` describes the messages; this daemon does not look into them.
+#[utoipa::path(
+    post,
+    path = "/daemons/{daemon}/hello",
+    tag = "daemon",
+    security(("token" = ["call"])),
+    request_body(content = Vec<u8>, content_type = "application/octet-stream"),
+    responses((status = 200, body = Answers), (status = 404), (status = 409), (status = 502))
+)]
+pub(crate) async fn hello(
+    State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
+    Path(name): Path<String>,
+    message: Bytes,
+) -> Result<Json<Answers>, RpcError> {
+    let ask = move |relay: &dyn Relay, name: &str| relay.ask_all(name, &message, HELLO);
+    let all = by_relay(&daemon, &holder, name, ask).await?;
+    let answers = all.into_iter().map(|(at, bytes)| {
+        // What is no text is no answer of a daemon: the client says so.
+        Answered { at, message: String::from_utf8(bytes).unwrap_or_default() }
+    });
+    Ok(Json(Answers { answers: answers.collect() }))
+}
+
+/// Pass a sealed question on to a daemon that answered a hello.
+#[utoipa::path(
+    post,
+    path = "/daemons/{daemon}/questions",
+    tag = "daemon",
+    security(("token" = ["call"])),
+    params(AskParameters),
+    request_body(content = Vec<u8>, content_type = "application/octet-stream"),
+    responses(
+        (status = 200, content_type = "application/octet-stream", body = Vec<u8>),
+        (status = 409), (status = 502), (status = 503)
+    )
+)]
+pub(crate) async fn question(
+    State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
+    Path(name): Path<String>,
+    Parameters(parameters): Parameters<AskParameters>,
+    message: Bytes,
+) -> Result<Response, RpcError> {
+    let AskParameters { at, wait } = parameters;
+    let patience = if wait { WAIT } else { ANSWER };
+    let ask = move |relay: &dyn Relay, name: &str| relay.ask(name, &at, &message, patience);
+    let answer = by_relay(&daemon, &holder, name, ask).await?;
+    Ok(([(header::CONTENT_TYPE, "application/octet-stream")], answer).into_response())
+}
+
+/// Asks by the middleware that passes requests on. Each such question takes a slot: it may hold
+/// a thread for long.
+async fn by_relay<T: Send + 'static>(
+    daemon: &Arc<Daemon>,
+    holder: &Holder,
+    name: String,
+    ask: impl FnOnce(&dyn Relay, &str) -> Result<T, AskError> + Send + 'static,
+) -> Result<T, RpcError> {
+    let slot = daemon.questions.take(holder.share.clone()).map_err(|full| {
+        let message = format!("{} to other daemons are under way already", stream::told(full));
+        RpcError::new(StatusCode::SERVICE_UNAVAILABLE, "too_many_questions", message)
+            .help("wait for one to be answered")
+    })?;
+    let daemon = Arc::clone(daemon);
+    let work = move || {
+        let _slot = slot;
+        let relays = relays(&daemon);
+        let Some(relay) = relays.iter().find_map(|(_, open)| open.relay()) else {
+            let message = "this daemon is on no middleware that passes requests on";
+            return Err(RpcError::conflict("no_relay", message)
+                .help("start it with `--backend zenoh`, or load a component there"));
+        };
+        ask(relay, &name).map_err(|error| {
+            let message = error.to_string();
+            match error {
+                AskError::Unknown { .. } => {
+                    let shown = relay.daemons().unwrap_or_default();
+                    let names = shown.iter().map(String::as_str);
+                    RpcError::unknown("no_such_daemon", "no daemon", &name, names)
+                }
+                _ => RpcError::new(StatusCode::BAD_GATEWAY, "daemon_silent", message),
+            }
+        })
+    };
+    tokio::task::spawn_blocking(work)
+        .await
+        .map_err(|error| RpcError::internal(error.to_string()))?
+}

@@ -1,0 +1,372 @@
+//! Sessions with clients of other daemons, who proved that they hold a token.
+//!
+//! A hello costs no memory: what it is answered with, the cookie, says when that was and that it
+//! was this daemon. A session begins with the first question whose code is right.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use genom_proof::message::{FromDaemon, Hello, SealedQuestion};
+use genom_proof::{Bytes, Handshake, Keys, NONCE, Token, Window, random};
+
+use super::streams::Streams;
+use crate::rpc::holder::Holder;
+use crate::rpc::tokens::{Known, Tokens};
+
+/// A cookie that is older begins no session. Sessions stay as long at least, so that no cookie
+/// begins two.
+const FRESH: Duration = Duration::from_secs(10);
+
+/// Sessions of one token; then those that were idle longest give way.
+const MOST: usize = 256;
+
+/// A session that asks nothing for so long is forgotten. Clients begin another one before that.
+const IDLE: Duration = Duration::from_secs(600);
+
+/// Questions of one session under way at a time.
+const AT_A_TIME: usize = 64;
+
+/// Why a message is not listened to, as it is told: who asks has proved nothing yet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum Refused {
+    /// A hello by nobody known.
+    #[error("this token is not known here")]
+    Token,
+    /// A hello to another daemon.
+    #[error("this daemon has another name")]
+    Name,
+    /// A question in a session that never was, or is over.
+    #[error("this session is over: the daemon was restarted, or nothing was asked for long")]
+    Session,
+    /// The code is wrong.
+    #[error("the request was changed on its way")]
+    Code,
+    /// The question came before.
+    #[error("this request came before")]
+    Replayed,
+    /// Too many sessions or questions of this token.
+    #[error("too much of this token is under way: wait for answers")]
+    Busy,
+    /// The system gives no random bytes.
+    #[error("the daemon has no random numbers")]
+    Random,
+}
+
+impl Refused {
+    /// Stable name of the reason.
+    pub(super) fn code(self) -> &'static str {
+        match self {
+            Self::Token => "unauthorized",
+            Self::Name => "no_such_daemon",
+            Self::Session => "session_over",
+            Self::Code => "changed",
+            Self::Replayed => "replayed",
+            Self::Busy => "busy",
+            Self::Random => "internal",
+        }
+    }
+}
+
+/// A client that proved itself.
+pub(super) struct Session {
+    /// Name of the token, to count sessions by.
+    token: String,
+    /// The token itself: another one may have its name later.
+    key: Token,
+    keys: Keys,
+    state: Mutex<State>,
+    /// Its streams, which nobody else can ask for.
+    pub(super) streams: Arc<Streams>,
+    born: Instant,
+}
+
+struct State {
+    window: Window,
+    used: Instant,
+    holder: Holder,
+    /// The token file as it was when the holder was looked up.
+    generation: u64,
+}
+
+/// A question that comes from whom it says; the session is not forgotten meanwhile.
+pub(super) struct Admitted {
+    pub(super) session: Arc<Session>,
+    pub(super) holder: Holder,
+    pub(super) number: u64,
+}
+
+impl Admitted {
+    /// The answer, as it is sent.
+    pub(super) fn seal(&self, answer: &[u8]) -> Vec<u8> {
+        let mac = self.session.keys.answer(self.number, answer);
+        genom_proof::message::encode(&FromDaemon::Sealed { mac }, answer)
+    }
+}
+
+/// The sessions of a daemon under one name.
+pub(super) struct Sessions {
+    tokens: Arc<Tokens>,
+    name: String,
+    at: String,
+    /// What cookies are made with.
+    secret: Token,
+    begin: Instant,
+    open: Mutex<HashMap<[u8; NONCE], Arc<Session>>>,
+}
+
+impl Sessions {
+    /// None yet. `at` is the end of the middleware that this daemon is.
+    pub(super) fn new(tokens: Arc<Tokens>, name: &str, at: String) -> std::io::Result<Self> {
+        Ok(Self {
+            tokens,
+            name: name.to_owned(),
+            at,
+            secret: Token::new(&Bytes(random::<32>()?).to_string()),
+            begin: Instant::now(),
+            open: Mutex::default(),
+        })
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<[u8; NONCE], Arc<Session>>> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Answers a hello: proves that this daemon holds the token.
+    pub(super) fn greet(&self, hello: &Hello) -> Result<FromDaemon, Refused> {
+        // Never for another name: a client that means it would be led to this daemon.
+        if hello.daemon != self.name {
+            return Err(Refused::Name);
+        }
+        let nonce = hello.nonce.0;
+        let known = self.tokens.hinted(&nonce, &hello.hint).ok_or(Refused::Token)?;
+        let mut cookie = [0; NONCE];
+        let (time, rest) = cookie.split_at_mut(8);
+        time.copy_from_slice(&self.now().to_be_bytes());
+        let (salt, _) = rest.split_at_mut(8);
+        salt.copy_from_slice(&random::<8>().map_err(|_| Refused::Random)?);
+        self.sign(&mut cookie, &nonce);
+        let keys = known.key.keys(&self.handshake(&nonce, &cookie));
+        Ok(FromDaemon::Hello { at: self.at.clone(), cookie: Bytes(cookie), proof: keys.proof() })
+    }
+
+    fn handshake<'a>(&'a self, nonce: &'a [u8; NONCE], cookie: &'a [u8; NONCE]) -> Handshake<'a> {
+        Handshake { daemon: &self.name, at: &self.at, nonce, cookie }
+    }
+
+    /// Milliseconds that this daemon has been there.
+    fn now(&self) -> u64 {
+        u64::try_from(self.begin.elapsed().as_millis()).unwrap_or(u64::MAX)
+    }
+
+    /// Fills in the second half of a cookie, which only this daemon can make of the first.
+    fn sign(&self, cookie: &mut [u8; NONCE], nonce: &[u8; NONCE]) {
+        let mut first = *cookie;
+        first[16..].fill(0);
+        let of = Handshake { daemon: "cookie", at: "", nonce, cookie: &first };
+        let code = self.secret.keys(&of).proof().0;
+        cookie[16..].copy_from_slice(&code[..16]);
+    }
+
+    /// Whether this daemon gave that cookie for that nonce a moment ago.
+    fn fresh(&self, cookie: &[u8; NONCE], nonce: &[u8; NONCE]) -> bool {
+        let mut signed = *cookie;
+        self.sign(&mut signed, nonce);
+        let genuine: bool = subtle::ConstantTimeEq::ct_eq(&signed[..], &cookie[..]).into();
+        let mut time = [0; 8];
+        time.copy_from_slice(&cookie[..8]);
+        let age = self.now().checked_sub(u64::from_be_bytes(time));
+        genuine && age.is_some_and(|age| Duration::from_millis(age) < FRESH)
+    }
+
+    /// The session of a question, which is there or begins; the question counts as asked.
+    pub(super) fn admit(&self, head: &SealedQuestion, body: &[u8]) -> Result<Admitted, Refused> {
+        let found = self.lock().get(&head.cookie.0).cloned();
+        let session = match found {
+            Some(session) => session,
+            None => self.begun(head, body)?,
+        };
+        if !session.keys.is_request(head.number, body, &head.mac) {
+            return Err(Refused::Code);
+        }
+        // The list has one, this is another, each question under way a third.
+        if Arc::strong_count(&session) > AT_A_TIME + 2 {
+            return Err(Refused::Busy);
+        }
+        let mut state = session.state.lock().unwrap_or_else(PoisonError::into_inner);
+        if !state.window.take(head.number) {
+            return Err(Refused::Replayed);
+        }
+        state.used = Instant::now();
+        let generation = self.tokens.generation();
+        if state.generation != generation {
+            // The token file was read again: the token may have other rights, or be gone.
+            let Some(Known { holder, .. }) = self.tokens.same(&session.key) else {
+                // Not under the lock of the state: the list is locked first elsewhere.
+                drop(state);
+                self.lock().remove(&head.cookie.0);
+                return Err(Refused::Token);
+            };
+            state.holder = holder;
+            state.generation = generation;
+        }
+        let holder = state.holder.clone();
+        drop(state);
+        Ok(Admitted { session, holder, number: head.number })
+    }
+
+    /// A session that begins with this question.
+    fn begun(&self, head: &SealedQuestion, body: &[u8]) -> Result<Arc<Session>, Refused> {
+        let (nonce, cookie) = (&head.nonce.0, &head.cookie.0);
+        if !self.fresh(cookie, nonce) {
+            return Err(Refused::Session);
+        }
+        let generation = self.tokens.generation();
+        let known = self.tokens.hinted(nonce, &head.hint).ok_or(Refused::Token)?;
+        let keys = known.key.keys(&self.handshake(nonce, cookie));
+        // Before anything is kept of it.
+        if !keys.is_request(head.number, body, &head.mac) {
+            return Err(Refused::Code);
+        }
+        let now = Instant::now();
+        let mut open = self.lock();
+        if let Some(session) = open.get(cookie) {
+            return Ok(Arc::clone(session));
+        }
+        make_room(&mut open, &known.holder.who, now)?;
+        let session = Arc::new(Session {
+            token: known.holder.who.clone(),
+            key: known.key,
+            keys,
+            state: Mutex::new(State {
+                window: Window::default(),
+                used: now,
+                holder: known.holder,
+                generation,
+            }),
+            streams: Arc::default(),
+            born: now,
+        });
+        open.insert(*cookie, Arc::clone(&session));
+        Ok(session)
+    }
+}
+
+/// Forgets sessions that ask nothing any more; refused when all of this token are needed.
+fn make_room(
+    open: &mut HashMap<[u8; NONCE], Arc<Session>>,
+    token: &str,
+    now: Instant,
+) -> Result<(), Refused> {
+    let used =
+        |session: &Session| session.state.lock().unwrap_or_else(PoisonError::into_inner).used;
+    open.retain(|_, session| {
+        Arc::strong_count(session) > 1 || now.duration_since(used(session)) < IDLE
+    });
+    let of_token = open.values().filter(|session| session.token == token).count();
+    if of_token < MOST {
+        return Ok(());
+    }
+    let idle = open.iter().filter(|(_, session)| {
+        session.token == token
+            && Arc::strong_count(session) == 1
+            && now.duration_since(session.born) >= FRESH
+    });
+    let oldest = idle.min_by_key(|(_, session)| used(session)).map(|(cookie, _)| *cookie);
+    open.remove(&oldest.ok_or(Refused::Busy)?);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use genom_proof::message::{ToDaemon, decode, encode};
+    use genom_proof::{Greeting, Session as Client};
+
+    const TEXT: &str = "0123456789abcdef0123456789abcdef";
+
+    fn sessions(text: &str) -> Sessions {
+        Sessions::new(Tokens::of("dashboard", text), "robot", "1f".to_owned()).unwrap()
+    }
+
+    fn hello(message: &[u8]) -> Hello {
+        match decode::<ToDaemon>(message).unwrap().0 {
+            ToDaemon::Hello(hello) => hello,
+            ToDaemon::Sealed(_) => panic!("no hello"),
+        }
+    }
+
+    fn met(sessions: &Sessions) -> Client {
+        let greeting = Greeting::new(&Token::new(TEXT), "robot").unwrap();
+        let answer = sessions.greet(&hello(&greeting.message())).unwrap();
+        greeting.meet(&[("1f".to_owned(), encode(&answer, &[]))]).unwrap()
+    }
+
+    fn admit(sessions: &Sessions, message: &[u8]) -> Result<Admitted, Refused> {
+        let (head, body) = decode::<ToDaemon>(message).unwrap();
+        match head {
+            ToDaemon::Sealed(head) => sessions.admit(&head, body),
+            ToDaemon::Hello(_) => panic!("no question"),
+        }
+    }
+
+    fn refused(sessions: &Sessions, message: &[u8]) -> Refused {
+        admit(sessions, message).err().expect("it is refused")
+    }
+
+    #[test]
+    fn a_question_is_good_once_and_unchanged() {
+        let sessions = sessions(TEXT);
+        let client = met(&sessions);
+        assert!(sessions.lock().is_empty(), "a hello costs no memory");
+        let (number, first) = client.seal(b"one");
+        let admitted = admit(&sessions, &first).ok().expect("it is admitted");
+        assert_eq!(admitted.holder.who, "token dashboard");
+        assert_eq!(client.open(number, &admitted.seal(b"yes")).unwrap(), b"yes");
+        assert_eq!(refused(&sessions, &first), Refused::Replayed);
+        let (_, mut second) = client.seal(b"two");
+        *second.last_mut().unwrap() ^= 1;
+        assert_eq!(refused(&sessions, &second), Refused::Code);
+        *second.last_mut().unwrap() ^= 1;
+        assert!(admit(&sessions, &second).is_ok());
+        // To another daemon with the same token it is nothing.
+        assert_eq!(refused(&super::tests::sessions(TEXT), &client.seal(b"x").1), Refused::Session);
+    }
+
+    #[test]
+    fn the_first_question_does_not_begin_a_session_twice() {
+        let sessions = sessions(TEXT);
+        let (_, first) = met(&sessions).seal(b"start the motor");
+        assert!(admit(&sessions, &first).is_ok());
+        // Whatever becomes of the session, its cookie is old before it is forgotten.
+        let (head, _) = decode::<ToDaemon>(&first).unwrap();
+        let ToDaemon::Sealed(head) = head else { panic!() };
+        let full =
+            || (0..MOST).filter_map(|_| admit(&sessions, &met(&sessions).seal(b"x").1).err());
+        assert_eq!(full().last(), Some(Refused::Busy));
+        assert!(sessions.lock().contains_key(&head.cookie.0));
+        assert_eq!(refused(&sessions, &first), Refused::Replayed);
+    }
+
+    #[test]
+    fn who_has_another_token_or_means_another_daemon_learns_nothing() {
+        let sessions = sessions("00000000000000000000000000000000");
+        let greeting = |name| Greeting::new(&Token::new(TEXT), name).unwrap().message();
+        let refused = |name| sessions.greet(&hello(&greeting(name))).err().unwrap();
+        assert_eq!(refused("robot"), Refused::Token);
+        assert_eq!(refused("arm"), Refused::Name);
+    }
+
+    #[test]
+    fn a_made_up_cookie_begins_nothing() {
+        let sessions = sessions(TEXT);
+        let greeting = Greeting::new(&Token::new(TEXT), "robot").unwrap();
+        let nonce = hello(&greeting.message()).nonce.0;
+        let cookie = [0; NONCE];
+        let of = Handshake { daemon: "robot", at: "1f", nonce: &nonce, cookie: &cookie };
+        let proof = Token::new(TEXT).keys(&of).proof();
+        let answer = FromDaemon::Hello { at: "1f".into(), cookie: Bytes(cookie), proof };
+        let client = greeting.meet(&[("1f".to_owned(), encode(&answer, &[]))]).unwrap();
+        assert_eq!(self::refused(&sessions, &client.seal(b"x").1), Refused::Session);
+    }
+}

@@ -1,0 +1,100 @@
+//! Slots for what is held open, such as streams: each holder has a share of them, and the
+//! daemon's own user has his own, which nobody else can fill.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Who takes slots.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Share {
+    /// Whoever comes by the Unix socket.
+    Own,
+    /// Whoever has this token, or a certificate.
+    Of(String),
+}
+
+/// A number of slots for the daemon's user, and as many for all others together.
+#[derive(Debug)]
+pub(crate) struct Slots {
+    /// For the daemon's user; and for all others.
+    most: usize,
+    /// For each of the others.
+    each: usize,
+    taken: Mutex<HashMap<Share, usize>>,
+}
+
+/// No slot is left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Full {
+    /// All are taken: so many.
+    All(usize),
+    /// This holder has taken its share: so many.
+    Share(usize),
+}
+
+/// A slot; free again when it is dropped.
+#[derive(Debug)]
+pub(crate) struct Slot {
+    of: Share,
+    slots: Arc<Slots>,
+}
+
+impl Slots {
+    pub(crate) fn new(most: usize, each: usize) -> Arc<Self> {
+        Arc::new(Self { most, each, taken: Mutex::default() })
+    }
+
+    /// Takes a slot.
+    pub(crate) fn take(self: &Arc<Self>, of: Share) -> Result<Slot, Full> {
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        let own = taken.get(&of).copied().unwrap_or_default();
+        let together: usize = match of {
+            Share::Own => own,
+            Share::Of(_) => {
+                taken.iter().filter(|(of, _)| **of != Share::Own).map(|(_, count)| count).sum()
+            }
+        };
+        if together >= self.most {
+            return Err(Full::All(self.most));
+        }
+        if of != Share::Own && own >= self.each {
+            return Err(Full::Share(self.each));
+        }
+        taken.insert(of.clone(), own + 1);
+        Ok(Slot { of, slots: Arc::clone(self) })
+    }
+}
+
+impl Drop for Slot {
+    fn drop(&mut self) {
+        let mut taken = self.slots.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(count) = taken.get_mut(&self.of) {
+            *count -= 1;
+            if *count == 0 {
+                taken.remove(&self.of);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nobody_takes_anothers_share() {
+        let slots = Slots::new(3, 2);
+        let of = |name: &str| Share::Of(name.to_owned());
+        let held = [slots.take(of("a")).unwrap(), slots.take(of("a")).unwrap()];
+        assert_eq!(slots.take(of("a")).unwrap_err(), Full::Share(2));
+        let other = slots.take(of("b")).unwrap();
+        assert_eq!(slots.take(of("b")).unwrap_err(), Full::All(3));
+        // The daemon's user has all of his.
+        let own: Vec<_> = (0..3).map(|_| slots.take(Share::Own).unwrap()).collect();
+        assert_eq!(slots.take(Share::Own).unwrap_err(), Full::All(3));
+        drop((held, other));
+        assert!(slots.take(of("b")).is_ok());
+        drop(own);
+        assert!(slots.taken.lock().unwrap().is_empty(), "what is free is forgotten");
+    }
+}
