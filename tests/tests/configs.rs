@@ -22,7 +22,7 @@ fn two_machines_take_their_parts_of_one_file() {
         let mut arguments = vec!["--daemon", daemon, "--path", folder.as_str()];
         if daemon == "station" {
             arguments.extend(["--set", "backends.zenoh.listen=[]"]);
-            arguments.extend(["--set", "backends.zenoh.connect=[\"tcp/192.168.1.10:7447\"]"]);
+            arguments.extend(["--set", "backends.zenoh.connect=[\"tls/192.168.1.10:7447\"]"]);
         }
         let checked = home.refused(&[&arguments[..], &["--check"]].concat());
         checked.expect_code(0);

@@ -135,6 +135,8 @@ struct ZenohOptions {
     prefix: String,
     config: Option<PathBuf>,
     tls: ZenohTls,
+    /// Whether anybody may come in from other machines.
+    insecure: bool,
     /// Keys of zenoh's own configuration.
     set: toml::Table,
 }
@@ -167,6 +169,7 @@ impl Default for ZenohOptions {
             prefix: String::new(),
             config: None,
             tls: ZenohTls::default(),
+            insecure: false,
             set: toml::Table::new(),
         }
     }
@@ -175,7 +178,7 @@ impl Default for ZenohOptions {
 impl From<ZenohOptions> for genom_zenoh::Options {
     fn from(options: ZenohOptions) -> Self {
         let ZenohOptions { mode, rendezvous, listen, connect, prefix, .. } = options;
-        let ZenohOptions { config, tls, set, .. } = options;
+        let ZenohOptions { config, tls, set, insecure, .. } = options;
         let ZenohTls { authority, certificate, key, mutual } = tls;
         Self {
             mode: match mode {
@@ -189,6 +192,7 @@ impl From<ZenohOptions> for genom_zenoh::Options {
             prefix,
             config_file: config,
             tls: genom_zenoh::Tls { authority, certificate, key, mutual },
+            insecure,
             // JSON is JSON5, and a value of TOML is one of JSON.
             set: set.into_iter().map(|(key, value)| (key, json(value))).collect(),
         }

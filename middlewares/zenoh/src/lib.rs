@@ -37,6 +37,7 @@ mod inbox;
 mod keys;
 mod options;
 mod ports;
+mod reach;
 mod relay;
 mod rendezvous;
 mod service;

@@ -1,9 +1,11 @@
 //! What the user may choose, and the zenoh configuration it gives.
 
+use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
 use zenoh::Config;
 
+use crate::reach;
 use crate::rendezvous;
 
 /// What the session is among others.
@@ -39,6 +41,8 @@ pub struct Options {
     pub set: Vec<(String, String)>,
     /// For endpoints `tls/HOST:PORT`.
     pub tls: Tls,
+    /// Whether anybody may come in from other machines: who reaches a session calls services.
+    pub insecure: bool,
 }
 
 /// Certificates of a session, in PEM files.
@@ -66,6 +70,7 @@ impl Default for Options {
             config_file: None,
             set: Vec::new(),
             tls: Tls::default(),
+            insecure: false,
         }
     }
 }
@@ -102,6 +107,16 @@ pub enum SessionError {
         /// Why.
         source: std::io::Error,
     },
+    /// Others could read the private key.
+    #[error("others may read the key for TLS, {0}: `chmod 600 {0}`")]
+    OpenKey(PathBuf),
+    /// Anybody on the network could come in.
+    #[error(
+        "{0}, who may then call services and write ports: listen on tls/ with `mutual = true` and \
+         certificates ([backends.zenoh.tls]), or on 127.0.0.1; or write `insecure = true` where \
+         the network is yours alone"
+    )]
+    Insecure(String),
     /// A certificate without its key, or the other way round.
     #[error("TLS needs `certificate` and `key` together")]
     HalfTls,
@@ -181,7 +196,10 @@ impl Options {
         for (key, value) in &self.set {
             insert(&mut config, key, value)?;
         }
-        Ok(config)
+        match reach::open_to_all(&config).filter(|_| !self.insecure) {
+            Some(open) => Err(SessionError::Insecure(open.0)),
+            None => Ok(config),
+        }
     }
 
     /// The folder to meet in, when all that this session reaches is there: who meets them there
@@ -207,8 +225,11 @@ impl Tls {
         // zenoh does not open a file before it connects, and then only says that it cannot.
         for (what, path) in [("authority", authority), ("certificate", certificate), ("key", key)] {
             let Some(path) = path else { continue };
-            if let Err(source) = std::fs::read(path) {
-                return Err(SessionError::Tls { what, path: path.clone(), source });
+            let read = std::fs::File::open(path).and_then(|file| file.metadata());
+            let found =
+                read.map_err(|source| SessionError::Tls { what, path: path.clone(), source })?;
+            if what == "key" && found.mode() & 0o077 != 0 {
+                return Err(SessionError::OpenKey(path.clone()));
             }
         }
         for (name, path) in [
@@ -260,8 +281,13 @@ mod tests {
             set: vec![(key.to_owned(), value.to_owned())],
             ..Options::default()
         };
-        let config = set("scouting/multicast/enabled", "true").to_zenoh(None, &[]).unwrap();
-        assert_eq!(config.get_json("scouting/multicast/enabled").unwrap(), "true");
+        let config = set("scouting/gossip/enabled", "true").to_zenoh(None, &[]).unwrap();
+        assert_eq!(config.get_json("scouting/gossip/enabled").unwrap(), "true");
+        // What lets anybody in has to be asked for twice.
+        let open = set("scouting/multicast/enabled", "true");
+        let refused = open.to_zenoh(None, &[]).unwrap_err().to_string();
+        assert!(refused.contains("insecure = true"), "{refused}");
+        assert!(Options { insecure: true, ..open }.to_zenoh(None, &[]).is_ok());
         for (key, value) in [("no/such/key", "1"), ("mode", "\"king\""), ("mode", "{")] {
             let error = set(key, value).to_zenoh(None, &[]).unwrap_err().to_string();
             assert!(error.contains(key), "{error}");
@@ -273,7 +299,12 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("zenoh.json5");
         let options = Options { config_file: Some(path.clone()), ..Options::default() };
-        std::fs::write(&path, "{ mode: 'client', connect: { endpoints: ['tcp/x:1'] } }").unwrap();
+        std::fs::write(
+            &path,
+            "{ mode: 'client', connect: { endpoints: ['tcp/x:1'] }, \
+             listen: { endpoints: [] }, scouting: { multicast: { enabled: false } } }",
+        )
+        .unwrap();
         let config = options.to_zenoh(None, &[]).unwrap();
         assert_eq!(config.get_json("connect/endpoints").unwrap(), r#"["tcp/x:1"]"#);
         assert_eq!(options.meeting(), None);

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "test code that stands outside of test functions")]
 
 use std::fs;
+use std::os::unix::fs::PermissionsExt as _;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -56,6 +57,7 @@ impl Authority {
         });
         fs::write(&shown, certificate.pem()).unwrap();
         fs::write(&private, key.serialize_pem()).unwrap();
+        fs::set_permissions(&private, fs::Permissions::from_mode(0o600)).unwrap();
         Tls { certificate: Some(shown), key: Some(private), ..self.trust() }
     }
 
@@ -133,4 +135,8 @@ fn files_that_are_not_there_are_named() {
     let half = Tls { certificate: authority.sign("x").certificate, ..Tls::default() };
     let told = refusal(client("127.0.0.1", half));
     assert!(told.contains("`key`"), "{told}");
+    let whole = authority.sign("y");
+    fs::set_permissions(whole.key.as_ref().unwrap(), fs::Permissions::from_mode(0o644)).unwrap();
+    let told = refusal(client("127.0.0.1", whole));
+    assert!(told.contains("others may read the key") && told.contains("chmod 600"), "{told}");
 }

@@ -51,6 +51,9 @@ struct Service {
     interrupts: Vec<String>,
     #[serde(default)]
     standard: bool,
+    /// The middlewares that it is offered on, if the daemon tells.
+    #[serde(default)]
+    served: Option<Vec<String>>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -86,6 +89,20 @@ fn render(reply: &Reply) -> String {
     let mut out = format!("{} ({} {})\n", reply.name, reply.component, reply.version);
     push_doc(&mut out, "  ", reply.doc.as_deref());
     out.push_str(&format!("  backend {}, library {}\n", reply.backend, reply.library));
+    for backend in reply.backend.split('+') {
+        let there = |served: &Vec<String>| served.iter().any(|on| on == backend);
+        let absent = reply.services.iter();
+        let absent = absent.filter(|one| one.served.as_ref().is_some_and(|on| !there(on)));
+        let absent: Vec<_> = absent.map(|service| service.name.as_str()).collect();
+        if !absent.is_empty() {
+            let what = if absent.len() == reply.services.len() {
+                "no service".to_owned()
+            } else {
+                format!("all services but {}", absent.join(", "))
+            };
+            out.push_str(&format!("  {backend} has {what}\n"));
+        }
+    }
     for task in &reply.tasks {
         match task.period {
             Some(period) => out.push_str(&format!("task {} every {period} s\n", task.name)),

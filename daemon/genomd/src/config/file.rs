@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::error::ConfigError;
+use super::offers::Offers;
 use super::rpc::Rpc;
 use super::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, overrides};
 use crate::cli::{Cli, ClockKind};
@@ -36,6 +37,8 @@ pub(crate) struct Config {
     pub(crate) stop_timeout: u64,
     /// The control plane.
     pub(crate) rpc: Rpc,
+    /// Which services are offered on which middlewares.
+    pub(crate) services: Offers,
     /// What is told to others of what services do.
     pub(crate) telemetry: Telemetry,
     /// Options of middlewares, by name: each knows its own.
@@ -95,6 +98,7 @@ impl Default for Config {
             start_timeout: 60,
             stop_timeout: 10,
             rpc: Rpc::default(),
+            services: Offers::default(),
             telemetry: Telemetry::default(),
             backends: BTreeMap::new(),
             component: Vec::new(),

@@ -5,6 +5,7 @@ mod component;
 mod deployment;
 mod error;
 mod file;
+mod offers;
 mod overrides;
 pub(crate) mod place;
 pub(crate) mod policy;
@@ -23,6 +24,7 @@ pub(crate) use component::LoadRequest;
 pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
 pub(crate) use error::ConfigError;
 pub(crate) use file::Config;
+pub(crate) use offers::Offers;
 pub(crate) use qos::QosEntry;
 pub(crate) use right::Right;
 pub(crate) use rpc::{RpcSettings, Tls};
@@ -64,6 +66,8 @@ pub(crate) struct Settings {
     pub(crate) collector: Option<Collector>,
     /// The control plane.
     pub(crate) rpc: RpcSettings,
+    /// Which services are offered on which middlewares.
+    pub(crate) offers: Offers,
 }
 
 /// The command line contradicts itself or the configuration.
@@ -87,6 +91,12 @@ pub(crate) enum UsageError {
     /// Nobody could come in, not even to stop it.
     #[error("rpc.max_connections = 0: the daemon would answer nobody; one at least")]
     NoConnections,
+    /// A pattern of `[services]` that nothing is like.
+    #[error(
+        "[services]: `{0}` is no pattern of services: write BACKEND:COMPONENT/SERVICE or \
+         COMPONENT/SERVICE, with * for anything, such as zenoh:*/kill"
+    )]
+    Offer(String),
     /// `telemetry.otlp` is no place to send to.
     #[error("{0}")]
     Collector(String),
@@ -97,6 +107,7 @@ impl Settings {
     pub(crate) fn new(cli: Cli, config: Config) -> Result<Self, UsageError> {
         let config = config.over(&cli);
         let rpc = RpcSettings::new(config.rpc.clone())?;
+        config.services.check()?;
         let mut components: Vec<_> = cli
             .components
             .into_iter()
@@ -132,6 +143,7 @@ impl Settings {
             start_timeout: Duration::from_secs(config.start_timeout),
             stop_timeout: Duration::from_secs(config.stop_timeout),
             rpc,
+            offers: config.services,
         })
     }
 }

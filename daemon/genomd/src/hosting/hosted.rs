@@ -42,8 +42,8 @@ pub(crate) enum Answer {
     Gone,
 }
 
-/// Services of one component, by middleware.
-pub(crate) type ServedOn = Vec<(String, Vec<Box<dyn Served>>)>;
+/// Services of one component, each by its rank, by middleware.
+pub(crate) type ServedOn = Vec<(String, Vec<(usize, Box<dyn Served>)>)>;
 
 /// A component that runs.
 pub(crate) struct Hosted {
@@ -129,6 +129,13 @@ impl Hosted {
         drop(all);
         // Closed after the others are there, and without holding anybody up.
         drop(gone);
+    }
+
+    /// The middlewares that a service is offered on.
+    pub(crate) fn served_on(&self, service: usize) -> Vec<String> {
+        let all = self.served.lock().unwrap_or_else(PoisonError::into_inner);
+        let there = all.iter().filter(|(_, served)| served.iter().any(|(one, _)| *one == service));
+        there.map(|(name, _)| name.clone()).collect()
     }
 
     /// The component's description.

@@ -85,7 +85,8 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Components> 
 
 /// Describe a component: what it is, and all its description says.
 ///
-/// Beside the members below: `tasks`, `ports`, `services`, `remotes`, `events`, `throws`, `doc`
+/// `served` of a service names the middlewares that it is offered on (`[services]` of the daemon's
+/// configuration). Beside the members below: `tasks`, `ports`, `services`, `remotes`, `events`, `throws`, `doc`
 /// and more, as `genomctl describe` prints them.
 #[utoipa::path(
     get,
@@ -101,6 +102,9 @@ pub(crate) async fn describe(
     let hosted = find(&daemon, &component)?;
     // The description as every tool shows it, and over it what is this instance's own.
     let mut reply = tools::describe(hosted.specification(), hosted.model());
+    for (index, service) in reply["services"].as_array_mut().into_iter().flatten().enumerate() {
+        service["served"] = hosted.served_on(index).into();
+    }
     let own = serde_json::to_value(summary(&hosted));
     if let (Value::Object(reply), Ok(Value::Object(own))) = (&mut reply, own) {
         reply.extend(own);

@@ -81,6 +81,7 @@ pub(crate) async fn describe(
     let index = find(&hosted, &service)?;
     let mut component = tools::describe(hosted.specification(), hosted.model());
     let mut described = component["services"][index].take();
+    described["served"] = hosted.served_on(index).into();
     let [input, output] = tools::service_schemas(hosted.specification(), hosted.model(), index);
     described["input_schema"] = input;
     described["output_schema"] = output;

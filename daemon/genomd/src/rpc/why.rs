@@ -161,7 +161,15 @@ fn of_remote(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
         return Vec::new();
     }
     let what = format!("nobody provides {} {place}", made.service);
-    vec![finding(what, "start its component; the connection is still there")]
+    let fix = match &made.backend {
+        None => "start its component; the connection is still there",
+        // What is not offered looks from here like what is not there.
+        Some(_) => {
+            "start its component; the connection is still there. If it runs, `genomctl info` there \
+             tells what [services] of its daemon's configuration offers"
+        }
+    };
+    vec![finding(what, fix)]
 }
 
 /// Ends that are there and do not meet, on the middlewares in use.

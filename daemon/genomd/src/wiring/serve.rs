@@ -23,7 +23,9 @@ pub(crate) fn serve_on(
     let mut all = Vec::with_capacity(names.len());
     for name in names {
         let middleware = daemon.backends.get(name)?;
-        all.push((name.clone(), serve(hosted, &middleware).map_err(Box::new)?));
+        let offers = |service: &str| daemon.settings.offers.offers(name, &hosted.name, service);
+        let served = serve(hosted, &middleware, offers).map_err(Box::new)?;
+        all.push((name.clone(), served));
     }
     Ok(all)
 }
@@ -31,16 +33,21 @@ pub(crate) fn serve_on(
 fn serve(
     hosted: &Arc<Hosted>,
     middleware: &Arc<dyn Middleware>,
-) -> Result<Vec<Box<dyn Served>>, OpenError> {
+    offers: impl Fn(&str) -> bool,
+) -> Result<Vec<(usize, Box<dyn Served>)>, OpenError> {
     let mut served = Vec::new();
     for (index, service) in hosted.model().services.iter().enumerate() {
+        // Not declared at all: a call finds nobody, as if the component had no such service.
+        if !offers(&service.name) {
+            continue;
+        }
         let compiled = &hosted.plan().services()[index];
         let (input, output) = (compiled.input.clone(), compiled.output.clone());
         let ty =
             ServiceType::new(kind_of(service.kind), input, output).described(&service.call_digest);
         let handler = Arc::new(Handler { hosted: Arc::downgrade(hosted), service: index });
         match middleware.serve(&hosted.address(&service.name, None), &ty, handler) {
-            Ok(one) => served.push(one),
+            Ok(one) => served.push((index, one)),
             // The control plane serves it all the same.
             Err(OpenError::Unsupported { why, .. }) => {
                 tracing::debug!("{}/{}: {why}", hosted.name, service.name);
