@@ -11,7 +11,8 @@ use std::path::Path;
 
 use genom_tests::{Daemon, Home, WATCHDOG, component, path, request, until};
 
-const TOKENS: [(&str, &str); 3] = [("reader", "read"), ("driver", "call"), ("boss", "admin")];
+const TOKENS: [(&str, &str); 3] =
+    [("reader", "read"), ("driver", "read\", \"call"), ("boss", "admin")];
 
 fn secret(name: &str) -> String {
     format!("{name}-0123456789abcdef0123456789abcdef")

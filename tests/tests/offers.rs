@@ -74,16 +74,16 @@ fn the_configuration_says_what_is_offered_where() {
 
 #[test]
 fn zenoh_lets_nobody_in_from_the_network_unless_that_is_written_twice() {
-    for (setting, what) in [
-        ("backends.zenoh.listen=[\"tcp/0.0.0.0:0\"]", "`tcp/0.0.0.0:0` lets in whoever"),
-        ("backends.zenoh.listen=[\"tls/0.0.0.0:0\"]", "`tls/0.0.0.0:0` lets in whoever"),
-        ("backends.zenoh.set.\"scouting/multicast/enabled\"=true", "scouting/multicast connects"),
-    ] {
-        let home = Home::new();
-        let arguments = ["--backend", "zenoh", "--set", setting];
-        let refused = home.refused(&arguments);
+    let refused = |home: &Home, listen: &str, what: &str| {
+        let listen = format!("backends.zenoh.listen=[{listen:?}]");
+        let refused = home.refused(&["--backend", "zenoh", "--set", &listen]);
         refused.expect_code(3).expect_err(what).expect_err("insecure = true");
+    };
+    for open in ["tcp/0.0.0.0:0", "tls/0.0.0.0:0", "udp/[::]:0"] {
+        refused(&Home::new(), open, &format!("`{open}` lets in whoever reaches it"));
     }
+    let set = "[backends.zenoh.set]\n\"scouting/multicast/enabled\" = true\n";
+    refused(&Home::new().configured(set), "tcp/127.0.0.1:0", "scouting/multicast connects");
     let home = Home::new();
     let listen = "backends.zenoh.listen=[\"tcp/0.0.0.0:0\"]";
     let daemon = home.start(&[

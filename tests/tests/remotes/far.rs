@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use genom_tests::{Daemon, Finished, Home, Memory, WATCHDOG};
+use genom_tests::{Daemon, Finished, Home, Memory, WATCHDOG, component, path};
 use tempfile::TempDir;
 
 use super::make;
@@ -110,8 +110,10 @@ fn refuses(backend: &'static str) {
     refused.expect_code(1).expect_err("no_such_service").expect_err(&format!("on {backend}"));
     refused.expect_err("did you mean `provider/add`?");
     // genom3.md 4.9: both are named, with their digests.
-    let refused = pair.connect_when_there("caller/add", "provider/kill");
-    refused.expect_code(1).expect_err("add of interface adder").expect_err("::provider::kill");
+    let demo = component("demo");
+    pair.provider.as_ref().unwrap().ctl(&["load", path(&demo.library)]).expect_code(0);
+    let refused = pair.connect_when_there("caller/add", "demo/reset");
+    refused.expect_code(1).expect_err("add of interface adder").expect_err("::demo::reset");
     refused.expect_err("digest").expect_err("make the two .gen interfaces equal");
     // What was there before still is.
     pair.ask("1").expect_code(0).expect_out("sum = 3\n");

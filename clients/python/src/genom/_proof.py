@@ -7,7 +7,7 @@ import hmac
 import json
 import os
 import threading
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 from .errors import DaemonError
 
@@ -111,7 +111,7 @@ class Greeting:
             )
         return session
 
-    def _examine(self, source: str, message: bytes) -> Tuple[Any, str]:
+    def _examine(self, source: str, message: bytes) -> Tuple[Optional["Session"], str]:
         head, _ = decode(message)
         if "refused" in head:
             return None, "does not know your token"
