@@ -4,14 +4,16 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use genom_middleware::{Address, OpenError};
-use iceoryx2::prelude::Node;
 
 use crate::error::failed;
-use crate::raw::Ipc;
+use crate::ground::Ground;
 use crate::room;
 
 /// How long others may take to finish what they are doing to a service.
 const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Those who are at it and live have done by then.
+const SOON: Duration = Duration::from_millis(200);
 
 /// How an attempt to open or to create a service ended, if not in vain.
 pub(crate) enum Attempt<S> {
@@ -27,29 +29,30 @@ pub(crate) enum Attempt<S> {
 
 /// Opens, or creates, again and again until one of it works.
 pub(crate) fn attain<S>(
-    node: &Node<Ipc>,
-    keep_free: u64,
+    ground: &Ground,
     at: &Address,
     open: impl Fn() -> Result<Attempt<S>, OpenError>,
     create: impl Fn() -> Result<Attempt<S>, OpenError>,
 ) -> Result<S, OpenError> {
-    room::check(at, keep_free)?;
-    let end = Instant::now() + PATIENCE;
+    room::check(at, ground.options.keep_free)?;
+    // Who died has it no more.
+    let _ = ground.watcher.heal_dead();
+    let begin = Instant::now();
     loop {
         let attempt = match open()? {
             Attempt::Absent => create()?,
             other => other,
         };
-        let trouble = match attempt {
+        let (trouble, broken) = match attempt {
             Attempt::Done(service) => return Ok(service),
-            Attempt::Absent => "it comes and goes".to_owned(),
-            Attempt::Busy(trouble) => trouble,
-            Attempt::Broken(trouble) => {
-                node.try_cleanup_dead_nodes();
-                trouble
-            }
+            Attempt::Absent => ("it comes and goes".to_owned(), false),
+            Attempt::Busy(trouble) => (trouble, begin.elapsed() > SOON),
+            Attempt::Broken(trouble) => (trouble, true),
         };
-        if Instant::now() > end {
+        if broken {
+            let _ = ground.watcher.heal();
+        }
+        if begin.elapsed() > PATIENCE {
             return Err(failed(at, &trouble));
         }
         thread::yield_now();

@@ -1,6 +1,8 @@
 //! One iceoryx2 node for a whole daemon, as a middleware.
 
+use std::io;
 use std::sync::Arc;
+use std::time::Duration;
 
 use genom_middleware::{
     Address, Capabilities, Client, DiscoverError, Endpoint, Middleware, OpenError, Policy,
@@ -11,10 +13,15 @@ use iceoryx2::prelude::*;
 
 use crate::error::{BACKEND, ShmError};
 use crate::ground::Ground;
+use crate::heal::{self, Places, Turn};
 use crate::inner::Inner;
 use crate::options::Options;
 use crate::raw::Ipc;
-use crate::{calls, catalog, discover, publisher, subscription};
+use crate::watch::Watch;
+use crate::{calls, catalog, discover, publisher, rights, subscription};
+
+/// How long iceoryx2 itself waits for a service that others are making.
+const CREATION: Duration = Duration::from_millis(100);
 
 /// Writers that left whose samples a reader may still read; more than the samples that a reader
 /// holds at a time.
@@ -35,11 +42,14 @@ impl Shm {
         // Refusals come back as errors and are told by who asked; logging them too says it twice.
         iceoryx2::prelude::set_log_level(LogLevel::Fatal);
         let mut config = Config::global_config().clone();
-        if let Some(prefix) = &options.prefix {
+        let told = rights::is_told(&config);
+        let prefix = options.prefix.clone().or((!told).then(rights::default_prefix));
+        let root = options.root.clone().or((!told).then(rights::default_root));
+        if let Some(prefix) = &prefix {
             config.global.prefix =
                 FileName::new(prefix.as_bytes()).map_err(|_| ShmError::Prefix(prefix.clone()))?;
         }
-        if let Some(root) = &options.root {
+        if let Some(root) = &root {
             let path = Path::new(root.as_os_str().as_encoded_bytes())
                 .map_err(|_| ShmError::Root(root.clone()))?;
             config.global.set_root_path(&path);
@@ -48,18 +58,40 @@ impl Shm {
         config.defaults.publish_subscribe.subscriber_expired_connection_buffer = EXPIRED;
         let name =
             NodeName::new(&options.node).map_err(|_| ShmError::Node(options.node.clone()))?;
-        let node = NodeBuilder::new()
-            .name(&name)
-            .config(&config)
-            .signal_handling_mode(SignalHandlingMode::Disabled)
-            .create::<Ipc>()
-            .map_err(|error| ShmError::Create {
-                root: config.global.root_path().to_string(),
+        // Done by `heal`, which knows more of what may be left. Only one may do it in a process:
+        // who closes a file that another thread has locked gives that lock up.
+        config.global.node.cleanup_dead_nodes_on_creation = false;
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        config.global.service.cleanup_dead_nodes_on_open = false;
+        // Others who live and make a service need far less; what is broken is healed then.
+        config.global.creation_timeout = CREATION;
+        let places = Places::of(&config);
+        rights::prepare(&places)?;
+        let watch = Watch::start(&config);
+        let watcher = watch.watcher().clone();
+        let node = {
+            let _busy = watcher.busy();
+            let unusable = |error: io::Error| ShmError::Folder {
+                path: places.root.clone(),
                 why: error.to_string(),
-            })?;
-        node.try_cleanup_dead_nodes();
-        catalog::sweep(&node);
-        Ok(Self { inner: Arc::new(Inner::new(Ground::new(node, options))) })
+            };
+            let turn = Turn::take(&places.root).map_err(unusable)?;
+            heal::heal(&config, &places, &turn);
+            let node = NodeBuilder::new()
+                .name(&name)
+                .config(&config)
+                .signal_handling_mode(SignalHandlingMode::Disabled)
+                .create::<Ipc>()
+                .map_err(|error| ShmError::Create {
+                    root: config.global.root_path().to_string(),
+                    why: error.to_string(),
+                })?;
+            catalog::sweep(&node);
+            rights::close(&places).map_err(unusable)?;
+            node
+        };
+        let ground = Ground::new(node, options, watcher);
+        Ok(Self { inner: Arc::new(Inner::new(ground, watch)) })
     }
 }
 
@@ -85,6 +117,7 @@ impl Middleware for Shm {
     }
 
     fn publisher(&self, at: &Address, ty: &DataType) -> Result<Box<dyn Publisher>, OpenError> {
+        let _busy = self.inner.ground.watcher.busy();
         Ok(Box::new(publisher::open(&self.inner, at, ty)?))
     }
 
@@ -94,6 +127,7 @@ impl Middleware for Shm {
         ty: &DataType,
         policy: Policy,
     ) -> Result<Box<dyn Subscription>, OpenError> {
+        let _busy = self.inner.ground.watcher.busy();
         Ok(Box::new(subscription::open(&self.inner, at, ty, policy)?))
     }
 
@@ -103,14 +137,18 @@ impl Middleware for Shm {
         service: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
     ) -> Result<Box<dyn Served>, OpenError> {
+        let _busy = self.inner.ground.watcher.busy();
         Ok(Box::new(calls::serve(&self.inner, at, service, handler)?))
     }
 
     fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
+        let _busy = self.inner.ground.watcher.busy();
         Ok(Box::new(calls::client(&self.inner, at, service)?))
     }
 
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
+        let _busy = self.inner.ground.watcher.busy();
+        let _ = self.inner.ground.watcher.heal_dead();
         discover::list(&self.inner.ground.node)
     }
 }

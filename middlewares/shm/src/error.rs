@@ -22,6 +22,40 @@ pub enum ShmError {
     /// A name that iceoryx2 cannot use.
     #[error("{0:?} is no legal node name: give a shorter one")]
     Node(String),
+    /// The folder of iceoryx2 could not be made.
+    #[error("cannot make {path}: {why}; `root` in [backends.shm] names another folder")]
+    Folder {
+        /// The folder.
+        path: PathBuf,
+        /// The system's own words.
+        why: String,
+    },
+    /// Something belongs to another user, who could end or hang this process by it.
+    #[error(
+        "{path} belongs to user {owner} (mode {mode:o}), not to user {user} as whom this runs: have \
+         it removed, or set `root` and `prefix` in [backends.shm] to some of your own"
+    )]
+    Foreign {
+        /// The file or folder.
+        path: PathBuf,
+        /// Its owner.
+        owner: u32,
+        /// Its rights.
+        mode: u32,
+        /// Who this process runs as.
+        user: u32,
+    },
+    /// Others may change the folder of iceoryx2.
+    #[error(
+        "others may change {path} (mode {mode:o}), and so end or hang whoever uses it: `chmod go-w \
+         {path}`, or set `root` in [backends.shm] to another folder"
+    )]
+    Open {
+        /// The folder.
+        path: PathBuf,
+        /// Its rights.
+        mode: u32,
+    },
     /// The node could not be made.
     #[error("iceoryx2 cannot make a node in {root}: {why}; is the folder writable for this user?")]
     Create {

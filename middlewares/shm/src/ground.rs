@@ -19,6 +19,7 @@ use crate::error::{BACKEND, failed};
 use crate::options::Options;
 use crate::raw::{self, Ipc, RawPublisher, RawService};
 use crate::typing::{MAX_NAME, Wire, wire};
+use crate::watch::Watcher;
 
 /// Bytes of unread samples that a reader of large samples may hold.
 const DEPTH_BYTES: usize = 16 << 20;
@@ -40,6 +41,7 @@ pub(crate) struct Ground {
     services: Mutex<HashMap<String, Weak<RawService>>>,
     pub(crate) node: Node<Ipc>,
     pub(crate) options: Options,
+    pub(crate) watcher: Watcher,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -59,9 +61,9 @@ pub(crate) struct Shape {
 
 impl Ground {
     /// Nothing is open yet.
-    pub(crate) fn new(node: Node<Ipc>, options: Options) -> Self {
+    pub(crate) fn new(node: Node<Ipc>, options: Options, watcher: Watcher) -> Self {
         let (catalog, others, services) = (Mutex::default(), Mutex::default(), Mutex::default());
-        Self { catalog, others, services, node, options }
+        Self { catalog, others, services, node, options, watcher }
     }
 
     /// Tells all that this daemon offers something at an address, unless it is taken.
@@ -191,7 +193,7 @@ impl Ground {
                 Err(error) => Err(failed(at, &error.to_string())),
             }
         };
-        attain(&self.node, self.options.keep_free, at, open, create)
+        attain(self, at, open, create)
     }
 
     /// Two types of one name and size may still differ: the digests tell.

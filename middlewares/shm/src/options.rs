@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 /// Options of [`Shm::open`](crate::Shm::open).
 ///
-/// Peers meet when prefix and root are the same. Left out, they are iceoryx2's own: those of its
-/// configuration file, or its defaults.
+/// Peers meet when prefix and root are the same. Left out, they are those of iceoryx2's
+/// configuration file, or, where it says nothing, this user's own
+/// ([`default_prefix`](crate::default_prefix), [`default_root`](crate::default_root)).
 #[derive(Clone, Debug)]
 pub struct Options {
     /// Name of the node that others see.

@@ -11,6 +11,7 @@ use std::time::Duration;
 
 use genom_middleware::{Address, OpenError};
 
+use crate::watch::Watcher;
 use crate::writer::Core;
 
 /// Longest time a late reader in another process waits for the last value of an idle writer.
@@ -38,13 +39,15 @@ impl Shared {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn run(&self) {
+    fn run(&self, watcher: &Watcher) {
         let mut state = self.lock();
         while !state.stop {
+            let busy = watcher.busy();
             for writer in &state.writers {
                 // It tells by itself.
                 let _ = writer.upkeep();
             }
+            drop(busy);
             state = if state.writers.is_empty() {
                 self.changed.wait(state).unwrap_or_else(PoisonError::into_inner)
             } else {
@@ -56,10 +59,11 @@ impl Shared {
 }
 
 impl Upkeep {
-    pub(crate) fn start() -> Self {
+    pub(crate) fn start(watcher: Watcher) -> Self {
         let shared = Arc::new(Shared::default());
         let own = Arc::clone(&shared);
-        let thread = thread::Builder::new().name("shm-upkeep".to_owned()).spawn(move || own.run());
+        let thread =
+            thread::Builder::new().name("shm-upkeep".to_owned()).spawn(move || own.run(&watcher));
         if let Err(error) = &thread {
             tracing::error!(%error, "no thread for shm: readers that come late see nothing of idle ports");
         }

@@ -72,8 +72,11 @@ impl Core {
         }
         let writers = || service.dynamic_config().number_of_publishers();
         // The writer may be one that was killed.
-        if writers() > 0 && (ground.node.try_cleanup_dead_nodes().cleanups == 0 || writers() > 0) {
-            return Err(OpenError::Taken { address: at.clone() });
+        if writers() > 0 {
+            let _ = ground.watcher.heal_dead();
+            if writers() > 0 {
+                return Err(OpenError::Taken { address: at.clone() });
+            }
         }
         let offer = Offer { digests: ty.digest().to_owned(), spelling: ty.name().to_owned() };
         ground.offer(Kind::Writer, at, offer)?;

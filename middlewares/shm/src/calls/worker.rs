@@ -64,7 +64,7 @@ impl Worker {
                         thread::park_timeout(PERIOD);
                     }
                     if !rang && !lock(&own.calls).is_empty() {
-                        ground.node.try_cleanup_dead_nodes();
+                        ground.watcher.heal_dead();
                     }
                     own.work();
                 }

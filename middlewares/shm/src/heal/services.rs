@@ -1,0 +1,89 @@
+//! Services that nobody has.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use iceoryx2::prelude::Config;
+
+use super::Healed;
+use super::nodes::{Nodes, process};
+use super::places::{Places, entries};
+use super::remains::ids;
+
+/// The file that describes a service.
+pub(super) fn file(places: &Places, hash: &str) -> PathBuf {
+    places.services.join(format!("{}{hash}{}", places.prefix, places.service))
+}
+
+/// The identity of a service, from the file that describes it.
+pub(super) fn identity(file: &Path) -> Option<u128> {
+    let text = std::fs::read_to_string(file).ok()?;
+    let (_, after) = text.split_once("[unique_service_id]")?;
+    let number = |key: &str| {
+        let mut lines = after.lines().take_while(|line| !line.starts_with('['));
+        let value = lines.find_map(|line| line.strip_prefix(key)?.trim().strip_prefix('='))?;
+        value.trim().parse::<u64>().ok()
+    };
+    let (low, high) = (number("payload_value")?, number("unique_value")?);
+    Some(u128::from(high) << 64 | u128::from(low))
+}
+
+/// The services that are there, by the hashes that name them.
+pub(super) fn list(places: &Places) -> Vec<String> {
+    let named = |name: String| Some(places.name(&name, &places.service)?.to_owned());
+    entries(&places.services).filter_map(named).collect()
+}
+
+/// Removes services of which no living node has the tag: their last owner was killed when it
+/// removed them, or before it had finished them. A node tags a service before it makes it, and
+/// takes the tag away after it has left it.
+pub(super) fn orphans(
+    config: &Config,
+    places: &Places,
+    there: &[String],
+    nodes: &Nodes,
+    healed: &mut Healed,
+) {
+    let without = |nodes: &Nodes| -> Option<BTreeSet<String>> {
+        let tagged = nodes.tags_of_living(places)?;
+        Some(there.iter().filter(|hash| !tagged.contains(*hash)).cloned().collect())
+    };
+    let Some(orphans) = without(nodes) else { return };
+    if orphans.is_empty() {
+        return;
+    }
+    // A node may have come meanwhile, and have opened one of them.
+    let Some(again) = without(&Nodes::look(config, places)) else { return };
+    let segments: Vec<String> = entries(&places.segments).collect();
+    for hash in orphans.intersection(&again) {
+        let file = file(places, hash);
+        let id = identity(&file);
+        let own = |name: &&String| id.is_some_and(|id| ids(places, name).any(|found| found == id));
+        for name in segments.iter().filter(own) {
+            healed.remove(places.segments.join(name));
+        }
+        healed.remove(file);
+    }
+}
+
+/// Removes what dead processes had of services that nothing describes any more: somebody cut or
+/// removed the description. Segments of a prefix may belong to another folder, so only those of
+/// processes that were here, and are nowhere now.
+pub(super) fn undescribed(places: &Places, nodes: &Nodes, healed: &mut Healed) {
+    let gone = |id: u128| {
+        let of = |ids: &BTreeSet<u128>| ids.iter().any(|node| process(*node) == process(id));
+        let running = Path::new("/proc").join(process(id).to_string()).exists();
+        of(&nodes.dead) && !of(&nodes.living) && !running
+    };
+    let all = entries(&places.segments).filter(|name| name.ends_with(&places.dynamic));
+    let left = all.filter_map(|name| ids(places, &name).next().map(|id| (id, name)));
+    let left: Vec<(u128, String)> = left.filter(|(id, _)| gone(*id)).collect();
+    if left.is_empty() {
+        return;
+    }
+    let described = list(places).into_iter().filter_map(|hash| identity(&file(places, &hash)));
+    let described: BTreeSet<u128> = described.collect();
+    for (_, name) in left.into_iter().filter(|(id, _)| !described.contains(id)) {
+        healed.remove(places.segments.join(name));
+    }
+}

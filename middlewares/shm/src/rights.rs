@@ -1,0 +1,93 @@
+//! Whose the files are. Every user has a folder and a prefix of their own, which nobody else can
+//! enter or write: who could, could cut segments and so end or hang whoever has them open.
+
+use std::fs::{self, DirBuilder, Metadata, Permissions};
+use std::io;
+use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as _};
+use std::path::{Path, PathBuf};
+
+use iceoryx2::prelude::Config;
+
+use crate::error::ShmError;
+use crate::heal::Places;
+
+/// Rights of group and others to change a folder.
+const OTHERS_WRITE: u32 = 0o022;
+
+/// The folder of this user's files: `/run/user/<uid>/genomd/iceoryx2`, or
+/// `/tmp/genomd-<uid>/iceoryx2` where there is no such thing as `/run/user`.
+#[must_use]
+pub fn default_root() -> PathBuf {
+    let user = user();
+    let run = PathBuf::from(format!("/run/user/{user}"));
+    let base = if run.is_dir() {
+        run.join("genomd")
+    } else {
+        PathBuf::from(format!("/tmp/genomd-{user}"))
+    };
+    base.join("iceoryx2")
+}
+
+/// The start of the names of this user's segments: `/dev/shm` is everybody's.
+#[must_use]
+pub fn default_prefix() -> String {
+    format!("genomd_{}_", user())
+}
+
+fn user() -> u32 {
+    rustix::process::geteuid().as_raw()
+}
+
+/// Whether iceoryx2's own configuration file says where to meet.
+pub(crate) fn is_told(config: &Config) -> bool {
+    let own = Config::default();
+    config.global.prefix != own.global.prefix || config.global.root_path() != own.global.root_path()
+}
+
+/// Makes the folder, and refuses what belongs to somebody else or that others may change.
+pub(crate) fn prepare(places: &Places) -> Result<(), ShmError> {
+    let folder = &places.root;
+    let made = DirBuilder::new().recursive(true).mode(0o700).create(folder);
+    made.map_err(|error| ShmError::Folder { path: folder.clone(), why: error.to_string() })?;
+    // The folders above that are this user's own as well: `/tmp/genomd-<uid>`.
+    let all = [&places.nodes, &places.services].into_iter().map(PathBuf::as_path);
+    for path in all.chain([folder.as_path()]).chain(folder.parent()) {
+        let Ok(told) = fs::symlink_metadata(path) else { continue };
+        let above = Some(path) == folder.parent();
+        if above && told.uid() != user() {
+            // `/tmp`, which is everybody's and lets nobody remove what is another's.
+            continue;
+        }
+        own(path, &told)?;
+        if told.mode() & OTHERS_WRITE != 0 && !above {
+            return Err(ShmError::Open { path: path.to_owned(), mode: told.mode() & 0o7777 });
+        }
+    }
+    for file in counters(places) {
+        if let Ok(told) = fs::symlink_metadata(&file) {
+            own(&file, &told)?;
+        }
+    }
+    Ok(())
+}
+
+fn own(path: &Path, told: &Metadata) -> Result<(), ShmError> {
+    if told.uid() == user() {
+        return Ok(());
+    }
+    let (owner, mode) = (told.uid(), told.mode() & 0o7777);
+    Err(ShmError::Foreign { path: path.to_owned(), owner, mode, user: user() })
+}
+
+/// iceoryx2 makes the counter of nodes writable for all, as it is made for a whole machine; that
+/// of a user is the user's.
+pub(crate) fn close(places: &Places) -> io::Result<()> {
+    for file in counters(places) {
+        fs::set_permissions(file, Permissions::from_mode(0o600))?;
+    }
+    Ok(())
+}
+
+fn counters(places: &Places) -> Vec<PathBuf> {
+    crate::heal::counters(places)
+}
