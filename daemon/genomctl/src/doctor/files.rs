@@ -1,8 +1,6 @@
 //! What files tell of a machine.
 
-use std::fs;
-
-use super::{Finding, Machine};
+use super::{Finding, Machine, memory};
 use crate::units::bytes;
 
 /// Less shared memory than this holds few images.
@@ -16,7 +14,8 @@ const IPC_LOCK: u32 = 14;
 pub(super) fn findings(machine: &Machine) -> Vec<Finding> {
     let mut found = vec![
         shared_memory(machine),
-        stale_nodes(machine),
+        memory::nodes(machine, &memory::roots(machine)),
+        memory::segments(machine, &memory::PREFIXES),
         loopback(machine),
         buffers(machine),
         domain(std::env::var("ROS_DOMAIN_ID").ok().as_deref()),
@@ -45,29 +44,6 @@ fn shared_memory(machine: &Machine) -> Finding {
         return Finding::problem(ABOUT, what, fix);
     }
     Finding::ok(ABOUT, "/dev/shm is there and has room")
-}
-
-/// Nodes of iceoryx2 are directories named by a number that holds their process.
-fn stale_nodes(machine: &Machine) -> Finding {
-    const ABOUT: &str = "iceoryx2 nodes";
-    let nodes = fs::read_dir(machine.path("/tmp/iceoryx2/nodes")).into_iter().flatten().flatten();
-    let (mut live, mut stale) = (0, Vec::new());
-    for node in nodes {
-        let name = node.file_name();
-        let Some(id) = name.to_str().and_then(|name| name.parse::<u128>().ok()) else { continue };
-        let process = (id >> 64) & u128::from(u32::MAX);
-        if machine.path(&format!("/proc/{process}")).exists() {
-            live += 1;
-        } else {
-            stale.push(process.to_string());
-        }
-    }
-    if stale.is_empty() {
-        return Finding::ok(ABOUT, format!("{live} at work, none left behind"));
-    }
-    stale.sort();
-    let what = format!("left behind by processes that are gone: {}", stale.join(", "));
-    Finding::note(ABOUT, what, "the next `genomd --backend shm` removes what they left")
 }
 
 /// Flags of a network interface (linux/if.h).

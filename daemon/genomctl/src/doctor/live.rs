@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use super::Finding;
+use super::memory::{self, PREFIXES};
+use super::{Finding, Machine};
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -86,6 +87,7 @@ async fn daemon(session: &Session) -> Vec<Finding> {
         let versions: Vec<_> = known.iter().filter_map(of).collect();
         found.push(Finding::ok("middlewares", versions.join("; ")));
         found.extend(known.iter().flat_map(refused));
+        found.extend(shared_memory(known));
     }
     found.extend(tasks(session).await);
     found
@@ -103,6 +105,19 @@ fn refused(middleware: &Value) -> Vec<Finding> {
         Finding::note("refused", what, fix)
     };
     all.iter().map(told).collect()
+}
+
+/// What is left and damaged where this very daemon keeps its shared memory.
+fn shared_memory(known: &[Value]) -> Vec<Finding> {
+    let Some(shm) = known.iter().find(|one| one["name"] == "shm") else { return Vec::new() };
+    let meet = |key: &str| shm["meet"][key].as_str();
+    let (Some(root), Some(prefix)) = (meet("root"), meet("prefix")) else { return Vec::new() };
+    if PREFIXES.iter().any(|known| prefix.starts_with(known)) {
+        // Looked at already.
+        return Vec::new();
+    }
+    let machine = Machine::at(Path::new("/"));
+    vec![memory::nodes(&machine, &[root.to_owned()]), memory::segments(&machine, &[prefix])]
 }
 
 /// Ends of a component's ports that do not meet others, though both are there.

@@ -5,6 +5,7 @@
 
 mod files;
 mod live;
+mod memory;
 
 use std::path::{Path, PathBuf};
 
