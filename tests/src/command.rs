@@ -82,6 +82,12 @@ impl Running {
         self.lines.recv_timeout(WATCHDOG).unwrap_or_else(|error| panic!("{}: {error}", self.what))
     }
 
+    /// The first line of standard output of those that are still to come.
+    pub fn line_from_now(&self) -> String {
+        while self.lines.try_recv().is_ok() {}
+        self.line()
+    }
+
     /// The next line of standard output that `wanted` says yes to.
     pub fn line_where(&self, wanted: impl Fn(&str) -> bool) -> String {
         let end = Instant::now() + WATCHDOG;
@@ -97,13 +103,27 @@ impl Running {
 
     /// The next line of standard error that `wanted` says yes to; `None` when it ended first.
     pub fn error_line_where(&self, wanted: impl Fn(&str) -> bool) -> Option<String> {
-        let end = Instant::now() + WATCHDOG;
+        self.error_line_within(WATCHDOG, wanted)
+            .unwrap_or_else(|()| panic!("{}: says nothing", self.what))
+    }
+
+    /// The same within a time.
+    ///
+    /// # Errors
+    /// It neither says so nor ends within this time.
+    #[allow(clippy::result_unit_err, reason = "there is nothing to say of it")]
+    pub fn error_line_within(
+        &self,
+        longest: Duration,
+        wanted: impl Fn(&str) -> bool,
+    ) -> Result<Option<String>, ()> {
+        let end = Instant::now() + longest;
         loop {
             match self.error_lines.recv_timeout(end.saturating_duration_since(Instant::now())) {
-                Ok(line) if wanted(&line) => return Some(line),
+                Ok(line) if wanted(&line) => return Ok(Some(line)),
                 Ok(_) => {}
-                Err(RecvTimeoutError::Disconnected) => return None,
-                Err(RecvTimeoutError::Timeout) => panic!("{}: says nothing", self.what),
+                Err(RecvTimeoutError::Disconnected) => return Ok(None),
+                Err(RecvTimeoutError::Timeout) => return Err(()),
             }
         }
     }
@@ -125,18 +145,25 @@ impl Running {
 
     /// Waits for its end; it hangs when it takes longer than this.
     #[must_use]
-    pub fn finish_within(mut self, longest: Duration) -> Finished {
-        let status = self.wait(longest);
+    pub fn finish_within(self, longest: Duration) -> Finished {
+        let what = self.what.clone();
+        self.finish_or(longest).unwrap_or_else(|| panic!("{what}: hangs"))
+    }
+
+    /// Waits for its end; `None` when it had to be killed after this time.
+    #[must_use]
+    pub fn finish_or(mut self, longest: Duration) -> Option<Finished> {
+        let status = self.wait(longest)?;
         let mut out = String::new();
         while let Ok(line) = self.lines.recv_timeout(WATCHDOG) {
             out.push_str(&line);
             out.push('\n');
         }
         let err = self.errors.take().map(|errors| errors.join().unwrap_or_default());
-        Finished { code: status.code(), out, err: err.unwrap_or_default() }
+        Some(Finished { code: status.code(), out, err: err.unwrap_or_default() })
     }
 
-    fn wait(&mut self, longest: Duration) -> ExitStatus {
+    fn wait(&mut self, longest: Duration) -> Option<ExitStatus> {
         let pid = self.child.id();
         let (ended, watched) = channel::<()>();
         // The watchdog kills what hangs, so that `wait` returns; dropping `ended` calls it off.
@@ -149,8 +176,8 @@ impl Running {
         });
         let status = self.child.wait().expect("a child can be waited for");
         drop(ended);
-        assert!(!watchdog.join().unwrap_or(true), "{}: hangs", self.what);
-        status
+        let hung = watchdog.join().unwrap_or(true);
+        (!hung).then_some(status)
     }
 }
 

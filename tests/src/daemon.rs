@@ -144,7 +144,7 @@ impl Home {
         self
     }
 
-    fn command(&self, prefix: &[&str], arguments: &[&str]) -> Command {
+    pub(crate) fn command(&self, prefix: &[&str], arguments: &[&str]) -> Command {
         let genomd = program("genomd");
         let mut command = match prefix {
             [] => Command::new(genomd),

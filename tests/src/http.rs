@@ -1,6 +1,6 @@
 //! Raw HTTP on the daemon's socket, for what genomctl never sends.
 
-use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 
@@ -36,19 +36,25 @@ pub fn connect(socket: &Path) -> UnixStream {
 /// One request on a connection of its own.
 #[must_use]
 pub fn request(socket: &Path, method: &str, path: &str, body: &str) -> Reply {
-    let mut stream = connect(socket);
+    attempt(socket, method, path, body).expect("the daemon answers")
+}
+
+/// The same to a daemon that may be gone, or go meanwhile.
+pub(crate) fn attempt(socket: &Path, method: &str, path: &str, body: &str) -> io::Result<Reply> {
+    let mut stream = UnixStream::connect(socket)?;
+    stream.set_read_timeout(Some(WATCHDOG))?;
     let length = body.len();
     write!(
         stream,
         "{method} {path} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\
          Content-Length: {length}\r\n\r\n{body}"
-    )
-    .expect("the daemon reads");
+    )?;
     let mut text = String::new();
-    stream.read_to_string(&mut text).expect("the daemon answers");
-    let status = text.split(' ').nth(1).and_then(|code| code.parse().ok()).expect("a status");
+    stream.read_to_string(&mut text)?;
+    let status = text.split(' ').nth(1).and_then(|code| code.parse().ok());
+    let status = status.ok_or(io::ErrorKind::UnexpectedEof)?;
     let body = text.split_once("\r\n\r\n").map_or("", |(_, body)| body);
-    Reply { status, body: serde_json::from_str(body).unwrap_or_default() }
+    Ok(Reply { status, body: serde_json::from_str(body).unwrap_or_default() })
 }
 
 /// What changes in a daemon, as it happens.

@@ -2,7 +2,7 @@
 //!
 //! It knows the programs, not their code: everything goes through command lines and sockets.
 
-#![forbid(unsafe_code)]
+#![deny(unsafe_code)]
 #![allow(
     clippy::expect_used,
     clippy::panic,
@@ -14,6 +14,7 @@ mod build;
 mod command;
 pub mod conformance;
 mod counts;
+pub mod crash;
 mod daemon;
 pub mod faults;
 pub mod fleet;

@@ -47,6 +47,8 @@ const UNSAFE: &[&str] = &[
     "genom-shm",
     "genom",
     "genom-allocations",
+    // It traces daemons, in one module.
+    "genom-tests",
 ];
 
 /// Modules of the daemon, each above all that it knows.

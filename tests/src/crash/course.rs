@@ -1,0 +1,81 @@
+//! What a daemon goes through while it is watched.
+
+use std::path::Path;
+
+use super::watched::Watched;
+use crate::http::attempt;
+
+/// A part of a daemon's life.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// It starts and loads a component.
+    Load,
+    /// The component leaves shared memory and comes back.
+    Move,
+    /// Its in port is connected to a port of a peer, and fed with a value of its own again.
+    Connect,
+    /// The component is unloaded.
+    Unload,
+    /// The daemon stops, with the component in it.
+    Stop,
+}
+
+impl Phase {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Load, Self::Move, Self::Connect, Self::Unload, Self::Stop];
+
+    /// Its place in [`Phase::ALL`].
+    #[must_use]
+    pub fn number(self) -> usize {
+        Self::ALL.iter().position(|phase| *phase == self).unwrap_or_default()
+    }
+
+    /// Its name in a table.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Load => "load",
+            Self::Move => "move",
+            Self::Connect => "connect",
+            Self::Unload => "unload",
+            Self::Stop => "stop",
+        }
+    }
+
+    /// The phases that lead to it, itself included.
+    pub(super) fn way(self) -> &'static [Self] {
+        match self {
+            Self::Load => &[Self::Load],
+            Self::Move => &[Self::Load, Self::Move],
+            Self::Connect => &[Self::Load, Self::Connect],
+            Self::Unload => &[Self::Load, Self::Connect, Self::Unload],
+            Self::Stop => &[Self::Load, Self::Connect, Self::Stop],
+        }
+    }
+
+    /// Takes a daemon through it; false when the daemon ended meanwhile.
+    pub(super) fn drive(self, watched: &Watched, socket: &Path) -> bool {
+        let asked =
+            |method: &str, path: &str, body: &str| attempt(socket, method, path, body).is_ok();
+        watched.enter(self.number());
+        match self {
+            Self::Load => watched.is_ready(),
+            Self::Move => ["local", "shm"].iter().all(|backend| {
+                let body = format!("{{\"backend\":\"{backend}\"}}");
+                asked("PUT", "/components/demo/backend", &body)
+            }),
+            Self::Connect => {
+                let body = r#"{"in":"demo/parameter","out":"sensor/x"}"#;
+                asked("POST", "/connections", body)
+                    && asked("DELETE", "/connections/demo/parameter", "")
+                    && asked("POST", "/components/demo/ports/parameter", "0.5")
+                    && asked("GET", "/middlewares?visible=true", "")
+            }
+            Self::Unload => asked("DELETE", "/components/demo", ""),
+            Self::Stop => {
+                watched.stop();
+                true
+            }
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! Shared memory with peers at work, on which daemons are ended and started again.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tempfile::TempDir;
+
+use super::course::Phase;
+use super::outcome::Outcome;
+use super::watched::{End, Step, Watched};
+use crate::command::Running;
+use crate::http::attempt;
+use crate::{Daemon, Home, Memory, component, fixture, path};
+
+/// Longest wait for a successor: far beyond what it may take, so that the table tells how long.
+const PATIENCE: Duration = Duration::from_secs(15);
+
+/// Where to end a daemon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// While it does this.
+    pub phase: Phase,
+    /// Before this call of the phase.
+    pub call: usize,
+    /// Whether a peer reads its port, and lives on.
+    pub followed: bool,
+}
+
+/// The peers: a daemon with two connected components, and a program that knows iceoryx2 only and
+/// writes to itself, opening its port anew all the time.
+#[derive(Debug)]
+pub struct Stage {
+    memory: Arc<Memory>,
+    home: Home,
+    peer: Daemon,
+    flow: Running,
+    program: PathBuf,
+    library: String,
+    /// Files of the peers.
+    theirs: BTreeSet<PathBuf>,
+    /// Identities of the flow, whose files come and go.
+    its: Vec<String>,
+    rounds: u32,
+    /// What the flow last said.
+    lost: String,
+    _made: TempDir,
+}
+
+impl Stage {
+    /// Starts the peers. `program` is the one that knows iceoryx2 only.
+    #[must_use]
+    pub fn new(program: &Path) -> Self {
+        let memory = Arc::new(Memory::new());
+        let made = TempDir::new().expect("a directory can be made");
+        let [sensor, fuser] = ["sensor", "fuser"].map(|name| fixture("robot", name, made.path()));
+        let peer = Home::with(&memory).start(&["--backend", "shm", &sensor, &fuser]);
+        for (inport, outport) in [("a", "x"), ("b", "y"), ("c", "z")] {
+            let ends = [format!("fuser/{inport}"), format!("sensor/{outport}")];
+            peer.ctl(&["connect", &ends[0], &ends[1]]).expect_code(0);
+        }
+        let (flow, its) = start(program, "flow", &memory);
+        let home = Home::with(&memory);
+        let library = path(&component("demo").library).to_owned();
+        let theirs = memory.files().into_iter().collect();
+        let program = program.to_owned();
+        Self {
+            memory,
+            home,
+            peer,
+            flow,
+            program,
+            library,
+            theirs,
+            its,
+            rounds: 0,
+            lost: "lost 0".to_owned(),
+            _made: made,
+        }
+    }
+
+    fn watched(&self, end: End) -> Watched {
+        let command = self.home.command(&[], &["--backend", "shm", &self.library]);
+        Watched::start(command, &self.memory, Phase::ALL.len(), end)
+    }
+
+    /// The calls of a daemon that is not ended, by phase.
+    #[must_use]
+    pub fn calls(&self, phase: Phase) -> Vec<Step> {
+        let watched = self.watched(End::Own);
+        for step in phase.way() {
+            assert!(step.drive(&watched, &self.home.socket()), "the daemon ended: {step:?}");
+        }
+        let mut steps = match phase {
+            Phase::Stop => watched.finish(),
+            // What it does when it stops belongs to another phase.
+            _ => {
+                watched.enter(usize::MAX);
+                watched.stop();
+                watched.finish()
+            }
+        };
+        steps.swap_remove(phase.number())
+    }
+
+    /// Ends a daemon there, and starts its successor.
+    #[must_use]
+    pub fn run(&mut self, plan: Plan) -> Outcome {
+        let Plan { phase, call, followed } = plan;
+        let follower = followed.then(|| start(&self.program, "follow", &self.memory).0);
+        let watched = self.watched(End::Before { phase: phase.number(), call });
+        let socket = self.home.socket();
+        for step in phase.way() {
+            if !step.drive(&watched, &socket) {
+                break;
+            }
+            if *step == Phase::Load
+                && phase != Phase::Load
+                && let Some(follower) = &follower
+            {
+                assert_eq!(follower.line(), "following");
+            }
+        }
+        let mut steps = match phase {
+            Phase::Stop => watched.finish(),
+            _ => watched.kill(),
+        };
+        let mut steps = steps.swap_remove(phase.number());
+        let step = (steps.len() > call).then(|| steps.swap_remove(call));
+        let mut outcome = Outcome {
+            phase,
+            call,
+            step,
+            followed,
+            ready: None,
+            trouble: Vec::new(),
+            left: Vec::new(),
+        };
+        self.succeed(&mut outcome, follower);
+        outcome
+    }
+
+    fn succeed(&mut self, outcome: &mut Outcome, follower: Option<Running>) {
+        let begin = Instant::now();
+        let successor = self.home.spawn(&["--backend", "shm", &self.library]);
+        let ready = successor.error_line_within(PATIENCE, |line| line.contains("ready on "));
+        if ready != Ok(None) && ready.is_ok() {
+            outcome.ready = Some(begin.elapsed());
+        } else {
+            let hangs = ready.is_err();
+            if hangs {
+                successor.signal("KILL");
+            }
+            let told = successor.finish().err;
+            outcome.trouble.push(format!("{} {told}", if hangs { "hangs:" } else { "refused:" }));
+            self.clear();
+            return;
+        }
+        self.use_all(outcome);
+        if let Some(follower) = follower {
+            follower.signal("TERM");
+            follower.finish().expect_code(0);
+        }
+        self.peers(outcome);
+        successor.signal("TERM");
+        match successor.finish_or(PATIENCE) {
+            Some(finished) if finished.code == Some(0) => {}
+            Some(finished) => outcome.trouble.push(format!("stops with {finished:?}")),
+            None => outcome.trouble.push("does not stop".to_owned()),
+        }
+        outcome.left = self.left();
+        if !outcome.is_fine() {
+            self.clear();
+        }
+    }
+
+    /// Everything that could hang on what was left.
+    fn use_all(&self, outcome: &mut Outcome) {
+        let asked = [
+            ("GET", "/middlewares?visible=true", ""),
+            ("PUT", "/components/demo/backend", r#"{"backend":"local"}"#),
+            ("PUT", "/components/demo/backend", r#"{"backend":"shm"}"#),
+            ("POST", "/connections", r#"{"in":"demo/parameter","out":"sensor/x"}"#),
+            ("DELETE", "/connections/demo/parameter", ""),
+            ("POST", "/components/demo/ports/parameter", "0.5"),
+        ];
+        for (method, at, body) in asked {
+            match attempt(&self.home.socket(), method, at, body) {
+                Ok(reply) if reply.status < 300 && problem(&reply.body).is_none() => {}
+                Ok(reply) => outcome.trouble.push(format!("{method} {at} {body}: {}", reply.body)),
+                Err(error) => outcome.trouble.push(format!("{method} {at} {body}: {error}")),
+            }
+        }
+    }
+
+    /// Whether the peers go on: a value of each round passes their connections.
+    fn peers(&mut self, outcome: &mut Outcome) {
+        self.rounds += 1;
+        let (value, sum) =
+            (format!("value={}", self.rounds), format!("wanted={}", 3 * self.rounds));
+        for arguments in
+            [&["call", "sensor", "set", &value][..], &["start", "--wait", "fuser", "watch", &sum]]
+        {
+            let done = self.peer.ctl(arguments);
+            if done.code != Some(0) {
+                outcome.trouble.push(format!("the peer: {arguments:?}: {}", done.err));
+            }
+        }
+        // Its own line says what it lost so far.
+        let lost = self.flow.line_from_now();
+        if lost != self.lost {
+            outcome.trouble.push(format!("the flow {lost}"));
+            self.lost = lost;
+        }
+    }
+
+    /// Removes by hand what nobody healed, so that the next point stands alone.
+    fn clear(&self) {
+        for file in self.left() {
+            let _ = std::fs::remove_file(file);
+        }
+    }
+
+    /// What is there and belongs to no peer.
+    fn left(&self) -> Vec<PathBuf> {
+        let of_flow = |file: &PathBuf| {
+            let name = file.to_string_lossy();
+            self.its.iter().any(|id| name.contains(id))
+        };
+        let files = self.memory.files().into_iter();
+        files.filter(|file| !self.theirs.contains(file) && !of_flow(file)).collect()
+    }
+
+    /// Ends the peers; what is left when nobody is there any more.
+    #[must_use]
+    pub fn end(self) -> Vec<PathBuf> {
+        self.flow.signal("TERM");
+        self.flow.finish().expect_code(0);
+        let (finished, _) = self.peer.stop("TERM");
+        finished.expect_code(0);
+        self.memory.files()
+    }
+}
+
+fn problem(reply: &Value) -> Option<&Value> {
+    let all = reply["middlewares"].as_array()?;
+    all.iter().find_map(|one| one.get("problem"))
+}
+
+/// Starts a peer; its identities.
+fn start(program: &Path, role: &str, memory: &Memory) -> (Running, Vec<String>) {
+    let mut command = Command::new(program);
+    command.arg("--peer").arg(role).arg(memory.prefix()).arg(memory.root());
+    let running = Running::start(&mut command);
+    let line = running.line();
+    let ids = line.strip_prefix("ready ").expect("it is ready");
+    let ids = ids.split(' ').map(str::to_owned).collect();
+    (running, ids)
+}
