@@ -309,6 +309,12 @@ impl Daemon {
         (self.running.finish(), self.home)
     }
 
+    /// The same; it hangs when it takes longer than this.
+    #[must_use]
+    pub fn finish_within(self, longest: std::time::Duration) -> (Finished, Home) {
+        (self.running.finish_within(longest), self.home)
+    }
+
     /// Sends a signal and waits for the end.
     #[must_use]
     pub fn stop(self, signal: &str) -> (Finished, Home) {

@@ -3,6 +3,8 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
+use std::time::Duration;
+
 use genom_tests::{Footprint, Home, Many};
 
 #[test]
@@ -69,4 +71,17 @@ fn a_limit_of_files_that_is_too_low_is_named_with_the_way_out() {
     let daemon = home.spawn_by(&["prlimit", "--nofile=256:256"], &[]).finish();
     daemon.expect_code(1).expect_err("of the 256 files it may have open: raise RLIMIT_NOFILE");
     assert_eq!(home.memory().files(), Vec::<std::path::PathBuf>::new());
+}
+
+#[test]
+fn components_stop_side_by_side() {
+    // Each has a task of 10 Hz: who waits for its ticks one after the other needs 0.2 s for each.
+    let made = tempfile::tempdir().unwrap();
+    for chained in [false, true] {
+        let text = Many { components: 100, chained }.configuration("local", made.path());
+        let daemon = Home::new().configured(&text).start(&[]);
+        daemon.process().signal("TERM");
+        let (stopped, _) = daemon.finish_within(Duration::from_secs(10));
+        stopped.expect_code(0);
+    }
 }

@@ -20,6 +20,21 @@ pub(crate) enum Change {
     ComponentLoaded { component: String, backend: String },
     /// A component stopped and is gone.
     ComponentUnloaded { component: String },
+    /// A component did not stop in time: its name is free, and what is left of it cannot go yet.
+    ComponentLeft { component: String, why: String },
+    /// A codel has been running for so long that it counts as stuck.
+    CodelStuck {
+        component: String,
+        codel: String,
+        /// Its task or service.
+        owner: String,
+        /// The task whose thread it holds; none when it serves a request.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        task: Option<String>,
+        seconds: f64,
+    },
+    /// A codel that counted as stuck returned, after so long.
+    CodelReturned { component: String, codel: String, owner: String, seconds: f64 },
     /// A component stopped by itself; the reason was logged.
     ComponentFailed { component: String, why: String },
     /// An activity was accepted.

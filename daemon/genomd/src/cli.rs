@@ -9,7 +9,11 @@ use clap::Parser;
 /// here.
 ///
 /// Exit status: 0 stopped on request; 1 a component was refused; 2 wrong usage or
-/// configuration; 3 the daemon's own socket or middleware could not be opened.
+/// configuration; 3 the daemon's own socket or middleware could not be opened; 4 stopped on
+/// request, and a codel that does not return was left behind.
+///
+/// SIGINT and SIGTERM stop it: activities are interrupted, `stop` codels run. Another one a second
+/// or more after the first ends it at once.
 #[derive(Debug, Default, Parser)]
 #[command(name = "genomd", max_term_width = 100, disable_version_flag = true)]
 pub(crate) struct Cli {

@@ -1,6 +1,7 @@
 //! What the parts of the daemon share.
 
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
 
 use genom_runtime::{Clock, VirtualClock};
 
@@ -47,6 +48,8 @@ pub(crate) struct Daemon {
     pub(crate) questions: Arc<Slots>,
     /// Somebody asked to stop: nothing is loaded any more.
     stop: Flag,
+    /// When that was.
+    stop_asked: OnceLock<Instant>,
     /// Somebody asked again: what hangs is left behind.
     pub(crate) forced: Flag,
     /// Everything stopped: streams and connections end.
@@ -74,6 +77,7 @@ impl Daemon {
             streams: Slots::new(settings.rpc.max_streams, settings.rpc.max_streams_per_token),
             questions: Slots::new(QUESTIONS, QUESTIONS / 4),
             stop: Flag::new(),
+            stop_asked: OnceLock::new(),
             forced: Flag::new(),
             closed: Flag::new(),
             settings,
@@ -107,10 +111,30 @@ impl Daemon {
 
     /// Stops a component and closes its library. Blocks until its codels have ended.
     pub(crate) fn unload(&self, name: &str) -> Result<(), UnloadError> {
-        self.components.remove(name, self.settings.stop_timeout)?;
-        tracing::info!(instance = name, "unloaded");
-        self.bus.tell(&Change::ComponentUnloaded { component: name.to_owned() });
-        Ok(())
+        self.unload_these(&[name.to_owned()]).pop().map_or(Ok(()), |(_, error)| Err(error))
+    }
+
+    /// Stops components side by side, given in the order they were loaded; those that could not
+    /// be stopped. Blocks.
+    pub(crate) fn unload_these(&self, names: &[String]) -> Vec<(String, UnloadError)> {
+        let failed = Mutex::new(Vec::new());
+        self.components.remove(names, self.settings.stop_timeout, &|name, stopped| {
+            let component = name.to_owned();
+            match stopped {
+                Ok(()) => {
+                    tracing::info!(instance = name, "unloaded");
+                    self.bus.tell(&Change::ComponentUnloaded { component });
+                }
+                Err(error) => {
+                    if let UnloadError::Stuck { why, .. } = error {
+                        self.bus.tell(&Change::ComponentLeft { component, why: why.to_string() });
+                    }
+                    let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
+                    failed.push((name.to_owned(), error.clone()));
+                }
+            }
+        });
+        failed.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Waits for the deployment under way, if there is one.
@@ -118,22 +142,27 @@ impl Daemon {
         self.deploying.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Unloads everything, last loaded first.
-    pub(crate) fn unload_all(&self) {
-        for hosted in self.components.all().iter().rev() {
-            let name = hosted.name.clone();
-            if let Err(error) = self.unload(&name) {
-                tracing::error!("{error}");
-            }
-        }
+    /// Unloads everything; those that could not be stopped.
+    pub(crate) fn unload_all(&self) -> Vec<(String, UnloadError)> {
+        let all = self.components.all();
+        let names: Vec<String> = all.iter().map(|hosted| hosted.name.clone()).collect();
+        // Nobody but the threads that stop it holds a component.
+        drop(all);
+        self.unload_these(&names)
     }
 
     /// Asks for the end; asking again changes nothing.
     pub(crate) fn ask_to_stop(&self, why: &str) {
+        self.stop_asked.get_or_init(Instant::now);
         if self.stop.raise() {
             tracing::info!("stopping: {why}");
             self.bus.tell(&Change::Stopping {});
         }
+    }
+
+    /// How long ago the end was asked for.
+    pub(crate) fn stopping_for(&self) -> Option<Duration> {
+        self.stop_asked.get().map(Instant::elapsed)
     }
 
     /// Whether the end was asked for.

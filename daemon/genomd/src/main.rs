@@ -27,6 +27,7 @@ mod run;
 mod shown;
 mod slots;
 mod telemetry;
+mod vigil;
 mod wires;
 mod wiring;
 

@@ -24,6 +24,7 @@ use crate::rpc::serve::{Entrance, Listener, Most, serve};
 use crate::rpc::tls;
 use crate::rpc::tokens::Tokens;
 use crate::telemetry;
+use crate::vigil;
 
 /// Why the daemon did not run, with its exit status.
 #[derive(Debug)]
@@ -46,6 +47,11 @@ impl Refusal {
     /// 3: the daemon's own socket or middleware.
     fn own(error: impl std::fmt::Display) -> Self {
         Self { message: error.to_string(), status: 3 }
+    }
+
+    /// 4: it stopped, and something did not end.
+    fn left_behind(message: String) -> Self {
+        Self { message, status: 4 }
     }
 
     /// Tells it on standard error.
@@ -129,6 +135,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         .map_err(Refusal::own)?
         .map_err(Refusal::own)?;
     keep::watch(&daemon).map_err(Refusal::own)?;
+    vigil::watch(&daemon).map_err(Refusal::own)?;
     let exporter = daemon.settings.collector.clone().map(|collector| {
         let name = daemon.settings.name.clone();
         tokio::spawn(telemetry::export(collector, name, daemon.closed.clone()))
@@ -152,7 +159,10 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let server = tokio::spawn(serve(entrances, most, daemon.closed.clone()));
     let outcome = tokio::select! {
         outcome = work(&daemon) => outcome,
-        () = daemon.forced.raised() => Err(Refusal::component("stopped before all codels had ended")),
+        () = daemon.forced.raised() => {
+            let left = daemon.components.stopping().join(", ");
+            Err(Refusal::left_behind(format!("stopped before all codels had ended: {left}")))
+        }
     };
     // Gone before the last stream ends: who waits for that finds nothing left.
     drop(socket);
@@ -180,8 +190,7 @@ async fn work(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
         }
         Err(refusal) => outcome = Err(refusal),
     }
-    stop(daemon).await;
-    outcome
+    outcome.and(stop(daemon).await)
 }
 
 /// Loads the components asked for, in order; stops at the first that is refused. What else the
@@ -244,15 +253,30 @@ fn told(settings: &Settings, place: &Spot, error: &impl std::fmt::Display) -> St
     place.map_or(message.clone(), |place| format!("{place}: {message}"))
 }
 
-/// Stops every component, last loaded first, while requests under way are still answered.
-async fn stop(daemon: &Arc<Daemon>) {
+/// Stops every component while requests under way are still answered.
+async fn stop(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
     daemon.ask_to_stop("a component was refused");
     let worker = Arc::clone(daemon);
-    if let Err(error) = tokio::task::spawn_blocking(move || worker.unload_all()).await {
-        tracing::error!("stopping the components ended badly: {error}");
+    let stopped = tokio::task::spawn_blocking(move || worker.unload_all()).await;
+    let failed = stopped.map_err(|error| {
+        Refusal::left_behind(format!("stopping the components ended badly: {error}"))
+    })?;
+    for (_, error) in &failed {
+        tracing::error!("{error}");
     }
     daemon.shown.let_go();
     daemon.backends.close();
+    // Of those that were unloaded before, too.
+    let left = daemon.components.left_behind();
+    if left.is_empty() {
+        return Ok(());
+    }
+    let told = left.iter().map(|one| {
+        let codels: Vec<String> = one.codels.iter().map(ToString::to_string).collect();
+        format!("{} ({})", one.was, codels.join("; "))
+    });
+    let told = told.collect::<Vec<_>>().join(", ");
+    Err(Refusal::left_behind(format!("stopped, and left behind: {told}")))
 }
 
 type Signals = (tokio::signal::unix::Signal, tokio::signal::unix::Signal);
@@ -283,15 +307,25 @@ async fn reload_on(mut hang_up: tokio::signal::unix::Signal, tokens: Arc<Tokens>
     }
 }
 
+/// Stops the daemon on a signal. One that comes a second or more after it was asked to stop ends
+/// it at once: somebody is tired of waiting. One that comes sooner is the same wish told twice, as
+/// by a terminal and a supervisor.
 async fn stop_on((mut interrupt, mut terminate): Signals, daemon: Arc<Daemon>) {
+    const SAME: Duration = Duration::from_secs(1);
     loop {
         let name = tokio::select! {
             _ = interrupt.recv() => "SIGINT",
             _ = terminate.recv() => "SIGTERM",
         };
-        if daemon.stopping() {
-            daemon.forced.raise();
+        match daemon.stopping_for() {
+            None => daemon.ask_to_stop(name),
+            Some(time) if time >= SAME => {
+                daemon.forced.raise();
+            }
+            Some(_) => tracing::info!(
+                "{name} while stopping: components have their time; another one a second after \
+                 the first ends genomd at once, whatever codels are at"
+            ),
         }
-        daemon.ask_to_stop(name);
     }
 }

@@ -40,5 +40,5 @@ fn main() {
     measure("exclusion, 200 nodes with conflicts", || {
         drop(black_box(many.enter(0, black_box(150))));
     });
-    measure("exclusion of everything", || drop(black_box(few.enter_all(0))));
+    measure("exclusion of everything", || drop(black_box(few.enter_all(0, None))));
 }

@@ -1,10 +1,13 @@
 //! The tasks of an instance on a virtual clock, run by whoever steps it.
 
 use std::sync::atomic::Ordering;
+use std::sync::{Mutex, TryLockError};
+use std::time::{Duration, Instant};
 
 use crate::clock::Driven;
 use crate::control::Phase;
-use crate::engine::{Engine, lock};
+use crate::engine::{Engine, Guard, lock};
+use crate::task::driven::DrivenTask;
 
 impl Driven for Engine {
     fn next_date(&self) -> Option<u64> {
@@ -18,36 +21,53 @@ impl Driven for Engine {
 
     fn run(&self, now: u64) -> bool {
         let Some(driven) = &self.driven else { return false };
-        if self.lock().phase == Phase::Stopped {
-            return false;
-        }
-        let mut busy = false;
-        {
-            let mut tasks = lock(driven);
-            for task in tasks.iter_mut() {
-                busy |= task.run(now);
-            }
-        }
-        busy |= self.attend();
-        self.refresh_state();
-        busy
+        self.run_tasks(lock(driven), now)
     }
 }
 
 impl Engine {
-    /// Runs all tasks as if they ticked, until `done`; `false` when they do not get there.
-    pub(crate) fn drive_until(&self, done: impl Fn(&Self) -> bool) -> bool {
+    fn run_tasks(&self, mut tasks: Guard<'_, Vec<DrivenTask>>, now: u64) -> bool {
+        if self.lock().phase == Phase::Stopped {
+            return false;
+        }
+        let mut busy = false;
+        for task in tasks.iter_mut() {
+            busy |= task.run(now);
+        }
+        drop(tasks);
+        busy |= self.attend();
+        self.refresh_state();
+        busy
+    }
+
+    /// Runs all tasks as if they ticked, until `done`; `false` when they do not get there, or
+    /// when whoever steps the clock is in a codel that does not return.
+    pub(crate) fn drive_until(&self, deadline: Instant, done: impl Fn(&Self) -> bool) -> bool {
         /// Ticks of the slowest shutdown.
         const MOST: usize = 100_000;
+        let Some(driven) = &self.driven else { return false };
         for _ in 0..MOST {
             if done(self) {
                 return true;
             }
-            if let Some(driven) = &self.driven {
-                lock(driven).iter().for_each(|task| task.latched.store(true, Ordering::Relaxed));
-            }
-            self.run(self.shared.clock.now());
+            let Some(tasks) = lock_until(driven, deadline) else { return false };
+            tasks.iter().for_each(|task| task.latched.store(true, Ordering::Relaxed));
+            self.run_tasks(tasks, self.shared.clock.now());
         }
         done(self)
+    }
+}
+
+/// Locks, unless the deadline comes first.
+fn lock_until<T>(mutex: &Mutex<T>, deadline: Instant) -> Option<Guard<'_, T>> {
+    /// Between two attempts: only somebody who does not return is waited for long.
+    const LOOK: Duration = Duration::from_millis(1);
+    loop {
+        match mutex.try_lock() {
+            Ok(guard) => return Some(guard),
+            Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) if Instant::now() >= deadline => return None,
+            Err(TryLockError::WouldBlock) => std::thread::sleep(LOOK),
+        }
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 use genom_description::model::Owner;
 
@@ -28,6 +29,8 @@ pub(crate) struct Engine {
     pub(crate) wiring: Arc<dyn Wiring>,
     pub(crate) watcher: Option<Arc<dyn Watcher>>,
     pub(crate) activity_limit: usize,
+    /// When a codel counts as stuck, of those that have no period.
+    pub(crate) stuck_after: Duration,
     /// When the component was built.
     pub(crate) date: String,
     control: Mutex<Control>,
@@ -45,6 +48,8 @@ pub(crate) struct Engine {
     pub(crate) recent: Mutex<Vec<Window>>,
     /// Held by whoever excludes everything.
     pub(crate) everything: Mutex<()>,
+    /// Held while a shutdown takes a step.
+    pub(crate) advancing: Mutex<()>,
     pub(crate) threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
@@ -109,6 +114,7 @@ impl Engine {
             wiring: options.wiring,
             watcher: options.watcher,
             activity_limit: options.activity_limit,
+            stuck_after: options.stuck_after,
             date: options.date,
             control: Mutex::new(control),
             work: Condvar::new(),
@@ -118,6 +124,7 @@ impl Engine {
             state_written: AtomicU64::default(),
             recent: Mutex::new(tasks),
             everything: Mutex::new(()),
+            advancing: Mutex::new(()),
             threads: Mutex::new(Vec::new()),
         }
     }

@@ -3,19 +3,21 @@
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use genom_types::Record;
 use serde_json::Value;
 
 use crate::api::Reply;
 use crate::body::Body;
-use crate::engine::{ActivityStatus, Engine, NoSuchActivity, lock};
+use crate::engine::{ActivityStatus, Engine, NoSuchActivity};
 use crate::options::Options;
 use crate::plan::{Plan, owner_name};
-use crate::shutdown::ShutdownError;
+use crate::shutdown::{Ended, ShutdownError};
 use crate::start::StartError;
 use crate::statistics::{CodelStatistics, Statistics, TaskStatistics};
+use crate::stuck::{HeldUp, RunningCodel};
+use crate::ticket::Ticket;
 
 /// How long an instance that is dropped without shutdown has to end.
 const LAST_CHANCE: Duration = Duration::from_secs(1);
@@ -68,8 +70,26 @@ impl Instance {
     /// see [`input_record`](crate::input_record); `reply` is told how it goes, by a control
     /// thread. On a virtual clock attributes and functions are served before this returns, and
     /// activities run when the clock is stepped.
-    pub fn request(&self, service: usize, input: Record, reply: Reply) {
-        self.engine.submit(service, input, reply);
+    pub fn request(&self, service: usize, input: Record, reply: Reply) -> Ticket {
+        let ticket = Ticket::default();
+        self.request_by(&ticket, service, input, reply);
+        ticket
+    }
+
+    /// The same with a ticket at hand: on a virtual clock the request may take its time.
+    pub fn request_by(&self, ticket: &Ticket, service: usize, input: Record, reply: Reply) {
+        self.engine.submit(service, input, reply, ticket.clone());
+    }
+
+    /// Gives up a request that has not begun and that a stuck codel keeps from it: it never runs,
+    /// and its reply is dropped. `None` when nothing is stuck that is in its way, or it has begun.
+    #[must_use]
+    pub fn give_up(&self, service: usize, ticket: &Ticket) -> Option<HeldUp> {
+        if ticket.has_begun() {
+            return None;
+        }
+        let held_up = self.engine.holds_up_service(service)?;
+        self.engine.withdraw(service, ticket).then_some(held_up)
     }
 
     /// Asks an activity to stop, on behalf of its client (`interrupted { by: "client" }`).
@@ -99,11 +119,24 @@ impl Instance {
 
     /// Runs `work` while no codel runs that it could disturb: to bind ports and remotes
     /// (genom3.md 7.8). Async codels without port or remote go on. Not to be called by a codel.
-    pub fn exclusively<R>(&self, work: impl FnOnce(&dyn Body) -> R) -> R {
-        let shared = &self.engine.shared;
-        let _turn = lock(&self.engine.everything);
-        let _permit = shared.exclusion.enter_all(shared.outside_context());
-        work(shared.body.as_ref())
+    ///
+    /// # Errors
+    /// A codel is stuck, or becomes so meanwhile; nothing was done.
+    pub fn exclusively<R>(&self, work: impl FnOnce(&dyn Body) -> R) -> Result<R, HeldUp> {
+        self.engine.exclusively(work)
+    }
+
+    /// Codels that run now, with how long they have.
+    #[must_use]
+    pub fn running_codels(&self) -> Vec<RunningCodel> {
+        self.engine.running_codels()
+    }
+
+    /// The codel that counts as stuck for longest, if any does.
+    #[must_use]
+    pub fn stuck(&self) -> Option<RunningCodel> {
+        let all = self.running_codels().into_iter();
+        all.filter(|codel| codel.stuck).max_by_key(|codel| codel.for_ns)
     }
 
     /// Activities accepted and not ended, in order of acceptance, permanent ones included.
@@ -128,6 +161,7 @@ impl Instance {
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         let shared = &self.engine.shared;
+        let now = shared.clock.now();
         let model = self.plan().component();
         let task = |(rank, task): (usize, &genom_description::model::Task)| {
             let shared = &shared.tasks[rank];
@@ -137,7 +171,8 @@ impl Instance {
                 real_time: shared.real_time.load(Ordering::Relaxed),
                 cycles: shared.figures.cycles.read(),
                 lateness: shared.figures.lateness.read(),
-                overruns: shared.figures.overruns.read(),
+                stuck: self.engine.codel_of_task(rank).filter(|codel| codel.stuck),
+                overruns: shared.figures.overruns.read(shared.timing, now),
             }
         };
         let codel = |(rank, codel): (usize, &genom_description::model::Codel)| {
@@ -175,6 +210,28 @@ impl Instance {
     /// not affected.
     pub fn shutdown(&self, timeout: Duration) -> Result<(), ShutdownError> {
         self.engine.shutdown(timeout)
+    }
+
+    /// The first half of [`shutdown`](Self::shutdown): asks for the end and returns. `ended` is
+    /// told once, by any thread, when no codel runs any more. `false` when the end was asked for
+    /// before. On a virtual clock all codels that are to run do so before this returns.
+    pub fn begin_shutdown(&self, ended: Ended, timeout: Duration) -> bool {
+        self.engine.begin_shutdown(Some(ended), Instant::now() + timeout)
+    }
+
+    /// The second half: waits for the end, until `deadline`.
+    ///
+    /// # Errors
+    /// As of `shutdown`.
+    pub fn finish_shutdown(&self, deadline: Instant) -> Result<(), ShutdownError> {
+        self.engine.finish_shutdown(deadline)
+    }
+
+    /// Whether no codel runs any more, nor ever will. Of an instance that did not shut down in
+    /// time: whether what hung has returned.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.engine.is_over()
     }
 }
 

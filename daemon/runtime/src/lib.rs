@@ -11,6 +11,7 @@
 #![forbid(unsafe_code)]
 
 mod api;
+mod at_work;
 pub mod body;
 mod clock;
 mod control;
@@ -24,16 +25,20 @@ mod shared;
 mod shutdown;
 mod start;
 mod statistics;
+mod stuck;
 mod task;
+mod ticket;
 mod watcher;
 
 pub use api::{Exception, Outcome, Progress, Reply, Wiring, WiringError, input_record};
 pub use clock::{Clock, VirtualClock};
 pub use engine::{ActivityPhase, ActivityStatus, NoSuchActivity};
 pub use instance::{Instance, NoSuchEvent};
-pub use options::{ACTIVITY_LIMIT, Options, TaskOptions};
+pub use options::{ACTIVITY_LIMIT, Options, STUCK_AFTER, TaskOptions};
 pub use plan::{Plan, PlanError};
-pub use shutdown::ShutdownError;
+pub use shutdown::{Ended, ShutdownError};
 pub use start::StartError;
 pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
+pub use stuck::{HeldUp, RunningCodel, seconds};
+pub use ticket::Ticket;
 pub use watcher::{Change, Watcher};

@@ -30,7 +30,13 @@ pub struct Options {
     pub date: String,
     /// How long a task's first codel may take; `None` waits for ever, as genom3.md 7.2 says.
     pub start_timeout: Option<Duration>,
+    /// A codel that runs for longer counts as stuck; one of a periodic task does after a second,
+    /// or five periods when these are longer. Also how long control waits for codels at most.
+    pub stuck_after: Duration,
 }
+
+/// When a codel counts as stuck, unless told otherwise.
+pub const STUCK_AFTER: Duration = Duration::from_secs(5);
 
 /// What a configuration says of a task. What is `None` is as in the `.gen`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -58,6 +64,7 @@ impl Options {
             watcher: None,
             date: String::new(),
             start_timeout: None,
+            stuck_after: STUCK_AFTER,
         }
     }
 }

@@ -1,17 +1,19 @@
 //! What control and tasks of an instance share: atomics, the exclusion, figures. No lock.
 
-use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
 use genom_description::model::Owner;
 use rtrb::Producer;
 
+use crate::at_work::AtWork;
 use crate::body::Body;
 use crate::clock::Clock;
 use crate::exclusion::Exclusion;
 use crate::plan::Plan;
 use crate::statistics::{CodelFigures, Counter, TaskFigures};
+use crate::task::hurry::Hurry;
 use crate::task::timing::Timing;
 
 /// Shared by the threads of one instance.
@@ -24,8 +26,8 @@ pub(crate) struct Shared {
     pub(crate) codels: Box<[CodelFigures]>,
     /// By codel: its `wcet` in nanoseconds, `u64::MAX` without.
     wcet: Box<[u64]>,
-    /// By context: the codel that runs now, plus one.
-    current: Box<[AtomicU32]>,
+    /// By context: the codel that runs now.
+    pub(crate) at_work: Box<[AtWork]>,
     /// The control thread, once it runs; a virtual clock needs none.
     pub(crate) control: OnceLock<Thread>,
     /// Whether control has something to look at.
@@ -44,8 +46,8 @@ pub(crate) struct TaskShared {
     pub(crate) real_time: AtomicBool,
     runnable: AtomicBool,
     quit: AtomicBool,
-    /// The instance shuts down: do not sleep through it.
-    hurry: AtomicBool,
+    /// Where a periodic task sleeps; a shutdown does not wait for its ticks.
+    pub(crate) hurry: Hurry,
     /// Bits of external events not yet taken.
     fired: Box<[AtomicU64]>,
     /// Whether the permanent activity's first codel was executed.
@@ -81,7 +83,7 @@ impl Shared {
             tasks: timings.into_iter().map(|timing| TaskShared::new(timing, sinks)).collect(),
             codels: model.codels.iter().map(|_| CodelFigures::default()).collect(),
             wcet: model.codels.iter().map(|codel| codel.wcet.map_or(u64::MAX, nanos)).collect(),
-            current: (0..contexts).map(|_| AtomicU32::new(0)).collect(),
+            at_work: (0..contexts).map(|_| AtWork::default()).collect(),
             control: OnceLock::new(),
             attention: AtomicBool::new(false),
             lost: Counter::default(),
@@ -104,16 +106,9 @@ impl Shared {
         }
     }
 
-    /// Notes the codel that a context runs now.
-    #[inline]
-    pub(crate) fn calls(&self, context: usize, codel: Option<usize>) {
-        let number = codel.map_or(0, |codel| u32::try_from(codel + 1).unwrap_or(u32::MAX));
-        self.current[context].store(number, Ordering::Relaxed);
-    }
-
     /// The codel that a context runs now.
     pub(crate) fn current(&self, context: usize) -> Option<usize> {
-        (self.current[context].load(Ordering::Relaxed) as usize).checked_sub(1)
+        self.at_work[context].look().map(|(codel, _)| codel)
     }
 
     /// genom3.md 7.3.8, 7.4: something happened in the component.
@@ -161,7 +156,7 @@ impl TaskShared {
             // The first pass starts the permanent activity.
             runnable: AtomicBool::new(true),
             quit: AtomicBool::new(false),
-            hurry: AtomicBool::new(false),
+            hurry: Hurry::default(),
             fired: (0..sinks).map(|_| AtomicU64::new(0)).collect(),
             started: AtomicBool::new(false),
             thread: OnceLock::new(),
@@ -221,15 +216,23 @@ impl TaskShared {
         self.hurry();
     }
 
-    /// Whether to cut a long sleep short, once for each time it was asked.
-    pub(crate) fn take_hurry(&self) -> bool {
-        self.hurry.swap(false, Ordering::AcqRel)
+    /// Wakes it, also before its next tick.
+    pub(crate) fn hurry(&self) {
+        self.runnable.store(true, Ordering::Release);
+        match self.timing {
+            Some(_) => self.hurry.get_up(),
+            None => self.unpark(),
+        }
     }
 
-    pub(crate) fn hurry(&self) {
-        self.hurry.store(true, Ordering::Release);
-        self.runnable.store(true, Ordering::Release);
-        self.unpark();
+    /// The same for those who would otherwise be waited for long: a control loop that brings an
+    /// axis to a stop has its passes at their dates.
+    pub(crate) fn hurry_if_slow(&self) {
+        /// A tick that comes within this is waited for.
+        const SOON: u64 = 100_000_000;
+        if self.timing.is_none_or(|timing| timing.period > SOON) {
+            self.hurry();
+        }
     }
 
     /// An external event, by rank of its sink.

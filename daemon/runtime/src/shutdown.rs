@@ -6,65 +6,186 @@ use std::time::{Duration, Instant};
 use crate::api::{Outcome, Progress};
 use crate::control::{Afterwards, Control, Phase, interrupted};
 use crate::engine::{Engine, lock};
-use crate::plan::owner_name;
+use crate::stuck::{RunningCodel, seconds};
 
 /// Why an instance did not shut down in time. It serves nothing any more; threads that hang are
 /// left behind with the memory they use, and other instances go on.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{instance} does not shut down: {}", list(.codels, .activities))]
+#[error("{instance} does not stop: {}", list(.codels, .activities))]
 pub struct ShutdownError {
     /// The instance.
     pub instance: String,
-    /// Codels that have not returned: `owner: codel`.
-    pub codels: Vec<String>,
+    /// Codels that have not returned.
+    pub codels: Vec<RunningCodel>,
     /// Activities that have not ended.
     pub activities: Vec<String>,
 }
 
-fn list(codels: &[String], activities: &[String]) -> String {
+fn list(codels: &[RunningCodel], activities: &[String]) -> String {
     if codels.is_empty() {
-        format!("activities {} do not end after a stop request", activities.join(", "))
-    } else {
-        format!("codels have not returned ({})", codels.join(", "))
+        return format!("activities {} do not end after a stop request", activities.join(", "));
     }
+    let told = codels.iter().map(|one| {
+        let time = seconds(one.for_ns);
+        format!("codel {} of {} has been running for {time}", one.codel, one.owner)
+    });
+    told.collect::<Vec<_>>().join(", ")
+}
+
+/// Told once when no codel of an instance runs any more.
+pub type Ended = Box<dyn FnOnce() + Send>;
+
+/// How far a shutdown is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// Activities of services, and requests under way, are to end (7.7.1).
+    Activities,
+    /// The permanent activity of this task is to end; those of the tasks after it have (7.7.2).
+    Permanent(usize),
+    /// What hung is to end after all; whoever waits for the shutdown ends this step in time.
+    Rest,
+    /// The threads are to end.
+    Threads,
 }
 
 impl Engine {
-    /// Stops activities, then permanent ones, then threads.
+    /// Stops activities, then permanent ones, then threads, and waits for all that.
     pub(crate) fn shutdown(&self, timeout: Duration) -> Result<(), ShutdownError> {
         let deadline = Instant::now() + timeout;
-        if !self.stop_activities() {
+        if !self.begin_shutdown(None, deadline) {
             return Ok(());
         }
-        let ended = self.wait(deadline, |control| {
-            control.serving == 0 && control.entries.iter().all(|entry| entry.service.is_none())
-        });
-        // 7.7.2: tasks in reverse order.
-        let tasks = self.shared.tasks.len();
-        let ended = (0..tasks).rev().fold(ended, |ended, task| {
-            // A task that hangs cannot run its `stop` codel; the others can.
-            self.stop_permanent(task);
-            let gone = |control: &Control| control.entries.iter().all(|e| e.task != task);
-            self.wait(deadline, gone) && ended
-        });
-        let error = (!ended).then(|| self.what_hangs());
-        self.shared.tasks.iter().for_each(crate::shared::TaskShared::quit);
-        self.lock().phase = Phase::Stopped;
-        self.work.notify_all();
+        self.finish_shutdown(deadline)
+    }
+
+    /// Asks for the end and returns; the control thread sees to the rest. `false` when somebody
+    /// else asked before. On a virtual clock, all is done here: its codels run in this thread.
+    pub(crate) fn begin_shutdown(&self, ended: Option<Ended>, deadline: Instant) -> bool {
+        if !self.stop_activities(ended) {
+            return false;
+        }
+        if self.driven.is_some() {
+            self.drive_shutdown(deadline);
+        }
         self.shared.wake_control();
-        let threads_ended = self.driven.is_some() || self.wait(deadline, |c| c.alive == 0);
-        match error {
-            Some(error) => Err(error),
-            None if !threads_ended => Err(self.what_hangs()),
-            None => {
-                self.join();
-                Ok(())
+        true
+    }
+
+    /// Waits for the end of what was asked to end; what hangs at the deadline is left behind.
+    pub(crate) fn finish_shutdown(&self, deadline: Instant) -> Result<(), ShutdownError> {
+        let over = |control: &Control| control.phase == Phase::Stopped && control.alive == 0;
+        if self.wait(deadline, over) {
+            self.join();
+            return Ok(());
+        }
+        let error = self.what_hangs();
+        // Tasks that hang cannot run their `stop` codel; all others had the time to.
+        self.end_threads();
+        Err(error)
+    }
+
+    /// Whether no codel runs any more, nor ever will.
+    pub(crate) fn is_over(&self) -> bool {
+        let control = self.lock();
+        control.phase == Phase::Stopped && control.alive == 0
+    }
+
+    /// Goes on with a shutdown as far as it can. Called by the control thread, which alone
+    /// collects results; before there is one, by whoever waits.
+    pub(crate) fn advance_shutdown(&self) {
+        // A step is taken in whole before the next is looked at.
+        let _one = lock(&self.advancing);
+        loop {
+            let next = {
+                let mut control = self.lock();
+                let Some(step) = control.step else { return };
+                if !self.is_done(&control, step) {
+                    return;
+                }
+                let tasks = self.shared.tasks.len();
+                let before = |task: usize| task.checked_sub(1).map_or(Step::Rest, Step::Permanent);
+                let next = match step {
+                    Step::Activities => before(tasks),
+                    Step::Permanent(task) => before(task),
+                    Step::Rest => Step::Threads,
+                    Step::Threads => return,
+                };
+                control.step = Some(next);
+                next
+            };
+            match next {
+                Step::Permanent(task) => self.stop_permanent(task),
+                Step::Threads => return self.end_threads(),
+                Step::Activities | Step::Rest => {}
             }
         }
     }
 
+    /// What hangs is not waited for: the other tasks' `stop` codels are to run in time.
+    fn is_done(&self, control: &Control, step: Step) -> bool {
+        let hangs = |task| self.codel_of_task(task).is_some_and(|codel| codel.stuck);
+        match step {
+            Step::Activities => {
+                let left = control.entries.iter().filter(|entry| entry.service.is_some());
+                let hang = |codels: Vec<RunningCodel>| {
+                    codels.iter().filter(|codel| codel.stuck && codel.task.is_none()).count()
+                };
+                left.into_iter().all(|entry| hangs(entry.task))
+                    && (control.serving == 0 || control.serving <= hang(self.running_codels()))
+            }
+            Step::Permanent(task) => {
+                control.entries.iter().all(|entry| entry.task != task) || hangs(task)
+            }
+            Step::Rest => control.entries.is_empty() && control.serving == 0,
+            Step::Threads => true,
+        }
+    }
+
+    /// 7.7.3: nothing is served or executed any more.
+    fn end_threads(&self) {
+        self.shared.tasks.iter().for_each(crate::shared::TaskShared::quit);
+        self.lock().phase = Phase::Stopped;
+        self.work.notify_all();
+        self.shared.wake_control();
+        self.tell_end();
+    }
+
+    /// A thread ended that ran codels.
+    pub(crate) fn thread_ended(&self) {
+        self.lock().alive -= 1;
+        self.tell_end();
+    }
+
+    fn tell_end(&self) {
+        let ended = {
+            let mut control = self.lock();
+            let over = control.phase == Phase::Stopped && control.alive == 0;
+            over.then(|| control.ended.take()).flatten()
+        };
+        self.quiet.notify_all();
+        if let Some(ended) = ended {
+            ended();
+        }
+    }
+
+    /// The same on a virtual clock, by this thread.
+    fn drive_shutdown(&self, deadline: Instant) {
+        let reached =
+            |step: Step| self.drive_until(deadline, |engine| engine.is_done(&engine.lock(), step));
+        reached(Step::Activities);
+        for task in (0..self.shared.tasks.len()).rev() {
+            self.stop_permanent(task);
+            reached(Step::Permanent(task));
+        }
+        // What hangs is found by whoever waits for the end.
+        let over = self.is_done(&self.lock(), Step::Rest);
+        if over {
+            self.end_threads();
+        }
+    }
+
     /// 7.7.1; `false` when somebody else shut it down before.
-    fn stop_activities(&self) -> bool {
+    fn stop_activities(&self, ended: Option<Ended>) -> bool {
         let mut after = Afterwards::default();
         {
             let mut control = self.lock();
@@ -72,6 +193,8 @@ impl Engine {
                 return false;
             }
             control.phase = Phase::Stopping;
+            control.step = Some(Step::Activities);
+            control.ended = ended;
             control.ready.clear();
             let waiting = control.services.iter_mut().flat_map(|queue| queue.waiting.drain(..));
             let refused = || Progress::Done(Outcome::Exception(interrupted("kill")));
@@ -84,7 +207,7 @@ impl Engine {
             self.examine(&mut control, &mut after);
         }
         self.finish_off(after);
-        self.shared.tasks.iter().for_each(crate::shared::TaskShared::hurry);
+        self.shared.tasks.iter().for_each(crate::shared::TaskShared::hurry_if_slow);
         true
     }
 
@@ -111,27 +234,27 @@ impl Engine {
         self.shared.tasks[task].is_started()
     }
 
-    /// Waits for `done`, which others bring about; on a virtual clock it is brought about here.
+    /// Waits for `done`, which others bring about.
     fn wait(&self, deadline: Instant, done: impl Fn(&Control) -> bool) -> bool {
-        if self.driven.is_some() {
-            return self.drive_until(|engine| done(&engine.lock()));
-        }
-        // Before the control thread runs, or after, nobody else collects results.
+        /// Between two looks where nobody else collects results: before the control thread runs.
+        const LOOK: Duration = Duration::from_millis(10);
         let mut control = self.lock();
         while !done(&control) {
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
                 return false;
             }
-            if self.shared.control.get().is_none() {
+            let alone = self.shared.control.get().is_none();
+            if alone && self.driven.is_none() {
                 drop(control);
                 self.attend();
+                self.advance_shutdown();
                 control = self.lock();
                 if done(&control) {
                     return true;
                 }
             }
-            let slice = left.min(Duration::from_millis(10));
+            let slice = if alone { left.min(LOOK) } else { left };
             let waited = self.quiet.wait_timeout(control, slice);
             control = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
@@ -139,20 +262,13 @@ impl Engine {
     }
 
     fn what_hangs(&self) -> ShutdownError {
-        let model = self.shared.plan.component();
-        let name = |codel: usize| {
-            let codel = &model.codels[codel];
-            format!("{}: {}", owner_name(model, codel.owner), codel.name)
-        };
-        let contexts = 0..=self.shared.outside_context();
-        let codels = contexts.filter_map(|context| self.shared.current(context)).map(name);
         let activities = self.activities().into_iter().map(|activity| {
             let name = activity.service.unwrap_or(activity.task);
             format!("{name} ({})", activity.id)
         });
         ShutdownError {
             instance: self.name.clone(),
-            codels: codels.collect(),
+            codels: self.running_codels(),
             activities: activities.collect(),
         }
     }

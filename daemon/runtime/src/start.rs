@@ -196,8 +196,7 @@ impl Engine {
             shared.tasks[rank].set_thread(std::thread::current());
             wanted.apply(&engine.name, rank, shared);
             thread::run(runner);
-            engine.lock().alive -= 1;
-            engine.quiet.notify_all();
+            engine.thread_ended();
         });
         match spawned {
             Ok(handle) => {

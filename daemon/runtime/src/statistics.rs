@@ -4,6 +4,9 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use serde::Serialize;
 
+use crate::stuck::RunningCodel;
+use crate::task::pace::Pace;
+
 /// Buckets in each power of two: 12 % resolution.
 const STEPS: u64 = 8;
 /// Durations above 2^40 ns (18 minutes) share the last bucket.
@@ -152,7 +155,7 @@ pub(crate) struct TaskFigures {
     /// From the date of a tick to the task's start.
     pub(crate) lateness: Histogram,
     /// Ticks that came while the task was still at work, or slept beyond the one before.
-    pub(crate) overruns: Counter,
+    pub(crate) overruns: Pace,
 }
 
 /// Statistics of an instance.
@@ -179,8 +182,12 @@ pub struct TaskStatistics {
     pub cycles: Durations,
     /// Time from a tick's date to the start of work.
     pub lateness: Durations,
-    /// Ticks that came while the task was still at work, or slept beyond the one before.
+    /// Ticks that came while the task was still at work, or slept beyond the one before; those
+    /// that come while a codel does not return count as they come.
     pub overruns: u64,
+    /// The codel that it is stuck in, if it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stuck: Option<RunningCodel>,
 }
 
 /// Statistics of a codel.

@@ -103,7 +103,7 @@ fn exercise(nodes: Nodes, contexts: usize, rounds: u32, with_all: bool) -> Arc<C
         let (exclusion, checker) = (Arc::clone(&exclusion), Arc::clone(&checker));
         threads.push(std::thread::spawn(move || {
             for _ in 0..rounds / 4 {
-                let _permit = exclusion.enter_all(contexts);
+                let _permit = exclusion.enter_all(contexts, None);
                 checker.run_all();
             }
         }));

@@ -66,7 +66,7 @@ fn check(nodes: &Nodes, contexts: usize) {
         }
         scope.spawn(|| {
             for _ in 0..ROUNDS.div_ceil(4) {
-                let _permit = exclusion.enter_all(contexts);
+                let _permit = exclusion.enter_all(contexts, None);
                 memory.count(|_| true);
             }
         });

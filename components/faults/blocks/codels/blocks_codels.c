@@ -3,6 +3,7 @@
  */
 #include <errno.h>
 #include <semaphore.h>
+#include <unistd.h>
 
 #include "genom3/c/exception.h"
 
@@ -15,6 +16,8 @@ GENOM_EVENT(blocks_pause_start, "::blocks::pause::start");
 
 genom_event blocks_hang(const genom_context self);
 genom_event blocks_hang_async(const genom_context self);
+genom_event blocks_hang_steady(const genom_context self);
+genom_event blocks_hang_until(const char *file, const genom_context self);
 genom_event blocks_wait(const genom_context self);
 genom_event blocks_validate(const genom_context self);
 genom_event blocks_release(const genom_context self);
@@ -48,6 +51,22 @@ blocks_hang_async(const genom_context self)
 {
   (void)self;
   block();
+  return blocks_ether;
+}
+
+genom_event
+blocks_hang_steady(const genom_context self)
+{
+  (void)self;
+  block();
+  return blocks_ether;
+}
+
+genom_event
+blocks_hang_until(const char *file, const genom_context self)
+{
+  (void)self;
+  while (access(file, F_OK)) usleep(1000);
   return blocks_ether;
 }
 

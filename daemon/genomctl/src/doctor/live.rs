@@ -138,12 +138,45 @@ async fn unmet(session: &Session, component: &str) -> Vec<Finding> {
     found
 }
 
+/// Codels of a component that do not return.
+fn stuck(component: &Value) -> Vec<Finding> {
+    let name = component["name"].as_str().unwrap_or_default();
+    let codels = component["stuck"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let told = codels.iter().map(|one| {
+        let text = |key: &str| one[key].as_str().unwrap_or_default();
+        let whose =
+            one["task"].as_str().map_or("a request".to_owned(), |task| format!("task {task}"));
+        let time = one["for_ns"].as_u64().unwrap_or_default() / 1_000_000_000;
+        let (codel, owner) = (text("codel"), text("owner"));
+        let what = format!("{whose} of {name} is stuck in {codel} of {owner} for {time} s");
+        let fix = format!(
+            "look at what the codel waits for (gdb -p); `genomctl unload {name}` leaves it behind"
+        );
+        Finding::problem("codels", what, fix)
+    });
+    told.collect()
+}
+
+/// What is left of components that did not stop.
+fn left_behind(listed: &Value) -> Vec<Finding> {
+    let all = listed["left_behind"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let told = all.iter().map(|one| {
+        let text = |key: &str| one[key].as_str().unwrap_or_default();
+        let what = format!("of {} ({}): {}", text("was"), text("component"), text("state"));
+        let fix = "it goes when its codel returns; restart genomd to be rid of it";
+        Finding::problem("left behind", what, fix)
+    });
+    told.collect()
+}
+
 /// Tasks that miss ticks, and ports that do not meet.
 async fn tasks(session: &Session) -> Vec<Finding> {
     let mut found = Vec::new();
     let Ok(listed) = session.get("/components").await else { return found };
+    found.extend(left_behind(&listed));
     let names = listed["components"].as_array().map(Vec::as_slice).unwrap_or_default();
     for (one, name) in names.iter().filter_map(|one| Some((one, one["name"].as_str()?))) {
+        found.extend(stuck(one));
         if one["state"] == "damaged" {
             let what = format!("codels of {name} wrote past the memory they were given");
             let fix = format!(

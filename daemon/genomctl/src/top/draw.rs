@@ -28,8 +28,10 @@ pub(super) fn draw(
     ])
     .areas(frame.area());
     let running = now.activities.iter().filter(|(_, one)| one.status == "running").count();
+    let stuck = now.components.iter().filter(|one| one.state.starts_with("stuck"));
+    let stuck: String = stuck.map(|one| format!("; {} is {}", one.name, one.state)).collect();
     let text = format!(
-        "genomd on {}: {}, {running} running",
+        "genomd on {}: {}, {running} running{stuck}",
         now.daemon,
         if now.components.len() == 1 {
             "1 component".to_owned()
@@ -37,7 +39,8 @@ pub(super) fn draw(
             format!("{} components", now.components.len())
         },
     );
-    frame.render_widget(Line::styled(text, Modifier::BOLD), title);
+    let style = alarm(!stuck.is_empty()).add_modifier(Modifier::BOLD);
+    frame.render_widget(Line::styled(text, style), title);
     draw_tasks(frame, tasks, now);
     draw_activities(frame, activities, now);
     draw_ports(frame, ports, now, before, scroll);
@@ -188,7 +191,7 @@ mod tests {
         };
         Snapshot {
             daemon: "/run/genomd.sock".into(),
-            components: vec![Component { name: "demo".into() }],
+            components: vec![Component { name: "demo".into(), state: "running".into() }],
             tasks: vec![("demo".into(), task)],
             activities: vec![("demo".into(), activity)],
             ports: vec![
@@ -219,6 +222,17 @@ mod tests {
             demo/parameter             in   shm         -           -          0        joystick/gain
         "#]]
         .assert_eq(&text(&now, Some(&before), 100));
+    }
+
+    #[test]
+    fn a_component_that_is_stuck_is_told_in_the_title_in_red() {
+        let mut now = snapshot(1, Instant::now());
+        now.components[0].state = "stuck in demo_move for 12 s".into();
+        let told = "1 component, 1 running; demo is stuck in demo_move for 12 s";
+        assert!(text(&now, None, 100).lines().next().unwrap().ends_with(told));
+        let mut terminal = Terminal::new(TestBackend::new(100, 12)).unwrap();
+        terminal.draw(|frame| draw(frame, &now, None, 0, "")).unwrap();
+        assert_eq!(terminal.backend().buffer()[(0, 0)].fg, Color::Red);
     }
 
     #[test]

@@ -29,6 +29,8 @@ pub(crate) struct Snapshot {
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct Component {
     pub(crate) name: String,
+    /// `running`, or what it is stuck in.
+    pub(crate) state: String,
 }
 
 #[derive(Clone, Debug, Deserialize)]

@@ -6,13 +6,22 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::Table;
 
-/// List the components that run.
+/// List the components that run, and what is left of those that did not stop in time.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 
 #[derive(Debug, Deserialize)]
 struct Reply {
     components: Vec<Component>,
+    #[serde(default)]
+    left_behind: Vec<Left>,
+}
+
+/// What is left of a component that did not stop in time: it has no name any more.
+#[derive(Debug, Deserialize)]
+struct Left {
+    component: String,
+    state: String,
 }
 
 #[derive(Debug, Deserialize)]
@@ -44,6 +53,10 @@ fn render(reply: &Reply) -> Table {
                 component.library.clone(),
             ]
         })
+        .chain(reply.left_behind.iter().map(|left| {
+            let none = || "-".to_owned();
+            vec![none(), left.component.clone(), left.state.clone(), none(), none(), none()]
+        }))
         .collect();
     Table { header: vec!["NAME", "COMPONENT", "STATE", "BACKEND", "ACTIVITIES", "LIBRARY"], rows }
 }

@@ -31,6 +31,15 @@ struct Task {
     cycles: Durations,
     lateness: Durations,
     overruns: u64,
+    #[serde(default)]
+    stuck: Option<Stuck>,
+}
+
+/// The codel that a task is in.
+#[derive(Debug, Deserialize)]
+struct Stuck {
+    codel: String,
+    for_ns: u64,
 }
 
 #[derive(Debug, Deserialize)]
@@ -43,7 +52,15 @@ struct Durations {
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let reply = session.get(&url(["components", &args.component, "tasks"])).await?;
-    session.show_table(reply, render)
+    let told: Reply = session.read(reply.clone())?;
+    session.show_table(reply, render)?;
+    for task in &told.tasks {
+        if let Some(Stuck { codel, for_ns }) = &task.stuck {
+            let (name, time) = (&task.name, for_ns / 1_000_000_000);
+            session.tell(&format!("task {name} is stuck in {codel} for {time} s"))?;
+        }
+    }
+    Ok(())
 }
 
 fn render(reply: &Reply) -> Table {

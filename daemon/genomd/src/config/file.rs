@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use genom_runtime::STUCK_AFTER;
 use serde::{Deserialize, Serialize};
 
 use super::error::ConfigError;
@@ -35,6 +36,8 @@ pub(crate) struct Config {
     pub(crate) start_timeout: u64,
     /// Seconds a component may take to stop.
     pub(crate) stop_timeout: u64,
+    /// Seconds after which a codel counts as stuck.
+    pub(crate) stuck_after: u64,
     /// The control plane.
     pub(crate) rpc: Rpc,
     /// Which services are offered on which middlewares.
@@ -97,6 +100,7 @@ impl Default for Config {
             check_memory: MemoryCheck::Pauses,
             start_timeout: 60,
             stop_timeout: 10,
+            stuck_after: STUCK_AFTER.as_secs(),
             rpc: Rpc::default(),
             services: Offers::default(),
             telemetry: Telemetry::default(),

@@ -62,6 +62,8 @@ pub(crate) struct Settings {
     pub(crate) start_timeout: Duration,
     /// How long a component may take to stop before it is left behind.
     pub(crate) stop_timeout: Duration,
+    /// How long a codel may run before it counts as stuck, where no period says more.
+    pub(crate) stuck_after: Duration,
     /// Where spans go, if anywhere.
     pub(crate) collector: Option<Collector>,
     /// The control plane.
@@ -142,6 +144,7 @@ impl Settings {
             check_memory: config.check_memory.host(),
             start_timeout: Duration::from_secs(config.start_timeout),
             stop_timeout: Duration::from_secs(config.stop_timeout),
+            stuck_after: Duration::from_secs(config.stuck_after),
             rpc,
             offers: config.services,
         })

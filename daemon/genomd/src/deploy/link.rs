@@ -100,6 +100,7 @@ fn make_now(daemon: &Arc<Daemon>, entry: &ConnectionEntry, wait: bool) -> Result
                 RemoteError::NoSuchService { absent, .. } => ("out", *absent),
                 RemoteError::Backend(_) => ("backend", false),
                 RemoteError::Differs { .. } | RemoteError::Failed(_) => ("out", false),
+                RemoteError::HeldUp(_) => ("in", false),
             };
             LinkError { key, why: error.to_string(), absent }
         });
@@ -114,7 +115,7 @@ fn make_now(daemon: &Arc<Daemon>, entry: &ConnectionEntry, wait: bool) -> Result
     };
     connect::connect(daemon, &request).map(drop).map_err(|error| {
         let (key, absent) = match &error {
-            ConnectError::NoSuchInport { .. } => ("in", false),
+            ConnectError::NoSuchInport { .. } | ConnectError::HeldUp(_) => ("in", false),
             ConnectError::NoSuchOutport { absent, .. } => ("out", *absent),
             ConnectError::Backend(_) => ("backend", false),
             ConnectError::Type { .. } | ConnectError::Failed(_) => ("out", false),
@@ -132,9 +133,10 @@ pub(super) fn put_back(
 ) -> Result<(), String> {
     let Some(before) = before else {
         if let Some((caller, index)) = remote::named(daemon, inport) {
-            remote::disconnect(daemon, &caller, index);
+            remote::disconnect(daemon, &caller, index).map_err(|error| error.to_string())?;
         } else if let Ok((hosted, port, element)) = connect::reader(daemon, inport) {
-            connect::disconnect(daemon, &hosted, port, element.as_deref());
+            let undone = connect::disconnect(daemon, &hosted, port, element.as_deref());
+            undone.map_err(|error| error.to_string())?;
         }
         return Ok(());
     };

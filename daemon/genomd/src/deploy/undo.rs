@@ -180,13 +180,24 @@ fn values(hosted: &Hosted, service: &str, remembered: &Option<Value>) -> Option<
 /// Takes steps back, the last first; what could not be is named.
 pub(super) fn take_back(daemon: &Arc<Daemon>, undo: Vec<Undo>) -> Vec<String> {
     let mut left: Vec<Left> = Vec::new();
-    for one in undo.into_iter().rev() {
+    let mut back = undo.into_iter().rev().peekable();
+    while let Some(one) = back.next() {
         let (component, undone) = match one {
             Undo::Unload(name) => {
-                // What was done to it goes with it.
-                left.retain(|left| left.component != name);
-                let undone = daemon.unload(&name).map_err(|error| error.to_string());
-                (name, undone)
+                // Those loaded one after the other go together.
+                let mut names = vec![name];
+                while let Some(Undo::Unload(name)) =
+                    back.next_if(|it| matches!(it, Undo::Unload(_)))
+                {
+                    names.insert(0, name);
+                }
+                // What was done to them goes with them.
+                left.retain(|left| !names.contains(&left.component));
+                let failed = daemon.unload_these(&names).into_iter();
+                left.extend(
+                    failed.map(|(component, error)| Left { component, what: error.to_string() }),
+                );
+                continue;
             }
             Undo::Move(moved) => {
                 let Moved { component, port, before, ports } = moved;

@@ -4,19 +4,16 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
-use genom_description::model::{
-    Component as Model, Direction, PortDirection, ServiceKind, Specification,
-};
+use genom_description::model::{Component as Model, Direction, ServiceKind, Specification};
 use genom_middleware::{Address, Served, Subscription};
 use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
 use genom_runtime::{
-    ActivityPhase, Instance, Options, Outcome, Progress, StartError, Statistics, Watcher,
-    input_record,
+    ActivityPhase, Clock, HeldUp, Instance, Options, Outcome, Progress, RunningCodel, StartError,
+    Statistics, Ticket, Watcher, input_record, seconds,
 };
 use genom_types::{DataType, Record};
 use serde_json::{Value, json};
-use tokio::sync::mpsc;
 use tracing::Span;
 
 use super::activities::{Activity, ActivityLog};
@@ -40,6 +37,8 @@ pub(crate) enum Answer {
     Accepted(Arc<Activity>),
     /// The component stopped before it answered.
     Gone,
+    /// A codel that is stuck keeps it from being served: it was given up, and never runs.
+    HeldUp(HeldUp),
 }
 
 /// Services of one component, each by its rank, by middleware.
@@ -64,11 +63,13 @@ pub(crate) struct Hosted {
     /// Raised when it asked for its own end.
     pub(crate) killed: Flag,
     pub(super) recordings: Arc<Recordings>,
+    /// On a virtual clock, requests are served by the thread that sends them.
+    pub(super) serves_at_once: bool,
     plan: Arc<Plan>,
-    instance: Instance,
+    pub(super) instance: Instance,
     watcher: Arc<BusWatcher>,
-    /// Its services on the middleware; withdrawn first.
-    served: Mutex<ServedOn>,
+    /// Its services on the middleware.
+    pub(super) served: Mutex<ServedOn>,
 }
 
 /// A component that is about to start.
@@ -101,6 +102,7 @@ impl Hosted {
         mut options: Options,
     ) -> Result<Self, StartError> {
         let Starting { name, request, library, plan, wires, killed, .. } = starting;
+        let serves_at_once = matches!(options.clock, Clock::Virtual(_));
         let watcher = Arc::new(BusWatcher::new(&starting.bus, &name, &plan));
         options.watcher = Some(Arc::clone(&watcher) as Arc<dyn Watcher>);
         let instance = Instance::start(Arc::clone(&plan), body, options)?;
@@ -114,6 +116,7 @@ impl Hosted {
             gone: Flag::new(),
             killed,
             recordings: starting.recordings,
+            serves_at_once,
             plan,
             instance,
             watcher,
@@ -186,6 +189,17 @@ impl Hosted {
         &self,
         service: usize,
         input: Record,
+        progress: impl FnMut(Heard) + Send + 'static,
+    ) {
+        self.submit_by(&Ticket::default(), service, input, progress);
+    }
+
+    /// The same; with the ticket it may be given up.
+    pub(super) fn submit_by(
+        &self,
+        ticket: &Ticket,
+        service: usize,
+        input: Record,
         mut progress: impl FnMut(Heard) + Send + 'static,
     ) {
         let name = &self.model().services[service].name;
@@ -198,7 +212,8 @@ impl Hosted {
             done: Arc::clone(&self.done),
             inputs: self.remembered(service).then(|| input.to_json()),
         };
-        self.instance.request(
+        self.instance.request_by(
+            ticket,
             service,
             input,
             Box::new(move |step| match step {
@@ -232,32 +247,6 @@ impl Hosted {
             }
     }
 
-    /// Sends a request and waits for its end, or for its acceptance when it is an activity.
-    /// Blocks.
-    pub(crate) fn request_blocking(&self, service: usize, input: Record) -> Answer {
-        let (sender, answers) = std::sync::mpsc::channel();
-        self.submit(service, input, move |heard| {
-            let _ = sender.send(match heard {
-                Heard::Accepted(activity) => Answer::Accepted(activity),
-                Heard::Ended(outcome) => Answer::Ended(ending(&outcome)),
-            });
-        });
-        answers.recv().unwrap_or(Answer::Gone)
-    }
-
-    /// Sends a request and waits for its first answer.
-    pub(crate) async fn request(&self, service: usize, input: Record) -> Answer {
-        let (sender, mut answers) = mpsc::unbounded_channel();
-        self.submit(service, input, move |heard| {
-            // A caller that went away is no error of the component.
-            let _ = sender.send(match heard {
-                Heard::Accepted(activity) => Answer::Accepted(activity),
-                Heard::Ended(outcome) => Answer::Ended(ending(&outcome)),
-            });
-        });
-        answers.recv().await.unwrap_or(Answer::Gone)
-    }
-
     /// Asks an activity to stop; whether it was there to be asked.
     pub(crate) fn abort(&self, number: u64) -> bool {
         u32::try_from(number).is_ok_and(|number| self.instance.abort(number).is_ok())
@@ -274,7 +263,17 @@ impl Hosted {
     pub(crate) fn state(&self, number: u64) -> Option<String> {
         let activities = self.instance.activities();
         let found = activities.into_iter().find(|info| u64::from(info.id) == number)?;
-        Some(if found.phase == ActivityPhase::Init { "waiting".to_owned() } else { found.state })
+        if found.phase == ActivityPhase::Init {
+            return Some("waiting".to_owned());
+        }
+        // A task runs one codel at a time: if it is of this service, it is of this activity,
+        // unless another one of the service runs beside it.
+        let mut stuck = self.stuck().into_iter();
+        let own = |codel: &RunningCodel| {
+            codel.task.as_ref() == Some(&found.task) && Some(&codel.owner) == found.service.as_ref()
+        };
+        let stuck = stuck.find(own).filter(|_| !found.paused);
+        Some(stuck.as_ref().map_or(found.state, stuck_in))
     }
 
     /// Where its codels wrote past the memory they were given, once that was found.
@@ -298,50 +297,34 @@ impl Hosted {
         port: usize,
         element: Option<&str>,
         subscription: Option<Box<dyn Subscription>>,
-    ) {
-        self.instance.exclusively(|body| body.bind_in(port, element, subscription));
+    ) -> Result<(), HeldUp> {
+        self.instance.exclusively(|body| body.bind_in(port, element, subscription))
     }
 
     /// Does `work` while no codel runs that uses a port.
-    pub(crate) fn excluded<R>(&self, work: impl FnOnce() -> R) -> R {
+    pub(crate) fn excluded<R>(&self, work: impl FnOnce() -> R) -> Result<R, HeldUp> {
         self.instance.exclusively(|_| work())
     }
 
     /// Connects a remote, or disconnects it, with all codels excluded.
-    pub(crate) fn bind_remote(&self, remote: usize, call: Option<Box<dyn RemoteCall>>) {
-        self.instance.exclusively(|body| body.bind_remote(remote, call));
+    pub(crate) fn bind_remote(
+        &self,
+        remote: usize,
+        call: Option<Box<dyn RemoteCall>>,
+    ) -> Result<(), HeldUp> {
+        self.instance.exclusively(|body| body.bind_remote(remote, call))
     }
 
-    /// Interrupts activities, runs stop codels, ends the threads and lets go of the ports.
-    pub(crate) fn stop(&self, timeout: Duration) -> Result<(), String> {
-        self.served.lock().unwrap_or_else(PoisonError::into_inner).clear();
-        let stopped = self.instance.shutdown(timeout).map_err(|error| error.to_string());
-        self.gone.raise();
-        if stopped.is_ok() {
-            // Streams may hold the instance a moment longer; the middleware is free already.
-            self.instance.exclusively(|body| self.release_ports(body));
-            self.wires.close();
-        }
-        stopped
+    /// Codels of it that count as stuck.
+    pub(crate) fn stuck(&self) -> Vec<RunningCodel> {
+        let mut all = self.instance.running_codels();
+        all.retain(|codel| codel.stuck);
+        all
     }
 
-    fn release_ports(&self, body: &dyn Body) {
-        for remote in 0..self.model().remotes.len() {
-            body.bind_remote(remote, None);
-        }
-        for (index, port) in self.model().ports.iter().enumerate() {
-            let elements: Vec<Option<String>> = if port.multiple {
-                self.wires.elements(index).into_iter().map(Some).collect()
-            } else {
-                vec![None]
-            };
-            for element in elements {
-                match port.direction {
-                    PortDirection::Out => body.bind_out(index, element.as_deref(), None),
-                    PortDirection::In => body.bind_in(index, element.as_deref(), None),
-                }
-            }
-        }
+    /// `stuck in CODEL for 12 s`, of the codel that is for longest.
+    pub(crate) fn stuck_in(&self) -> Option<String> {
+        self.instance.stuck().as_ref().map(stuck_in)
     }
 }
 
@@ -403,7 +386,12 @@ impl Drop for Tracked {
     }
 }
 
-fn ending(outcome: &Outcome) -> Ending {
+/// What a supervisor sees of a codel that does not return.
+fn stuck_in(codel: &RunningCodel) -> String {
+    format!("stuck in {} for {}", codel.codel, seconds(codel.for_ns))
+}
+
+pub(super) fn ending(outcome: &Outcome) -> Ending {
     match outcome {
         Outcome::Success(outputs) => Ending::Done(outputs.to_json()),
         Outcome::Exception(exception) => {

@@ -1,31 +1,40 @@
 //! The components of the daemon: loaded, running, unloaded.
 
 mod activities;
+mod ask;
 mod done;
 mod hosted;
 mod input;
 pub(crate) mod layout;
 mod record;
+mod remnants;
 pub(crate) mod request;
+mod stop;
+mod unload;
 mod watch;
 
 use std::sync::{Arc, PoisonError, RwLock};
-use std::time::Duration;
 
+use genom_runtime::ShutdownError;
 use indexmap::IndexMap;
+
+use self::remnants::Remnants;
 
 pub(crate) use activities::{Activity, Look};
 pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn, Starting};
 
 /// A component could not be unloaded.
-#[derive(Debug, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 pub(crate) enum UnloadError {
     /// It does not run.
     #[error("{0} does not run: it is being loaded or unloaded")]
     NotThere(String),
     /// A codel did not return in time.
-    #[error("{name} does not stop: {why}; its library stays loaded until the daemon ends")]
-    Stuck { name: String, why: String },
+    #[error(
+        "{why}; the name {name} is free again, and what is left of it stays in memory until its \
+         threads end"
+    )]
+    Stuck { name: String, why: ShutdownError },
 }
 
 /// Where a component is in its life.
@@ -42,6 +51,8 @@ enum Slot {
 #[derive(Default)]
 pub(crate) struct Components {
     slots: RwLock<IndexMap<String, Slot>>,
+    /// Those that did not stop.
+    remnants: Remnants,
 }
 
 impl Components {
@@ -63,6 +74,13 @@ impl Components {
         running.collect()
     }
 
+    /// Names of those that are being stopped.
+    pub(crate) fn stopping(&self) -> Vec<String> {
+        let slots = self.slots.read().unwrap_or_else(PoisonError::into_inner);
+        let stopping = slots.iter().filter(|(_, slot)| matches!(slot, Slot::Stopping));
+        stopping.map(|(name, _)| name.clone()).collect()
+    }
+
     /// Takes a name for a component that is about to be loaded.
     pub(crate) fn reserve(&self, name: &str) -> Option<Reservation<'_>> {
         let mut slots = self.slots.write().unwrap_or_else(PoisonError::into_inner);
@@ -73,15 +91,9 @@ impl Components {
         Some(Reservation { components: self, name: name.to_owned(), kept: false })
     }
 
-    /// Stops a component, waits for its codels and frees its name.
-    pub(crate) fn remove(&self, name: &str, timeout: Duration) -> Result<(), UnloadError> {
-        let Some(Slot::Running(hosted)) = self.exchange_running(name, Slot::Stopping) else {
-            return Err(UnloadError::NotThere(name.to_owned()));
-        };
-        let stopped = hosted.stop(timeout);
-        drop(hosted);
+    /// A name may be used again.
+    fn free(&self, name: &str) {
         self.slots.write().unwrap_or_else(PoisonError::into_inner).shift_remove(name);
-        stopped.map_err(|why| UnloadError::Stuck { name: name.to_owned(), why })
     }
 
     fn exchange_running(&self, name: &str, new: Slot) -> Option<Slot> {
@@ -110,8 +122,7 @@ impl Reservation<'_> {
 impl Drop for Reservation<'_> {
     fn drop(&mut self) {
         if !self.kept {
-            let mut slots = self.components.slots.write().unwrap_or_else(PoisonError::into_inner);
-            slots.shift_remove(&self.name);
+            self.components.free(&self.name);
         }
     }
 }

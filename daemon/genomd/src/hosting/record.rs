@@ -9,7 +9,7 @@ impl Hosted {
             return;
         }
         let all = self.wires.tapes();
-        self.excluded(|| {
+        let recorded = self.excluded(|| {
             for ((port, element), reads, tapes) in &all {
                 let model = &self.model().ports[*port];
                 let address = self.address(&model.name, element.as_deref());
@@ -18,11 +18,19 @@ impl Hosted {
                 }
             }
         });
+        if let Err(error) = recorded {
+            tracing::warn!("ports of {} are not recorded: {error}", self.name);
+        }
     }
 
     /// A recording is over: its tapes are taken out. Blocks while codels are excluded.
     pub(crate) fn recording_ended(&self, number: u64) {
         let all = self.wires.tapes();
-        self.excluded(|| all.iter().for_each(|(_, _, tapes)| tapes.remove(number)));
+        if let Err(error) =
+            self.excluded(|| all.iter().for_each(|(.., tapes)| tapes.remove(number)))
+        {
+            // Nobody empties them any more: they fill up, and are full.
+            tracing::debug!("tapes of {} stay: {error}", self.name);
+        }
     }
 }

@@ -43,6 +43,7 @@ pub(crate) fn send_to(hosted: &Hosted, entry: &CallEntry) -> Result<Option<u64>,
     })?;
     match hosted.request_blocking(index, input) {
         Answer::Accepted(activity) => Ok(Some(activity.number)),
+        Answer::HeldUp(error) => Err(RequestError::new(&[], error.to_string())),
         Answer::Gone => Err(RequestError::new(&[], format!("{} stops", hosted.name))),
         Answer::Ended(ending) => match ending.exception() {
             None => Ok(None),

@@ -29,9 +29,11 @@ pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Ho
     if let Err((service, RequestError { key, why })) = set_attributes(&hosted, request) {
         let name = hosted.name.clone();
         drop(hosted);
-        if let Err(error) = daemon.components.remove(&name, daemon.settings.stop_timeout) {
-            tracing::error!("{error}");
-        }
+        daemon.components.remove(&[name.clone()], daemon.settings.stop_timeout, &|_, stopped| {
+            if let Err(error) = stopped {
+                tracing::error!("{error}");
+            }
+        });
         // As the file has it: inputs stand under the service's name.
         let members = key.into_iter().filter(|key| key != "inputs");
         let mut key = vec!["attributes".to_owned(), service];

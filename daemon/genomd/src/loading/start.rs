@@ -42,6 +42,7 @@ pub(super) fn start(
     options.clock = daemon.clock.clone();
     options.date = built::date(&library);
     options.start_timeout = Some(daemon.settings.start_timeout);
+    options.stuck_after = daemon.settings.stuck_after;
     for (task, entry) in &request.tasks {
         let refused = |why| LoadError::Override { name: name.clone(), why };
         options.tasks.insert(task.clone(), entry.options().map_err(refused)?);

@@ -42,7 +42,9 @@ pub(crate) struct Moved {
     tag = "wiring",
     security(("token" = ["wire"])),
     request_body = Move,
-    responses((status = 200, body = Moved), (status = 404), (status = 422), (status = 502))
+    responses(
+        (status = 200, body = Moved), (status = 404), (status = 422), (status = 502), (status = 503)
+    )
 )]
 pub(crate) async fn change(
     State(daemon): State<Arc<Daemon>>,
@@ -61,6 +63,7 @@ pub(crate) async fn change(
         Ok(Err(error @ BindError::Backend(_))) => {
             Err(RpcError::bad_input(error.to_string()).place("/backend"))
         }
+        Ok(Err(BindError::HeldUp(error))) => Err(RpcError::held_up(&error)),
         Ok(Err(error)) => {
             Err(RpcError::new(StatusCode::BAD_GATEWAY, "middleware_failed", error.to_string())
                 .help("nothing was changed"))

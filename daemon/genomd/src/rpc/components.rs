@@ -8,6 +8,7 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_description::tools;
+use genom_runtime::{RunningCodel, seconds};
 use serde::Serialize;
 use serde_json::Value;
 use utoipa::ToSchema;
@@ -38,6 +39,21 @@ pub(super) fn find(daemon: &Daemon, name: &str) -> Result<Arc<Hosted>, RpcError>
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct Components {
     components: Vec<Summary>,
+    /// What is left of components that did not stop in time; absent when nothing is.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    left_behind: Vec<Left>,
+}
+
+/// What is left of a component: threads in codels that do not return. Its name is free.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = LeftBehind)]
+pub(crate) struct Left {
+    /// The name it had.
+    was: String,
+    /// Name in the description.
+    component: String,
+    /// `left behind: stuck in CODEL for 12 s`.
+    state: String,
 }
 
 /// A component that runs.
@@ -48,8 +64,13 @@ pub(crate) struct Summary {
     name: String,
     /// Name in the description.
     component: String,
-    /// `running`, or `damaged`: its codels wrote past the memory they were given.
-    state: &'static str,
+    /// `running`, `damaged` (its codels wrote past the memory they were given), or
+    /// `stuck in CODEL for 12 s`.
+    state: String,
+    /// Codels that have not returned for so long that they count as stuck; absent without any.
+    #[schema(value_type = Vec<Object>)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    stuck: Vec<RunningCodel>,
     /// Middlewares of its services, and of ports that have no others.
     backend: BackendNames,
     /// Middlewares of ports that have others.
@@ -80,7 +101,14 @@ pub(crate) struct Unloaded {
 )]
 pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Components> {
     let components = daemon.components.all().iter().map(|hosted| summary(hosted)).collect();
-    Json(Components { components })
+    let left_behind = daemon.components.left_behind().into_iter().map(|remnant| {
+        let longest = remnant.codels.iter().max_by_key(|codel| codel.for_ns);
+        let state = longest.map_or("left behind: about to end".to_owned(), |codel| {
+            format!("left behind: stuck in {} for {}", codel.codel, seconds(codel.for_ns))
+        });
+        Left { was: remnant.was, component: remnant.component, state }
+    });
+    Json(Components { components, left_behind: left_behind.collect() })
 }
 
 /// Describe a component: what it is, and all its description says.
@@ -158,7 +186,7 @@ pub(crate) async fn load(
     path = "/components/{component}",
     tag = "components",
     security(("token" = ["admin"])),
-    responses((status = 200, body = Unloaded), (status = 404), (status = 409), (status = 500))
+    responses((status = 200, body = Unloaded), (status = 404), (status = 409), (status = 503))
 )]
 pub(crate) async fn unload(
     State(daemon): State<Arc<Daemon>>,
@@ -171,7 +199,11 @@ pub(crate) async fn unload(
         Ok(Err(error @ UnloadError::NotThere(_))) => {
             Err(RpcError::conflict("unloading", error.to_string()))
         }
-        Ok(Err(error @ UnloadError::Stuck { .. })) => Err(RpcError::internal(error.to_string())),
+        Ok(Err(error @ UnloadError::Stuck { .. })) => {
+            let status = StatusCode::SERVICE_UNAVAILABLE;
+            Err(RpcError::new(status, "left_behind", error.to_string())
+                .help("`genomctl list` tells until it has ended; restart genomd to be rid of it"))
+        }
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
 }
@@ -181,7 +213,11 @@ fn summary(hosted: &Hosted) -> Summary {
     Summary {
         name: hosted.name.clone(),
         component: hosted.model().name.clone(),
-        state: if hosted.damage().is_some() { "damaged" } else { "running" },
+        state: match hosted.damage() {
+            Some(_) => "damaged".to_owned(),
+            None => hosted.stuck_in().unwrap_or_else(|| "running".to_owned()),
+        },
+        stuck: hosted.stuck(),
         backend: bindings.component(),
         port_backends: bindings.ports(),
         library: hosted.library.clone(),

@@ -101,7 +101,8 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Connections>
     security(("token" = ["wire"])),
     request_body = Wanted,
     responses(
-        (status = 201, body = Made), (status = 404), (status = 409), (status = 422), (status = 502)
+        (status = 201, body = Made), (status = 404), (status = 409), (status = 422), (status = 502),
+        (status = 503)
     )
 )]
 pub(crate) async fn connect(
@@ -166,6 +167,7 @@ async fn connect_remote(
                 RemoteError::Backend(error) => {
                     return Err(RpcError::bad_input(error.to_string()).place("/backend"));
                 }
+                RemoteError::HeldUp(error) => return Err(RpcError::held_up(error)),
                 RemoteError::Failed(_) => (StatusCode::BAD_GATEWAY, "middleware_failed", "/out"),
             };
             Err(RpcError::new(status, code, error.to_string()).place(place))
@@ -180,7 +182,9 @@ async fn connect_remote(
     path = "/connections/{component}/{port}",
     tag = "wiring",
     security(("token" = ["wire"])),
-    responses((status = 200, body = Disconnected), (status = 404), (status = 409))
+    responses(
+        (status = 200, body = Disconnected), (status = 404), (status = 409), (status = 503)
+    )
 )]
 pub(crate) async fn disconnect(
     State(daemon): State<Arc<Daemon>>,
@@ -195,7 +199,9 @@ pub(crate) async fn disconnect(
     path = "/connections/{component}/{port}/{element}",
     tag = "wiring",
     security(("token" = ["wire"])),
-    responses((status = 200, body = Disconnected), (status = 404), (status = 409))
+    responses(
+        (status = 200, body = Disconnected), (status = 404), (status = 409), (status = 503)
+    )
 )]
 pub(crate) async fn disconnect_element(
     State(daemon): State<Arc<Daemon>>,
@@ -226,8 +232,9 @@ async fn take_away(
         })
     };
     match work.await {
-        Ok(true) => Ok(Json(Disconnected { disconnected: address.to_string() })),
-        Ok(false) => {
+        Ok(Err(error)) => Err(RpcError::held_up(&error)),
+        Ok(Ok(true)) => Ok(Json(Disconnected { disconnected: address.to_string() })),
+        Ok(Ok(false)) => {
             Err(RpcError::conflict("not_connected", format!("{address} is not connected")))
         }
         Err(error) => Err(RpcError::internal(error.to_string())),
@@ -257,6 +264,7 @@ fn remote_made(connection: &RemoteConnection) -> Made {
 fn refused(error: &ConnectError) -> RpcError {
     let message = error.to_string();
     let refused = match error {
+        ConnectError::HeldUp(error) => RpcError::held_up(error),
         // The code says it already, which codels see in the message alone.
         ConnectError::NoSuchInport { message, .. } => {
             RpcError::new(StatusCode::NOT_FOUND, "no_such_inport", message).place("/in")

@@ -3,6 +3,7 @@
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
+use genom_runtime::HeldUp;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -61,6 +62,15 @@ impl RpcError {
     /// 409 for what cannot be done now.
     pub(crate) fn conflict(code: &'static str, message: impl Into<String>) -> Self {
         Self::new(StatusCode::CONFLICT, code, message)
+    }
+
+    /// 503: a codel of a component does not return, so that what was asked cannot be done.
+    pub(crate) fn held_up(error: &HeldUp) -> Self {
+        let name = &error.instance;
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, "held_up", error.to_string()).help(format!(
+            "nothing was done; when it returns, ask again; `genomctl unload {name}` stops the rest \
+             of the component and frees its name"
+        ))
     }
 
     /// 413: more than the daemon is ready to read.

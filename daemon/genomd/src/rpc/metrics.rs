@@ -49,6 +49,9 @@ fn describe(page: &mut Page, hosted: &Hosted) {
         let labels = [own[0], ("task", task.name.as_str())];
         let help = "Ticks that came while the task was at work, or slept beyond the one before.";
         page.add("genom_task_overruns_total", COUNTER, help, &labels, count(task.overruns));
+        let help = "Time in the codel that the task is stuck in; 0 when it is not.";
+        let stuck = task.stuck.as_ref().map_or(0, |codel| codel.for_ns);
+        page.add("genom_task_stuck_seconds", GAUGE, help, &labels, count(stuck) / 1e9);
         page.durations("genom_task_work_seconds", "Time at work, by tick.", &labels, &task.cycles);
         let help = "From the date of a tick to the start of work.";
         page.durations("genom_task_lateness_seconds", help, &labels, &task.lateness);

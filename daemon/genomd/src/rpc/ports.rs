@@ -184,7 +184,7 @@ pub(crate) async fn value(
     request_body = Value,
     responses(
         (status = 200, body = Published), (status = 404), (status = 409), (status = 422),
-        (status = 502)
+        (status = 502), (status = 503)
     )
 )]
 pub(crate) async fn publish(
@@ -214,6 +214,7 @@ pub(super) fn not_published(error: &FeedError) -> RpcError {
         FeedError::OutPort(_) => RpcError::conflict("out_port", message),
         FeedError::Connected { inport, .. } => RpcError::conflict("connected", message)
             .help(format!("`genomctl disconnect {inport}` first, to feed it from here")),
+        FeedError::HeldUp(error) => RpcError::held_up(error),
         FeedError::Value(error) => RpcError::bad_input(message).inside(&error.path),
         FeedError::Message(_) => RpcError::bad_input(message),
         FeedError::Open(OpenError::Taken { .. }) => RpcError::conflict("taken", message)

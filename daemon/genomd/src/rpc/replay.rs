@@ -38,7 +38,8 @@ pub(crate) struct Replayed {
         (status = 409),
         (status = 413),
         (status = 422),
-        (status = 502)
+        (status = 502),
+        (status = 503)
     )
 )]
 pub(crate) async fn publish(

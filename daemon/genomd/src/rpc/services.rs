@@ -102,7 +102,7 @@ pub(crate) async fn describe(
     request_body = Option<Inputs>,
     responses(
         (status = 200, body = Told), (status = 202, body = Started), (status = 404),
-        (status = 409), (status = 422), (status = 429)
+        (status = 409), (status = 422), (status = 429), (status = 503)
     )
 )]
 pub(crate) async fn call(
@@ -139,6 +139,7 @@ pub(crate) async fn call(
         Answer::Accepted(activity) => {
             Ok((StatusCode::ACCEPTED, Json(Reply::Started(Started { activity: activity.number }))))
         }
+        Answer::HeldUp(error) => Err(RpcError::held_up(&error)),
         Answer::Gone => {
             Err(RpcError::conflict("stopping", format!("{component} stops: nothing was started")))
         }

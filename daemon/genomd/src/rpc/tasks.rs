@@ -18,7 +18,7 @@ use crate::rpc::error::RpcError;
 #[allow(dead_code, reason = "only its shape is told")]
 pub(crate) struct Figures {
     /// Each task: `name`, `period_ns`, `real_time`, `cycles` and `lateness` (durations),
-    /// `overruns`.
+    /// `overruns`, and while it is stuck `stuck`: `codel`, `owner`, `for_ns`.
     #[schema(value_type = Vec<Object>)]
     tasks: (),
     /// Each codel that ran: `name`, `owner`, `durations`, `wcet_ns`, `above_wcet`.

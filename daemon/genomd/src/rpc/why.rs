@@ -8,6 +8,7 @@ use genom_description::model::{
     CodelParameter, Direction, PortDirection, Service, ServiceKind, Source,
 };
 use genom_middleware::{Address, Obstacle};
+use genom_runtime::seconds;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -129,6 +130,7 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
             out.push(finding(what, "look at the exceptions of its codels and at the log"));
         }
     }
+    stuck_codels(hosted, &mut out);
     stopped_tasks(hosted, &mut out);
     if let Some(written) = hosted.damage() {
         let fix = "set check_memory = \"each-codel\" to find the codel, mend it and load it again";
@@ -139,6 +141,18 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
 
 /// The same of a remote: no service, or one that is not there.
 fn of_remote(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
+    let mut out = remote_unserved(daemon, hosted, remote);
+    stuck_codels(hosted, &mut out);
+    if let Some(provider) = hosted.wires.remote(remote)
+        && let Some(provider) = daemon.components.get(&provider.service.instance)
+        && provider.name != hosted.name
+    {
+        stuck_codels(&provider, &mut out);
+    }
+    out
+}
+
+fn remote_unserved(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
     let address = hosted.address(&hosted.model().remotes[remote].name, None);
     let Some(made) = hosted.wires.remote(remote) else {
         let fix = format!("`genomctl connect {address} COMPONENT/SERVICE`");
@@ -219,6 +233,20 @@ fn start_one(hosted: &Hosted, port: usize) -> String {
 
 fn writes_port(parameter: &CodelParameter, port: usize) -> bool {
     parameter.direction != Direction::In && parameter.source == Source::Port(port)
+}
+
+/// Codels that do not return.
+fn stuck_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
+    let name = &hosted.name;
+    for codel in hosted.stuck() {
+        let whose =
+            codel.task.as_ref().map_or("a request".to_owned(), |task| format!("task {task}"));
+        let time = seconds(codel.for_ns);
+        out.push(finding(
+            format!("{whose} of {name} is stuck in {} of {} for {time}", codel.codel, codel.owner),
+            format!("look at what the codel waits for; `genomctl unload {name}` leaves it behind"),
+        ));
+    }
 }
 
 /// Ticks that were missed.

@@ -1,7 +1,7 @@
 //! The writing end of an out port on one middleware or several, which may be exchanged while
 //! the component runs.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 use genom_middleware::{PublishError, Publisher};
 use genom_runtime::Clock;
@@ -52,6 +52,19 @@ impl Fan {
     /// which may take its time. To be called with all codels excluded.
     pub(crate) fn exchange(&self, change: impl FnOnce(&mut Ends) -> Ends) -> Ends {
         change(&mut self.ends.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Closes the ends of a component that did not stop, unless a codel is within `write`;
+    /// whether it could.
+    pub(crate) fn cut(&self) -> bool {
+        let ends = match self.ends.try_lock() {
+            Ok(mut ends) => std::mem::take(&mut *ends),
+            Err(TryLockError::Poisoned(poisoned)) => std::mem::take(&mut *poisoned.into_inner()),
+            Err(TryLockError::WouldBlock) => return false,
+        };
+        // Closed without holding up the codel that returns in this moment.
+        drop(ends);
+        true
     }
 }
 

@@ -122,18 +122,32 @@ impl Wires {
         })
     }
 
-    /// An in port was connected.
+    /// An in port was connected; what it had before.
     pub(crate) fn connected(
         &self,
         port: usize,
         element: Option<&str>,
         connection: Connection,
         tap: Tap,
-    ) {
+    ) -> Option<(Connection, Tap)> {
         let key = key(port, element);
         self.with(|state| {
             state.differed.remove(&key);
             state.connections.insert(key, (connection, tap))
+        })
+    }
+
+    /// It was not, after all: it has what it had.
+    pub(crate) fn put_back(
+        &self,
+        port: usize,
+        element: Option<&str>,
+        had: Option<(Connection, Tap)>,
+    ) {
+        let key = key(port, element);
+        self.with(|state| match had {
+            Some(had) => drop(state.connections.insert(key, had)),
+            None => drop(state.connections.remove(&key)),
         });
     }
 
@@ -157,10 +171,14 @@ impl Wires {
         });
     }
 
-    /// An in port was disconnected; whether it was connected.
-    pub(crate) fn disconnected(&self, port: usize, element: Option<&str>) -> bool {
+    /// An in port was disconnected; what it was connected to.
+    pub(crate) fn disconnected(
+        &self,
+        port: usize,
+        element: Option<&str>,
+    ) -> Option<(Connection, Tap)> {
         let key = key(port, element);
-        self.with(|state| state.connections.remove(&key).is_some())
+        self.with(|state| state.connections.remove(&key))
     }
 
     /// Lets go of everything: the component stopped.
@@ -171,14 +189,31 @@ impl Wires {
         self.feeds.close_all();
     }
 
+    /// Cuts off a component that did not stop: its addresses are free, and codels that return
+    /// after all write to nobody and read nothing.
+    ///
+    /// No codel is waited for: an end that one is in at this moment stays, and its address too.
+    pub(crate) fn cut(&self) {
+        let old = self.with(std::mem::take);
+        for ((port, element), fan) in &old.opened {
+            if !fan.cut() {
+                let element = element.as_deref().unwrap_or_default();
+                tracing::warn!("a codel is within `write` of port {port} {element}: it stays open");
+            }
+        }
+        old.connections.values().for_each(|(_, tap)| tap.cut());
+        drop(old);
+        self.feeds.close_all();
+    }
+
     /// A remote was connected.
     pub(crate) fn remote_connected(&self, remote: usize, connection: RemoteConnection) {
         self.with(|state| state.remotes.insert(remote, connection));
     }
 
-    /// A remote was disconnected; whether it was connected.
-    pub(crate) fn remote_disconnected(&self, remote: usize) -> bool {
-        self.with(|state| state.remotes.remove(&remote).is_some())
+    /// A remote was disconnected; what it was connected to.
+    pub(crate) fn remote_disconnected(&self, remote: usize) -> Option<RemoteConnection> {
+        self.with(|state| state.remotes.remove(&remote))
     }
 
     /// An out port was opened, or a codel opened an element of a multiple one.

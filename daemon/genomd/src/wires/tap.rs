@@ -46,6 +46,28 @@ impl Tap {
     pub(crate) fn exchange(&self, end: Box<dyn Subscription>) -> Box<dyn Subscription> {
         std::mem::replace(&mut *self.end.lock().unwrap_or_else(PoisonError::into_inner), end)
     }
+
+    /// Closes the end of a component that did not stop, unless a codel is within `read`.
+    pub(crate) fn cut(&self) {
+        if let Ok(mut end) = self.end.try_lock() {
+            let old = std::mem::replace(&mut *end, Box::new(Nothing));
+            drop(end);
+            drop(old);
+        }
+    }
+}
+
+/// What is read by whoever is cut off.
+struct Nothing;
+
+impl Subscription for Nothing {
+    fn read(&mut self, _: &mut Record) -> Result<Reading, ReadError> {
+        Ok(Reading::Never)
+    }
+
+    fn dropped(&self) -> u64 {
+        0
+    }
 }
 
 impl std::fmt::Debug for Tap {

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy};
+use genom_runtime::HeldUp;
 
 use crate::bus::Change;
 use crate::config::place::{Place, PlaceError};
@@ -61,6 +62,20 @@ pub(crate) enum ConnectError {
     /// The middleware refused.
     #[error(transparent)]
     Failed(Box<OpenError>),
+    /// A codel of the reader does not return.
+    #[error(transparent)]
+    HeldUp(HeldUp),
+}
+
+/// An in port could not be bound; it has what it had.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum AttachError {
+    /// The middleware refused.
+    #[error(transparent)]
+    Open(#[from] OpenError),
+    /// A codel of the reader does not return.
+    #[error(transparent)]
+    HeldUp(#[from] HeldUp),
 }
 
 impl ConnectError {
@@ -143,11 +158,12 @@ fn connect_port(
         Ok(made)
     });
     made.map_err(|error| match error {
-        OpenError::TypeMismatch { ours, theirs, .. } => {
+        AttachError::Open(OpenError::TypeMismatch { ours, theirs, .. }) => {
             let (inport, outport) = (inport.to_string(), outport.to_string());
             ConnectError::Type { inport, ours, outport, theirs }
         }
-        error => ConnectError::Failed(Box::new(error)),
+        AttachError::Open(error) => ConnectError::Failed(Box::new(error)),
+        AttachError::HeldUp(error) => ConnectError::HeldUp(error),
     })
 }
 
@@ -167,23 +183,26 @@ pub(super) fn attach(
     element: Option<&str>,
     middleware: &Arc<dyn Middleware>,
     source: Source,
-) -> Result<Connection, OpenError> {
+) -> Result<Connection, AttachError> {
     let Source { outport, policy, fixed } = source;
     let inport = hosted.address(&hosted.model().ports[port].name, element);
     let Some(ty) = hosted.port_type(port) else {
         let (backend, why) = (middleware.name().to_owned(), "it has no type".to_owned());
-        return Err(OpenError::Failed { backend, address: inport, why });
+        return Err(OpenError::Failed { backend, address: inport, why }.into());
     };
     let quality = hosted.wires.bindings.quality(&hosted.model().ports[port].name);
     let subscription = middleware.subscription_of(&outport, ty, policy, &quality)?;
     let tap = Tap::new(subscription, &daemon.clock, ty);
     let backend = middleware.name().to_owned();
     let connection = Connection { inport: inport.clone(), outport, backend, policy, fixed };
-    hosted.wires.connected(port, element, connection.clone(), tap.clone());
+    let had = hosted.wires.connected(port, element, connection.clone(), tap.clone());
     // Known before it is used: a recording that starts now finds it here or there.
     let reads = Some(&connection.outport);
     daemon.recordings.opened(&inport, PortDirection::In, reads, ty, tap.tapes());
-    hosted.bind_in(port, element, Some(tap.subscription()));
+    if let Err(held_up) = hosted.bind_in(port, element, Some(tap.subscription())) {
+        hosted.wires.put_back(port, element, had);
+        return Err(held_up.into());
+    }
     daemon.bus.tell(&Change::Connected {
         inport: connection.inport.to_string(),
         outport: connection.outport.to_string(),
@@ -236,21 +255,22 @@ pub(crate) fn disconnect(
     hosted: &Hosted,
     port: usize,
     element: Option<&str>,
-) -> bool {
+) -> Result<bool, HeldUp> {
     let was_connected = hosted.wires.feeds.hold(|feeds| {
-        let was_connected = hosted.wires.disconnected(port, element);
-        if was_connected {
-            hosted.bind_in(port, element, None);
-            feeds.remove(&key(port, element));
+        let Some(had) = hosted.wires.disconnected(port, element) else { return Ok(false) };
+        if let Err(held_up) = hosted.bind_in(port, element, None) {
+            hosted.wires.put_back(port, element, Some(had));
+            return Err(held_up);
         }
-        was_connected
-    });
+        feeds.remove(&key(port, element));
+        Ok(true)
+    })?;
     if !was_connected {
-        return false;
+        return Ok(false);
     }
     let address = hosted.address(&hosted.model().ports[port].name, element);
     daemon.bus.tell(&Change::Disconnected { inport: address.to_string() });
-    true
+    Ok(true)
 }
 
 /// The in port that an address names: component, index, element.

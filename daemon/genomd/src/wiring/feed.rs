@@ -8,11 +8,12 @@ use std::sync::Arc;
 
 use genom_description::model::PortDirection;
 use genom_middleware::{OpenError, Policy, PublishError};
+use genom_runtime::HeldUp;
 use genom_types::{CdrError, JsonError, Record};
 use serde_json::Value;
 
 use super::connect;
-use super::connect::Source;
+use super::connect::{AttachError, Source};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::registry::BackendError;
@@ -42,6 +43,18 @@ pub(crate) enum FeedError {
     /// The middleware refused the value.
     #[error("{inport} takes no value: {source}")]
     Publish { inport: String, source: PublishError },
+    /// A codel does not return, so the port cannot be connected.
+    #[error(transparent)]
+    HeldUp(#[from] HeldUp),
+}
+
+impl From<AttachError> for FeedError {
+    fn from(error: AttachError) -> Self {
+        match error {
+            AttachError::Open(error) => Self::Open(error),
+            AttachError::HeldUp(error) => Self::HeldUp(error),
+        }
+    }
 }
 
 /// Publishes what `fill` makes of the value published last, at first zero, and connects the port

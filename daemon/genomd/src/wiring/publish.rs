@@ -4,6 +4,7 @@ use std::sync::{Arc, Weak};
 
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, OpenError, Publisher, Quality};
+use genom_runtime::HeldUp;
 use genom_runtime::body::{Body, Opener};
 use genom_runtime::plan::Plan;
 use genom_types::DataType;
@@ -22,6 +23,9 @@ pub(crate) enum BindError {
     /// The middleware refused.
     #[error(transparent)]
     Open(#[from] Box<OpenError>),
+    /// A codel does not return: of the component, or of one that reads it.
+    #[error(transparent)]
+    HeldUp(#[from] HeldUp),
 }
 
 /// Opens an address on each of these middlewares, in this quality.

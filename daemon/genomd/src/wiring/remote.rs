@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use genom_middleware::describe::types_of_service;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, ServiceType};
+use genom_runtime::HeldUp;
 use genom_runtime::body::RemoteCall;
 use genom_types::DataType;
 
@@ -59,6 +60,9 @@ pub(crate) enum RemoteError {
     /// The middleware refused.
     #[error(transparent)]
     Failed(Box<OpenError>),
+    /// A codel of the caller does not return.
+    #[error(transparent)]
+    HeldUp(#[from] HeldUp),
 }
 
 /// Connects a remote, in place of the service it had.
@@ -95,7 +99,7 @@ pub(crate) fn connect(
             (Box::new(far), Some(backend))
         }
     };
-    caller.bind_remote(remote, Some(call));
+    caller.bind_remote(remote, Some(call))?;
     let name = &caller.model().remotes[remote].name;
     let remote_name = caller.address(name, None);
     let connection =
@@ -263,14 +267,15 @@ fn services(middleware: &dyn Middleware, at: &Address) -> Result<BTreeSet<String
 }
 
 /// Takes the service behind a remote away; whether there was one.
-pub(crate) fn disconnect(daemon: &Daemon, caller: &Hosted, remote: usize) -> bool {
-    if !caller.wires.remote_disconnected(remote) {
-        return false;
+pub(crate) fn disconnect(daemon: &Daemon, caller: &Hosted, remote: usize) -> Result<bool, HeldUp> {
+    let Some(had) = caller.wires.remote_disconnected(remote) else { return Ok(false) };
+    if let Err(held_up) = caller.bind_remote(remote, None) {
+        caller.wires.remote_connected(remote, had);
+        return Err(held_up);
     }
-    caller.bind_remote(remote, None);
     let remote = caller.address(&caller.model().remotes[remote].name, None);
     daemon.bus.tell(&Change::RemoteDisconnected { remote: remote.to_string() });
-    true
+    Ok(true)
 }
 
 /// The remote that an address names, if it names one.

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use genom_middleware::{Address, EndpointKind, OpenError, Publisher, Quality, Subscription};
+use genom_runtime::HeldUp;
 use genom_types::Record;
 
 use super::publish::{self, BindError};
@@ -36,11 +37,17 @@ struct NewFeed {
 
 impl NewFeed {
     /// Exchanges it at a reader: the one it names, else `hosted`.
-    fn exchange(self, hosted: &Hosted) {
+    fn exchange(self, hosted: &Hosted) -> Result<(), HeldUp> {
         let reader = self.component.as_deref().unwrap_or(hosted);
-        let old = reader.excluded(|| self.tap.exchange(self.end));
+        let old = reader.excluded(|| self.tap.exchange(self.end))?;
         reader.wires.moved(&self.key, &self.backend);
         drop(old);
+        Ok(())
+    }
+
+    /// Whether it can be exchanged.
+    fn ready(&self) -> Result<(), HeldUp> {
+        self.component.as_ref().map_or(Ok(()), |reader| reader.excluded(|| ()))
     }
 }
 
@@ -91,6 +98,8 @@ pub(crate) fn switch(
         None => Some(serve::serve_on(daemon, hosted, &added(hosted, to))?),
         Some(_) => None,
     };
+    // Before anything is exchanged.
+    followers.iter().try_for_each(NewFeed::ready)?;
     let mut old_ends = Vec::new();
     hosted.excluded(|| {
         for NewEnds { fan, names, mut opened } in ends {
@@ -105,9 +114,12 @@ pub(crate) fn switch(
                 all.into_iter().collect()
             }));
         }
-    });
+    })?;
     for new in own.into_iter().chain(followers) {
-        new.exchange(hosted);
+        if let Err(held_up) = new.exchange(hosted) {
+            // A moment ago it was not: what it reads stands still.
+            tracing::error!("a connection does not follow {}: {held_up}", hosted.name);
+        }
     }
     drop(old_ends);
     match port {
@@ -222,9 +234,14 @@ pub(crate) fn catch_up(daemon: &Arc<Daemon>) {
             });
             match end {
                 Ok(end) => {
-                    tracing::info!("{} reads {outport} on {to} now", connection.inport);
                     let backend = to.clone();
-                    NewFeed { key, tap, backend, end, component: None }.exchange(&reader);
+                    let new = NewFeed { key, tap, backend, end, component: None };
+                    match new.exchange(&reader) {
+                        Ok(()) => {
+                            tracing::info!("{} reads {outport} on {to} now", connection.inport)
+                        }
+                        Err(held_up) => tracing::debug!("{held_up}"),
+                    }
                 }
                 Err(error) => tracing::debug!("{outport} on {to}: {error}"),
             }

@@ -4,8 +4,7 @@ mod virtual_clock;
 
 use std::sync::Arc;
 
-use rustix::thread::clock_nanosleep_absolute;
-use rustix::time::{ClockId, Timespec, clock_gettime};
+use rustix::time::{ClockId, clock_gettime};
 
 pub(crate) use virtual_clock::Driven;
 pub use virtual_clock::VirtualClock;
@@ -31,19 +30,21 @@ impl Clock {
             Clock::Virtual(clock) => clock.now(),
         }
     }
+
+    /// The machine's date when this clock says `date`, as [`now`](Self::now) just did: what a
+    /// codel takes is real time, whatever the component's clock.
+    #[inline]
+    pub(crate) fn real(&self, date: u64) -> u64 {
+        match self {
+            Clock::Monotonic => date,
+            Clock::Virtual(_) => monotonic(),
+        }
+    }
 }
 
+/// The machine's monotonic date.
 #[inline]
-fn monotonic() -> u64 {
+pub(crate) fn monotonic() -> u64 {
     let now = clock_gettime(ClockId::Monotonic);
     now.tv_sec.unsigned_abs() * 1_000_000_000 + now.tv_nsec.unsigned_abs()
-}
-
-/// Sleeps until a date of the monotonic clock, whatever signals come.
-pub(crate) fn sleep_until(date: u64) {
-    let request = Timespec {
-        tv_sec: i64::try_from(date / 1_000_000_000).unwrap_or(i64::MAX),
-        tv_nsec: i64::try_from(date % 1_000_000_000).unwrap_or(0),
-    };
-    while clock_nanosleep_absolute(ClockId::Monotonic, &request) == Err(rustix::io::Errno::INTR) {}
 }

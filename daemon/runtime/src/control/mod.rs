@@ -19,13 +19,16 @@ use serde_json::{Value, json};
 use crate::api::{Exception, Outcome, Progress, Reply};
 use crate::plan::Plan;
 use crate::shared::Notice;
+use crate::shutdown::{Ended, Step};
 use crate::task::run::{Marker, Run};
+use crate::ticket::Ticket;
 use crate::watcher::Change;
 
 /// A request on its way.
 pub(crate) struct Request {
     pub(crate) input: Record,
     pub(crate) reply: Reply,
+    pub(crate) ticket: Ticket,
 }
 
 /// Requests of one service: one at a time, in order of arrival.
@@ -103,6 +106,10 @@ pub(crate) struct Control {
     pub(crate) workers: Vec<std::thread::JoinHandle<()>>,
     /// Threads of tasks and workers that have not ended.
     pub(crate) alive: usize,
+    /// How far a shutdown is, once it was asked for.
+    pub(crate) step: Option<Step>,
+    /// Who is to be told that it is over.
+    pub(crate) ended: Option<Ended>,
     /// The list of activities changed since the state port was written.
     pub(crate) dirty: bool,
     /// How a permanent activity failed.
@@ -158,6 +165,8 @@ impl Control {
             idle: 0,
             workers: Vec::new(),
             alive: 0,
+            step: None,
+            ended: None,
             dirty: true,
             failure: None,
         }

@@ -13,6 +13,7 @@ use super::{Afterwards, Control, Phase, Request, genom, interrupted};
 use crate::api::{Exception, Outcome, Progress, Reply};
 use crate::body::{Frame, Returned};
 use crate::engine::{Engine, Guard};
+use crate::ticket::Ticket;
 
 /// What a request came to before it is answered.
 enum Performed {
@@ -24,7 +25,13 @@ enum Performed {
 
 impl Engine {
     /// Queues a request; with a virtual clock it is served at once, on this thread.
-    pub(crate) fn submit(self: &Arc<Self>, service: usize, input: Record, mut reply: Reply) {
+    pub(crate) fn submit(
+        self: &Arc<Self>,
+        service: usize,
+        input: Record,
+        mut reply: Reply,
+        ticket: Ticket,
+    ) {
         let Some(compiled) = self.shared.plan.services().get(service) else {
             return reply(done(genom("no_such_service", Value::Null)));
         };
@@ -38,12 +45,28 @@ impl Engine {
                 return reply(done(interrupted("kill")));
             }
             let queue = &mut control.services[service];
-            queue.waiting.push_back(Request { input, reply });
+            queue.waiting.push_back(Request { input, reply, ticket });
             if !queue.busy && queue.waiting.len() == 1 {
                 control.ready.push_back(service);
             }
         }
         self.find_worker();
+    }
+
+    /// Takes back a request that has not begun; `false` when it has.
+    pub(crate) fn withdraw(&self, service: usize, ticket: &Ticket) -> bool {
+        if !ticket.give_up() {
+            return false;
+        }
+        let given_up = {
+            let mut control = self.lock();
+            let waiting = &mut control.services[service].waiting;
+            let place = waiting.iter().position(|request| request.ticket.is(ticket));
+            place.and_then(|place| waiting.remove(place))
+        };
+        // Without the lock: with it goes the reply, which may do anything.
+        drop(given_up);
+        true
     }
 
     /// Serves the oldest request of a service that is ready; returns with the lock again.
@@ -66,13 +89,17 @@ impl Engine {
         if !queue.waiting.is_empty() {
             control.ready.push_back(service);
         }
+        if control.step.is_some() {
+            // A shutdown waits for this.
+            self.shared.wake_control();
+        }
         self.quiet.notify_all();
         control
     }
 
     fn serve(&self, service: usize, request: Request, context: usize) {
-        let Request { input, mut reply } = request;
-        let performed = self.perform(service, &input, context);
+        let Request { input, mut reply, ticket } = request;
+        let performed = self.perform(service, &input, context, &ticket);
         // 7.3.8: something happened in the component, whatever the outcome.
         self.shared.wake_tasks();
         match performed {
@@ -102,13 +129,14 @@ impl Engine {
         service: usize,
         input: &Record,
         context: usize,
+        ticket: &Ticket,
     ) -> Result<Performed, Exception> {
         let compiled = &self.shared.plan.services()[service];
         let activity = compiled.kind == ServiceKind::Activity;
         if activity {
             self.take_slot(service)?;
         }
-        let performed = self.perform_with_slot(service, input, context);
+        let performed = self.perform_with_slot(service, input, context, ticket);
         if activity && performed.is_err() {
             self.release_slot(service);
         }
@@ -120,16 +148,18 @@ impl Engine {
         service: usize,
         input: &Record,
         context: usize,
+        ticket: &Ticket,
     ) -> Result<Performed, Exception> {
         let compiled = &self.shared.plan.services()[service];
         self.check_order(service)?;
         if let Some(builtin) = compiled.builtin {
+            begin(ticket)?;
             self.builtin(builtin, input)?;
             return Ok(Performed::Done(Record::new(&compiled.output)));
         }
         let mut frame = self.take_frame(service);
         frame.begin(input);
-        match self.run_codels(service, frame.as_mut(), context) {
+        match self.run_codels(service, frame.as_mut(), context, ticket) {
             Err(exception) => {
                 self.give_frame(service, frame);
                 Err(exception)
@@ -175,11 +205,12 @@ impl Engine {
         service: usize,
         frame: &mut dyn Frame,
         context: usize,
+        ticket: &Ticket,
     ) -> Result<(), Exception> {
         let plan = &self.shared.plan;
         let (model, compiled) = (&plan.component().services[service], &plan.services()[service]);
         for &codel in &model.validates {
-            match self.call(frame, codel, context) {
+            match self.call(frame, codel, context, ticket)? {
                 Returned::Ok => {}
                 // Reported whatever it is: validation is not filtered.
                 returned => return Err(self.as_it_is(frame, returned)),
@@ -188,16 +219,17 @@ impl Engine {
         let node = plan.nodes().transfer(service);
         if compiled.through_ids {
             let _permit = self.shared.exclusion.enter(context, node);
+            begin(ticket)?;
             frame.store();
             if compiled.kind == ServiceKind::Attribute {
                 frame.fetch();
             }
         }
         if compiled.kind == ServiceKind::Activity {
-            return Ok(());
+            return begin(ticket);
         }
         for &codel in &model.codels {
-            match self.call(frame, codel, context) {
+            match self.call(frame, codel, context, ticket)? {
                 Returned::Ok => {}
                 returned => return Err(self.filtered(service, frame, returned)),
             }
@@ -209,16 +241,24 @@ impl Engine {
         Ok(())
     }
 
-    fn call(&self, frame: &mut dyn Frame, codel: usize, context: usize) -> Returned {
+    fn call(
+        &self,
+        frame: &mut dyn Frame,
+        codel: usize,
+        context: usize,
+        ticket: &Ticket,
+    ) -> Result<Returned, Exception> {
         let shared = &self.shared;
         let permit = shared.exclusion.enter(context, shared.plan.nodes().codel(codel));
-        let begin = shared.clock.now();
-        shared.calls(context, Some(codel));
+        begin(ticket)?;
+        let called = shared.clock.now();
+        let at_work = &shared.at_work[context];
+        at_work.begins(codel, shared.clock.real(called));
         let returned = frame.call(codel, context);
-        shared.calls(context, None);
+        at_work.ends();
         drop(permit);
-        shared.called(codel, shared.clock.now().saturating_sub(begin));
-        returned
+        shared.called(codel, shared.clock.now().saturating_sub(called));
+        Ok(returned)
     }
 
     /// What a codel returned, as an exception.
@@ -247,4 +287,9 @@ impl Engine {
 
 fn done(exception: Exception) -> Progress {
     Progress::Done(Outcome::Exception(exception))
+}
+
+/// It runs, unless its sender gave it up.
+fn begin(ticket: &Ticket) -> Result<(), Exception> {
+    if ticket.begin() { Ok(()) } else { Err(interrupted("client")) }
 }

@@ -80,20 +80,25 @@ impl Engine {
                 }
             };
         }
-        control.alive -= 1;
-        self.quiet.notify_all();
+        drop(control);
+        self.thread_ended();
     }
 
     /// The control thread: answers for tasks until the instance has stopped.
     pub(crate) fn attend_until_stopped(&self) {
         loop {
-            let watched = self.watcher.is_some()
-                && self.lock().entries.iter().any(|entry| entry.service.is_some());
-            let period = if watched { LOOK } else { Duration::from_nanos(PERIOD_NS) };
+            let often = {
+                let control = self.lock();
+                let activities = || control.entries.iter().any(|entry| entry.service.is_some());
+                // Nobody tells that a codel counts as stuck, which is not to hold up the rest.
+                control.step.is_some() || (self.watcher.is_some() && activities())
+            };
+            let period = if often { LOOK } else { Duration::from_nanos(PERIOD_NS) };
             if !self.shared.attention.load(Ordering::Acquire) {
                 std::thread::park_timeout(period);
             }
             self.attend();
+            self.advance_shutdown();
             self.refresh_state();
             if self.lock().phase == Phase::Stopped {
                 return;

@@ -14,8 +14,10 @@ mod inherit;
 mod mask;
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
 use rustix::thread::futex;
+use rustix::time::Timespec;
 
 use crate::plan::Nodes;
 use guard::PiLock;
@@ -115,17 +117,31 @@ impl Exclusion {
         if let Some(bit) = self.try_enter(context, node) {
             return Permit { exclusion: self, context, bit, waited: false };
         }
-        let waited = self.enter_slowly(context, node);
+        // Without a limit it does enter.
+        let waited = self.enter_slowly(context, node, None).unwrap_or(true);
         Permit { exclusion: self, context, bit: self.bit(context, node), waited }
     }
 
-    /// Waits until no codel runs that could be disturbed, and keeps all others out.
+    /// Waits until no codel runs that could be disturbed, and keeps all others out; gives up
+    /// after `patience`, and `None` waits as long as it takes. While it waits, what comes later
+    /// waits behind it.
     ///
     /// This is the "global lock" of genom3.md 7.8. Async codels without port or remote go on.
-    pub fn enter_all(&self, context: usize) -> Permit<'_> {
+    pub fn enter_all(&self, context: usize, patience: Option<Duration>) -> Option<Permit<'_>> {
         self.inheritance.runs(context, EVERYTHING);
-        let waited = self.enter_slowly(context, EVERYTHING);
-        Permit { exclusion: self, context, bit: ALL, waited }
+        match self.enter_slowly(context, EVERYTHING, patience) {
+            Some(waited) => Some(Permit { exclusion: self, context, bit: ALL, waited }),
+            None => {
+                self.inheritance.runs(context, IDLE);
+                None
+            }
+        }
+    }
+
+    /// Whether excluding everything waits for this node.
+    #[must_use]
+    pub fn is_excluded(&self, node: usize) -> bool {
+        u32::try_from(node).is_ok_and(|node| self.masks.is_global(node))
     }
 
     /// The node a context runs, or waits for.
@@ -182,9 +198,10 @@ impl Exclusion {
         })
     }
 
-    /// Returns whether it had to wait.
+    /// Whether it had to wait; `None` when it gave up.
     #[cold]
-    fn enter_slowly(&self, context: usize, node: u32) -> bool {
+    fn enter_slowly(&self, context: usize, node: u32, patience: Option<Duration>) -> Option<bool> {
+        let end = patience.map(|patience| Instant::now() + patience);
         self.guard.lock();
         let ticket = self.tickets.load(Ordering::Relaxed) + 1;
         self.tickets.store(ticket, Ordering::Relaxed);
@@ -201,10 +218,17 @@ impl Exclusion {
                 break;
             }
             waited = true;
+            let left = end.map(|end| end.saturating_duration_since(Instant::now()));
+            if left.is_some_and(|left| left.is_zero()) {
+                self.give_up(context);
+                return None;
+            }
             self.inheritance.lend(context, |other, its| self.holds_up(context, other, its));
             self.guard.unlock();
             // An interrupted or spurious return only looks again.
-            let _ = futex::wait(&self.departures, futex::Flags::PRIVATE, departures, None);
+            let left = left.and_then(|left| Timespec::try_from(left).ok());
+            let flags = futex::Flags::PRIVATE;
+            let _ = futex::wait(&self.departures, flags, departures, left.as_ref());
             self.guard.lock();
         }
         match &self.announced {
@@ -215,12 +239,25 @@ impl Exclusion {
                 self.running.fetch_or(self.bit(context, node), Ordering::SeqCst);
             }
         }
-        place.node.store(IDLE, Ordering::Relaxed);
+        self.waits_no_more(context);
+        self.guard.unlock();
+        Some(waited)
+    }
+
+    /// Under `guard`.
+    fn waits_no_more(&self, context: usize) {
+        self.waiting[context].node.store(IDLE, Ordering::Relaxed);
         if self.waiting.iter().all(|other| other.node.load(Ordering::Relaxed) == IDLE) {
             self.running.fetch_and(!WAITERS, Ordering::SeqCst);
         }
+    }
+
+    /// Under `guard`, which it gives back: leaves the queue, and lets those behind look again.
+    fn give_up(&self, context: usize) {
+        self.waits_no_more(context);
         self.guard.unlock();
-        waited
+        self.departures.fetch_add(1, Ordering::Release);
+        let _ = futex::wake(&self.departures, futex::Flags::PRIVATE, i32::MAX as u32);
     }
 
     /// Under `guard`: whether nothing that runs, and nothing that came earlier, conflicts.

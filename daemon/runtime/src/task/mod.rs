@@ -4,6 +4,8 @@ pub(crate) mod core;
 #[cfg(test)]
 mod core_tests;
 pub(crate) mod driven;
+pub(crate) mod hurry;
+pub(crate) mod pace;
 pub(crate) mod run;
 pub(crate) mod runner;
 pub(crate) mod scheduling;

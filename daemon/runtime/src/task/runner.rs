@@ -103,7 +103,7 @@ impl Runner {
 
     /// Tells watchers of ticks that were missed.
     pub(crate) fn overran(&mut self, ticks: u64) {
-        self.shared.tasks[self.task].figures.overruns.add(ticks);
+        self.shared.tasks[self.task].figures.overruns.missed(ticks);
         let notice = Notice::Overrun { task: self.task, ticks };
         self.shared.notify(&mut self.side.notices, notice);
     }
@@ -126,9 +126,10 @@ impl Calls for Caller<'_> {
         if permit.waited() {
             self.now = shared.clock.now();
         }
-        shared.calls(self.task, Some(codel));
+        let at_work = &shared.at_work[self.task];
+        at_work.begins(codel, shared.clock.real(self.now));
         let returned = run.frame.call(codel, self.task);
-        shared.calls(self.task, None);
+        at_work.ends();
         drop(permit);
         let end = shared.clock.now();
         shared.called(codel, end.saturating_sub(self.now));

@@ -1,14 +1,8 @@
 //! The thread of a task: waits for ticks or for being woken, and passes (genom3.md 7.4).
 
-use std::time::Duration;
-
 use super::core::Passed;
 use super::runner::Runner;
 use super::timing::Timing;
-use crate::clock::sleep_until;
-
-/// Sleeps longer than this can be cut short by a shutdown.
-const LONG: u64 = 100_000_000;
 
 /// Runs until told to quit. The first pass is made at once: it is the start-up's.
 pub(crate) fn run(mut runner: Runner) {
@@ -45,6 +39,8 @@ fn periodic(runner: &mut Runner, timing: Timing) {
     let me = &shared.tasks[runner.task()];
     let mut began = shared.clock.now();
     let mut next = timing.after(began);
+    let pace = &me.figures.overruns;
+    pace.begins(timing, next);
     let mut tick = true;
     let mut now = began;
     while !me.quits() {
@@ -61,7 +57,8 @@ fn periodic(runner: &mut Runner, timing: Timing) {
             // The tick is latched: one pass at once, no burst of those that were missed.
             began = end;
         } else {
-            wait(me, next, end);
+            pace.sleeps();
+            me.hurry.sleep_until(next);
             began = shared.clock.now();
         }
         // Those that came while the task slept too long are missed as well.
@@ -73,16 +70,5 @@ fn periodic(runner: &mut Runner, timing: Timing) {
         me.figures.lateness.record(began.saturating_sub(next));
         next = timing.after(began.max(next));
     }
-}
-
-/// Sleeps until a tick; long sleeps end early when the instance shuts down.
-fn wait(me: &crate::shared::TaskShared, date: u64, mut now: u64) {
-    while date - now > LONG {
-        if me.take_hurry() {
-            return;
-        }
-        std::thread::park_timeout(Duration::from_nanos(date - now - LONG / 2));
-        now = crate::clock::Clock::Monotonic.now().min(date);
-    }
-    sleep_until(date);
+    pace.ends(timing, shared.clock.now());
 }

@@ -23,6 +23,11 @@ impl Timing {
         }
     }
 
+    /// Ticks until `date`, the first one included.
+    pub(crate) fn count(&self, date: u64) -> u64 {
+        date.checked_sub(self.base).map_or(0, |since| since / self.period + 1)
+    }
+
     /// Ticks after the one at `tick`, until `date`.
     pub(crate) fn since(&self, tick: u64, date: u64) -> u64 {
         date.saturating_sub(tick) / self.period

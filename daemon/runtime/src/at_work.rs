@@ -1,0 +1,52 @@
+//! Which codel a context runs, and since when: written by whoever calls it, read by anybody.
+//!
+//! Two stores a call and no other cost: the date is one that the caller has read anyhow.
+
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+
+/// What one context is at.
+#[derive(Debug, Default)]
+pub(crate) struct AtWork {
+    /// The codel, plus one; 0 between codels.
+    codel: AtomicU32,
+    /// Monotonic date of its call.
+    since: AtomicU64,
+}
+
+impl AtWork {
+    /// A codel is called at this date.
+    #[inline]
+    pub(crate) fn begins(&self, codel: usize, date: u64) {
+        // The date first: whoever sees the codel sees a date that is no older than its call.
+        self.since.store(date, Ordering::Relaxed);
+        let number = u32::try_from(codel + 1).unwrap_or(u32::MAX);
+        self.codel.store(number, Ordering::Release);
+    }
+
+    /// It returned.
+    #[inline]
+    pub(crate) fn ends(&self) {
+        self.codel.store(0, Ordering::Release);
+    }
+
+    /// The codel that runs now, and the date of its call.
+    pub(crate) fn look(&self) -> Option<(usize, u64)> {
+        let codel = (self.codel.load(Ordering::Acquire) as usize).checked_sub(1)?;
+        Some((codel, self.since.load(Ordering::Relaxed)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_codel_shows_from_its_call_to_its_return() {
+        let at_work = AtWork::default();
+        assert_eq!(at_work.look(), None);
+        at_work.begins(0, 7);
+        assert_eq!(at_work.look(), Some((0, 7)));
+        at_work.ends();
+        assert_eq!(at_work.look(), None);
+    }
+}
