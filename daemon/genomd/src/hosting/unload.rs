@@ -119,8 +119,12 @@ impl Departures {
     }
 
     /// Asks each in its turn; those that ended go to the helpers.
+    ///
+    /// Not one by one while others end as well: to close a library takes a look at all threads
+    /// there are, and soon there are fewer.
     fn run(mut self, finished: Sender<Finished>) {
         let (tell, ended) = channel();
+        let mut ready: Vec<Finished> = Vec::new();
         loop {
             self.ask(&tell);
             let asked = || {
@@ -129,21 +133,27 @@ impl Departures {
                     _ => None,
                 })
             };
-            let Some(first) = asked().map(|(_, deadline)| deadline).min() else { return };
+            let first = asked().map(|(_, deadline)| deadline).min();
+            let Some(first) = first else {
+                // They end when this thread does.
+                return ready.into_iter().for_each(|one| drop(finished.send(one)));
+            };
             let left = first.saturating_duration_since(Instant::now());
-            let held = self.state.contains(&State::Waits);
-            let place = match ended.recv_timeout(if held { left.min(LOOK) } else { left }) {
+            let look = !ready.is_empty() || self.state.contains(&State::Waits);
+            let place = match ended.recv_timeout(if look { left.min(LOOK) } else { left }) {
                 Ok(place) => Some(place),
                 Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => None,
             };
             let now = Instant::now();
             let over: Vec<Finished> =
                 asked().filter(|(one, by)| Some(*one) == place || *by <= now).collect();
-            for (place, deadline) in over {
+            for &(place, _) in &over {
                 self.state[place] = State::Ended;
                 self.going[place] = None;
-                // They end when this thread does.
-                let _ = finished.send((place, deadline));
+            }
+            ready.extend(over);
+            if place.is_none() {
+                ready.drain(..).for_each(|one| drop(finished.send(one)));
             }
         }
     }

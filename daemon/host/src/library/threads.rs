@@ -46,8 +46,10 @@ pub(super) fn inside(code: &[Range<usize>]) -> Threads {
         return Threads { inside: 0, unseen: 1 };
     };
     let mut threads = Threads::default();
+    // Read once: with hundreds of components loaded it is long.
+    let mut parts = parts().unwrap_or_default();
     for task in tasks.flatten().filter(|task| Some(task.file_name().as_os_str()) != own) {
-        match look(&task.path(), &memory, code) {
+        match look(&task.path(), &memory, code, &mut parts) {
             Found::Inside => threads.inside += 1,
             Found::Unseen => threads.unseen += 1,
             Found::Outside => {}
@@ -56,11 +58,16 @@ pub(super) fn inside(code: &[Range<usize>]) -> Threads {
     threads
 }
 
-fn look(task: &Path, memory: &File, code: &[Range<usize>]) -> Found {
+fn look(
+    task: &Path,
+    memory: &File,
+    code: &[Range<usize>],
+    parts: &mut Vec<Range<usize>>,
+) -> Found {
     for _ in 0..LOOKS {
         match fs::read_to_string(task.join("syscall")) {
             Ok(line) => match stack_pointer(&line) {
-                Some(top) => return holds(memory, top, code),
+                Some(top) => return holds(memory, top, code, parts),
                 None => thread::park_timeout(Duration::from_millis(1)),
             },
             // It ended.
@@ -73,7 +80,7 @@ fn look(task: &Path, memory: &File, code: &[Range<usize>]) -> Found {
     let asked = number.and_then(|number| {
         ask::where_is(number, |Place { counter, stack }| {
             let there = code.iter().any(|own| own.contains(&counter));
-            if there { Found::Inside } else { holds(memory, stack, code) }
+            if there { Found::Inside } else { holds(memory, stack, code, parts) }
         })
     });
     match asked {
@@ -93,6 +100,17 @@ fn stack_pointer(line: &str) -> Option<usize> {
     usize::from_str_radix(sp.strip_prefix("0x")?, 16).ok()
 }
 
+/// The parts of the memory of this process.
+fn parts() -> Option<Vec<Range<usize>>> {
+    let maps = fs::read_to_string("/proc/self/maps").ok()?;
+    Some(maps.lines().filter_map(range).collect())
+}
+
+/// Where the part ends that holds an address.
+fn part_at(parts: &[Range<usize>], at: usize) -> Option<usize> {
+    parts.iter().find(|part| part.contains(&at)).map(|part| part.end)
+}
+
 /// Addresses of a line of `/proc/self/maps`.
 fn range(line: &str) -> Option<Range<usize>> {
     let (from, to) = line.split_once(' ')?.0.split_once('-')?;
@@ -102,20 +120,24 @@ fn range(line: &str) -> Option<Range<usize>> {
 
 /// Whether a word of the stack from `top` on is an address within `code`. Read through the kernel:
 /// the thread may end meanwhile, and its stack with it.
-fn holds(memory: &File, top: usize, code: &[Range<usize>]) -> Found {
-    let Ok(maps) = fs::read_to_string("/proc/self/maps") else { return Found::Unseen };
+fn holds(
+    memory: &File,
+    top: usize,
+    code: &[Range<usize>],
+    known: &mut Vec<Range<usize>>,
+) -> Found {
+    if part_at(known, top).is_none() {
+        // A thread that is younger than what was read.
+        let Some(now) = parts() else { return Found::Unseen };
+        *known = now;
+    }
     // No memory there any more: the thread has ended.
-    let Some(part) = maps.lines().filter_map(range).find(|part| part.contains(&top)) else {
-        return Found::Outside;
-    };
-    let end = part.end.min(top + DEEPEST);
+    let Some(end) = part_at(known, top) else { return Found::Outside };
+    let end = end.min(top + DEEPEST);
     let mut bytes = vec![0; (end - top) / 8 * 8];
     match memory.read_exact_at(&mut bytes, top as u64) {
         Ok(()) => {}
-        Err(_)
-            if !fs::read_to_string("/proc/self/maps")
-                .is_ok_and(|now| now.lines().filter_map(range).any(|part| part.contains(&top))) =>
-        {
+        Err(_) if parts().is_some_and(|now| part_at(&now, top).is_none()) => {
             return Found::Outside;
         }
         Err(_) => return Found::Unseen,
