@@ -29,9 +29,10 @@ pub(super) fn draw(
     .areas(frame.area());
     let running = now.activities.iter().filter(|(_, one)| one.status == "running").count();
     let stuck = now.components.iter().filter(|one| one.state.starts_with("stuck"));
-    let stuck: String = stuck.map(|one| format!("; {} is {}", one.name, one.state)).collect();
+    let stuck: String = stuck.map(|one| format!("{} is {}; ", one.name, one.state)).collect();
+    // What is wrong comes first: the line may be cut.
     let text = format!(
-        "genomd on {}: {}, {running} running{stuck}",
+        "{stuck}genomd on {}: {}, {running} running",
         now.daemon,
         if now.components.len() == 1 {
             "1 component".to_owned()
@@ -228,8 +229,8 @@ mod tests {
     fn a_component_that_is_stuck_is_told_in_the_title_in_red() {
         let mut now = snapshot(1, Instant::now());
         now.components[0].state = "stuck in demo_move for 12 s".into();
-        let told = "1 component, 1 running; demo is stuck in demo_move for 12 s";
-        assert!(text(&now, None, 100).lines().next().unwrap().ends_with(told));
+        let told = "demo is stuck in demo_move for 12 s; genomd on ";
+        assert!(text(&now, None, 100).starts_with(told));
         let mut terminal = Terminal::new(TestBackend::new(100, 12)).unwrap();
         terminal.draw(|frame| draw(frame, &now, None, 0, "")).unwrap();
         assert_eq!(terminal.backend().buffer()[(0, 0)].fg, Color::Red);

@@ -135,8 +135,7 @@ impl Departures {
             };
             let first = asked().map(|(_, deadline)| deadline).min();
             let Some(first) = first else {
-                // They end when this thread does.
-                return ready.into_iter().for_each(|one| drop(finished.send(one)));
+                return hand_on(&mut ready, &finished);
             };
             let left = first.saturating_duration_since(Instant::now());
             let look = !ready.is_empty() || self.state.contains(&State::Waits);
@@ -153,7 +152,7 @@ impl Departures {
             }
             ready.extend(over);
             if place.is_none() {
-                ready.drain(..).for_each(|one| drop(finished.send(one)));
+                hand_on(&mut ready, &finished);
             }
         }
     }
@@ -210,5 +209,12 @@ impl Departures {
             }
             State::Ended => true,
         }
+    }
+}
+
+fn hand_on(ready: &mut Vec<Finished>, helpers: &Sender<Finished>) {
+    for one in ready.drain(..) {
+        // The helpers end when whoever sends to them does.
+        let _ = helpers.send(one);
     }
 }
