@@ -58,12 +58,7 @@ pub(super) fn inside(code: &[Range<usize>]) -> Threads {
     threads
 }
 
-fn look(
-    task: &Path,
-    memory: &File,
-    code: &[Range<usize>],
-    parts: &mut Vec<Range<usize>>,
-) -> Found {
+fn look(task: &Path, memory: &File, code: &[Range<usize>], parts: &mut Vec<Range<usize>>) -> Found {
     for _ in 0..LOOKS {
         match fs::read_to_string(task.join("syscall")) {
             Ok(line) => match stack_pointer(&line) {
@@ -106,6 +101,13 @@ fn parts() -> Option<Vec<Range<usize>>> {
     Some(maps.lines().filter_map(range).collect())
 }
 
+/// Those that hold code.
+pub(super) fn executable() -> Vec<Range<usize>> {
+    let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
+    let code = |line: &&str| line.split(' ').nth(1).is_some_and(|rights| rights.contains('x'));
+    maps.lines().filter(code).filter_map(range).collect()
+}
+
 /// Where the part ends that holds an address.
 fn part_at(parts: &[Range<usize>], at: usize) -> Option<usize> {
     parts.iter().find(|part| part.contains(&at)).map(|part| part.end)
@@ -120,27 +122,25 @@ fn range(line: &str) -> Option<Range<usize>> {
 
 /// Whether a word of the stack from `top` on is an address within `code`. Read through the kernel:
 /// the thread may end meanwhile, and its stack with it.
-fn holds(
-    memory: &File,
-    top: usize,
-    code: &[Range<usize>],
-    known: &mut Vec<Range<usize>>,
-) -> Found {
-    if part_at(known, top).is_none() {
-        // A thread that is younger than what was read.
-        let Some(now) = parts() else { return Found::Unseen };
-        *known = now;
-    }
-    // No memory there any more: the thread has ended.
-    let Some(end) = part_at(known, top) else { return Found::Outside };
-    let end = end.min(top + DEEPEST);
-    let mut bytes = vec![0; (end - top) / 8 * 8];
-    match memory.read_exact_at(&mut bytes, top as u64) {
-        Ok(()) => {}
-        Err(_) if parts().is_some_and(|now| part_at(&now, top).is_none()) => {
-            return Found::Outside;
+fn holds(memory: &File, top: usize, code: &[Range<usize>], known: &mut Vec<Range<usize>>) -> Found {
+    let mut bytes = Vec::new();
+    // What is known was read a while ago: in doubt it is read again.
+    for again in [false, true] {
+        if again || part_at(known, top).is_none() {
+            let Some(now) = parts() else { return Found::Unseen };
+            *known = now;
         }
-        Err(_) => return Found::Unseen,
+        // No memory there any more: the thread has ended.
+        let Some(end) = part_at(known, top) else { return Found::Outside };
+        bytes.resize((end.min(top + DEEPEST) - top) / 8 * 8, 0);
+        match memory.read_exact_at(&mut bytes, top as u64) {
+            Ok(()) => break,
+            Err(_) if !again => {}
+            Err(_) if parts().is_some_and(|now| part_at(&now, top).is_none()) => {
+                return Found::Outside;
+            }
+            Err(_) => return Found::Unseen,
+        }
     }
     let words = bytes.chunks_exact(8).filter_map(|word| <[u8; 8]>::try_from(word).ok());
     let mut words = words.map(usize::from_ne_bytes);

@@ -8,6 +8,8 @@ use std::fs::{self, File};
 use std::ops::Range;
 use std::os::unix::fs::FileExt as _;
 
+use super::threads;
+
 /// The signal by which the C library learns that such a timer is due (`SIGTIMER`).
 const DUE: &str = "32";
 /// Words of a note on a timer, at most.
@@ -20,11 +22,7 @@ pub(super) fn into(code: &[Range<usize>]) -> usize {
     if notes.is_empty() {
         return 0;
     }
-    let mapped: Vec<_> = fs::read_to_string("/proc/self/maps")
-        .unwrap_or_default()
-        .lines()
-        .filter_map(executable)
-        .collect();
+    let mapped = threads::executable();
     let Ok(memory) = File::open("/proc/self/mem") else { return notes.len() };
     let calls = |note: &&usize| {
         let mut bytes = [0; NOTE * size_of::<usize>()];
@@ -37,14 +35,6 @@ pub(super) fn into(code: &[Range<usize>]) -> usize {
         functions.is_empty() || functions.iter().any(|at| code.iter().any(|own| own.contains(at)))
     };
     notes.iter().filter(calls).count()
-}
-
-/// Addresses of a line of `/proc/self/maps` where code lies.
-fn executable(line: &str) -> Option<Range<usize>> {
-    let (range, rest) = line.split_once(' ')?;
-    let (from, to) = range.split_once('-')?;
-    let address = |text| usize::from_str_radix(text, 16).ok();
-    rest.get(..4)?.contains('x').then_some(address(from)?..address(to)?)
 }
 
 /// Addresses of the C library's notes on its timers.
