@@ -312,12 +312,12 @@ fn samples_keep_their_distance_when_the_machines_clock_is_set() {
 fn of_a_recorder_that_was_killed_all_that_is_whole_is_replayed_and_recovered() {
     let daemon = stepped();
     let recorder = Recorder::start(&daemon, "run.mcap", &[]);
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=0.001"]).expect_code(0);
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
     for gain in ["0.5", "0.25", "1"] {
         daemon.ctl(&["pub", "demo/parameter", gain]).expect_code(0);
         daemon.ctl(&["step", "20ms"]).expect_code(0);
     }
-    daemon.ctl(&["call", "demo", "set_speed", "velocity=0.001"]).expect_code(0);
-    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
     daemon.ctl(&["step", "50s"]).expect_code(0);
     let size = || std::fs::metadata(&recorder.file).unwrap().len();
     until("the recorder writes", || size() > 100_000);

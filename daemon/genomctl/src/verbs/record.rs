@@ -20,11 +20,11 @@ const SAVE: Duration = Duration::from_secs(1);
 
 /// Record ports, service calls, activities and exceptions in an MCAP file, until Ctrl-C.
 ///
-/// Every sample that codels write or read is recorded, with the date of that moment. Foxglove,
-/// PlotJuggler and the MCAP libraries read the file. Samples that could not be kept up with are
-/// counted, and shown at the end. Each second the file is brought up to date: of a recorder that
-/// is killed, `genomctl replay` reads what came until then, and `genomctl recover` makes a whole
-/// file of it.
+/// Every sample that codels write or read is recorded, with the date of that moment; dates go on
+/// evenly when the machine's clock is set meanwhile. Foxglove, PlotJuggler and the MCAP libraries
+/// read the file. Samples that could not be kept up with are counted, and shown at the end. Each
+/// second the file is brought up to date: of a recorder that is killed, `genomctl replay` reads
+/// what came until then, and `genomctl recover` makes a whole file of it.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// What to record: COMPONENT, COMPONENT/PORT or COMPONENT/PORT/ELEMENT [default: everything].

@@ -33,13 +33,8 @@ pub(crate) enum LoadError {
     #[error(transparent)]
     Mismatch(#[from] genom_host::LoadErrors),
     /// A port could not be opened.
-    #[error("{name}: {source}{limit}")]
-    Bind {
-        name: String,
-        source: BindError,
-        /// The limit of the system that was reached, if one was.
-        limit: String,
-    },
+    #[error("{name}: {source}")]
+    Bind { name: String, source: BindError },
     /// What the request says of a task cannot be.
     #[error("{name}: {why}")]
     Override { name: String, why: String },

@@ -15,7 +15,6 @@ use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
 use crate::flag::Flag;
 use crate::hosting::{Hosted, Starting};
-use crate::limits;
 use crate::wires::Wires;
 use crate::wires::bindings::Bindings;
 use crate::wiring::requests::SupervisorWiring;
@@ -34,8 +33,7 @@ pub(super) fn start(
     let backend = request.backend.clone().unwrap_or_else(default);
     let bindings = Bindings::new(backend.clone(), request.ports.clone(), request.qos.clone());
     let (wires, killed) = (Arc::new(Wires::new(bindings)), Flag::new());
-    // Looked at while what was opened still is.
-    let bound = |source| LoadError::Bind { name: name.clone(), source, limit: limits::reached() };
+    let bound = |source| LoadError::Bind { name: name.clone(), source };
     publish::bind(daemon, &component, &plan, &name, &wires).map_err(bound)?;
     let supervisor = Arc::new(SupervisorWiring::new(daemon, &name, &killed));
     let mut options = Options::new(name.as_str(), supervisor);
@@ -66,12 +64,11 @@ pub(super) fn start(
     match serve::serve_on(daemon, &hosted, backend.names()) {
         Ok(served) => hosted.serve_also(served, &backend),
         Err(source) => {
-            let limit = limits::reached();
             // It runs already: it must stop before its memory goes.
             if let Err(why) = hosted.stop(daemon.settings.stop_timeout) {
                 tracing::error!(instance = name, "{why}");
             }
-            return Err(LoadError::Bind { name, source, limit });
+            return Err(LoadError::Bind { name, source });
         }
     }
     Ok(hosted)

@@ -11,6 +11,7 @@ use genom_types::DataType;
 
 use crate::config::BackendNames;
 use crate::daemon::Daemon;
+use crate::limits;
 use crate::registry::BackendError;
 use crate::wires::{Ends, Fan, Wires};
 
@@ -21,11 +22,22 @@ pub(crate) enum BindError {
     #[error(transparent)]
     Backend(#[from] BackendError),
     /// The middleware refused.
-    #[error(transparent)]
-    Open(#[from] Box<OpenError>),
+    #[error("{source}{limit}")]
+    Open {
+        source: Box<OpenError>,
+        /// The limit of the system that was reached, if one was.
+        limit: String,
+    },
     /// A codel does not return: of the component, or of one that reads it.
     #[error(transparent)]
     HeldUp(#[from] HeldUp),
+}
+
+impl From<Box<OpenError>> for BindError {
+    /// Looks at limits while what was opened before still is.
+    fn from(source: Box<OpenError>) -> Self {
+        Self::Open { source, limit: limits::reached() }
+    }
 }
 
 /// Opens an address on each of these middlewares, in this quality.

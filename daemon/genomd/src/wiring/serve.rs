@@ -24,7 +24,7 @@ pub(crate) fn serve_on(
     for name in names {
         let middleware = daemon.backends.get(name)?;
         let offers = |service: &str| daemon.settings.offers.offers(name, &hosted.name, service);
-        let served = serve(hosted, &middleware, offers).map_err(Box::new)?;
+        let served = serve(hosted, &middleware, offers)?;
         all.push((name.clone(), served));
     }
     Ok(all)
@@ -34,7 +34,7 @@ fn serve(
     hosted: &Arc<Hosted>,
     middleware: &Arc<dyn Middleware>,
     offers: impl Fn(&str) -> bool,
-) -> Result<Vec<(usize, Box<dyn Served>)>, OpenError> {
+) -> Result<Vec<(usize, Box<dyn Served>)>, BindError> {
     let mut served = Vec::new();
     for (index, service) in hosted.model().services.iter().enumerate() {
         // Not declared at all: a call finds nobody, as if the component had no such service.
@@ -52,7 +52,7 @@ fn serve(
             Err(OpenError::Unsupported { why, .. }) => {
                 tracing::debug!("{}/{}: {why}", hosted.name, service.name);
             }
-            Err(error) => return Err(error),
+            Err(error) => return Err(Box::new(error).into()),
         }
     }
     Ok(served)

@@ -292,5 +292,5 @@ impl Seen {
 }
 
 fn boxed(error: OpenError) -> BindError {
-    BindError::Open(Box::new(error))
+    BindError::from(Box::new(error))
 }
