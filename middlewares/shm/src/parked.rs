@@ -4,26 +4,28 @@
 //! waits: there are two places, the thread holds one of them at most, and the writer takes the
 //! other.
 
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, TryLockError};
 
 use crate::raw::{SendError, Value};
 
 pub(crate) struct Parked {
-    places: [Mutex<Place>; 2],
+    places: [Place; 2],
 }
 
-#[derive(Default)]
 struct Place {
-    /// When it was parked, from 1; 0 for never.
-    rank: u64,
-    bytes: Vec<u8>,
+    /// When its value was parked, from 1; 0 for never. Apart from the value, so that the thread
+    /// that takes the newest locks that one only.
+    rank: AtomicU64,
+    bytes: Mutex<Vec<u8>>,
 }
 
 impl Parked {
     /// For values of this size, or of any.
     pub(crate) fn new(size: Option<usize>) -> Self {
         // The system gives zeroed memory of some size when it is first written.
-        let place = || Mutex::new(Place { rank: 0, bytes: vec![0; size.unwrap_or(0)] });
+        let place =
+            || Place { rank: AtomicU64::new(0), bytes: Mutex::new(vec![0; size.unwrap_or(0)]) };
         Self { places: [place(), place()] }
     }
 
@@ -31,24 +33,24 @@ impl Parked {
     /// with a greater rank each time.
     pub(crate) fn park(&self, value: Value<'_>, rank: u64) -> Result<(), SendError> {
         for place in &self.places {
-            let mut place = match place.try_lock() {
-                Ok(place) => place,
-                Err(TryLockError::Poisoned(place)) => place.into_inner(),
+            let mut bytes = match place.bytes.try_lock() {
+                Ok(bytes) => bytes,
+                Err(TryLockError::Poisoned(bytes)) => bytes.into_inner(),
                 Err(TryLockError::WouldBlock) => continue,
             };
             match value {
-                Value::Plain(bytes) | Value::Encoded(bytes) if bytes.len() == place.bytes.len() => {
-                    place.bytes.copy_from_slice(bytes);
+                Value::Plain(new) | Value::Encoded(new) if new.len() == bytes.len() => {
+                    bytes.copy_from_slice(new);
                 }
                 Value::Plain(_) | Value::Encoded(_) => return Err(SendError::Refused),
                 Value::Message(record, _) => {
-                    place.rank = 0;
-                    place.bytes.clear();
-                    let encoded = record.encode_message(&mut place.bytes);
+                    place.rank.store(0, Ordering::Relaxed);
+                    bytes.clear();
+                    let encoded = record.encode_message(&mut bytes);
                     encoded.map_err(|_| SendError::Serialization)?;
                 }
             }
-            place.rank = rank;
+            place.rank.store(rank, Ordering::Release);
             return Ok(());
         }
         Err(SendError::Refused)
@@ -59,21 +61,25 @@ impl Parked {
     /// Called by one thread at a time, again when something was parked meanwhile: a place that is
     /// being written is passed over.
     pub(crate) fn newest(&self, after: u64, to: impl FnOnce(&[u8])) -> u64 {
-        let places = self.places.iter().filter_map(|place| place.try_lock().ok());
-        match places.max_by_key(|place| place.rank).filter(|place| place.rank > after) {
-            Some(place) => {
-                to(&place.bytes);
-                place.rank
+        let newest = self.places.iter().max_by_key(|place| place.rank.load(Ordering::Acquire));
+        if let Some(place) = newest
+            && let Ok(bytes) = place.bytes.try_lock()
+        {
+            // As it is now: another value may have come before the lock was taken.
+            let rank = place.rank.load(Ordering::Acquire);
+            if rank > after {
+                to(&bytes);
+                return rank;
             }
-            None => after,
         }
+        after
     }
 
     /// Gives the memory back.
     pub(crate) fn forget(&self) {
         for place in &self.places {
-            if let Ok(mut place) = place.try_lock() {
-                *place = Place::default();
+            if let Ok(mut bytes) = place.bytes.try_lock() {
+                *bytes = Vec::new();
             }
         }
     }

@@ -37,6 +37,8 @@ pub(crate) struct Core {
     parked: Parked,
     /// Values that were parked so far.
     rank: AtomicU64,
+    /// The last of them that the upkeep thread sent.
+    sent_parked: AtomicU64,
     /// Samples that were sent so far.
     sent: AtomicU64,
     service: Arc<RawService>,
@@ -86,6 +88,7 @@ impl Core {
             gate: AtomicU8::new(0),
             parked: Parked::new((!wire.slice).then_some(wire.size)),
             rank: AtomicU64::new(0),
+            sent_parked: AtomicU64::new(0),
             sent: AtomicU64::new(0),
             service,
             ground: Arc::clone(ground),
@@ -167,6 +170,7 @@ impl Core {
                     tracing::warn!(port = %self.at, ?error, "a reader that came late does not see its last value");
                 }
             });
+            self.sent_parked.store(rank, Ordering::Relaxed);
             let open = self.gate.compare_exchange(0, OPEN, Ordering::AcqRel, Ordering::Acquire);
             if open.is_ok() {
                 break;
@@ -181,9 +185,14 @@ impl Core {
     pub(crate) fn send(&self, value: Value<'_>, written: &mut Written) -> Result<(), SendError> {
         if self.gate.load(Ordering::Acquire) & OPEN == 0 {
             let rank = self.rank.fetch_add(1, Ordering::Relaxed) + 1;
-            self.parked.park(value, rank)?;
+            let parked = self.parked.park(value, rank);
             // Who opens the gate after this has seen the value.
             if self.gate.fetch_or(FRESH, Ordering::AcqRel) & OPEN == 0 {
+                return parked;
+            }
+            // It was opened meanwhile: the value was sent from where it was parked, or it came
+            // too late for that and is sent here.
+            if self.sent_parked.load(Ordering::Relaxed) == rank {
                 return Ok(());
             }
         }
