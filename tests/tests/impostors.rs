@@ -19,8 +19,11 @@ type Answer = dyn Fn(&[u8], &str) -> Option<Vec<u8>> + Send + Sync;
 /// A program on zenoh that takes what is sent to the robot.
 struct Impostor {
     session: zenoh::Session,
-    heard: Arc<Mutex<Vec<(String, Vec<u8>)>>>,
+    heard: Heard,
 }
+
+/// Keys and messages.
+type Heard = Arc<Mutex<Vec<(String, Vec<u8>)>>>;
 
 impl Impostor {
     /// Declares the keys of the robot, and shows itself as it does.

@@ -1,6 +1,7 @@
 //! What strangers on a middleware can call, and what they cannot.
 
 #![forbid(unsafe_code)]
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
 use std::sync::Arc;
 

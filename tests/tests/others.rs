@@ -76,7 +76,9 @@ fn a_thread_that_a_codel_left_behind_does_not_take_the_daemon_along() {
     for _ in 0..3 {
         daemon.ctl(&["call", "reader", "count"]).expect_code(0);
         daemon.ctl(&["unload", "reader"]).expect_code(0);
-        let told = daemon.process().error_line_where(|line| line.contains("threads run on"));
+        let told = daemon
+            .process()
+            .error_line_where(|line| line.contains("threads that it started run on"));
         assert!(told.is_some(), "the daemon ended");
         daemon.ctl(&["load", &reader]).expect_code(0);
     }

@@ -67,7 +67,7 @@ fn lock_until<T>(mutex: &Mutex<T>, deadline: Instant) -> Option<Guard<'_, T>> {
             Ok(guard) => return Some(guard),
             Err(TryLockError::Poisoned(poisoned)) => return Some(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) if Instant::now() >= deadline => return None,
-            Err(TryLockError::WouldBlock) => std::thread::sleep(LOOK),
+            Err(TryLockError::WouldBlock) => std::thread::park_timeout(LOOK),
         }
     }
 }

@@ -70,12 +70,12 @@ pub fn seconds(ns: u64) -> String {
 
 /// Something had to wait for a codel that does not return, and was given up; nothing was done.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{instance} is held up{}", tell(.by.as_ref()))]
+#[error("{instance} is held up{}", tell(.by.as_deref()))]
 pub struct HeldUp {
     /// The instance.
     pub instance: String,
     /// What holds it up; `None` when codels came and went all the time.
-    pub by: Option<RunningCodel>,
+    pub by: Option<Box<RunningCodel>>,
 }
 
 fn tell(by: Option<&RunningCodel>) -> String {
@@ -142,7 +142,8 @@ impl Engine {
     pub(crate) fn exclusively<R>(&self, work: impl FnOnce(&dyn Body) -> R) -> Result<R, HeldUp> {
         let (shared, context) = (&self.shared, self.shared.outside_context());
         let node = |codel: &RunningCodel| shared.plan.nodes().codel(codel.place.0);
-        let held_up = |by| HeldUp { instance: self.name.clone(), by };
+        let held_up =
+            |by: Option<RunningCodel>| HeldUp { instance: self.name.clone(), by: by.map(Box::new) };
         // Each holder gives up in time.
         let _turn = lock(&self.everything);
         let end = Instant::now() + self.stuck_after;
@@ -151,7 +152,10 @@ impl Engine {
             let late = Instant::now() >= end;
             match by {
                 Some(by) if by.stuck || late => return Err(held_up(Some(by))),
-                Some(by) if u128::from(by.for_ns) > TURN.as_nanos() => std::thread::sleep(LOOK),
+                // Nobody tells when it returns.
+                Some(by) if u128::from(by.for_ns) > TURN.as_nanos() => {
+                    std::thread::park_timeout(LOOK);
+                }
                 by => match shared.exclusion.enter_all(context, Some(TURN)) {
                     Some(_permit) => return Ok(work(shared.body.as_ref())),
                     None if late => return Err(held_up(by)),
@@ -176,6 +180,6 @@ impl Engine {
             let excludes = |&node: &usize| nodes.conflicts(node).contains(&nodes.codel(codel));
             running.stuck && ((served && (same || full)) || ours.iter().any(excludes))
         })?;
-        Some(HeldUp { instance: self.name.clone(), by: Some(by) })
+        Some(HeldUp { instance: self.name.clone(), by: Some(Box::new(by)) })
     }
 }

@@ -169,7 +169,8 @@ fn no_single_datagram_takes_memory_or_ends_a_flow() {
             world.flows(&format!("{what}, in another's name"));
         }
     }
-    let grown = (peak() - before) >> 20;
+    // The kernel adds up what threads count: its sum may lag behind by some pages.
+    let grown = peak().saturating_sub(before) >> 20;
     assert!(grown < 64, "{grown} MiB more");
 }
 

@@ -18,7 +18,7 @@ use crate::inner::Inner;
 use crate::options::Options;
 use crate::raw::Ipc;
 use crate::watch::Watch;
-use crate::{calls, catalog, discover, publisher, rights, subscription};
+use crate::{calls, discover, publisher, rights, subscription};
 
 /// How long iceoryx2 itself waits for a service that others are making.
 const CREATION: Duration = Duration::from_millis(100);
@@ -86,7 +86,6 @@ impl Shm {
                     root: config.global.root_path().to_string(),
                     why: error.to_string(),
                 })?;
-            catalog::sweep(&node);
             rights::close(&places).map_err(unusable)?;
             node
         };

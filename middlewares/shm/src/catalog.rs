@@ -59,11 +59,15 @@ fn key(kind: Kind, address: &str) -> String {
     format!("{} {address}", kind.letter())
 }
 
+/// Where the files are, in a root of iceoryx2's.
+fn folder(root: &Path) -> PathBuf {
+    root.join(format!("genom-{}", rustix::process::geteuid().as_raw()))
+}
+
 /// The folder, and the start of the names of its files.
 fn place(node: &Node<Ipc>) -> (PathBuf, String) {
     let global = &node.config().global;
-    let own = format!("genom-{}", rustix::process::geteuid().as_raw());
-    (Path::new(&global.root_path().to_string()).join(own), global.prefix.to_string())
+    (folder(Path::new(&global.root_path().to_string())), global.prefix.to_string())
 }
 
 /// The node that a file is of.
@@ -93,18 +97,16 @@ fn alive(node: &Node<Ipc>) -> Vec<u128> {
     found
 }
 
-/// Removes what killed daemons left.
-pub(crate) fn sweep(node: &Node<Ipc>) {
-    let ((folder, prefix), alive) = (place(node), alive(node));
-    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+/// All files of a root and a prefix with their nodes, also those that are being made anew.
+pub(crate) fn list(root: &Path, prefix: &str) -> Vec<(u128, PathBuf)> {
+    let entries = fs::read_dir(folder(root)).into_iter().flatten().flatten();
+    let named = |entry: fs::DirEntry| {
         let name = entry.file_name();
-        let name = name.to_string_lossy();
-        // One that was being made anew has more after the node.
-        let of = name.get(..prefix.len() + 32).and_then(|name| owner(name, &prefix));
-        if of.is_some_and(|of| !alive.contains(&of)) {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
+        // One that is being made anew has more after the node.
+        let node = owner(name.to_str()?.get(..prefix.len() + 32)?, prefix)?;
+        Some((node, entry.path()))
+    };
+    entries.filter_map(named).collect()
 }
 
 /// Every service that living daemons serve, and every port that they write and that does not

@@ -1,5 +1,12 @@
 //! Files that were never finished, or cut, are in nobody's way.
 
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests fail them"
+)]
+
 mod world;
 
 use std::fs::{self, OpenOptions, Permissions};
@@ -131,13 +138,12 @@ fn services_that_a_killed_process_had_left_already_are_made_anew() {
 #[test]
 fn nodes_of_which_a_part_is_left_are_removed_by_the_next_start() {
     // What a process has done of its node, in this order, and undone in another.
-    let ends = ["_context", "_owner_lock", ".node_monitor"];
-    for rank in 0..ends.len() {
+    for end in ["_context", "_owner_lock", ".node_monitor"] {
         let world = ShmWorld::new();
         started(&world).kill();
         for file in files(world.root().join("nodes")) {
             let name = file.to_string_lossy().into_owned();
-            if name.ends_with(ends[rank]) {
+            if name.ends_with(end) {
                 fs::remove_file(&file).unwrap();
             }
         }
@@ -146,7 +152,7 @@ fn nodes_of_which_a_part_is_left_are_removed_by_the_next_start() {
         started(&world).kill();
         for file in files(world.root().join("nodes")) {
             let name = file.to_string_lossy().into_owned();
-            if file.is_file() && !name.ends_with(ends[rank]) {
+            if file.is_file() && !name.ends_with(end) {
                 fs::remove_file(&file).unwrap();
             } else if file.is_file() {
                 cut(&file);

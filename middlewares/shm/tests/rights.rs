@@ -1,5 +1,12 @@
 //! Nobody else can change what a user has on shared memory.
 
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests fail them"
+)]
+
 mod world;
 
 use std::fs::{self, Permissions};

@@ -84,7 +84,7 @@ fn filter() -> Vec<sock_filter> {
 /// Lets the program be traced by the thread that starts it.
 pub(super) fn make_traced(command: &mut Command) {
     let mut filter = filter();
-    let mut install = move || {
+    let install = move || {
         let program = sock_fprog { len: filter.len() as u16, filter: filter.as_mut_ptr() };
         // SAFETY: these calls take numbers, and a pointer to a program that outlives the call.
         unsafe {
@@ -97,7 +97,7 @@ pub(super) fn make_traced(command: &mut Command) {
         Ok(())
     };
     // SAFETY: between fork and exec this only makes system calls, and allocates nothing.
-    unsafe { command.pre_exec(move || install()) };
+    unsafe { command.pre_exec(install) };
 }
 
 /// What a process stops for from now on; it ends with the thread that traces it.

@@ -79,6 +79,7 @@ impl Watched {
         let tracer = thread::spawn(move || {
             trace::make_traced(&mut command);
             command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+            #[allow(clippy::zombie_processes, reason = "`follow` waits for its end by `waitpid`")]
             let mut child = command.spawn().expect("genomd can be started");
             let errors = child.stderr.take().expect("piped");
             thread::spawn(move || {

@@ -73,7 +73,7 @@ fn chosen(asked: &Asked) -> Vec<(&'static Fault, &str)> {
         on.into_iter().map(move |backend| (fault, backend))
     });
     let short = |(fault, backend): &(&Fault, &str)| {
-        SHORT.iter().any(|one| *one == (fault.component, fault.service, *backend))
+        SHORT.contains(&(fault.component, fault.service, *backend))
     };
     pairs.filter(|pair| !asked.short || short(pair)).collect()
 }

@@ -53,7 +53,8 @@ pub(crate) fn walk<E: From<ReadError>>(
     let mut whole = MAGIC.len() as u64;
     let mut content = Vec::new();
     while let Some((kind, length)) = head(&mut file)? {
-        if matches!(kind, op::DATA_END | op::FOOTER) {
+        // Zeros, such as a disk has where nothing was written, are no record.
+        if matches!(kind, 0 | op::DATA_END | op::FOOTER) {
             break;
         }
         let begin = whole + HEAD as u64;
@@ -158,7 +159,7 @@ fn split(bytes: &[u8]) -> Option<(Record<'_>, usize)> {
             | Record::Message { .. }
             | Record::Unknown { .. }
     );
-    // Zeros, such as a disk has where nothing was written, are no record.
+    // Nor here.
     (known && kind != 0).then_some((record, HEAD + length))
 }
 

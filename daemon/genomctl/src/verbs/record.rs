@@ -76,7 +76,10 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
                 let taken = match frame {
                     Some(Ok(Frame::Channel(channel))) => recorder.channel(channel),
                     Some(Ok(Frame::Sample(sample))) => recorder.sample(&sample),
-                    Some(Ok(Frame::Lost(lost))) => Ok(recorder.lost(&lost)),
+                    Some(Ok(Frame::Lost(lost))) => {
+                        recorder.lost(&lost);
+                        Ok(())
+                    }
                     Some(Ok(Frame::End)) => break true,
                     Some(Ok(Frame::Start(_)) | Err(_)) | None => break false,
                 };

@@ -42,7 +42,10 @@ pub(crate) enum Answer {
 }
 
 /// Services of one component, each by its rank, by middleware.
-pub(crate) type ServedOn = Vec<(String, Vec<(usize, Box<dyn Served>)>)>;
+pub(crate) type ServedOn = Vec<(String, ServedServices)>;
+
+/// Services that are served on one middleware, by rank in the model.
+pub(crate) type ServedServices = Vec<(usize, Box<dyn Served>)>;
 
 /// A component that runs.
 pub(crate) struct Hosted {

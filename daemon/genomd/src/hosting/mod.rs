@@ -21,7 +21,7 @@ use indexmap::IndexMap;
 use self::remnants::Remnants;
 
 pub(crate) use activities::{Activity, Look};
-pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn, Starting};
+pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn, ServedServices, Starting};
 
 /// A component could not be unloaded.
 #[derive(Clone, Debug, thiserror::Error)]

@@ -6,7 +6,7 @@
 //! thread waits for all of them; a few take down what has ended.
 
 use std::collections::BTreeMap;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -53,7 +53,7 @@ impl Components {
             let mut helped = false;
             for _ in 0..going.len().min(HELPERS) {
                 let helper = thread::Builder::new().name("genomd-stop".to_owned());
-                helped |= helper.spawn_scoped(scope, &help).is_ok();
+                helped |= helper.spawn_scoped(scope, help).is_ok();
             }
             Departures::new(going, timeout).run(sender);
             if !helped {
@@ -139,10 +139,7 @@ impl Departures {
             };
             let left = first.saturating_duration_since(Instant::now());
             let look = !ready.is_empty() || self.state.contains(&State::Waits);
-            let place = match ended.recv_timeout(if look { left.min(LOOK) } else { left }) {
-                Ok(place) => Some(place),
-                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => None,
-            };
+            let place = ended.recv_timeout(if look { left.min(LOOK) } else { left }).ok();
             let now = Instant::now();
             let over: Vec<Finished> =
                 asked().filter(|(one, by)| Some(*one) == place || *by <= now).collect();

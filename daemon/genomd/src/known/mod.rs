@@ -83,13 +83,13 @@ impl Reading {
         let inputs = [description.path().to_owned()];
         let (analysis, seen) = match description {
             Description::File(_) => {
-                let seen = Seen::new(&Disk, None);
+                let seen = Seen::through(&Disk, None);
                 (read_files(&inputs, &options, &seen), seen.done())
             }
             Description::Embedded { name, text } => {
                 let mut files = Memory::over_disk();
                 files.insert(name, text.as_str());
-                let seen = Seen::new(&files, Some(name));
+                let seen = Seen::through(&files, Some(name));
                 (read_files(&inputs, &options, &seen), seen.done())
             }
         };

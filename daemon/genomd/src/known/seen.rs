@@ -27,7 +27,7 @@ pub(super) struct Seen {
 
 impl Seen {
     /// Reads from `files` and notes what of it is the disk's: all but `text`.
-    pub(super) fn new<'a>(files: &'a dyn Files, text: Option<&Path>) -> Witness<'a> {
+    pub(super) fn through<'a>(files: &'a dyn Files, text: Option<&Path>) -> Witness<'a> {
         Witness { files, text: text.map(tidy), seen: RefCell::default() }
     }
 

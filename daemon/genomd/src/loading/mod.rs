@@ -29,11 +29,15 @@ pub(crate) fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Ho
     if let Err((service, RequestError { key, why })) = set_attributes(&hosted, request) {
         let name = hosted.name.clone();
         drop(hosted);
-        daemon.components.remove(&[name.clone()], daemon.settings.stop_timeout, &|_, stopped| {
-            if let Err(error) = stopped {
-                tracing::error!("{error}");
-            }
-        });
+        daemon.components.remove(
+            std::slice::from_ref(&name),
+            daemon.settings.stop_timeout,
+            &|_, stopped| {
+                if let Err(error) = stopped {
+                    tracing::error!("{error}");
+                }
+            },
+        );
         // As the file has it: inputs stand under the service's name.
         let members = key.into_iter().filter(|key| key != "inputs");
         let mut key = vec!["attributes".to_owned(), service];

@@ -2,13 +2,14 @@
 //!
 //! A connection is busy while a request of somebody who may ask is under way; all others only
 //! wait to be used, or were never meant to be. When there is no room for one more, the oldest of
-//! those goes, strangers first: whoever opens connections and says nothing, or half of something,
-//! costs nobody else anything.
+//! those goes, strangers first, unless it came a moment ago: its request may be on the way. Whoever
+//! opens connections and says nothing, or half of something, holds others up for that moment only.
 
 use std::collections::BTreeMap;
 use std::pin::Pin;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes};
 use hyper::body::{Body as HttpBody, Frame, SizeHint};
@@ -17,6 +18,9 @@ use tokio::sync::Notify;
 use crate::flag::Flag;
 use crate::rpc::holder::Holder;
 use crate::slots::{Full, Slot, Slots};
+
+/// So long nobody is asked to go who may be about to say something.
+const MOMENT: Duration = Duration::from_secs(1);
 
 /// The connections of one listener.
 #[derive(Debug)]
@@ -34,8 +38,32 @@ struct State {
     /// How many there are.
     there: usize,
     /// Those that may be asked to go: strangers first, then the one that is idle longest.
-    idle: BTreeMap<(bool, u64), Flag>,
+    idle: BTreeMap<(bool, u64), Idle>,
     next: u64,
+}
+
+/// A connection that says nothing.
+#[derive(Debug)]
+struct Idle {
+    since: Instant,
+    leave: Flag,
+}
+
+impl Idle {
+    fn new(leave: &Flag) -> Self {
+        Self { since: Instant::now(), leave: leave.clone() }
+    }
+}
+
+impl State {
+    /// How long until one more has room; none when somebody has to end something first.
+    fn room_in(&self, most: usize) -> Option<Duration> {
+        if self.there < most {
+            return Some(Duration::ZERO);
+        }
+        let (_, oldest) = self.idle.first_key_value()?;
+        Some(MOMENT.saturating_sub(oldest.since.elapsed()))
+    }
 }
 
 /// A connection; clones are the same one.
@@ -82,13 +110,14 @@ impl Guests {
     pub(super) async fn room(&self) {
         loop {
             let changed = self.room.notified();
-            {
-                let state = lock(&self.state);
-                if state.there < self.most || !state.idle.is_empty() {
-                    return;
+            let wait = lock(&self.state).room_in(self.most);
+            match wait {
+                Some(Duration::ZERO) => return,
+                Some(wait) => {
+                    let _ = tokio::time::timeout(wait, changed).await;
                 }
+                None => changed.await,
             }
-            changed.await;
         }
     }
 
@@ -99,13 +128,13 @@ impl Guests {
         if state.there >= self.most
             && let Some((_, oldest)) = state.idle.pop_first()
         {
-            oldest.raise();
+            oldest.leave.raise();
             state.there -= 1;
         }
         state.there += 1;
         let place = (false, state.next);
         state.next += 1;
-        state.idle.insert(place, leave.clone());
+        state.idle.insert(place, Idle::new(&leave));
         drop(state);
         let own = Mutex::new(Own { busy: 0, known: false, place: Some(place) });
         Guest(Arc::new(Seat { guests: Arc::clone(self), leave, own }))
@@ -141,7 +170,7 @@ impl Drop for Busy {
             let mut state = lock(&seat.guests.state);
             let place = (own.known, state.next);
             state.next += 1;
-            state.idle.insert(place, seat.leave.clone());
+            state.idle.insert(place, Idle::new(&seat.leave));
             own.place = Some(place);
             seat.guests.room.notify_waiters();
         }
@@ -209,6 +238,7 @@ mod tests {
         let known = guests.enter();
         drop(known.work(&somebody("a")).unwrap());
         let (first, second) = (guests.enter(), guests.enter());
+        assert!(lock(&guests.state).room_in(3).is_some_and(|wait| !wait.is_zero()), "too young");
         guests.room().await;
         let third = guests.enter();
         assert!(first.leave().is_up() && !second.leave().is_up() && !known.leave().is_up());

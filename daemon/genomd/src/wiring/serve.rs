@@ -12,7 +12,7 @@ use genom_types::Record;
 
 use super::publish::BindError;
 use crate::daemon::Daemon;
-use crate::hosting::{Heard, Hosted, ServedOn};
+use crate::hosting::{Heard, Hosted, ServedOn, ServedServices};
 
 /// Serves every service on each of these middlewares, as far as they have services at all.
 pub(crate) fn serve_on(
@@ -34,7 +34,7 @@ fn serve(
     hosted: &Arc<Hosted>,
     middleware: &Arc<dyn Middleware>,
     offers: impl Fn(&str) -> bool,
-) -> Result<Vec<(usize, Box<dyn Served>)>, BindError> {
+) -> Result<ServedServices, BindError> {
     let mut served = Vec::new();
     for (index, service) in hosted.model().services.iter().enumerate() {
         // Not declared at all: a call finds nobody, as if the component had no such service.

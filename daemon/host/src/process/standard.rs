@@ -29,14 +29,25 @@ fn copies() -> &'static [Option<File>; 3] {
 
 /// A copy of a descriptor that no program inherits.
 fn copy(of: RawFd) -> Option<File> {
-    // SAFETY: to duplicate a descriptor reads no memory; the new one is nobody else's.
-    unsafe {
-        let found = libc::fcntl(of, libc::F_DUPFD_CLOEXEC, HIGH);
-        let copy = (found >= 0).then(|| File::from(OwnedFd::from_raw_fd(found)))?;
-        // Or who reads what the daemon says would wait for the ends of its children, too.
-        forked::keep_from_children(&copy);
-        Some(copy)
+    let copy = File::from(duplicate(of).ok()?);
+    // Or who reads what the daemon says would wait for the ends of its children, too.
+    forked::keep_from_children(&copy);
+    Some(copy)
+}
+
+/// A high descriptor of the same file; one above the standard ones where few are allowed.
+fn duplicate(of: RawFd) -> io::Result<OwnedFd> {
+    let mut error = None;
+    for lowest in [HIGH, libc::STDERR_FILENO + 1] {
+        // SAFETY: to duplicate a descriptor reads no memory; the new one is nobody else's.
+        let found = unsafe { libc::fcntl(of, libc::F_DUPFD_CLOEXEC, lowest) };
+        if found >= 0 {
+            // SAFETY: the system just made it.
+            return Ok(unsafe { OwnedFd::from_raw_fd(found) });
+        }
+        error = Some(io::Error::last_os_error());
     }
+    Err(error.unwrap_or_else(io::Error::last_os_error))
 }
 
 /// Standard error as it was when the process started, whatever codels do to descriptor 2.
@@ -56,6 +67,7 @@ impl Write for StandardError {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match copies()[2].as_ref() {
             Some(mut file) => file.write(bytes),
+            // It was closed when the process started.
             None => Ok(bytes.len()),
         }
     }
@@ -111,14 +123,7 @@ pub fn keep_off(found: OwnedFd) -> io::Result<OwnedFd> {
     if found.as_raw_fd() > libc::STDERR_FILENO {
         return Ok(found);
     }
-    // SAFETY: to duplicate a descriptor reads no memory; the new one is nobody else's.
-    let moved = unsafe {
-        let moved = libc::fcntl(found.as_raw_fd(), libc::F_DUPFD_CLOEXEC, HIGH);
-        if moved < 0 {
-            return Err(io::Error::last_os_error());
-        }
-        OwnedFd::from_raw_fd(moved)
-    };
+    let moved = duplicate(found.as_raw_fd())?;
     let low = found.as_raw_fd();
     drop(found);
     if reopen(low) {

@@ -12,7 +12,8 @@
 //!    nodes have the tag is in nobody's hands: `remains` removes those that are not whole.
 //! 3. Nodes that are there in part are completed, so that iceoryx2's own clean-up takes them, and
 //!    the services and ports they have together with living peers with them.
-//! 4. `services` removes services of which no living node has the tag.
+//! 4. `services` removes services of which no living node has the tag, and the catalogs of what
+//!    dead daemons offered go.
 //!
 //! Passes take turns by a lock on the folder itself, which ends with the process and leaves no
 //! file behind. What living peers have mapped stays mapped, and their files are not touched.
@@ -29,6 +30,7 @@ use std::time::Instant;
 
 use iceoryx2::prelude::Config;
 
+use crate::catalog;
 use nodes::Nodes;
 pub(crate) use places::Places;
 use remains::Segments;
@@ -83,8 +85,9 @@ pub(crate) fn heal(config: &Config, places: &Places, _turn: &Turn) -> Healed {
     let begin = Instant::now();
     let mut healed = Healed::default();
     remains::counter(places, &mut healed);
-    // Services before nodes: whoever made one that is there now is among the nodes.
+    // Services and catalogs before nodes: whoever made one that is there now is among the nodes.
     let there = services::list(places);
+    let catalogs = catalog::list(&places.root, &places.prefix);
     let nodes = Nodes::settled(config, places);
     if !nodes.dead.is_empty() {
         let tags = nodes.tags_of_dead(places);
@@ -96,6 +99,9 @@ pub(crate) fn heal(config: &Config, places: &Places, _turn: &Turn) -> Healed {
     }
     services::orphans(config, places, &there, &nodes, &mut healed);
     services::undescribed(places, &nodes, &mut healed);
+    for (_, file) in catalogs.into_iter().filter(|(node, _)| !nodes.living.contains(node)) {
+        let _ = std::fs::remove_file(file);
+    }
     healed.tell(begin);
     healed
 }

@@ -57,7 +57,7 @@ impl Nodes {
                 nodes.dead.append(&mut nodes.unsettled);
                 return nodes;
             }
-            thread::sleep(TICK);
+            thread::park_timeout(TICK);
         }
     }
 

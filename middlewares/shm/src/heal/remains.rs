@@ -94,7 +94,7 @@ pub(super) fn counter(places: &Places, healed: &mut Healed) {
                 healed.remove(file.clone());
                 break;
             }
-            thread::sleep(Duration::from_millis(1));
+            thread::park_timeout(Duration::from_millis(1));
         }
     }
 }

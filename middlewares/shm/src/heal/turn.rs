@@ -31,7 +31,7 @@ impl Turn {
                 tracing::warn!(root = %root.display(), "another process holds the folder of iceoryx2: going on without it");
                 break;
             }
-            thread::sleep(TICK);
+            thread::park_timeout(TICK);
         }
         Ok(Self { _folder: folder })
     }

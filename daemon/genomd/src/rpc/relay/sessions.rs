@@ -320,7 +320,7 @@ mod tests {
         let client = met(&sessions);
         assert!(sessions.lock().is_empty(), "a hello costs no memory");
         let (number, first) = client.seal(b"one");
-        let admitted = admit(&sessions, &first).ok().expect("it is admitted");
+        let admitted = admit(&sessions, &first).unwrap_or_else(|_| panic!("it is admitted"));
         assert_eq!(admitted.holder.who, "token dashboard");
         assert_eq!(client.open(number, &admitted.seal(b"yes")).unwrap(), b"yes");
         assert_eq!(refused(&sessions, &first), Refused::Replayed);
