@@ -4,8 +4,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
 use genom_description::model::ServiceKind as ModelKind;
 use genom_middleware::{
-    ActivityId, Middleware, OpenError, Outcome as Reply, Replies, Served, ServiceHandler,
-    ServiceKind, ServiceType,
+    ActivityId, Middleware, OpenError, Outcome as Reply, Replies, ServiceHandler, ServiceKind,
+    ServiceType,
 };
 use genom_runtime::Outcome;
 use genom_types::Record;
