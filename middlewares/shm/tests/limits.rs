@@ -1,4 +1,4 @@
-//! A limit that is reached is named, and nothing is broken by it. The only test of its process,
+//! A limit that is reached is refused, and nothing is broken by it. The only test of its process,
 //! whose limits it lowers.
 
 mod world;
@@ -12,7 +12,7 @@ use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use world::ShmWorld;
 
 #[test]
-fn limits_that_are_reached_are_named_with_the_way_out() {
+fn limits_of_a_port_are_named_with_the_way_out_and_those_of_the_process_break_nothing() {
     let world = ShmWorld::new();
     let at = Address::new("demo", "position");
     let read = |shm: &Shm, policy| shm.subscription(&at, &state(), policy);
@@ -44,9 +44,8 @@ fn limits_that_are_reached_are_named_with_the_way_out() {
         assert!(ports.len() < 100, "a port holds files");
     };
     setrlimit(Resource::Nofile, before).unwrap();
-    let OpenError::Failed { why, .. } = refused else { panic!("{refused}") };
-    let told = format!("of the {} files it may have open: raise RLIMIT_NOFILE", held + 30);
-    assert!(why.contains(&told), "{why}");
+    // Who uses the middleware names this limit: others reach it too.
+    assert!(matches!(refused, OpenError::Failed { .. }), "{refused}");
     assert!(ports.len() >= 8, "a port that nobody reads holds few files: {}", ports.len());
     // With more files the port that was refused opens.
     let again = Address::new("demo", format!("port{}", ports.len()));

@@ -132,16 +132,18 @@ impl Guests {
             state.there -= 1;
         }
         state.there += 1;
-        let place = (false, state.next);
-        state.next += 1;
-        state.idle.insert(place, Idle::new(&leave));
         drop(state);
-        let own = Mutex::new(Own { busy: 0, known: false, place: Some(place) });
+        let own = Mutex::new(Own { busy: 0, known: false, place: None });
         Guest(Arc::new(Seat { guests: Arc::clone(self), leave, own }))
     }
 }
 
 impl Guest {
+    /// What it says is read from now on: who says nothing may be asked to go.
+    pub(super) fn is_heard(&self) {
+        lock(&self.0.own).rests(&self.0);
+    }
+
     /// Raised when it has to go.
     pub(super) fn leave(&self) -> &Flag {
         &self.0.leave
@@ -161,18 +163,25 @@ impl Guest {
     }
 }
 
+impl Own {
+    /// No request is under way.
+    fn rests(&mut self, seat: &Seat) {
+        let mut state = lock(&seat.guests.state);
+        let place = (self.known, state.next);
+        state.next += 1;
+        state.idle.insert(place, Idle::new(&seat.leave));
+        self.place = Some(place);
+        seat.guests.room.notify_waiters();
+    }
+}
+
 impl Drop for Busy {
     fn drop(&mut self) {
         let seat = &self.guest.0;
         let mut own = lock(&seat.own);
         own.busy -= 1;
         if own.busy == 0 && !seat.leave.is_up() {
-            let mut state = lock(&seat.guests.state);
-            let place = (own.known, state.next);
-            state.next += 1;
-            state.idle.insert(place, Idle::new(&seat.leave));
-            own.place = Some(place);
-            seat.guests.room.notify_waiters();
+            own.rests(seat);
         }
     }
 }
@@ -238,9 +247,12 @@ mod tests {
         let known = guests.enter();
         drop(known.work(&somebody("a")).unwrap());
         let (first, second) = (guests.enter(), guests.enter());
+        first.is_heard();
+        second.is_heard();
         assert!(lock(&guests.state).room_in(3).is_some_and(|wait| !wait.is_zero()), "too young");
         guests.room().await;
         let third = guests.enter();
+        third.is_heard();
         assert!(first.leave().is_up() && !second.leave().is_up() && !known.leave().is_up());
         drop(first);
         let _working = [second.work(&somebody("a")).unwrap(), third.work(&somebody("a")).unwrap()];

@@ -89,6 +89,7 @@ async fn serve_one(entrance: Entrance, most: Most, closed: Flag) {
                     let guest = guests.enter();
                     connections.spawn(async move {
                         let leave = guest.leave().clone();
+                        guest.is_heard();
                         tokio::select! {
                             () = receive(stream, router, guest, closed) => {}
                             () = leave.raised() => {
