@@ -4,7 +4,7 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
-use std::io::{ErrorKind, Read as _, Write as _};
+use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
@@ -152,37 +152,6 @@ fn a_greedy_token_leaves_requests_to_others() {
         assert_eq!(open("reader").1, 503);
     }
     assert_eq!(status(&address, "GET /", "driver"), 200);
-}
-
-/// Whether the other side has not closed it.
-fn is_open(stream: &TcpStream) -> bool {
-    stream.set_nonblocking(true).unwrap();
-    let peeked = stream.peek(&mut [0]);
-    matches!(peeked, Err(error) if error.kind() == ErrorKind::WouldBlock)
-}
-
-#[test]
-fn connections_that_say_nothing_or_half_of_something_cost_others_nothing() {
-    let (daemon, address) = listening("max_connections = 8");
-    let half = |text: &str| {
-        let mut stream = connected(&address);
-        stream.write_all(text.as_bytes()).unwrap();
-        stream
-    };
-    // Many more than there is room for; of each kind, and some that were refused.
-    let all: Vec<_> = (0..60)
-        .map(|number| match number % 4 {
-            0 => half(""),
-            1 => half("GET / HT"),
-            2 => half("POST /components HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n"),
-            _ => asked(&address, "GET /", "Bearer x").0,
-        })
-        .collect();
-    assert_eq!(status(&address, "GET /", "reader"), 200);
-    // Those that came last are there still: nobody waited for their time-out.
-    assert!(is_open(all.last().unwrap()) || is_open(&all[58]));
-    assert!(!is_open(&all[0]), "the first made room");
-    daemon.ctl(&["list"]).expect_code(0);
 }
 
 #[test]

@@ -78,25 +78,16 @@ async fn serve_one(entrance: Entrance, most: Most, closed: Flag) {
     let mut connections = JoinSet::new();
     loop {
         // No room, no accept: further peers wait in the kernel's queue.
-        tokio::select! {
-            () = guests.room() => {}
+        let guest = tokio::select! {
+            guest = guests.room() => guest,
             () = closed.raised() => break,
-        }
+        };
+        let Some(guest) = guest else { break };
         tokio::select! {
             accepted = accept(&entrance.listener) => match accepted {
                 Ok(stream) => {
                     let (router, closed) = (entrance.router.clone(), closed.clone());
-                    let guest = guests.enter();
-                    connections.spawn(async move {
-                        let leave = guest.leave().clone();
-                        guest.is_heard();
-                        tokio::select! {
-                            () = receive(stream, router, guest, closed) => {}
-                            () = leave.raised() => {
-                                tracing::debug!("an idle connection made room for another");
-                            }
-                        }
-                    });
+                    connections.spawn(receive(stream, router, guest, closed));
                 }
                 Err(error) => pause_after(&error).await,
             },
