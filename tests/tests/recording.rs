@@ -324,9 +324,14 @@ fn of_a_recorder_that_was_killed_all_that_is_whole_is_replayed_and_recovered() {
     recorder.running.signal("KILL");
     let file = recorder.file;
     assert_eq!(recorder.running.finish().code, None);
-    // It ends in the middle of a sample.
+    // It ends in the middle of a sample: one byte short of the last one that is whole.
     let cut = std::fs::File::options().write(true).open(&file).unwrap();
-    cut.set_len(99_990).unwrap();
+    cut.set_len(100_000).unwrap();
+    let whole = daemon.home().path().join("whole.mcap");
+    let recover = ["recover", path(&file), "-o", path(&whole)];
+    let rest = daemon.json(&recover)["bytes_given_up"].as_u64().unwrap();
+    cut.set_len(99_999 - rest).unwrap();
+    std::fs::remove_file(&whole).unwrap();
 
     let other = stepped();
     let replayed = other.ctl(&["--json", "replay", "--step", path(&file)]);
@@ -334,8 +339,6 @@ fn of_a_recorder_that_was_killed_all_that_is_whole_is_replayed_and_recovered() {
     let reply: Value = serde_json::from_str(&replayed.out).unwrap();
     assert_eq!(reply["ports"], json!([{"port": "demo/parameter", "published": 3}]));
 
-    let whole = daemon.home().path().join("whole.mcap");
-    let recover = ["recover", path(&file), "-o", path(&whole)];
     let recovered = daemon.json(&recover);
     assert!(recovered["bytes_given_up"].as_u64().unwrap() > 0, "{recovered}");
     let topics = read(&whole);
