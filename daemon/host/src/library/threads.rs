@@ -5,11 +5,15 @@
 //! stay that could have gone. A thread that waits is looked at as it is. One that never waits is
 //! asked by a signal where it is.
 
+use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::ErrorKind;
+use std::mem;
 use std::ops::Range;
 use std::os::unix::fs::FileExt;
 use std::path::Path;
+use std::sync::mpsc::{Sender, channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -20,8 +24,8 @@ const LOOKS: usize = 20;
 /// Most of a stack that is read.
 const DEEPEST: usize = 8 << 20;
 
-/// Threads that matter to a library that is to be unmapped, the calling one apart.
-#[derive(Debug, Default, PartialEq, Eq)]
+/// Threads that matter to a library that is to be unmapped, those that ask apart.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Threads {
     /// With an address of its code on their stacks.
     pub(super) inside: usize,
@@ -30,43 +34,89 @@ pub(super) struct Threads {
 }
 
 /// What is known of a thread.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Debug, PartialEq, Eq)]
 enum Found {
-    Inside,
-    Outside,
+    /// In the code of these, by their places among those that ask; of none, most often.
+    In(Vec<usize>),
     Unseen,
 }
 
-/// Looks at all threads for addresses within `code`.
+/// Looks at all threads for addresses within `code`, those that ask apart.
+///
+/// A look takes the longer the more components there are. Those who ask while one is under way
+/// share the next: 500 libraries that are closed side by side do not take 500 looks.
 pub(super) fn inside(code: &[Range<usize>]) -> Threads {
-    let own = fs::read_link("/proc/thread-self").ok();
-    let own = own.as_deref().and_then(|path| path.file_name());
+    let (answer, found) = channel();
+    let thread = own_number();
+    lock(&ASKED).push(Asked { code: code.to_vec(), thread, answer });
+    let turn = lock(&TURN);
+    if let Ok(found) = found.try_recv() {
+        return found;
+    }
+    // What is asked from here on is for the next look: a thread may have been started before.
+    let asked = mem::take(&mut *lock(&ASKED));
+    for (one, threads) in asked.iter().zip(look_for(&asked)) {
+        // It waits for the turn, or is this thread.
+        let _ = one.answer.send(threads);
+    }
+    drop(turn);
+    found.recv().unwrap_or(Threads { inside: 0, unseen: 1 })
+}
+
+/// Somebody who waits for a look.
+struct Asked {
+    code: Vec<Range<usize>>,
+    /// It has no business in the code itself, but may have addresses of it on its stack.
+    thread: Option<OsString>,
+    answer: Sender<Threads>,
+}
+
+static ASKED: Mutex<Vec<Asked>> = Mutex::new(Vec::new());
+/// Whoever has it looks for all that have asked.
+static TURN: Mutex<()> = Mutex::new(());
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn own_number() -> Option<OsString> {
+    Some(fs::read_link("/proc/thread-self").ok()?.file_name()?.to_owned())
+}
+
+/// Looks at all threads for each of them.
+fn look_for(asked: &[Asked]) -> Vec<Threads> {
     let (Ok(tasks), Ok(memory)) = (fs::read_dir("/proc/self/task"), File::open("/proc/self/mem"))
     else {
-        return Threads { inside: 0, unseen: 1 };
+        return vec![Threads { inside: 0, unseen: 1 }; asked.len()];
     };
-    let mut threads = Threads::default();
+    let mut threads = vec![Threads::default(); asked.len()];
+    let code: Vec<&[Range<usize>]> = asked.iter().map(|one| one.code.as_slice()).collect();
     // Read once: with hundreds of components loaded it is long.
     let mut parts = parts().unwrap_or_default();
-    for task in tasks.flatten().filter(|task| Some(task.file_name().as_os_str()) != own) {
-        match look(&task.path(), &memory, code, &mut parts) {
-            Found::Inside => threads.inside += 1,
-            Found::Unseen => threads.unseen += 1,
-            Found::Outside => {}
+    let asks = |name: &OsStr| asked.iter().any(|one| one.thread.as_deref() == Some(name));
+    for task in tasks.flatten().filter(|task| !asks(&task.file_name())) {
+        match look(&task.path(), &memory, &code, &mut parts) {
+            Found::In(these) => these.into_iter().for_each(|at| threads[at].inside += 1),
+            Found::Unseen => threads.iter_mut().for_each(|one| one.unseen += 1),
         }
     }
     threads
 }
 
-fn look(task: &Path, memory: &File, code: &[Range<usize>], parts: &mut Vec<Range<usize>>) -> Found {
+fn look(
+    task: &Path,
+    memory: &File,
+    code: &[&[Range<usize>]],
+    parts: &mut Vec<Range<usize>>,
+) -> Found {
     for _ in 0..LOOKS {
         match fs::read_to_string(task.join("syscall")) {
             Ok(line) => match stack_pointer(&line) {
-                Some(top) => return holds(memory, top, code, parts),
+                Some(top) => return holds(memory, (top, None), code, parts),
                 None => thread::park_timeout(Duration::from_millis(1)),
             },
             // It ended.
-            Err(error) if is_gone(&error) => return Found::Outside,
+            Err(error) if is_gone(&error) => return Found::In(Vec::new()),
             // The kernel does not tell.
             Err(_) => break,
         }
@@ -74,13 +124,12 @@ fn look(task: &Path, memory: &File, code: &[Range<usize>], parts: &mut Vec<Range
     let number = task.file_name().and_then(|name| name.to_str()?.parse().ok());
     let asked = number.and_then(|number| {
         ask::where_is(number, |Place { counter, stack }| {
-            let there = code.iter().any(|own| own.contains(&counter));
-            if there { Found::Inside } else { holds(memory, stack, code, parts) }
+            holds(memory, (stack, Some(counter)), code, parts)
         })
     });
     match asked {
         Some(found) => found,
-        None if !task.exists() => Found::Outside,
+        None if !task.exists() => Found::In(Vec::new()),
         None => Found::Unseen,
     }
 }
@@ -120,9 +169,14 @@ fn range(line: &str) -> Option<Range<usize>> {
     Some(address(from)?..address(to)?)
 }
 
-/// Whether a word of the stack from `top` on is an address within `code`. Read through the kernel:
-/// the thread may end meanwhile, and its stack with it.
-fn holds(memory: &File, top: usize, code: &[Range<usize>], known: &mut Vec<Range<usize>>) -> Found {
+/// Those of which the program counter, where it is known, or a word of the stack from `top` on is
+/// an address. Read through the kernel: the thread may end meanwhile, and its stack with it.
+fn holds(
+    memory: &File,
+    (top, counter): (usize, Option<usize>),
+    code: &[&[Range<usize>]],
+    known: &mut Vec<Range<usize>>,
+) -> Found {
     let mut bytes = Vec::new();
     // What is known was read a while ago: in doubt it is read again.
     for again in [false, true] {
@@ -131,23 +185,23 @@ fn holds(memory: &File, top: usize, code: &[Range<usize>], known: &mut Vec<Range
             *known = now;
         }
         // No memory there any more: the thread has ended.
-        let Some(end) = part_at(known, top) else { return Found::Outside };
+        let Some(end) = part_at(known, top) else { return Found::In(Vec::new()) };
         bytes.resize((end.min(top + DEEPEST) - top) / 8 * 8, 0);
         match memory.read_exact_at(&mut bytes, top as u64) {
             Ok(()) => break,
             Err(_) if !again => {}
             Err(_) if parts().is_some_and(|now| part_at(&now, top).is_none()) => {
-                return Found::Outside;
+                return Found::In(Vec::new());
             }
             Err(_) => return Found::Unseen,
         }
     }
     let words = bytes.chunks_exact(8).filter_map(|word| <[u8; 8]>::try_from(word).ok());
-    let mut words = words.map(usize::from_ne_bytes);
-    match words.any(|at| code.iter().any(|own| own.contains(&at))) {
-        true => Found::Inside,
-        false => Found::Outside,
-    }
+    let words: Vec<usize> = words.map(usize::from_ne_bytes).chain(counter).collect();
+    let holds =
+        |own: &[Range<usize>]| own.iter().any(|part| words.iter().any(|at| part.contains(at)));
+    let parts = code.iter().enumerate();
+    Found::In(parts.filter(|(_, own)| holds(own)).map(|(place, _)| place).collect())
 }
 
 #[cfg(test)]
