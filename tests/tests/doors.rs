@@ -154,6 +154,41 @@ fn a_greedy_token_leaves_requests_to_others() {
     assert_eq!(status(&address, "GET /", "driver"), 200);
 }
 
+/// Whether the daemon has not hung up: nothing comes, instead of an end.
+fn is_open(stream: &TcpStream) -> bool {
+    stream.set_nonblocking(true).unwrap();
+    let mut stream = stream;
+    let got = stream.read(&mut [0; 4096]);
+    matches!(got, Err(error) if error.kind() == std::io::ErrorKind::WouldBlock)
+}
+
+#[test]
+fn connections_that_say_nothing_or_half_of_something_are_no_obstacle() {
+    let (daemon, address) = listening("max_connections = 8");
+    let (known, told) = asked(&address, "GET /events", &format!("Bearer {}", secret("driver")));
+    assert_eq!(told, 200);
+    let half = |text: &str| {
+        let mut stream = connected(&address);
+        stream.write_all(text.as_bytes()).unwrap();
+        stream
+    };
+    // Many more than there is room for.
+    let all: Vec<_> = (0..24)
+        .map(|number| match number % 3 {
+            0 => half(""),
+            1 => half("GET / HT"),
+            _ => half("POST /components HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n"),
+        })
+        .collect();
+    // Nobody waits for their time-outs: the first go, those that came last are there still.
+    assert_eq!(status(&address, "GET /", "reader"), 200);
+    assert!(!is_open(&all[0]) && is_open(all.last().unwrap()));
+    // Nobody goes who showed a token.
+    daemon.ctl(&["call", "demo", "reset"]).expect_code(0);
+    let mut told = [0; 16];
+    (&known).read_exact(&mut told).unwrap();
+}
+
 #[test]
 fn keys_that_others_may_read_are_refused() {
     let home = Home::new().configured("[rpc.tls]\ncert = \"robot.pem\"\nkey = \"robot.key\"\n");

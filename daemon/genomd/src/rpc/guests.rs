@@ -1,30 +1,86 @@
 //! The connections of one listener, and the requests of each holder on them.
+//!
+//! A listener has room for so many connections; further peers wait in the kernel's queue. At an
+//! address that anybody can reach, a connection on which nobody has shown a token yet is a
+//! stranger's: when there is no room, the oldest stranger is asked to go, unless he came a moment
+//! ago and his request may be on the way. So peers that connect and say nothing, or half of
+//! something, hold others up for that moment and not until their time-out.
 
+use std::collections::BTreeMap;
 use std::pin::Pin;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::task::{Context, Poll};
+use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes};
 use hyper::body::{Body as HttpBody, Frame, SizeHint};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::Notify;
 
+use crate::flag::Flag;
 use crate::rpc::holder::Holder;
 use crate::slots::{Full, Slot, Slots};
 
-/// The connections of one listener: so many, further peers wait in the kernel's queue. Who says
-/// nothing loses his when a head is due.
+/// So long no stranger is asked to go.
+const MOMENT: Duration = Duration::from_secs(1);
+
+/// Who reaches a listener.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reach {
+    /// The owner of the socket: nobody is a stranger.
+    Owner,
+    /// Everybody.
+    All,
+}
+
+/// The connections of one listener.
 #[derive(Debug)]
 pub(super) struct Guests {
-    seats: Arc<Semaphore>,
+    most: usize,
+    reach: Reach,
     /// For requests under way, of each holder.
     slots: Arc<Slots>,
+    state: Mutex<State>,
+    /// A connection ended, or came.
+    changed: Notify,
+}
+
+#[derive(Debug, Default)]
+struct State {
+    /// How many there are, those apart that were asked to go.
+    there: usize,
+    /// In the order they came.
+    strangers: BTreeMap<u64, Stranger>,
+    next: u64,
+}
+
+#[derive(Debug)]
+struct Stranger {
+    since: Instant,
+    leave: Flag,
+}
+
+impl State {
+    /// How long until one more has room; none when a connection has to end first.
+    fn room_in(&self, most: usize) -> Option<Duration> {
+        if self.there < most {
+            return Some(Duration::ZERO);
+        }
+        let (_, oldest) = self.strangers.first_key_value()?;
+        Some(MOMENT.saturating_sub(oldest.since.elapsed()))
+    }
 }
 
 /// A connection; clones are the same one.
 #[derive(Clone, Debug)]
-pub(super) struct Guest {
-    slots: Arc<Slots>,
-    _seat: Arc<OwnedSemaphorePermit>,
+pub(super) struct Guest(Arc<Seat>);
+
+#[derive(Debug)]
+struct Seat {
+    guests: Arc<Guests>,
+    /// Its place among the strangers, as long as it is one.
+    number: u64,
+    /// Raised when it has to go.
+    leave: Flag,
 }
 
 /// A request under way.
@@ -35,21 +91,77 @@ pub(super) struct Busy {
 
 impl Guests {
     /// Room for so many connections, and for so many requests of one holder at a time.
-    pub(super) fn new(most: usize, each: usize) -> Self {
-        Self { seats: Arc::new(Semaphore::new(most)), slots: Slots::new(most, each) }
+    pub(super) fn new(most: usize, each: usize, reach: Reach) -> Arc<Self> {
+        let slots = Slots::new(most, each);
+        let (state, changed) = (Mutex::default(), Notify::new());
+        Arc::new(Self { most, reach, slots, state, changed })
     }
 
-    /// Waits until there is room for one more; none when there never will be.
-    pub(super) async fn room(&self) -> Option<Guest> {
-        let seat = Arc::clone(&self.seats).acquire_owned().await.ok()?;
-        Some(Guest { slots: Arc::clone(&self.slots), _seat: Arc::new(seat) })
+    /// Waits until one more can be let in.
+    pub(super) async fn room(&self) {
+        loop {
+            let changed = self.changed.notified();
+            let wait = self.lock().room_in(self.most);
+            match wait {
+                Some(Duration::ZERO) => return,
+                Some(wait) => {
+                    let _ = tokio::time::timeout(wait, changed).await;
+                }
+                None => changed.await,
+            }
+        }
+    }
+
+    /// Lets one in; the oldest stranger goes if there is no room.
+    pub(super) fn enter(self: &Arc<Self>) -> Guest {
+        let leave = Flag::new();
+        let mut state = self.lock();
+        if state.there >= self.most
+            && let Some((_, oldest)) = state.strangers.pop_first()
+        {
+            oldest.leave.raise();
+            state.there -= 1;
+        }
+        state.there += 1;
+        let number = state.next;
+        state.next += 1;
+        if self.reach == Reach::All {
+            let since = Instant::now();
+            state.strangers.insert(number, Stranger { since, leave: leave.clone() });
+        }
+        drop(state);
+        Guest(Arc::new(Seat { guests: Arc::clone(self), number, leave }))
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Guest {
-    /// A request of somebody who may ask; refused when too many of his are under way.
+    /// Raised when it has to go.
+    pub(super) fn leave(&self) -> &Flag {
+        &self.0.leave
+    }
+
+    /// A request of somebody who may ask, so no stranger; refused when too many of his are under
+    /// way.
     pub(super) fn work(&self, holder: &Holder) -> Result<Busy, Full> {
-        Ok(Busy { _slot: self.slots.take(holder.share.clone())? })
+        let seat = &self.0;
+        seat.guests.lock().strangers.remove(&seat.number);
+        Ok(Busy { _slot: seat.guests.slots.take(holder.share.clone())? })
+    }
+}
+
+impl Drop for Seat {
+    fn drop(&mut self) {
+        let mut state = self.guests.lock();
+        state.strangers.remove(&self.number);
+        // Who was asked to go does not count any more.
+        if !self.leave.is_up() {
+            state.there -= 1;
+        }
+        self.guests.changed.notify_waiters();
     }
 }
 
@@ -89,18 +201,38 @@ impl HttpBody for Held {
 mod tests {
     use super::*;
 
+    fn somebody() -> Holder {
+        Holder::of("a".to_owned(), Vec::new())
+    }
+
     #[tokio::test]
-    async fn the_next_waits_until_a_connection_is_over() {
-        let guests = Arc::new(Guests::new(1, 1));
-        let somebody = Holder::of("a".to_owned(), Vec::new());
-        let guest = guests.room().await.unwrap();
-        let busy = guest.work(&somebody).unwrap();
-        assert_eq!(guest.work(&somebody).unwrap_err(), Full::All(1));
-        let waiting = Arc::clone(&guests);
-        let waiting = tokio::spawn(async move { waiting.room().await.is_some() });
-        tokio::task::yield_now().await;
-        assert!(!waiting.is_finished());
-        drop((busy, guest));
-        assert!(waiting.await.unwrap());
+    async fn the_oldest_stranger_makes_room_and_nobody_who_showed_a_token() {
+        let guests = Guests::new(3, 3, Reach::All);
+        let known = guests.enter();
+        drop(known.work(&somebody()).unwrap());
+        let (first, second) = (guests.enter(), guests.enter());
+        assert!(guests.lock().room_in(3).is_some_and(|wait| !wait.is_zero()), "too young");
+        guests.room().await;
+        let _third = guests.enter();
+        assert!(first.leave().is_up() && !second.leave().is_up() && !known.leave().is_up());
+        drop(first);
+        assert_eq!(guests.lock().there, 3);
+    }
+
+    #[tokio::test]
+    async fn where_nobody_is_a_stranger_the_next_waits_until_a_connection_is_over() {
+        for reach in [Reach::Owner, Reach::All] {
+            let guests = Guests::new(1, 1, reach);
+            let guest = guests.enter();
+            let busy = guest.work(&somebody()).unwrap();
+            assert_eq!(guest.work(&somebody()).unwrap_err(), Full::All(1));
+            assert_eq!(guests.lock().room_in(1), None);
+            let waiting = Arc::clone(&guests);
+            let waiting = tokio::spawn(async move { waiting.room().await });
+            tokio::task::yield_now().await;
+            assert!(!waiting.is_finished());
+            drop((busy, guest));
+            waiting.await.unwrap();
+        }
     }
 }

@@ -21,7 +21,7 @@ use tokio_rustls::TlsAcceptor;
 
 use crate::flag::Flag;
 use crate::rpc::access::Peer;
-use crate::rpc::guests::{Guest, Guests};
+use crate::rpc::guests::{Guest, Guests, Reach};
 use crate::rpc::stall::Unstalled;
 
 /// A peer that sends half a request head, or half a handshake, is given up after this.
@@ -69,25 +69,39 @@ pub(crate) async fn serve(entrances: Vec<Entrance>, most: Most, closed: Flag) {
 }
 
 async fn serve_one(entrance: Entrance, most: Most, closed: Flag) {
-    match &entrance.listener {
-        Listener::Unix(listener) => keep_from_children(listener),
-        Listener::Tcp(listener, _) => keep_from_children(listener),
-    }
+    let reach = match &entrance.listener {
+        Listener::Unix(listener) => {
+            keep_from_children(listener);
+            Reach::Owner
+        }
+        Listener::Tcp(listener, _) => {
+            keep_from_children(listener);
+            Reach::All
+        }
+    };
     // Each listener has its own: who fills one does not lock out the other.
-    let guests = Guests::new(most.connections, most.per_token);
+    let guests = Guests::new(most.connections, most.per_token, reach);
     let mut connections = JoinSet::new();
     loop {
         // No room, no accept: further peers wait in the kernel's queue.
-        let guest = tokio::select! {
-            guest = guests.room() => guest,
+        tokio::select! {
+            () = guests.room() => {}
             () = closed.raised() => break,
-        };
-        let Some(guest) = guest else { break };
+        }
         tokio::select! {
             accepted = accept(&entrance.listener) => match accepted {
                 Ok(stream) => {
                     let (router, closed) = (entrance.router.clone(), closed.clone());
-                    connections.spawn(receive(stream, router, guest, closed));
+                    let guest = guests.enter();
+                    connections.spawn(async move {
+                        let leave = guest.leave().clone();
+                        tokio::select! {
+                            () = receive(stream, router, guest, closed) => {}
+                            () = leave.raised() => {
+                                tracing::debug!("a connection without a token made room");
+                            }
+                        }
+                    });
                 }
                 Err(error) => pause_after(&error).await,
             },
