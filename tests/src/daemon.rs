@@ -288,6 +288,15 @@ impl Daemon {
         serde_json::from_str(&finished.out).expect("JSON")
     }
 
+    /// Periods that the tasks of a component missed so far.
+    #[track_caller]
+    #[must_use]
+    pub fn missed(&self, component: &str) -> u64 {
+        let stats = self.json(&["stats", component]);
+        let tasks = stats["tasks"].as_array().expect("tasks");
+        tasks.iter().map(|task| task["overruns"].as_u64().expect("a number")).sum()
+    }
+
     /// A port as the daemon tells it: type, connection, value.
     #[track_caller]
     #[must_use]

@@ -10,6 +10,7 @@
     reason = "part of tests: a failed step ends the test, and the message names it"
 )]
 
+pub mod bare;
 mod build;
 mod command;
 pub mod conformance;

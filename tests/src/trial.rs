@@ -2,12 +2,14 @@
 //! on the same middleware. What became of it, of these two, and of the next start.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use crate::faults::{Fault, Outcome};
+use crate::crash::{Outcome, Phase, Toll};
+use crate::faults::{self, Fault};
 use crate::{Daemon, Finished, Home, Memory, component, path};
 
 /// What a trial showed.
@@ -61,16 +63,39 @@ impl Trial {
         trial
     }
 
+    /// What the end of daemons is called.
+    #[must_use]
+    pub fn killed_in(phase: Phase) -> String {
+        format!("SIGKILL in {}", phase.name())
+    }
+
+    /// What came of ending daemons with SIGKILL while they used shared memory.
+    #[must_use]
+    pub fn of_killed(toll: &Toll) -> Self {
+        let [half, most] = toll.ready().map(|ready| ready.as_millis());
+        let wrong: Vec<String> =
+            toll.outcomes.iter().filter(|one| !one.is_fine()).map(Outcome::to_string).collect();
+        Self {
+            fault: Self::killed_in(toll.phase),
+            backend: "shm".to_owned(),
+            happened: format!("killed before {} of {} calls", toll.outcomes.len(), toll.calls),
+            neighbours: format!("in another daemon {}", toll.missed),
+            next: format!("ready after {half} ms, at most {most} ms"),
+            left: told(&toll.outcomes.iter().flat_map(|one| one.left.clone()).collect::<Vec<_>>()),
+            wrong: (!wrong.is_empty()).then(|| wrong.join("\n")),
+        }
+    }
+
     fn take_place(&mut self, fault: &Fault) {
         let memory = Arc::new(Memory::new());
         let demo = component("demo");
         let peer = self.daemon(&memory, "peer", path(&demo.library));
         let daemon = self.daemon(&memory, "neighbour", path(&demo.library));
-        let (before, peer_before) = (missed(&daemon, "neighbour"), missed(&peer, "peer"));
+        let (before, peer_before) = (daemon.missed("neighbour"), peer.missed("peer"));
         let seen = fault.provoke(&daemon);
         let (outcome, ended, beside) = if fault.outcome.goes_on() {
             daemon.ctl(&["call", "neighbour", "goto", "goal=0.01"]).expect_code(0);
-            let beside = missed(&daemon, "neighbour") - before;
+            let beside = daemon.missed("neighbour") - before;
             daemon.ctl(&["unload", fault.component]).expect_code(0);
             let outcome = match seen.code {
                 Some(0) => "goes on".to_owned(),
@@ -88,7 +113,7 @@ impl Trial {
             (outcome, ended, None)
         };
         peer.ctl(&["call", "peer", "goto", "goal=0.01"]).expect_code(0);
-        let apart = missed(&peer, "peer") - peer_before;
+        let apart = peer.missed("peer") - peer_before;
         let beside = beside.map_or("its daemon's end".to_owned(), |beside| beside.to_string());
         self.neighbours = format!("{beside}; in another daemon {apart}");
         self.happened = outcome;
@@ -101,11 +126,7 @@ impl Trial {
         next.stop("TERM").0.expect_code(0);
         peer.stop("TERM").0.expect_code(0);
         let left = memory.files();
-        self.left = match left.as_slice() {
-            [] => "nothing".to_owned(),
-            [one] => one.display().to_string(),
-            [one, rest @ ..] => format!("{} and {} more", one.display(), rest.len()),
-        };
+        self.left = told(&left);
         if !left.is_empty() && self.wrong.is_none() {
             self.wrong = Some(format!("left behind: {left:?}"));
         }
@@ -120,11 +141,13 @@ impl Trial {
     }
 }
 
-/// Periods that a component missed so far.
-fn missed(daemon: &Daemon, name: &str) -> u64 {
-    let stats = daemon.json(&["stats", name]);
-    let tasks = stats["tasks"].as_array().expect("tasks");
-    tasks.iter().map(|task| task["overruns"].as_u64().expect("a number")).sum()
+/// Files in a cell of the table.
+fn told(left: &[PathBuf]) -> String {
+    match left {
+        [] => "nothing".to_owned(),
+        [one] => one.display().to_string(),
+        [one, rest @ ..] => format!("{} and {} more", one.display(), rest.len()),
+    }
 }
 
 /// The exception that a call ended with.
@@ -136,10 +159,12 @@ fn exception(said: &str) -> &str {
 /// What differs from what is to become of it.
 fn wrong(fault: &Fault, happened: &str, ended: &Finished, said: &str) -> Option<String> {
     let fits = match fault.outcome {
-        Outcome::GoesOn => happened == "goes on",
-        Outcome::Exception(name) => happened == format!("ends with {name}"),
-        Outcome::Stops(code) | Outcome::Ends(Some(code)) => ended.code == Some(code),
-        Outcome::Ends(None) => ended.code.is_none(),
+        faults::Outcome::GoesOn => happened == "goes on",
+        faults::Outcome::Exception(name) => happened == format!("ends with {name}"),
+        faults::Outcome::Stops(code) | faults::Outcome::Ends(Some(code)) => {
+            ended.code == Some(code)
+        }
+        faults::Outcome::Ends(None) => ended.code.is_none(),
     };
     if !fits {
         return Some(format!("{happened}; it is to be: {}", fault.outcome));

@@ -1,4 +1,5 @@
-//! `cargo faults`, in short: what becomes of a daemon whose codels misbehave.
+//! `cargo faults`, in short: what becomes of a daemon whose codels misbehave, or
+//! that is killed wherever it stands in shared memory.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail them")]
@@ -9,7 +10,7 @@ use std::time::Duration;
 use genom_tests::{Finished, Running};
 use serde_json::{Value, json};
 
-/// It starts a dozen daemons, one after the other.
+/// It starts dozens of daemons, one after the other.
 const LONGEST: Duration = Duration::from_secs(300);
 
 fn faults(arguments: &[&str]) -> Finished {
@@ -19,12 +20,12 @@ fn faults(arguments: &[&str]) -> Finished {
 }
 
 #[test]
-fn the_short_list_of_faults_goes_as_it_is_to_go() {
+fn the_short_list_of_faults_and_ends_of_daemons_goes_as_it_is_to_go() {
     let tried = faults(&["--short", "--json"]);
-    tried.expect_code(0).expect_err("1/4: a codel ");
+    tried.expect_code(0).expect_err("1/9: a codel ").expect_err("9/9: SIGKILL in stop");
     let trials: Value = serde_json::from_str(&tried.out).unwrap();
     let trials = trials.as_array().unwrap();
-    assert_eq!(trials.len(), 4);
+    assert_eq!(trials.len(), 9);
     for trial in trials {
         assert_eq!((&trial["left_behind"], &trial["wrong"]), (&json!("nothing"), &Value::Null));
     }
@@ -35,5 +36,7 @@ fn what_the_command_does_not_know_is_refused_with_what_it_knows() {
     faults(&["--help"]).expect_code(0);
     faults(&["--fast"]).expect_code(2).expect_err("no option --fast").expect_err("--short");
     faults(&["--backend", "dds"]).expect_code(2).expect_err("local, shm, zenoh, ros2");
+    faults(&["--every", "0"]).expect_code(2).expect_err("a number from 1");
+    faults(&["--peer", "stranger"]).expect_code(2);
     faults(&["no", "such", "fault"]).expect_code(2).expect_err("no fault is called so");
 }

@@ -3,15 +3,18 @@
 //!
 //! A daemon runs under `ptrace` with a seccomp filter that stops it before each call by which a
 //! program changes files; of those the ones count that touch shared memory. `Course` is what the
-//! daemon goes through meanwhile, `Point` where it ends, `Outcome` what came of it.
+//! daemon goes through meanwhile, `Plan` where it ends, `Outcome` what came of it, `Toll` what came of
+//! all points of a phase.
 
 mod course;
 mod outcome;
 mod stage;
+mod toll;
 mod trace;
 mod watched;
 
 pub use course::Phase;
 pub use outcome::Outcome;
 pub use stage::{Plan, Stage};
+pub use toll::{Points, Toll};
 pub use watched::{End, Step};

@@ -51,7 +51,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Starts the peers. `program` is the one that knows iceoryx2 only.
+    /// Starts the peers. `program` plays, asked with `--peer`, those that know iceoryx2 only.
     #[must_use]
     pub fn new(program: &Path) -> Self {
         let memory = Arc::new(Memory::new());
@@ -232,6 +232,12 @@ impl Stage {
         };
         let files = self.memory.files().into_iter();
         files.filter(|file| !self.theirs.contains(file) && !of_flow(file)).collect()
+    }
+
+    /// Periods that tasks of the peers missed so far.
+    #[must_use]
+    pub fn missed(&self) -> u64 {
+        ["sensor", "fuser"].iter().map(|name| self.peer.missed(name)).sum()
     }
 
     /// Ends the peers; what is left when nobody is there any more.

@@ -1,5 +1,7 @@
-//! Tries what codels can do to the process they share, and prints what became of it and of all
-//! around it: `cargo faults`.
+//! Tries what codels can do to the process they share, and ends daemons where they use shared
+//! memory; prints what became of it and of all around it: `cargo faults`.
+//!
+//! `faults --peer ROLE...` is a peer that these and other tests run as another process.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "standard output is the table")]
@@ -7,21 +9,27 @@
 use std::io::IsTerminal as _;
 use std::process::ExitCode;
 
+use genom_tests::bare;
+use genom_tests::crash::{Phase, Points, Stage, Toll};
 use genom_tests::faults::{FAULTS, Fault};
 use genom_tests::trial::Trial;
 
 const HELP: &str = "\
-Try what codels can do to the process they share, and print what became of it, of a component in
-the same daemon and one in another, and of the next start. Exit status 1: something became of one
-that is not what is to become of it.
+Try what codels can do to the process they share, and end daemons with SIGKILL before calls that
+touch shared memory. Print what became of it, of a component in the same daemon and one in another,
+of the next start, and what was left behind. Exit status 1: something became of one that is not
+what is to become of it.
 
-Usage: cargo faults [--short] [--json] [--backend NAME]... [WORD]...
+Usage: cargo faults [--short] [--json] [--every N] [--backend NAME]... [WORD]...
 
   --short         A few of them, in seconds
+  --every N       End daemons before every Nth call on shared memory; 1: all, in ten minutes
+                  [default: 4]
   --backend NAME  On this middleware: local, shm, zenoh, ros2 [default: each fault on local, and
                   those that end the daemon on all]
   --json          A list of objects instead of the table
-  WORD            Only faults that say this word, or have it in the name of component or service
+  WORD            Only faults that say this word, or have it in the name of component or service;
+                  `SIGKILL` are the ends of daemons
 ";
 
 const BACKENDS: [&str; 4] = ["local", "shm", "zenoh", "ros2"];
@@ -34,21 +42,33 @@ const SHORT: [(&str, &str, &str); 4] = [
     ("strays", "unknown", "local"),
 ];
 
-#[derive(Default)]
 struct Asked {
     short: bool,
     json: bool,
+    every: usize,
     backends: Vec<String>,
     words: Vec<String>,
 }
 
+/// One row.
+#[derive(Clone, Copy)]
+enum Chosen<'a> {
+    Fault(&'static Fault, &'a str),
+    Killed(Phase, Points),
+}
+
 fn asked(mut arguments: impl Iterator<Item = String>) -> Result<Option<Asked>, String> {
-    let mut asked = Asked::default();
+    let mut asked =
+        Asked { short: false, json: false, every: 4, backends: Vec::new(), words: Vec::new() };
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "-h" | "--help" => return Ok(None),
             "--short" => asked.short = true,
             "--json" => asked.json = true,
+            "--every" => match arguments.next().and_then(|number| number.parse().ok()) {
+                Some(every) if every > 0 => asked.every = every,
+                _ => return Err("--every takes a number from 1".to_owned()),
+            },
             "--backend" => match arguments.next() {
                 Some(name) if BACKENDS.contains(&name.as_str()) => asked.backends.push(name),
                 _ => return Err(format!("--backend takes one of {}", BACKENDS.join(", "))),
@@ -60,13 +80,16 @@ fn asked(mut arguments: impl Iterator<Item = String>) -> Result<Option<Asked>, S
     Ok(Some(asked))
 }
 
-/// Faults with the middlewares to try them on.
-fn chosen(asked: &Asked) -> Vec<(&'static Fault, &str)> {
-    let says = |fault: &Fault| {
-        let text = format!("{} {}/{}", fault.what, fault.component, fault.service).to_lowercase();
+/// Faults with the middlewares to try them on, and ends of daemons on shared memory.
+fn chosen(asked: &Asked) -> Vec<Chosen<'_>> {
+    let says = |text: String| {
+        let text = text.to_lowercase();
         asked.words.iter().all(|word| text.contains(word))
     };
-    let pairs = FAULTS.iter().filter(|fault| says(fault)).flat_map(|fault| {
+    let faults = FAULTS
+        .iter()
+        .filter(|fault| says(format!("{} {}/{}", fault.what, fault.component, fault.service)));
+    let pairs = faults.flat_map(|fault| {
         let given = asked.backends.iter().map(String::as_str);
         let all = if fault.outcome.goes_on() { &BACKENDS[..1] } else { &BACKENDS[..] };
         let on: Vec<&str> = if asked.backends.is_empty() { all.to_vec() } else { given.collect() };
@@ -75,7 +98,57 @@ fn chosen(asked: &Asked) -> Vec<(&'static Fault, &str)> {
     let short = |(fault, backend): &(&Fault, &str)| {
         SHORT.contains(&(fault.component, fault.service, *backend))
     };
-    pairs.filter(|pair| !asked.short || short(pair)).collect()
+    let faults = pairs.filter(|pair| !asked.short || short(pair));
+    let points = if asked.short { Points::Few(3) } else { Points::Every(asked.every) };
+    let on_shm = asked.backends.is_empty() || asked.backends.iter().any(|name| name == "shm");
+    let killed = Phase::ALL.into_iter().filter(|phase| on_shm && says(Trial::killed_in(*phase)));
+    faults
+        .map(|(fault, backend)| Chosen::Fault(fault, backend))
+        .chain(killed.map(|phase| Chosen::Killed(phase, points)))
+        .collect()
+}
+
+/// What is under way: one line that changes for people, a line each for logs.
+fn tell(progress: &str) {
+    if std::io::stderr().is_terminal() {
+        eprint!("\r\x1b[K{progress}");
+    } else {
+        eprintln!("{progress}");
+    }
+}
+
+fn try_all(chosen: &[Chosen<'_>]) -> Result<Vec<Trial>, std::io::Error> {
+    let program = std::env::current_exe()?;
+    let mut stage = None;
+    let mut trials = Vec::with_capacity(chosen.len());
+    for (at, chosen_one) in chosen.iter().enumerate() {
+        let number = format!("{}/{}", at + 1, chosen.len());
+        trials.push(match *chosen_one {
+            Chosen::Fault(fault, backend) => {
+                tell(&format!("{number}: a codel {} on {backend}", fault.what));
+                // What fails in it is told in the table.
+                std::panic::set_hook(Box::new(|_| {}));
+                let trial = Trial::of(fault, backend);
+                drop(std::panic::take_hook());
+                trial
+            }
+            Chosen::Killed(phase, points) => {
+                let stage = stage.get_or_insert_with(|| Stage::new(&program));
+                let told = &mut |outcome: &_| tell(&format!("{number}: SIGKILL in {outcome}"));
+                Trial::of_killed(&Toll::of(stage, phase, points, told))
+            }
+        });
+    }
+    if let (Some(stage), Some(last)) = (stage, trials.last_mut()) {
+        let left = stage.end();
+        if !left.is_empty() {
+            last.wrong.get_or_insert_with(|| format!("left when all had ended: {left:?}"));
+        }
+    }
+    if std::io::stderr().is_terminal() {
+        eprint!("\r\x1b[K");
+    }
+    Ok(trials)
 }
 
 fn print(trials: &[Trial]) {
@@ -102,7 +175,12 @@ fn print(trials: &[Trial]) {
 }
 
 fn main() -> ExitCode {
-    let asked = match asked(std::env::args().skip(1)) {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    if let ["--peer", role @ ..] = words.as_slice() {
+        return if bare::play(role) { ExitCode::SUCCESS } else { ExitCode::from(2) };
+    }
+    let asked = match asked(arguments.into_iter()) {
         Ok(Some(asked)) => asked,
         Ok(None) => {
             print!("{HELP}");
@@ -113,28 +191,18 @@ fn main() -> ExitCode {
             return ExitCode::from(2);
         }
     };
-    // What fails is told in the table.
-    std::panic::set_hook(Box::new(|_| {}));
     let chosen = chosen(&asked);
     if chosen.is_empty() {
         eprintln!("no fault is called so");
         return ExitCode::from(2);
     }
-    let (all, lives) = (chosen.len(), std::io::stderr().is_terminal());
-    let mut trials = Vec::with_capacity(all);
-    for (at, (fault, backend)) in chosen.into_iter().enumerate() {
-        let progress = format!("{}/{all}: a codel {} on {backend}", at + 1, fault.what);
-        // One line that changes for people, a line each for logs.
-        if lives {
-            eprint!("\r\x1b[K{progress}")
-        } else {
-            eprintln!("{progress}")
+    let trials = match try_all(&chosen) {
+        Ok(trials) => trials,
+        Err(why) => {
+            eprintln!("this program cannot be started again: {why}");
+            return ExitCode::FAILURE;
         }
-        trials.push(Trial::of(fault, backend));
-    }
-    if lives {
-        eprint!("\r\x1b[K");
-    }
+    };
     if asked.json {
         let all: Vec<_> = trials.iter().map(Trial::json).collect();
         println!("{}", serde_json::Value::from(all));
