@@ -17,6 +17,7 @@ use rustdds::{GUID, QosPolicies, Timestamp};
 use crate::backend::Dds;
 use crate::complaints::Complaints;
 use crate::graph::{Graph, Verdict, Wanted};
+use crate::numbering::Place;
 use crate::quality::{Asks, Wish};
 use crate::receiver::{Inlet, Sample, Sink};
 use crate::sender::Orders;
@@ -45,6 +46,8 @@ pub(crate) struct Inbox {
     pub(crate) undecodable: AtomicU64,
     /// Samples of another type.
     refused: AtomicU64,
+    /// Samples that never came.
+    missing: AtomicU64,
 }
 
 impl Inbox {
@@ -59,14 +62,16 @@ impl Inbox {
             counts_lost,
             undecodable: AtomicU64::new(0),
             refused: AtomicU64::new(0),
+            missing: AtomicU64::new(0),
         }
     }
 
     /// Samples lost to the reader.
     pub(crate) fn lost(&self) -> u64 {
-        let given_up = if self.counts_lost { self.mailbox.lost() } else { 0 };
-        let bad = [&self.undecodable, &self.refused].map(|count| count.load(Ordering::Relaxed));
-        given_up + bad.iter().sum::<u64>()
+        let count = |lost: &AtomicU64| lost.load(Ordering::Relaxed);
+        let given_up =
+            if self.counts_lost { self.mailbox.lost() + count(&self.missing) } else { 0 };
+        given_up + count(&self.undecodable) + count(&self.refused)
     }
 
     /// Adds a message; gives the one back whose place it takes.
@@ -113,17 +118,27 @@ struct State {
 
 /// What is known of a writer.
 struct Known {
-    /// Time of its last sample, as it says.
-    stamp: Option<Timestamp>,
-    /// Its number: a reader that is made anew gets samples again that DDS still holds.
-    number: i64,
+    /// Its last message.
+    last: Place,
+    /// The last one that was delivered.
+    delivered: Option<Place>,
     verdict: Verdict,
-    /// Version of the graph the verdict is of.
+    /// Whether it is a genomd's.
+    genomd: bool,
+    /// Version of the graph that these two are of.
     version: u64,
     /// Its newest sample of those that arrived together, while it is new or not known yet.
-    held: Option<Message>,
+    held: Option<(Place, Message)>,
     /// When it was first heard of.
     since: Instant,
+}
+
+impl Known {
+    /// Delivers what stands at this place: how many samples after the last one were not.
+    fn reach(&mut self, place: Place) -> u64 {
+        let last = self.delivered.replace(place);
+        last.map_or(0, |last| last.missing(&place, self.genomd))
+    }
 }
 
 /// Keeps a topic read. The last one to go ends the DDS reader.
@@ -272,6 +287,13 @@ impl Feed {
         }
     }
 
+    /// Learns what the graph knows of a writer.
+    fn judge(&self, writer: &GUID, known: &mut Known, version: u64) {
+        known.verdict = self.graph.writes(writer, &self.digest, &self.dds_type);
+        known.genomd = self.graph.is_told(writer);
+        known.version = version;
+    }
+
     /// Tells of samples that readers could not decode, if there are more of them.
     pub(crate) fn complain(&self) {
         let mut state = self.lock();
@@ -295,6 +317,13 @@ impl State {
         });
         if let Some((_, old)) = self.last.replace((writer, message)) {
             keep(&mut self.spares, old);
+        }
+    }
+
+    /// Counts samples that did not come, or gave way to newer ones that came with them.
+    fn miss(&self, samples: u64) {
+        if samples > 0 {
+            self.live().for_each(|inbox| _ = inbox.missing.fetch_add(samples, Ordering::Relaxed));
         }
     }
 
@@ -336,17 +365,18 @@ impl Feed {
         let version = self.graph.version();
         let mut settled = Vec::new();
         for (writer, known) in &mut state.writers {
-            let Some(held) = known.held.take() else { continue };
-            known.verdict = self.graph.writes(writer, &self.digest, &self.dds_type);
-            known.version = version;
+            let Some((place, message)) = known.held.take() else { continue };
+            self.judge(writer, known, version);
             match known.verdict {
-                Verdict::Unknown => known.held = Some(held),
-                verdict => settled.push((*writer, verdict, held)),
+                Verdict::Unknown => known.held = Some((place, message)),
+                Verdict::Right => settled.push((*writer, known.reach(place), Some(message))),
+                Verdict::Wrong => settled.push((*writer, 0, None)),
             }
         }
-        for (writer, verdict, held) in settled {
-            if verdict == Verdict::Right {
-                state.deliver(writer, held);
+        for (writer, missing, message) in settled {
+            if let Some(message) = message {
+                state.miss(missing);
+                state.deliver(writer, message);
             } else {
                 self.refuse(&state);
             }
@@ -370,35 +400,36 @@ impl Sink for FeedSink {
             state.writers.retain(|writer, _| here(writer) != Verdict::Unknown);
         }
         let known = state.writers.entry(sample.writer).or_insert(Known {
-            stamp: None,
-            number: 0,
+            last: Place::default(),
+            delivered: None,
             verdict: Verdict::Unknown,
+            genomd: false,
             version,
             held: None,
             since: Instant::now(),
         });
-        // A new reader is sent the last value besides: it may come twice.
-        if sample.number <= known.number || (sample.stamp.is_some() && known.stamp == sample.stamp)
-        {
+        let place = Place::new(sample.number, sample.stamp);
+        if !place.is_after(&known.last) {
             return;
         }
-        (known.stamp, known.number) = (sample.stamp, sample.number);
+        known.last = place;
         if known.verdict == Verdict::Unknown || known.since.elapsed() < ACQUAINTANCE {
             let message = state.own(sample.message);
             let known = state.writers.get_mut(&sample.writer);
-            let old = known.and_then(|known| known.held.replace(message));
-            old.into_iter().for_each(|old| keep(&mut state.spares, old));
+            let old = known.and_then(|known| known.held.replace((place, message)));
+            old.into_iter().for_each(|(_, old)| keep(&mut state.spares, old));
             return;
         }
         // What was held is older than this, and arrived together with it.
         known.held = None;
         if known.version != version {
-            known.verdict = feed.graph.writes(&sample.writer, &feed.digest, &feed.dds_type);
-            known.version = version;
+            feed.judge(&sample.writer, known, version);
         }
         if known.verdict == Verdict::Wrong {
             feed.refuse(&state);
         } else {
+            let missing = known.reach(place);
+            state.miss(missing);
             let message = state.own(sample.message);
             state.deliver(sample.writer, message);
         }

@@ -244,6 +244,11 @@ impl Graph {
         }
     }
 
+    /// Whether a writer is a port of a genomd.
+    pub(crate) fn is_told(&self, writer: &GUID) -> bool {
+        self.lock().told_of(writer).is_some()
+    }
+
     /// Whether a service is there, and its types where they are known to differ. Until `end` one
     /// that is not there is waited for: others become known little by little.
     pub(crate) fn service(&self, wanted: &Wanted, end: Instant) -> Service {

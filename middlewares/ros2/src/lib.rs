@@ -56,6 +56,7 @@ mod info;
 mod masquerades;
 mod meetings;
 mod names;
+mod numbering;
 mod options;
 mod parameters;
 mod ports;

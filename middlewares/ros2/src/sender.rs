@@ -14,11 +14,12 @@ use genom_middleware::bell::Bell;
 use genom_middleware::mailbox::Mailbox;
 use genom_middleware::spares::Spares;
 use rustdds::bytes::Bytes;
-use rustdds::{GUID, RTPSEntity, Timestamp, WriteOptionsBuilder};
+use rustdds::{GUID, RTPSEntity, Timestamp};
 
 use crate::complaints::BETWEEN_LINES;
 use crate::feed::{Feed, Feeds};
 use crate::meetings::{self, Meetings};
+use crate::numbering::Numbering;
 use crate::post::Matches;
 use crate::wire::{HEADER, Payload, Writer};
 
@@ -78,13 +79,14 @@ pub(crate) struct Outlet {
 /// An out port as the thread sees it.
 struct Line {
     writer: Writer,
+    numbering: Numbering,
     topic: String,
     /// In ports of this daemon: DDS shows a participant to itself only over multicast.
     feeds: Arc<Feeds>,
     outlet: Arc<Outlet>,
     spares: Spares,
     /// For readers that come later.
-    last: Option<(Bytes, Timestamp)>,
+    last: Option<Bytes>,
 }
 
 /// Gives orders to the thread; clones give them to the same one.
@@ -199,7 +201,8 @@ impl Orders {
         feeds: Arc<Feeds>,
     ) {
         let spares = Spares::new(outlet.room);
-        let line = Line { writer, topic, feeds, outlet, spares, last: None };
+        let numbering = Numbering::default();
+        let line = Line { writer, numbering, topic, feeds, outlet, spares, last: None };
         self.order(Order::Add(Box::new(line)));
     }
 
@@ -245,26 +248,22 @@ impl Line {
         }
         let message = Bytes::from_owner(message);
         let payload = message.slice(HEADER.min(message.len())..);
-        // Each sample has a time of its own: readers know a sample that comes twice by it.
-        let now = Timestamp::now();
-        let stamp = match &self.last {
-            Some((_, last)) if *last >= now => {
-                Timestamp::from_ticks(last.to_ticks().wrapping_add(1))
-            }
-            _ => now,
-        };
-        self.last = Some((payload.clone(), stamp));
-        if let Err(error) = self.writer.write(Payload(payload), Some(stamp)) {
+        self.last = Some(payload.clone());
+        let options = self.numbering.next(Timestamp::now());
+        if let Err(error) = self.writer.write_with_options(Payload(payload), options) {
             self.outlet.refused.fetch_add(1, Ordering::Relaxed);
             tracing::debug!(%error, "DDS refused a sample");
         }
         true
     }
 
-    fn greet(&self, reader: GUID) {
-        let Some((payload, stamp)) = &self.last else { return };
-        let options = WriteOptionsBuilder::new().source_timestamp(*stamp).to_single_reader(reader);
-        if self.writer.write_with_options(Payload(payload.clone()), options.build()).is_err() {
+    fn greet(&mut self, reader: GUID) {
+        let Some(payload) = &self.last else { return };
+        let before = self.numbering;
+        let options = self.numbering.again(reader);
+        if self.writer.write_with_options(Payload(payload.clone()), options).is_err() {
+            // It was given no number.
+            self.numbering = before;
             tracing::debug!("DDS refused the last value of a port");
         }
     }
@@ -318,10 +317,10 @@ impl Work {
     }
 
     /// A reader is ready: it gets what waits for it, or the last value of the port.
-    fn met(&self, writer: GUID, reader: GUID) {
+    fn met(&mut self, writer: GUID, reader: GUID) {
         match self.matches.matched(writer, reader) {
             Some(post) => post.go_on(),
-            None => _ = self.lines.get(&writer).map(|line| line.greet(reader)),
+            None => _ = self.lines.get_mut(&writer).map(|line| line.greet(reader)),
         }
     }
 
@@ -367,7 +366,7 @@ impl Work {
                     }
                     Order::Offer(feed) => {
                         let line = self.lines.values().find(|line| line.topic == feed.topic);
-                        if let Some((line, (payload, _))) =
+                        if let Some((line, payload)) =
                             line.and_then(|line| Some((line, line.last.as_ref()?)))
                         {
                             let message = [&genom_types::cdr::HEADER[..], payload].concat();

@@ -40,6 +40,7 @@ macro_rules! conformance {
                 ports::a_queue_keeps_the_oldest_and_counts_the_rest,
                 ports::a_ring_keeps_the_newest_and_counts_the_rest,
                 ports::every_sample_is_read_or_counted,
+                ports::a_burst_is_read_or_counted,
                 ports::readers_go_at_their_own_pace,
                 ports::samples_arrive_in_order,
                 ports::many_ports_do_not_mix,

@@ -213,6 +213,38 @@ pub fn every_sample_is_read_or_counted(world: &dyn World) {
     }
 }
 
+/// However fast they are written, and whoever comes meanwhile: what a reader does not get was
+/// counted, by it or by the writer.
+pub fn a_burst_is_read_or_counted(world: &dyn World) {
+    const WRITTEN: u64 = 20_000;
+    let (a, b) = (world.join(), world.join());
+    let mut writer = writer(&a);
+    let mut reader = reader(&b, Policy::Ring(4));
+    connect(&mut *writer, &mut *reader);
+    let mut late = Vec::new();
+    let mut seen = 0;
+    for n in 0..WRITTEN {
+        writer.publish(&numbered(n + 2)).unwrap();
+        if n % 4_000 == 2_000 {
+            late.push(self::reader(&b, Policy::Latest));
+        }
+        if n % 16 == 0 {
+            seen += u64::from(read(&mut *reader).0 == Reading::New);
+        }
+    }
+    eventually("all is read or counted", || {
+        seen += u64::from(read(&mut *reader).0 == Reading::New);
+        seen + reader.dropped() + writer.dropped() >= WRITTEN
+    });
+    for last in &mut late {
+        read_until(&mut **last, WRITTEN + 1);
+    }
+    while read(&mut *reader).0 == Reading::New {
+        seen += 1;
+    }
+    assert_eq!(seen + reader.dropped() + writer.dropped(), WRITTEN);
+}
+
 /// A reader that does not read takes nothing from the others.
 pub fn readers_go_at_their_own_pace(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
