@@ -111,6 +111,10 @@ fn what_a_stuck_codel_holds_up_is_refused_and_the_rest_goes_on() {
     for verb in [&["ports", "blocks"][..], &["info", "blocks"], &["activities", "blocks"]] {
         daemon.ctl(verb).expect_code(0);
     }
+    let recording = daemon.home().path().join("blocks.mcap");
+    let record = ["record", "blocks", "--duration", "0.05", "-o", path(&recording)];
+    daemon.ctl(&record).expect_code(0);
+    assert_eq!(request(&socket, "GET", "/metrics", "").status, 200);
     daemon.ctl(&["abort", "blocks", "hang"]).expect_code(0);
     daemon.ctl(&["backend", "demo", "shm"]).expect_code(0);
     daemon.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
