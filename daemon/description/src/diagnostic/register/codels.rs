@@ -82,7 +82,8 @@ pub(super) const ROWS: &[Explanation] = &[
         "E0711",
         "K11",
         "a codel is never reached",
-        "Neither `start` nor `stop` leads to it.",
+        "Neither `start` nor `stop` leads to any of its states. A codel of several states is reached \
+         by one of them.",
         "component demo { task main { codel<start> c() yield ether; \
          codel<lost> d() yield ether; }; };",
     ),
