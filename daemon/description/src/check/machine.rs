@@ -92,17 +92,17 @@ impl Checker {
                     .help("an activity begins with `codel<start>`"),
             );
         }
-        let count = self.diagnostics.len();
+        let count = self.diagnostics.found();
         let roots: Vec<usize> =
             start.into_iter().chain(stop).chain(sinks.iter().copied()).collect();
         let reached = reach(&roots, codels, &by_state);
         self.check_yields(id, codels, &by_state, &reached);
         // A state that was misspelt leaves its codel unreached: said once.
-        if self.diagnostics.len() == count && (activity.is_none() || start.is_some()) {
+        if self.diagnostics.found() == count && (activity.is_none() || start.is_some()) {
             self.check_reached(id, codels, &reached);
         }
         // What a missing codel leads to is not known.
-        let Some(ether) = ether.filter(|_| self.diagnostics.len() == count) else { return };
+        let Some(ether) = ether.filter(|_| self.diagnostics.found() == count) else { return };
         // K10.
         if let Some(stop) = stop
             && !reach(&[stop], codels, &by_state).contains(&ether)

@@ -2,10 +2,12 @@
 
 mod human;
 mod json;
+mod list;
 mod order;
 mod register;
 
-pub use order::ordered;
+pub use list::Diagnostics;
+pub use order::{Rest, first, ordered};
 pub use register::{Explanation, explain, explanations};
 
 use crate::model::Span;

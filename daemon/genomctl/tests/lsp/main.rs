@@ -67,6 +67,24 @@ fn mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected() {
 }
 
 #[test]
+fn a_text_made_to_take_memory_is_refused_and_the_server_goes_on() {
+    let room = room();
+    let file = room.path().join("arm.gen");
+    let mut editor = start();
+    let (open, close) = ("q(".repeat(60), ")".repeat(60));
+    editor.open(
+        &file,
+        &format!("#define s(x) #x\n#define q(x) s(x)\nconst string a = {open}\"\\\\\"{close};\n"),
+    );
+    let said = editor.diagnostics(&file);
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert!(said[0].contains("E0127 macros expand to more than 16 MiB of text"), "{said:?}");
+    editor.change(&file, 2, ARM);
+    assert_eq!(editor.diagnostics(&file), [""; 0]);
+    assert!(editor.stop().success());
+}
+
+#[test]
 fn an_unsaved_include_counts_and_its_mistakes_are_told_where_they_are() {
     let room = room();
     let (file, types) = (room.path().join("arm.gen"), room.path().join("types.gen"));

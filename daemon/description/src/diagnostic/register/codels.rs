@@ -184,4 +184,12 @@ pub(super) const ROWS: &[Explanation] = &[
         "component demo { ids { long a; }; attribute set(in a); task main; activity f() { \
          task main; async codel<start> c(in a) yield ether; }; };",
     ),
+    row(
+        "E0725",
+        "",
+        "too many codels share data",
+        "Which codels exclude each other is computed once; four million pairs are the limit. \
+         Codels that take the whole ids exclude all others: name the members that they use.",
+        "",
+    ),
 ];
