@@ -9,6 +9,14 @@ mod words;
 
 pub(crate) use literal::{character, unescape};
 
+/// Whether a text can be a name.
+pub(crate) fn is_name(text: &str) -> bool {
+    let sound = text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    let begins = text.bytes().next().is_some_and(|byte| !byte.is_ascii_digit());
+    let free = words::keyword(text).is_none() && words::word_operator(text).is_none();
+    sound && begins && free && text.len() <= LONGEST
+}
+
 use std::collections::HashSet;
 use std::rc::Rc;
 
