@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::check::check;
-use crate::diagnostic::{Diagnostic, Severity};
+use crate::diagnostic::Diagnostics;
 use crate::model::{Dialect, Span, Specification};
 use crate::parse::parse;
 use crate::preprocess::{self, tokenize, tokenize_text};
@@ -36,7 +36,7 @@ pub struct Analysis {
     /// What could be understood; complete and sound if there are no errors.
     pub specification: Specification,
     /// Errors and warnings: those of the preprocessor, then the others by place.
-    pub diagnostics: Vec<Diagnostic>,
+    pub diagnostics: Diagnostics,
     /// The text, to resolve spans.
     pub sources: SourceMap,
 }
@@ -45,7 +45,7 @@ impl Analysis {
     /// Whether the description is refused.
     #[must_use]
     pub fn has_errors(&self) -> bool {
-        self.diagnostics.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
+        self.diagnostics.errors() > 0
     }
 
     /// Generation of the language of each component, by name.
@@ -83,8 +83,8 @@ pub(crate) struct Parsed {
     /// The standard interface, unless the files hold it.
     pub(crate) standard: Option<Tree>,
     pub(crate) sources: SourceMap,
-    preprocess: Vec<Diagnostic>,
-    syntax: Vec<Diagnostic>,
+    preprocess: Diagnostics,
+    syntax: Diagnostics,
 }
 
 /// Reads input files as far as no name needs a meaning; the tokens apart, for they are many.
@@ -115,14 +115,18 @@ impl Parsed {
             sources.include_chain(span).last().map_or(file, |outermost| outermost.file)
         };
         let (specification, mut semantics) = check(tree, standard, &root_of);
-        if syntax.iter().any(|said| said.severity == Severity::Error) {
+        let mut rest = syntax;
+        if rest.errors() > 0 {
             // What could not be read may well use what seems unused.
             semantics.retain(|said| !said.code.starts_with("W09"));
         }
-        let mut rest = syntax;
-        rest.extend(semantics);
-        rest.sort_by_key(|diagnostic| (diagnostic.span.file, diagnostic.span.start));
-        diagnostics.append(&mut rest);
+        rest.append(semantics);
+        if diagnostics.stopped {
+            // What seems wrong or missing may only be cut off.
+            rest = Diagnostics::default();
+        }
+        rest.sort_by_place();
+        diagnostics.append(rest);
         Analysis { specification, diagnostics, sources }
     }
 }

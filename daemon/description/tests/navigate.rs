@@ -115,6 +115,22 @@ fn references_are_all_the_places_of_a_name() {
 }
 
 #[test]
+fn a_codel_is_one_function_in_all_its_places() {
+    let text =
+        "component c { function f() { codel go(); }; function g() { codel go(); codel no(); };
+        task t { codel<start, go> go() yield go, ether; }; function h() { validate go(); }; };";
+    let read = read(text);
+    let file = read.file(Path::new("arm.gen")).unwrap();
+    let places = |marked| read.references(file, offset(text, marked)).len();
+    assert_eq!(places("f() { codel g|o"), 4, "the state of this name is none of them");
+    assert_eq!(places("validate g|o"), 4);
+    assert_eq!(places("codel n|o"), 1);
+    assert_eq!(places("yield g|o"), 2);
+    let spans = read.rename(file, offset(text, "validate g|o"), "run").unwrap();
+    assert_eq!(spans.len(), 4);
+}
+
+#[test]
 fn an_outline_is_a_tree_in_order() {
     fn names(list: &[Outline<'_>]) -> String {
         let one = |it: &Outline<'_>| {

@@ -3,12 +3,16 @@
 use std::io::{self, Write as _};
 use std::path::PathBuf;
 
-use genom_description::diagnostic::Severity;
+use genom_description::diagnostic::first;
 use genom_description::diagnostic::render::human;
+use genom_description::source::check_file;
 use genom_description::{Analysis, Options, preprocess, read};
 
 use crate::failure::Failure;
 use crate::terminal::coloured_errors;
+
+/// Mistakes and surprises that are told unless more are asked for: nobody reads more at once.
+pub(crate) const SHOWN: usize = 100;
 
 /// How to read descriptions.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -38,11 +42,15 @@ impl Reading {
 
     /// Reads the files as one specification, whatever is wrong with it.
     pub(crate) fn read(&self, files: &[PathBuf]) -> Result<Analysis, Failure> {
-        if let Some(missing) = files.iter().find(|path| !path.is_file()) {
-            return Err(Failure::usage(
-                format!("{}: no such file", missing.display()),
-                "name a .gen file",
-            ));
+        for path in files {
+            if let Err(error) = check_file(path) {
+                let why = match error.kind() {
+                    io::ErrorKind::NotFound => "no such file".to_owned(),
+                    _ => error.to_string(),
+                };
+                let message = format!("{}: {why}", path.display());
+                return Err(Failure::usage(message, "name a .gen file"));
+            }
         }
         Ok(read(files, &self.options()))
     }
@@ -50,7 +58,11 @@ impl Reading {
     /// Reads a specification that something is made of: tells its warnings, refuses its errors.
     pub(crate) fn read_sound(&self, files: &[PathBuf]) -> Result<Analysis, Failure> {
         let analysis = self.read(files)?;
-        let told = human(&analysis.diagnostics, &analysis.sources, coloured_errors());
+        let (said, rest) = first(&analysis.diagnostics, &analysis.sources, SHOWN);
+        let mut told = human(&said, &analysis.sources, coloured_errors());
+        if !rest.is_empty() {
+            told.push_str(&format!("{rest}\n"));
+        }
         io::stderr().lock().write_all(told.as_bytes())?;
         if analysis.has_errors() {
             let (errors, warnings) = counts(&analysis);
@@ -62,7 +74,5 @@ impl Reading {
 
 /// How many errors and warnings there are.
 pub(crate) fn counts(analysis: &Analysis) -> (usize, usize) {
-    let count =
-        |severity| analysis.diagnostics.iter().filter(|said| said.severity == severity).count();
-    (count(Severity::Error), count(Severity::Warning))
+    (analysis.diagnostics.errors(), analysis.diagnostics.warnings())
 }

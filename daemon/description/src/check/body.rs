@@ -3,9 +3,10 @@
 use std::collections::HashSet;
 
 use genom_types::{Kind, Member};
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 
 use super::Checker;
+use super::room;
 use super::scope::{Entity, ScopeKind};
 use super::state::{Body, BodyId};
 use crate::diagnostic::Diagnostic;
@@ -17,7 +18,11 @@ impl Checker {
     pub(super) fn body(&mut self, dcl: syntax::Body, interface: bool) {
         let Some(id) = self.open_body(&dcl.name, interface) else { return };
         let outer = std::mem::replace(&mut self.scope, self.bodies[id].scope);
+        self.place = dcl.name.span;
         for export in dcl.exports {
+            if self.taken.full {
+                break;
+            }
             match export {
                 Export::Idl(idl) => self.idl(&idl),
                 Export::Property(property) => self.body_property(id, &property),
@@ -60,6 +65,10 @@ impl Checker {
             }
             return Some(id);
         }
+        let requires: usize = self.requires.iter().map(|text| size_of_val(text) + text.len()).sum();
+        if !self.reserve(room::BODY + requires, name.span) {
+            return None;
+        }
         let scope = self.open_module(name)?;
         let pause = Name { text: "pause".into(), span: name.span };
         if self.scopes.child(scope, "pause").is_none() {
@@ -81,7 +90,7 @@ impl Checker {
             clock_rate: None,
             stack: None,
             real_time: None,
-            throws: Vec::new(),
+            throws: IndexSet::new(),
             ids: None,
             ids_scope: 0,
             ids_members: Vec::new(),
@@ -138,7 +147,15 @@ impl Checker {
     }
 
     fn ids(&mut self, id: BodyId, dcl: &IdsDeclaration) {
-        self.open_ids(id, dcl.name.as_ref(), dcl.span);
+        let mut given = dcl.name.as_ref();
+        if let Some(name) = given
+            && self.bodies[id].dialect == Dialect::Current
+        {
+            let message = "the IDS of a component has no name of its own";
+            self.push(Diagnostic::error("E0103", name.span, message).help("write `ids { ... };`"));
+            given = None;
+        }
+        self.open_ids(id, given, dcl.span);
         let scope = self.bodies[id].ids_scope;
         let outer = std::mem::replace(&mut self.scope, scope);
         for member in &dcl.members {

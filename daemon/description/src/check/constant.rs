@@ -4,6 +4,7 @@ use genom_types::{Kind, Label, TypeId};
 use serde_json::Value as Json;
 
 use super::Checker;
+use super::room::of_json;
 use super::scope::Entity;
 use super::value::{Refusal, Value};
 use crate::diagnostic::Diagnostic;
@@ -127,6 +128,10 @@ impl Checker {
         let Some(ty) = ty else { return };
         if self.declare(&dcl.name, Entity::Const(self.constants.len())) {
             let json = value.as_ref().map_or(Json::Null, |value| self.json(value, ty));
+            // A constant may be another one again, with the whole of its text.
+            if !self.reserve(2 * of_json(&json), dcl.name.span) {
+                return;
+            }
             self.constants.push(Constant {
                 name: self.scopes.full_name(self.scope).join(&dcl.name.text),
                 ty,

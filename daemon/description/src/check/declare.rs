@@ -15,6 +15,9 @@ use crate::syntax::{
 
 impl Checker {
     pub(super) fn idl(&mut self, idl: &Idl) {
+        if self.taken.full {
+            return;
+        }
         match idl {
             Idl::Module { name, statements } => {
                 let Some(id) = self.open_module(name) else { return };
@@ -273,7 +276,7 @@ impl Checker {
         }
         let mut taken = HashMap::new();
         let mut members = Vec::new();
-        for case in &dcl.cases {
+        for (rank, case) in dcl.cases.iter().enumerate() {
             if switch_name.as_deref() == Some(&*case.declarator.name.text) {
                 let name = &case.declarator.name;
                 let message = format!("`{}` clashes with the type of the switch", name.text);
@@ -284,7 +287,7 @@ impl Checker {
                 self.lost.insert(name.text.clone());
                 continue;
             }
-            let labels = self.labels(case, discriminant, &mut taken);
+            let labels = self.labels(case, rank, discriminant, &mut taken);
             let ty = self.type_spec(&case.ty);
             match ty.and_then(|ty| self.declared(ty, &case.declarator)) {
                 Some(ty) if self.declare_member(self.scope, &case.declarator.name) => {
@@ -305,8 +308,9 @@ impl Checker {
     fn labels(
         &mut self,
         case: &Case,
+        rank: usize,
         discriminant: TypeId,
-        taken: &mut HashMap<Option<i128>, Span>,
+        taken: &mut HashMap<Option<i128>, (usize, Span)>,
     ) -> Vec<Label> {
         let mut labels: Vec<Label> = Vec::new();
         for label in &case.labels {
@@ -325,15 +329,20 @@ impl Checker {
                 Label::Value(v) => Some(v),
                 Label::Default => None,
             };
-            if labels.contains(&value) {
-                let message = "this label is repeated for one member";
-                self.push(Diagnostic::warning("W0309", label.span, message));
-                continue;
-            }
-            if let Some(other) = taken.insert(key, label.span) {
-                let message = "this label already selects another member";
-                self.push(Diagnostic::error("E0310", label.span, message).note(other, "used here"));
-                continue;
+            match taken.insert(key, (rank, label.span)) {
+                Some((other, _)) if other == rank => {
+                    let message = "this label is repeated for one member";
+                    self.push(Diagnostic::warning("W0309", label.span, message));
+                    continue;
+                }
+                Some((_, other)) => {
+                    let message = "this label already selects another member";
+                    self.push(
+                        Diagnostic::error("E0310", label.span, message).note(other, "used here"),
+                    );
+                    continue;
+                }
+                None => {}
             }
             labels.push(value);
         }

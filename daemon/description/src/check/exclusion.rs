@@ -3,7 +3,7 @@
 //! Accesses are sorted by what they touch, the port or the first member of the IDS, and by who
 //! runs them: only those that may conflict are compared.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::Checker;
 use crate::diagnostic::Diagnostic;
@@ -31,6 +31,24 @@ struct Access<'m> {
 struct Sharers<'m> {
     readers: Vec<Access<'m>>,
     writers: Vec<Access<'m>>,
+}
+
+/// Pairs of codels that exclude each other, and comparisons to find them: both grow with the
+/// square of the codels that touch one thing.
+const MOST_PAIRS: usize = 1 << 22;
+const MOST_COMPARISONS: usize = 1 << 26;
+
+/// The services that one interrupts.
+enum Interrupted {
+    All,
+    Some(HashSet<usize>),
+}
+
+/// How much was compared and found so far.
+#[derive(Default)]
+struct Effort {
+    pairs: usize,
+    comparisons: usize,
 }
 
 /// Everything of one component that touches shared data.
@@ -105,39 +123,38 @@ impl<'m> Sharing<'m> {
         }
     }
 
-    /// The nodes of other contexts whose data conflict with those of `node`.
-    fn conflicts(&self, node: usize, same_context: bool) -> Vec<usize> {
+    /// The nodes of other contexts whose data conflict with those of `node`; `None` when there is
+    /// too much to compare.
+    fn conflicts(&self, node: usize, same: bool, effort: &mut Effort) -> Option<Vec<usize>> {
         let context = self.contexts.get(node).copied().flatten();
-        let mut found = Vec::new();
-        let mut look = |sharers: &BTreeMap<Context, Sharers<'m>>, path: &[PathStep], writes| {
-            for (other, sharers) in sharers {
-                if !same_context && *other == context {
+        let mut found = HashSet::new();
+        for (key, path, writes) in self.accesses(node) {
+            let (one, whole) = match key {
+                None => (Some(&self.any), None),
+                Some(key @ Key::Ids(_)) => (self.keys.get(&key), Some(&self.whole)),
+                Some(key) => (self.keys.get(&key), None),
+            };
+            for (other, sharers) in [one, whole].into_iter().flatten().flatten() {
+                if !same && *other == context {
                     continue;
                 }
                 let readers = if writes { &*sharers.readers } else { &[] };
+                effort.comparisons += sharers.writers.len() + readers.len();
+                if effort.comparisons > MOST_COMPARISONS {
+                    return None;
+                }
                 let all = sharers.writers.iter().chain(readers);
                 found.extend(all.filter(|a| overlap(a.path, path)).map(|a| a.node));
             }
-        };
-        for (key, path, writes) in self.accesses(node) {
-            match key {
-                None => look(&self.any, path, writes),
-                Some(key) => {
-                    if let Some(sharers) = self.keys.get(&key) {
-                        look(sharers, path, writes);
-                    }
-                    if matches!(key, Key::Ids(_)) {
-                        look(&self.whole, path, writes);
-                    }
-                }
-            }
         }
+        effort.pairs += found.len();
+        let mut found: Vec<usize> = found.into_iter().collect();
         found.sort_unstable();
-        found.dedup();
-        found
+        (effort.pairs <= MOST_PAIRS).then_some(found)
     }
 
-    fn accesses(&self, node: usize) -> Vec<(Option<Key>, &'m [PathStep], bool)> {
+    /// What a node touches, each way once.
+    fn accesses(&self, node: usize) -> HashSet<(Option<Key>, &'m [PathStep], bool)> {
         let component = self.component;
         if let Some(codel) = component.codels.get(node) {
             let touch = |p: &'m crate::model::CodelParameter| match &p.source {
@@ -155,28 +172,37 @@ impl<'m> Sharing<'m> {
         moved.map(|(p, t)| (ids_key(&t.path), &t.path[..], p.direction != Direction::Out)).collect()
     }
 
-    /// The whole relation.
-    pub(super) fn table(&self) -> Vec<Vec<usize>> {
+    /// The whole relation; `None` when it is too large.
+    pub(super) fn table(&self) -> Option<Vec<Vec<usize>>> {
         let codels = self.component.codels.len();
+        let services = &self.component.services;
+        let interrupted: Vec<Interrupted> = services
+            .iter()
+            .map(|service| match service.interrupts.len() {
+                all if all == services.len() => Interrupted::All,
+                _ => Interrupted::Some(service.interrupts.iter().copied().collect()),
+            })
+            .collect();
+        let mut effort = Effort::default();
         (0..self.contexts.len())
             .map(|node| {
-                let mut list = self.conflicts(node, false);
+                let mut list = self.conflicts(node, false, &mut effort)?;
                 if node < codels {
-                    list.retain(|other| !self.is_interrupted_by(node, *other));
+                    list.retain(|other| !self.is_interrupted_by(node, *other, &interrupted));
                 } else {
                     // An attribute excludes what tasks run; the control task is sequential.
                     list.retain(|other| self.contexts.get(*other).copied().flatten().is_some());
                 }
-                list
+                Some(list)
             })
             .collect()
     }
 
     /// Whether `other` is a codel of a service that interrupts that of `node`: then they cannot
     /// run at the same time anyway.
-    fn is_interrupted_by(&self, node: usize, other: usize) -> bool {
+    fn is_interrupted_by(&self, node: usize, other: usize, by: &[Interrupted]) -> bool {
         let owner = |node: usize| self.component.codels.get(node).map(|codel| codel.owner);
-        let (Some(Owner::Service(own)), Some(Owner::Service(by))) = (owner(node), owner(other))
+        let (Some(Owner::Service(own)), Some(Owner::Service(theirs))) = (owner(node), owner(other))
         else {
             return false;
         };
@@ -185,12 +211,16 @@ impl<'m> Sharing<'m> {
             .codels
             .get(other)
             .is_some_and(|codel| matches!(codel.kind, CodelKind::Fsm { .. }));
-        machine && self.component.services.get(by).is_some_and(|s| s.interrupts.contains(&own))
+        machine
+            && by.get(theirs).is_some_and(|interrupted| match interrupted {
+                Interrupted::All => true,
+                Interrupted::Some(list) => list.contains(&own),
+            })
     }
 
     /// For each activity, the activities whose codels conflict with its own, itself included.
     // dialects.md A: what a service of the papers interrupts unless it says so.
-    pub(super) fn incompatible(&self) -> Vec<Vec<usize>> {
+    pub(super) fn incompatible(&self) -> Option<Vec<Vec<usize>>> {
         let services = &self.component.services;
         let activity = |node: usize| match self.component.codels.get(node)?.owner {
             Owner::Service(rank)
@@ -200,17 +230,19 @@ impl<'m> Sharing<'m> {
             }
             _ => None,
         };
+        let mut effort = Effort::default();
         services
             .iter()
             .map(|service| {
                 if service.kind != ServiceKind::Activity {
-                    return Vec::new();
+                    return Some(Vec::new());
                 }
-                let conflicts = service.codels.iter().flat_map(|node| self.conflicts(*node, true));
-                let mut list: Vec<usize> = conflicts.filter_map(activity).collect();
-                list.sort_unstable();
-                list.dedup();
-                list
+                let mut list = BTreeSet::new();
+                for node in &service.codels {
+                    let conflicts = self.conflicts(*node, true, &mut effort)?;
+                    list.extend(conflicts.into_iter().filter_map(activity));
+                }
+                Some(list.into_iter().collect())
             })
             .collect()
     }

@@ -1,9 +1,13 @@
 //! Default values and documentation of parameters (genom3.md 2.4, 3.8).
 
+use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
+
 use genom_types::{Kind, Label, TypeId};
 use serde_json::{Map, Value as Json};
 
 use super::Checker;
+use super::room::of_json;
 use crate::diagnostic::Diagnostic;
 use crate::model::{Default as DefaultValue, Span};
 use crate::syntax::{InitialStep, InitialValue, Initializer};
@@ -73,7 +77,8 @@ impl Checker {
             InitialValue::Scalar(expression) => {
                 let value = self.evaluate(expression).ok_or(Refused)?;
                 let value = self.fit(value, walked, expression.span, "E0803").ok_or(Refused)?;
-                Ok(self.json(&value, walked))
+                let value = self.json(&value, walked);
+                if self.reserve(of_json(&value), span) { Ok(value) } else { Err(Refused) }
             }
         }
     }
@@ -111,6 +116,7 @@ impl Checker {
         place: &mut Place,
     ) -> Result<Json, Refused> {
         let union = matches!(self.types.kind(ty), Kind::Union { .. });
+        let mut given: HashMap<usize, Span> = HashMap::new();
         let mut object = Map::new();
         let mut last = None;
         let mut next = 0;
@@ -146,6 +152,7 @@ impl Checker {
             // appendix A: members of a union lie under "u".
             let step = if union { format!("u/{name}") } else { name.clone() };
             if let Some(value) = self.item(item, member, &step, place)? {
+                self.once(&mut given, rank, item.span, || format!("member `{name}`"));
                 object.insert(name, value);
                 last = Some(rank);
             }
@@ -179,8 +186,14 @@ impl Checker {
     /// The smallest value that no label of a union takes: it selects `default`.
     fn free_label(&self, ty: TypeId) -> Option<i128> {
         let Kind::Union { members, .. } = self.types.kind(ty) else { return None };
-        let taken: Vec<_> = members.iter().flat_map(|m| &m.labels).collect();
-        (0..=taken.len() as i128).find(|v| !taken.contains(&&Label::Value(*v)))
+        let labels = members.iter().flat_map(|m| &m.labels);
+        let taken: HashSet<i128> = labels
+            .filter_map(|label| match label {
+                Label::Value(value) => Some(*value),
+                Label::Default => None,
+            })
+            .collect();
+        (0..=taken.len() as i128).find(|value| !taken.contains(value))
     }
 
     fn label_json(&self, label: i128, discriminant: TypeId) -> Option<Json> {
@@ -210,6 +223,7 @@ impl Checker {
         place: &mut Place,
     ) -> Result<Json, Refused> {
         let mut found: Vec<(u32, Json)> = Vec::new();
+        let mut given: HashMap<u32, Span> = HashMap::new();
         let mut next = 0;
         for item in items {
             let rank = match &item.step {
@@ -228,6 +242,7 @@ impl Checker {
             }
             next = rank.saturating_add(1);
             if let Some(value) = self.item(item, element, &rank.to_string(), place)? {
+                self.once(&mut given, rank, item.span, || format!("element {rank}"));
                 found.push((rank, value));
             }
         }
@@ -251,11 +266,29 @@ impl Checker {
         place.pointer.push('/');
         place.pointer.push_str(step);
         if let Some(doc) = &item.doc {
+            // Docs are told by their whole way, which may be longer than they are.
+            if !self.reserve(place.pointer.len() + doc.text.len(), item.span) {
+                return Err(Refused);
+            }
             place.docs.push((place.pointer.clone(), doc.text.clone()));
         }
         let value = item.value.as_ref().map(|value| self.value(value, ty, item.span, place));
         place.pointer.truncate(length);
         value.transpose()
+    }
+
+    /// Tells of a value that replaces one given before in the same braces.
+    fn once<K: Eq + Hash>(
+        &mut self,
+        given: &mut HashMap<K, Span>,
+        what: K,
+        span: Span,
+        name: impl FnOnce() -> String,
+    ) {
+        if let Some(first) = given.insert(what, span) {
+            let message = format!("{} is given a value twice, this one holds", name());
+            self.push(Diagnostic::warning("W0907", span, message).note(first, "first here"));
+        }
     }
 
     fn unknown_member(&mut self, name: &str, ty: TypeId, span: Span) -> Refused {

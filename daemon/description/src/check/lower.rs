@@ -12,7 +12,7 @@ use super::clock::duration;
 use super::exclusion::Sharing;
 use super::property::add_throws;
 use super::state::{self, BodyId, CodelState, Role};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{
     AttributeTarget, Codel, CodelKind, CodelParameter, Component, Dialect, Direction, Interface,
     Owner, Parameter, Port, PortDirection, Remote, Service, ServiceKind, Sink, Source,
@@ -40,7 +40,7 @@ struct Moved {
 type Made = HashMap<(BodyId, usize), Records>;
 
 impl Checker {
-    pub(super) fn finish(mut self) -> (Specification, Vec<Diagnostic>) {
+    pub(super) fn finish(mut self) -> (Specification, Diagnostics) {
         self.check_forwards();
         // All names are resolved: room for the model.
         self.prototypes = HashMap::new();
@@ -54,8 +54,7 @@ impl Checker {
             if self.bodies[id].interface {
                 interfaces.push(self.lower_interface(id));
             } else {
-                let component = self.lower_component(id, &mut made);
-                components.push(component);
+                components.extend(self.lower_component(id, &mut made));
             }
         }
         for component in &components {
@@ -83,10 +82,20 @@ impl Checker {
         }
     }
 
-    fn lower_component(&mut self, id: BodyId, made: &mut Made) -> Component {
+    /// `None` when it would take too much, which is said.
+    fn lower_component(&mut self, id: BodyId, made: &mut Made) -> Option<Component> {
         let clock_rate = self.clock_rate(id);
-        let records: Vec<Records> =
-            (0..self.bodies[id].services.len()).map(|rank| self.records(id, rank, made)).collect();
+        self.place = self.bodies[id].span;
+        if !self.reserve(self.complete(id), self.place) {
+            return None;
+        }
+        let mut records: Vec<Records> = Vec::new();
+        for rank in 0..self.bodies[id].services.len() {
+            records.push(self.records(id, rank, made));
+            if self.taken.full {
+                return None;
+            }
+        }
         let remotes = self.lower_remotes(id, made);
         let mut codels = Vec::new();
         let mut tasks = Vec::new();
@@ -111,7 +120,7 @@ impl Checker {
                 real_time: task.real_time.or(body.real_time).is_some(),
                 stack: task.stack.or(body.stack).map(|(bytes, _)| bytes),
                 codels: ranks,
-                throws,
+                throws: throws.into_iter().collect(),
                 span: task.span,
             });
         }
@@ -166,9 +175,17 @@ impl Checker {
             digest: String::new(),
             span: body.span,
         };
-        complete(&mut component);
+        if !complete(&mut component) {
+            let message =
+                format!("codels of `{}` share more data than can be told apart", component.name);
+            self.push(
+                Diagnostic::error("E0725", component.span, message)
+                    .help("name the members of the IDS that each codel uses, not the whole of it"),
+            );
+            return None;
+        }
         self.digests(&mut component);
-        component
+        Some(component)
     }
 
     fn lower_service(
@@ -209,7 +226,7 @@ impl Checker {
             after: ordered(&service.after),
             validates: Vec::new(),
             codels: Vec::new(),
-            throws,
+            throws: throws.into_iter().collect(),
             standard: service.standard,
             through_ids: service.through_ids,
             digest: String::new(),
@@ -243,7 +260,7 @@ impl Checker {
                 parameters: service.parameters.iter().cloned().map(lower_parameter).collect(),
                 input: records.input,
                 output: records.output,
-                throws,
+                throws: throws.into_iter().collect(),
                 digest: String::new(),
                 span: remote.span,
             });
@@ -338,18 +355,21 @@ impl Checker {
     }
 }
 
-/// What follows from codels and services: exclusion, and the papers' interruptions.
-fn complete(component: &mut Component) {
+/// What follows from codels and services: exclusion, and the papers' interruptions. False when
+/// there is too much of it.
+fn complete(component: &mut Component) -> bool {
     if component.dialect != Dialect::Current {
         // dialects.md A: a service interrupts those it is incompatible with, unless it says.
-        let lists = Sharing::new(component).incompatible();
+        let Some(lists) = Sharing::new(component).incompatible() else { return false };
         for (service, list) in component.services.iter_mut().zip(lists) {
             if service.interrupts.is_empty() && service.kind == ServiceKind::Activity {
                 service.interrupts = list;
             }
         }
     }
-    component.exclusion = Sharing::new(component).table();
+    let Some(table) = Sharing::new(component).table() else { return false };
+    component.exclusion = table;
+    true
 }
 
 fn add_codels(

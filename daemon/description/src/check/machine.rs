@@ -92,17 +92,17 @@ impl Checker {
                     .help("an activity begins with `codel<start>`"),
             );
         }
-        let count = self.diagnostics.len();
+        let count = self.diagnostics.found();
         let roots: Vec<usize> =
             start.into_iter().chain(stop).chain(sinks.iter().copied()).collect();
         let reached = reach(&roots, codels, &by_state);
         self.check_yields(id, codels, &by_state, &reached);
         // A state that was misspelt leaves its codel unreached: said once.
-        if self.diagnostics.len() == count && (activity.is_none() || start.is_some()) {
+        if self.diagnostics.found() == count && (activity.is_none() || start.is_some()) {
             self.check_reached(id, codels, &reached);
         }
         // What a missing codel leads to is not known.
-        let Some(ether) = ether.filter(|_| self.diagnostics.len() == count) else { return };
+        let Some(ether) = ether.filter(|_| self.diagnostics.found() == count) else { return };
         // K10.
         if let Some(stop) = stop
             && !reach(&[stop], codels, &by_state).contains(&ether)
@@ -178,27 +178,40 @@ impl Checker {
         }
     }
 
+    /// A codel that another of its states leads to is reached: one that nothing yields is no
+    /// mistake of its own.
     // genom3.md 3.7 K11.
     fn check_reached(&mut self, id: BodyId, codels: &[CodelState], reached: &HashSet<usize>) {
         for codel in codels {
-            for (rank, state) in codel.triggers.iter().enumerate() {
-                if reached.contains(state) {
-                    continue;
-                }
-                let name = self.state_name(id, *state).to_owned();
-                let event = codel.syntax.machine.as_ref().and_then(|(triggers, _)| {
-                    triggers.iter().find(|e| *e.name.text == *name).or(triggers.get(rank))
-                });
-                let span = event.map_or(codel.syntax.name.span, |event| event.name.span);
-                let message = format!("state `{name}` is never reached");
-                let mut error = Diagnostic::error("E0711", span, message);
-                error.help = Some(if self.bodies[id].dialect == Dialect::Current {
-                    "no codel that start or stop leads to yields it".to_owned()
-                } else {
-                    format!("declare `event {name};` if it comes from outside")
-                });
-                self.push(error);
+            let Some(&first) = codel.triggers.first() else { continue };
+            if codel.triggers.iter().any(|state| reached.contains(state)) {
+                continue;
             }
+            let written = codel.syntax.machine.as_ref().map_or(&[][..], |(triggers, _)| triggers);
+            let name = self.state_name(id, first);
+            let event = written.iter().find(|event| *event.name.text == *name);
+            let span = event.or(written.first()).map_or(codel.syntax.name.span, |e| e.name.span);
+            let (message, whom) = if codel.triggers.len() == 1 {
+                (format!("state `{name}` is never reached"), "it")
+            } else {
+                let names: Vec<_> = codel
+                    .triggers
+                    .iter()
+                    .map(|state| format!("`{}`", self.state_name(id, *state)))
+                    .collect();
+                let codel = &codel.syntax.name.text;
+                let message = format!(
+                    "codel `{codel}` is never reached, by none of its states {}",
+                    names.join(", ")
+                );
+                (message, "one of them")
+            };
+            let help = if self.bodies[id].dialect == Dialect::Current {
+                format!("no codel that start or stop leads to yields {whom}")
+            } else {
+                format!("declare `event {name};` if it comes from outside")
+            };
+            self.push(Diagnostic::error("E0711", span, message).help(help));
         }
     }
 

@@ -1,5 +1,7 @@
 //! `provides`, `extends` and `uses`: an interface brought into another body (genom3.md 4.6).
 
+use indexmap::IndexSet;
+
 use super::Checker;
 use super::property::add_throws;
 use super::scope::Entity;
@@ -12,6 +14,9 @@ use crate::syntax::Name;
 impl Checker {
     /// Merges interface `from` into `id`; with `flip` as `uses` does.
     pub(super) fn merge(&mut self, id: BodyId, from: BodyId, flip: bool, place: Span) {
+        if !self.reserve(self.handed_on(from), place) {
+            return;
+        }
         let count = self.diagnostics.len();
         self.merge_properties(id, from);
         self.merge_ids(id, from);
@@ -51,16 +56,10 @@ impl Checker {
         let (requires, codels) = (other.requires.clone(), other.codels_requires.clone());
         let throws = other.throws.clone();
         let body = &mut self.bodies[id];
-        add_docs(&mut body.docs, docs);
+        add_new(&mut body.docs, docs);
         add_throws(&mut body.throws, &throws);
-        for (known, fresh) in [(&mut body.requires, requires), (&mut body.codels_requires, codels)]
-        {
-            for text in fresh {
-                if !known.contains(&text) {
-                    known.push(text);
-                }
-            }
-        }
+        add_new(&mut body.requires, requires);
+        add_new(&mut body.codels_requires, codels);
         let clashes = [
             merge_given(&mut body.version, version, "version"),
             merge_given(&mut body.lang, lang, "lang"),
@@ -101,11 +100,11 @@ impl Checker {
                 priority: None,
                 stack: None,
                 real_time: None,
-                throws: Vec::new(),
+                throws: IndexSet::new(),
                 codels: Vec::new(),
             },
         };
-        add_docs(&mut known.docs, docs);
+        add_new(&mut known.docs, docs);
         let clashes = [
             merge_given(&mut known.period, period, "period"),
             merge_given(&mut known.delay, delay, "delay"),
@@ -178,7 +177,7 @@ impl Checker {
             }
         };
         service.broken |= from.broken;
-        add_docs(&mut service.docs, from.docs);
+        add_new(&mut service.docs, from.docs);
         add_throws(&mut service.throws, &from.throws);
         for name in from.interrupts {
             if !service.interrupts.iter().any(|known| known.text == name.text) {
@@ -228,14 +227,12 @@ impl Checker {
     }
 }
 
-/// Joins documentation. An interface may come in twice, by two ways: its lines do not, or they
-/// would double with each level.
-fn add_docs(known: &mut Vec<String>, fresh: Vec<String>) {
-    for line in fresh {
-        if !known.contains(&line) {
-            known.push(line);
-        }
-    }
+/// Joins lists of packages, or lines of documentation. An interface may come in twice, by two
+/// ways: its lines do not, or they would double with each level.
+pub(super) fn add_new(known: &mut Vec<String>, fresh: Vec<String>) {
+    let mut all: IndexSet<String> = std::mem::take(known).into_iter().collect();
+    all.extend(fresh);
+    *known = all.into_iter().collect();
 }
 
 fn merge_given<T>(known: &mut Given<T>, fresh: Given<T>, what: &str) -> Option<Diagnostic> {

@@ -18,6 +18,7 @@ mod merge;
 mod papers;
 mod port;
 mod property;
+mod room;
 mod scope;
 mod service;
 mod state;
@@ -35,7 +36,7 @@ use self::scope::{Entity, ScopeId, Scopes};
 use self::state::{Body, BodyId};
 use self::types::{Facts, Shape};
 use self::value::Value;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{Constant, Masquerade, Span, Specification};
 use crate::syntax::{Path, Statement, Tree};
 use crate::token::Pragma;
@@ -51,15 +52,15 @@ pub(crate) fn check(
     tree: Tree,
     standard: Option<Tree>,
     root_of: &dyn Fn(u32) -> u32,
-) -> (Specification, Vec<Diagnostic>) {
+) -> (Specification, Diagnostics) {
     let mut checker = Checker::new(tree.lost);
     if let Some(standard) = standard {
         for statement in standard.statements {
             checker.statement(statement);
         }
     }
-    let (statements, mut refused) = papers::gather(tree.statements, root_of);
-    checker.diagnostics.append(&mut refused);
+    let (statements, refused) = papers::gather(tree.statements, root_of);
+    checker.diagnostics.append(refused);
     for (statement, dialect) in statements {
         checker.dialect = dialect;
         checker.statement(statement);
@@ -93,8 +94,11 @@ pub(super) struct Checker {
     /// Names that a mistake kept from being declared: nothing more is said of them.
     lost: HashSet<Rc<str>>,
     suggestions: u32,
+    taken: room::Taken,
+    /// The statement being read: where what has no place of its own is said to be.
+    place: Span,
     dialect: crate::model::Dialect,
-    diagnostics: Vec<Diagnostic>,
+    diagnostics: Diagnostics,
 }
 
 impl Checker {
@@ -119,8 +123,10 @@ impl Checker {
             provided: Vec::new(),
             lost,
             suggestions: SUGGESTIONS,
+            taken: room::Taken::default(),
+            place: Span::default(),
             dialect: crate::model::Dialect::Current,
-            diagnostics: Vec::new(),
+            diagnostics: Diagnostics::default(),
         }
     }
 
@@ -129,6 +135,9 @@ impl Checker {
     }
 
     fn statement(&mut self, statement: Statement) {
+        if self.taken.full {
+            return;
+        }
         match statement {
             Statement::Idl(idl) => self.idl(&idl),
             Statement::Component(body) => self.body(body, false),

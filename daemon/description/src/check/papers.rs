@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{Dialect, Span};
 use crate::syntax::{Body, Export, Name, Path, PropertyKind, Statement};
 
@@ -23,7 +23,7 @@ struct File {
 pub(super) fn gather(
     statements: Vec<Statement>,
     root_of: &dyn Fn(u32) -> u32,
-) -> (Vec<(Statement, Dialect)>, Vec<Diagnostic>) {
+) -> (Vec<(Statement, Dialect)>, Diagnostics) {
     let mut files: BTreeMap<u32, File> = BTreeMap::new();
     let mut kept: Vec<Option<(Statement, Dialect)>> = Vec::with_capacity(statements.len());
     for statement in statements {
@@ -47,7 +47,7 @@ pub(super) fn gather(
         }
         kept.push(Some((statement, Dialect::Current)));
     }
-    let mut diagnostics = Vec::new();
+    let mut diagnostics = Diagnostics::default();
     let mut moved: BTreeMap<usize, Body> = BTreeMap::new();
     for file in files.into_values() {
         fold(file, &mut kept, &mut moved, &mut diagnostics);
@@ -71,7 +71,7 @@ fn fold(
     file: File,
     kept: &mut [Option<(Statement, Dialect)>],
     moved: &mut BTreeMap<usize, Body>,
-    diagnostics: &mut Vec<Diagnostic>,
+    diagnostics: &mut Diagnostics,
 ) {
     let mut only = match (&*file.components, kept) {
         ([rank], kept) => kept.get_mut(*rank),

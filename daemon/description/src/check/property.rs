@@ -1,8 +1,12 @@
 //! Properties of components and interfaces, and what all properties share (genom3.md 3.5).
 
+use std::collections::HashMap;
+
 use genom_types::{Kind, TypeId};
+use indexmap::{IndexMap, IndexSet};
 
 use super::Checker;
+use super::merge::add_new;
 use super::scope::Entity;
 use super::state::{BodyId, Given};
 use crate::diagnostic::Diagnostic;
@@ -50,18 +54,12 @@ impl Checker {
             }
             K::Requires(list) => {
                 let fresh = self.strings(list);
-                let known = &mut self.bodies[id].requires;
-                known.extend(
-                    fresh.into_iter().filter(|text| !known.contains(text)).collect::<Vec<_>>(),
-                );
+                add_new(&mut self.bodies[id].requires, fresh);
             }
             // genom3.md appendix D: may be repeated since 2.99.41.
             K::CodelsRequire(list) => {
                 let fresh = self.strings(list);
-                let known = &mut self.bodies[id].codels_requires;
-                known.extend(
-                    fresh.into_iter().filter(|text| !known.contains(text)).collect::<Vec<_>>(),
-                );
+                add_new(&mut self.bodies[id].codels_requires, fresh);
             }
             K::Throws(list) => {
                 let fresh = self.throws(id, list);
@@ -110,25 +108,23 @@ impl Checker {
 
     // genom3.md 3.5 P7.
     fn strings(&mut self, list: &[Text]) -> Vec<String> {
-        let mut strings: Vec<String> = Vec::new();
+        let mut strings: IndexSet<String> = IndexSet::new();
         for text in list {
-            if strings.contains(&text.text) {
+            if !strings.insert(text.text.clone()) {
                 let message = format!("{:?} is listed twice", text.text);
                 self.push(Diagnostic::warning("W0507", text.span, message));
-            } else {
-                strings.push(text.text.clone());
             }
         }
-        strings
+        strings.into_iter().collect()
     }
 
     /// The exceptions of one list.
     // genom3.md 3.5 P14, P15.
-    pub(super) fn throws(&mut self, id: BodyId, list: &[Path]) -> Vec<TypeId> {
-        let mut found: Vec<(TypeId, Span)> = Vec::new();
+    pub(super) fn throws(&mut self, id: BodyId, list: &[Path]) -> IndexSet<TypeId> {
+        let mut found: IndexMap<TypeId, Span> = IndexMap::new();
         for path in list {
             let Some(ty) = self.exception_named(id, path) else { continue };
-            if let Some((_, first)) = found.iter().find(|(other, _)| *other == ty) {
+            if let Some(first) = found.get(&ty) {
                 let message = format!("exception `{path}` is listed twice");
                 let first = *first;
                 self.push(
@@ -136,9 +132,9 @@ impl Checker {
                 );
                 continue;
             }
-            found.push((ty, path.span));
+            found.insert(ty, path.span);
         }
-        found.into_iter().map(|(ty, _)| ty).collect()
+        found.into_keys().collect()
     }
 
     fn exception_named(&mut self, id: BodyId, path: &Path) -> Option<TypeId> {
@@ -171,12 +167,13 @@ impl Checker {
     /// `provides`, `uses` and `extends`.
     // genom3.md 3.4 I2 to I4, I8.
     fn inherit(&mut self, id: BodyId, names: &[Name], flip: bool) {
-        for (rank, name) in names.iter().enumerate() {
+        let mut listed: HashMap<&str, Span> = HashMap::new();
+        for name in names {
             let Some(other) = self.interface(&name.text, name.span, "E0402") else { continue };
-            if let Some(first) = names[..rank].iter().find(|n| n.text == name.text) {
+            if let Some(first) = listed.insert(&name.text, name.span) {
                 let message = format!("interface `{}` is listed twice", name.text);
                 self.push(
-                    Diagnostic::error("E0404", name.span, message).note(first.span, "listed here"),
+                    Diagnostic::error("E0404", name.span, message).note(first, "listed here"),
                 );
                 continue;
             }
@@ -186,6 +183,9 @@ impl Checker {
                 continue;
             }
             self.merge(id, other, flip, name.span);
+            if self.taken.full {
+                return;
+            }
         }
     }
 
@@ -215,10 +215,6 @@ impl Checker {
 }
 
 /// Unites two lists of exceptions.
-pub(super) fn add_throws(known: &mut Vec<TypeId>, fresh: &[TypeId]) {
-    for ty in fresh {
-        if !known.contains(ty) {
-            known.push(*ty);
-        }
-    }
+pub(super) fn add_throws(known: &mut IndexSet<TypeId>, fresh: &IndexSet<TypeId>) {
+    known.extend(fresh);
 }

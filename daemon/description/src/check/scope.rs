@@ -33,6 +33,7 @@ pub(super) enum Entity {
 pub(super) enum Sort {
     Type,
     Member,
+    State,
     Other,
 }
 
@@ -41,6 +42,7 @@ impl Sort {
         match entity {
             Entity::Type(_) => Sort::Type,
             Entity::Member => Sort::Member,
+            Entity::State => Sort::State,
             _ => Sort::Other,
         }
     }
@@ -230,7 +232,9 @@ impl Checker {
             self.push(Diagnostic::error("E0202", name.span, message).note(span, "declared here"));
             return false;
         }
-        if sort == Sort::Type
+        // Every component has a module `pause`; a state of that name clashes with nothing.
+        if sort != Sort::Member
+            && !(sort == Sort::State && text == "pause")
             && let Some((_, ScopeKind::Module, span)) = self.scopes.child(scope, text)
         {
             let message = format!("`{text}` is already the name of a module or component");

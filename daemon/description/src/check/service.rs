@@ -3,9 +3,12 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use indexmap::IndexSet;
+
 use super::Checker;
 use super::attribute::direction;
 use super::property::add_throws;
+use super::room;
 use super::state::{BodyId, Parameter, Role, Service};
 use crate::diagnostic::Diagnostic;
 use crate::model::{Dialect, Direction, Span};
@@ -33,11 +36,9 @@ impl Checker {
             return;
         };
         let reopened = service.is_some();
-        let count = self.diagnostics.len();
+        let count = self.diagnostics.errors();
         let parameters = self.parameters(id, dcl);
-        let refused = self.diagnostics[count..]
-            .iter()
-            .any(|d| d.severity == crate::diagnostic::Severity::Error);
+        let refused = self.diagnostics.errors() > count;
         let mut service = match service.take() {
             Some(mut known) => {
                 // A reopened service repeats its parameters.
@@ -60,6 +61,7 @@ impl Checker {
         for property in &dcl.properties {
             self.service_property(id, &mut service, property);
         }
+        self.reserve(room::service(&service), name.span);
         let (rank, _) = self.bodies[id].services.insert_full(name.text.clone(), service);
         self.bodies[id].touched_services.insert(rank);
     }
@@ -488,7 +490,7 @@ pub(super) fn empty(kind: ServiceKind, name: &Name) -> Service {
         after: None,
         validates: Vec::new(),
         codels: Vec::new(),
-        throws: Vec::new(),
+        throws: IndexSet::new(),
         standard: false,
         through_ids: false,
         broken: false,

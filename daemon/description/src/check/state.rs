@@ -4,7 +4,7 @@ use std::collections::HashSet;
 use std::rc::Rc;
 
 use genom_types::TypeId;
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 
 use super::scope::ScopeId;
 use crate::model::{Default as DefaultValue, Dialect, Direction, PathStep, Source, Span, Yield};
@@ -33,7 +33,7 @@ pub(super) struct Body {
     pub(super) clock_rate: Given<f64>,
     pub(super) stack: Given<u64>,
     pub(super) real_time: Given<()>,
-    pub(super) throws: Vec<TypeId>,
+    pub(super) throws: IndexSet<TypeId>,
     pub(super) ids: Option<TypeId>,
     pub(super) ids_scope: ScopeId,
     /// Where each member of the IDS is declared.
@@ -60,7 +60,7 @@ pub(super) struct Task {
     pub(super) priority: Given<u32>,
     pub(super) stack: Given<u64>,
     pub(super) real_time: Given<()>,
-    pub(super) throws: Vec<TypeId>,
+    pub(super) throws: IndexSet<TypeId>,
     pub(super) codels: Vec<CodelState>,
 }
 
@@ -96,7 +96,7 @@ pub(super) struct Service {
     pub(super) after: Given<Vec<Name>>,
     pub(super) validates: Vec<CodelState>,
     pub(super) codels: Vec<CodelState>,
-    pub(super) throws: Vec<TypeId>,
+    pub(super) throws: IndexSet<TypeId>,
     pub(super) standard: bool,
     pub(super) through_ids: bool,
     /// Something of it was refused: what follows from that is not said.

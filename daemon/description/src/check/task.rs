@@ -1,7 +1,10 @@
 //! Execution tasks.
 
+use indexmap::IndexSet;
+
 use super::Checker;
 use super::property::add_throws;
+use super::room;
 use super::state::{BodyId, Role, Task};
 use crate::diagnostic::Diagnostic;
 use crate::syntax::{self, PropertyKind};
@@ -15,6 +18,7 @@ impl Checker {
         for property in &dcl.properties {
             self.task_property(id, &mut task, property);
         }
+        self.reserve(room::task(&task), dcl.name.span);
         let (rank, _) = self.bodies[id].tasks.insert_full(dcl.name.text.clone(), task);
         self.bodies[id].touched_tasks.insert(rank);
     }
@@ -90,7 +94,7 @@ fn empty(name: &syntax::Name) -> Task {
         priority: None,
         stack: None,
         real_time: None,
-        throws: Vec::new(),
+        throws: IndexSet::new(),
         codels: Vec::new(),
     }
 }

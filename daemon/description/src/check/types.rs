@@ -5,6 +5,7 @@ use std::collections::HashSet;
 use genom_types::{Kind, Member, TypeId};
 
 use super::Checker;
+use super::room;
 use super::scope::Entity;
 use crate::diagnostic::Diagnostic;
 use crate::model::Span;
@@ -40,6 +41,7 @@ impl Checker {
     pub(super) fn add_type(&mut self, kind: Kind, span: Option<Span>) -> TypeId {
         let mut facts = self.facts_of(&kind);
         facts.span = span;
+        self.reserve(room::of_type(&kind), span.unwrap_or(self.place));
         let id = self.types.add(kind);
         if self.facts.len() <= id.index() {
             self.facts.resize(id.index() + 1, Facts::default());
@@ -52,6 +54,7 @@ impl Checker {
         let mut facts = self.facts_of(&kind);
         facts.forward = self.facts[id.index()].forward;
         facts.span = Some(span);
+        self.reserve(room::of_type(&kind), span);
         self.facts[id.index()] = facts;
         self.types.complete(id, kind);
     }

@@ -3,28 +3,28 @@
 use std::collections::{HashMap, HashSet};
 
 use super::Checker;
-use crate::diagnostic::Diagnostic;
-use crate::model::{CodelKind, Component, Direction, Owner, ServiceKind, Source, Span};
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::model::{
+    Codel, CodelKind, Component, Direction, Owner, PathStep, Service, ServiceKind, Source, Span,
+};
 
 impl Checker {
     pub(super) fn warn(&mut self, component: &Component) {
-        let count = self.diagnostics.len();
+        // Nothing is said of what a mistake keeps from being known.
+        if self.diagnostics.errors() > 0 {
+            return;
+        }
         warn_directions(component, &mut self.diagnostics);
         warn_unused(component, &mut self.diagnostics);
         warn_endless(component, &mut self.diagnostics);
-        // Nothing is said of what a mistake keeps from being known.
-        if self.diagnostics[..count]
-            .iter()
-            .any(|d| d.severity == crate::diagnostic::Severity::Error)
-        {
-            self.diagnostics.truncate(count);
-        }
     }
 }
 
-/// `out` on a parameter that the service only takes in: nobody sees what is written.
-fn warn_directions(component: &Component, out: &mut Vec<Diagnostic>) {
-    for codel in &component.codels {
+/// `out` on a parameter that the service only takes in, and that no codel reads afterwards:
+/// nobody sees what is written. Parameters keep their values from codel to codel, so that an
+/// activity may well count in one.
+fn warn_directions(component: &Component, out: &mut Diagnostics) {
+    for (node, codel) in component.codels.iter().enumerate() {
         // A validate codel may edit the value it checks (genom3.md 7.3).
         let (Owner::Service(rank), false) =
             (codel.owner, matches!(codel.kind, CodelKind::Validate))
@@ -32,10 +32,15 @@ fn warn_directions(component: &Component, out: &mut Vec<Diagnostic>) {
             continue;
         };
         let Some(service) = component.services.get(rank) else { continue };
+        let mut later = None;
         for parameter in &codel.parameters {
-            let Source::Parameter { index, .. } = parameter.source else { continue };
-            let Some(declared) = service.parameters.get(index) else { continue };
+            let Source::Parameter { index, path } = &parameter.source else { continue };
+            let Some(declared) = service.parameters.get(*index) else { continue };
             if declared.direction == Direction::In && parameter.direction != Direction::In {
+                let later = later.get_or_insert_with(|| run_later(component, service, node));
+                if later.iter().any(|codel| reads(codel, *index, path)) {
+                    continue;
+                }
                 let message = format!(
                     "`{}` is `in` for the service: what codel `{}` writes is lost",
                     declared.name, codel.name
@@ -49,7 +54,43 @@ fn warn_directions(component: &Component, out: &mut Vec<Diagnostic>) {
     }
 }
 
-fn warn_unused(component: &Component, out: &mut Vec<Diagnostic>) {
+/// Codels of a service that may run after one of them has; itself too, if it may run again.
+fn run_later<'m>(component: &'m Component, service: &Service, node: usize) -> Vec<&'m Codel> {
+    let all = || service.codels.iter().filter_map(|rank| component.codels.get(*rank));
+    let Some(CodelKind::Fsm { yields, .. }) = component.codels.get(node).map(|codel| &codel.kind)
+    else {
+        // Simple codels run one after the other.
+        let after = service.codels.iter().skip_while(|rank| **rank != node).skip(1);
+        return after.filter_map(|rank| component.codels.get(*rank)).collect();
+    };
+    // It may be interrupted, or an event may come.
+    let stop = component.states.iter().position(|state| state == "stop");
+    let sinks = component.sinks.iter().map(|sink| sink.state);
+    let mut todo: Vec<usize> = yields.iter().map(|y| y.state).chain(stop).chain(sinks).collect();
+    let mut reached: HashSet<usize> = todo.iter().copied().collect();
+    let mut later = Vec::new();
+    while let Some(state) = todo.pop() {
+        for codel in all() {
+            let CodelKind::Fsm { triggers, yields } = &codel.kind else { continue };
+            if triggers.contains(&state) {
+                todo.extend(yields.iter().map(|y| y.state).filter(|next| reached.insert(*next)));
+                later.push(codel);
+            }
+        }
+    }
+    later
+}
+
+/// Whether a codel takes in what another one wrote in a parameter of the service.
+fn reads(codel: &Codel, parameter: usize, written: &[PathStep]) -> bool {
+    codel.parameters.iter().any(|read| {
+        let Source::Parameter { index, path } = &read.source else { return false };
+        let overlaps = path.iter().zip(written).all(|(a, b)| a == b);
+        *index == parameter && read.direction != Direction::Out && overlaps
+    })
+}
+
+fn warn_unused(component: &Component, out: &mut Diagnostics) {
     let mut ports = HashSet::new();
     let mut tasks = HashSet::new();
     for codel in &component.codels {
@@ -78,7 +119,7 @@ fn warn_unused(component: &Component, out: &mut Vec<Diagnostic>) {
 }
 
 /// An activity that may run for ever and has no `stop`: interrupting it ends it where it stands.
-fn warn_endless(component: &Component, out: &mut Vec<Diagnostic>) {
+fn warn_endless(component: &Component, out: &mut Diagnostics) {
     for service in component.services.iter().filter(|s| s.kind == ServiceKind::Activity) {
         let mut next: HashMap<usize, Vec<usize>> = HashMap::new();
         for codel in service.codels.iter().filter_map(|rank| component.codels.get(*rank)) {

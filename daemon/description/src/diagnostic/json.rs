@@ -3,22 +3,28 @@
 use serde_json::{Value, json};
 
 use super::human::severity_name;
-use super::{Diagnostic, Severity, ordered};
+use super::{Diagnostic, Rest, Severity, ordered};
 use crate::model::Span;
 use crate::source::SourceMap;
 
-/// One document: `{"errors": n, "warnings": n, "diagnostics": [...]}`.
+/// One document: `{"errors": n, "warnings": n, "diagnostics": [...]}`. What is not in the list
+/// is counted too, and `"left_out"` says how many that are.
 ///
 /// Lines and columns count from 1, columns in characters; an end is one past the last character.
 #[must_use]
-pub fn json(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
+pub fn json(diagnostics: &[Diagnostic], rest: Rest, sources: &SourceMap) -> String {
     let ordered = ordered(diagnostics, sources);
     let count = |severity| ordered.iter().filter(|d| d.severity == severity).count();
-    let document = json!({
-        "errors": count(Severity::Error),
-        "warnings": count(Severity::Warning),
+    let mut document = json!({
+        "errors": count(Severity::Error) + rest.errors,
+        "warnings": count(Severity::Warning) + rest.warnings,
         "diagnostics": ordered.iter().map(|d| one(d, sources)).collect::<Vec<_>>(),
     });
+    if let Value::Object(document) = &mut document
+        && !rest.is_empty()
+    {
+        document.insert("left_out".to_owned(), json!(rest.errors + rest.warnings));
+    }
     format!("{document:#}\n")
 }
 

@@ -1,11 +1,15 @@
 //! What there is to say about a description, as data; how to show it; what each code means.
 
+mod fix;
 mod human;
 mod json;
+mod list;
 mod order;
 mod register;
 
-pub use order::ordered;
+pub use fix::{Fix, fix};
+pub use list::Diagnostics;
+pub use order::{Rest, first, ordered};
 pub use register::{Explanation, explain, explanations};
 
 use crate::model::Span;

@@ -9,13 +9,25 @@ mod words;
 
 pub(crate) use literal::{character, unescape};
 
+/// Whether a text can be a name.
+pub(crate) fn is_name(text: &str) -> bool {
+    let sound = text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+    let begins = text.bytes().next().is_some_and(|byte| !byte.is_ascii_digit());
+    let free = words::keyword(text).is_none() && words::word_operator(text).is_none();
+    sound && begins && free && text.len() <= LONGEST
+}
+
 use std::collections::HashSet;
 use std::rc::Rc;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::Span;
 use crate::ptoken::{Kind, PToken};
 use crate::token::{Pragma, Token, TokenKind};
+
+/// Bytes of the longest name, and of the longest number: the C names made of a few of them stay
+/// within what tools can take.
+const LONGEST: usize = 1024;
 
 /// Makes tokens.
 #[derive(Debug, Default)]
@@ -31,10 +43,23 @@ pub(crate) struct Lexer {
 
 impl Lexer {
     /// The next preprocessing token.
-    pub(crate) fn take(&mut self, token: PToken, text: &str, diagnostics: &mut Vec<Diagnostic>) {
+    pub(crate) fn take(&mut self, token: PToken, text: &str, diagnostics: &mut Diagnostics) {
         let span = token.span;
         match token.kind {
+            Kind::Identifier if text.len() > LONGEST => {
+                let message = format!("a name of {} characters", text.len());
+                diagnostics.push(
+                    Diagnostic::error("E0117", span, message)
+                        .help(format!("names have at most {LONGEST}")),
+                );
+                self.word(text.get(..LONGEST).unwrap_or_default(), span, token.space);
+            }
             Kind::Identifier => self.word(text, span, token.space),
+            Kind::Number if text.len() > LONGEST => {
+                let message = format!("a number of {} characters", text.len());
+                diagnostics.push(Diagnostic::error("E0116", span, message));
+                self.push(TokenKind::Integer(0), span);
+            }
             Kind::Number => {
                 for (kind, part) in number::cut(text, span, diagnostics) {
                     match kind {
@@ -86,6 +111,11 @@ impl Lexer {
         self.push(TokenKind::Pragma(Box::new(pragma)), span);
     }
 
+    /// Tokens so far.
+    pub(crate) fn len(&self) -> usize {
+        self.tokens.len()
+    }
+
     /// All tokens, with the last one at `end`.
     pub(crate) fn finish(mut self, end: Span) -> Vec<Token> {
         self.push(TokenKind::End, end);
@@ -130,7 +160,7 @@ impl Lexer {
         name
     }
 
-    fn stray(&mut self, text: &str, span: Span, diagnostics: &mut Vec<Diagnostic>) {
+    fn stray(&mut self, text: &str, span: Span, diagnostics: &mut Diagnostics) {
         let follows =
             self.stray.is_some_and(|last| last.file == span.file && last.end == span.start);
         self.stray = Some(span);

@@ -2,16 +2,12 @@
 //!
 //! `5ms` is 5 and `ms`, `0x1Fu` one integer, `1.5d` a fixed point literal.
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::Span;
 use crate::token::TokenKind;
 
 /// The tokens of a preprocessing number, each with its place.
-pub(super) fn cut(
-    text: &str,
-    span: Span,
-    diagnostics: &mut Vec<Diagnostic>,
-) -> Vec<(TokenKind, Span)> {
+pub(super) fn cut(text: &str, span: Span, diagnostics: &mut Diagnostics) -> Vec<(TokenKind, Span)> {
     // In a macro's expansion or over a joined line, places inside the token are not known.
     let exact = (span.end - span.start) as usize == text.len();
     let place = |start: usize, end: usize| {
@@ -49,7 +45,7 @@ pub(super) fn cut(
 fn literal(
     rest: &str,
     place: impl Fn(usize) -> Span,
-    diagnostics: &mut Vec<Diagnostic>,
+    diagnostics: &mut Diagnostics,
 ) -> (TokenKind, usize) {
     let bytes = rest.as_bytes();
     if let [b'0', b'x' | b'X', digit, ..] = bytes
@@ -99,7 +95,7 @@ fn literal(
 }
 
 /// An intended difference: 64 bits are kept, and more is an error.
-fn integer(digits: &str, radix: u32, span: Span, diagnostics: &mut Vec<Diagnostic>) -> TokenKind {
+fn integer(digits: &str, radix: u32, span: Span, diagnostics: &mut Diagnostics) -> TokenKind {
     let value = u64::from_str_radix(digits, radix);
     if value.is_err() {
         let message = "this integer does not fit in 64 bits";
@@ -118,7 +114,7 @@ fn integer_suffix(
     rest: &str,
     digits: usize,
     place: &impl Fn(usize) -> Span,
-    diagnostics: &mut Vec<Diagnostic>,
+    diagnostics: &mut Diagnostics,
 ) -> usize {
     let after = &rest[digits..];
     if after == "us" {

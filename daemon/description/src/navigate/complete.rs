@@ -91,6 +91,46 @@ const TYPES: &[&str] = &[
 ];
 const DIRECTIONS: &[&str] = &["in", "out", "inout"];
 
+/// Words that the tables above do not hold.
+const OTHERS: &[&str] = &[
+    "all",
+    "all-of",
+    "multiple",
+    "yield",
+    "yields",
+    "pause",
+    "ether",
+    "start",
+    "stop",
+    "wcet",
+    "real-time",
+    "s",
+    "ms",
+    "us",
+    "k",
+    "M",
+    "codels-requires",
+    "require",
+    "provide",
+    "use",
+    "extend",
+    "throw",
+    "interrupt",
+    "remote",
+    "inport",
+    "outport",
+    "input",
+    "output",
+    "language",
+    "service",
+];
+
+/// Whether a word is one of the language, where it is no name.
+pub(super) fn is_word(word: &str) -> bool {
+    let tables = [TOP, BODY, TASK, ATTRIBUTE, FUNCTION, ACTIVITY, TYPES, DIRECTIONS, OTHERS];
+    tables.iter().any(|table| table.contains(&word))
+}
+
 /// Names that a place asks for.
 #[derive(Clone, Copy)]
 enum Wanted {

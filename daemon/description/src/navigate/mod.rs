@@ -8,11 +8,15 @@ mod context;
 mod extent;
 mod hover;
 mod outline;
+mod paint;
+mod rename;
 mod symbol;
 mod walk;
 
 pub use complete::{Completion, CompletionKind};
 pub use outline::Outline;
+pub use paint::Paint;
+pub use rename::RenameError;
 pub use symbol::{Symbol, SymbolKind};
 
 use std::path::{Path, PathBuf};
@@ -106,11 +110,16 @@ impl Navigator {
         real.then_some(symbol.span)
     }
 
-    /// Every place that names what stands at a byte, its declaration included.
+    /// Every place that names what stands at a byte, its declaration included. A codel is one
+    /// function wherever it is used.
     #[must_use]
     pub fn references(&self, file: u32, offset: u32) -> Vec<Span> {
         let Some((_, wanted)) = self.use_at(file, offset) else { return Vec::new() };
-        let uses = self.table.uses.iter().filter(|(_, id)| *id == wanted);
+        let symbol = |id: usize| self.table.get(id).filter(|one| one.kind == SymbolKind::Codel);
+        let codel = symbol(wanted).map(|one| &one.name);
+        let uses = self.table.uses.iter().filter(|(_, id)| {
+            *id == wanted || codel.is_some() && symbol(*id).map(|one| &one.name) == codel
+        });
         let mut places: Vec<Span> = uses.map(|(span, _)| *span).collect();
         places.dedup();
         places

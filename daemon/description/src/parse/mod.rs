@@ -16,7 +16,7 @@ pub(crate) use statement::nearest;
 use std::collections::HashSet;
 use std::rc::Rc;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::Span;
 use crate::syntax::{Name, Tree};
 use crate::token::{Pragma, Token, TokenKind};
@@ -26,7 +26,7 @@ pub const MAX_DEPTH: u32 = 100;
 
 /// Reads a whole specification.
 #[must_use]
-pub fn parse(tokens: &[Token]) -> (Tree, Vec<Diagnostic>) {
+pub fn parse(tokens: &[Token]) -> (Tree, Diagnostics) {
     let mut parser = Parser::new(tokens);
     let statements = parser.specification();
     (Tree { statements, lost: parser.lost }, parser.diagnostics)
@@ -54,7 +54,7 @@ pub(crate) struct Parser<'a> {
     last_error: Option<usize>,
     /// Inner `>>` closed two templates (an error, already reported).
     half_closed: bool,
-    diagnostics: Vec<Diagnostic>,
+    diagnostics: Diagnostics,
     /// Pragmas met since the last statement.
     pragmas: Vec<(Pragma, Span)>,
     lost: HashSet<Rc<str>>,
@@ -71,7 +71,7 @@ impl<'a> Parser<'a> {
             stopped: false,
             last_error: None,
             half_closed: false,
-            diagnostics: Vec::new(),
+            diagnostics: Diagnostics::default(),
             pragmas: Vec::new(),
             lost: HashSet::new(),
         };
@@ -186,18 +186,13 @@ impl<'a> Parser<'a> {
                 Ok(name)
             }
             None => {
-                let reserved = match self.kind() {
-                    TokenKind::Keyword(keyword) => Some(*keyword),
+                let help = match self.kind() {
+                    TokenKind::Keyword(keyword) => {
+                        Some(format!("`{keyword}` is reserved: choose another name"))
+                    }
                     _ => None,
                 };
-                let count = self.diagnostics.len();
-                let result = self.unexpected(what);
-                if let (Some(keyword), true) = (reserved, self.diagnostics.len() > count)
-                    && let Some(last) = self.diagnostics.last_mut()
-                {
-                    last.help = Some(format!("`{keyword}` is reserved: choose another name"));
-                }
-                result
+                self.refuse(self.code, what, help)
             }
         }
     }

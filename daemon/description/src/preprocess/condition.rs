@@ -1,6 +1,6 @@
 //! Conditional groups: `#if` and its family, and the expressions they test.
 
-use super::{Kind, PToken, Preprocessor};
+use super::{Kind, PToken, Preprocessor, Text};
 use crate::diagnostic::Diagnostic;
 use crate::model::Span;
 
@@ -66,7 +66,7 @@ impl Preprocessor<'_> {
                 continue;
             }
             if !hash.first || self.text(hash) != "#" {
-                self.read_line();
+                self.skip_line();
                 continue;
             }
             let name = self.line_token();
@@ -79,7 +79,7 @@ impl Preprocessor<'_> {
                 "if" | "ifdef" | "ifndef" => depth += 1,
                 "endif" if depth > 0 => depth -= 1,
                 "endif" => {
-                    self.read_line();
+                    self.skip_line();
                     if let Some(open) = self.open.last_mut() {
                         open.conditionals.pop();
                     }
@@ -94,7 +94,7 @@ impl Preprocessor<'_> {
                 }
                 _ => {}
             }
-            self.read_line();
+            self.skip_line();
         }
         self.end_directive();
         self.set_quiet(false);
@@ -105,7 +105,7 @@ impl Preprocessor<'_> {
         let before = self.open.last().and_then(|open| open.conditionals.last());
         let already = before.is_none_or(|conditional| conditional.taken);
         let taken = if already || is_else {
-            self.read_line();
+            self.skip_line();
             !already
         } else {
             self.set_quiet(false);
@@ -154,6 +154,9 @@ impl Preprocessor<'_> {
 
     /// The truth of an `#if` expression; false when it cannot be understood.
     fn evaluate(&mut self, name: PToken, line: Vec<PToken>) -> bool {
+        if self.fatal {
+            return false;
+        }
         let line = self.answer_defined(line);
         let line = self.expand_list(line);
         let mut evaluation =
@@ -176,6 +179,7 @@ impl Preprocessor<'_> {
     /// Replaces `defined X` and `defined(X)` before macros are expanded.
     fn answer_defined(&mut self, line: Vec<PToken>) -> Vec<PToken> {
         let mut out = Vec::with_capacity(line.len());
+        let mut answers: [Option<Text>; 2] = [None, None];
         let mut at = 0;
         while let Some(&token) = line.get(at) {
             at += 1;
@@ -187,8 +191,13 @@ impl Preprocessor<'_> {
             };
             match name.filter(|name| is_defined && name.kind == Kind::Identifier) {
                 Some(name) => {
-                    let answer = if self.macros.contains_key(self.text(*name)) { "1" } else { "0" };
-                    out.push(self.made(Kind::Number, answer, token.span, token.space));
+                    let known = usize::from(self.macros.contains_key(self.text(*name)));
+                    let text = match answers[known] {
+                        Some(text) => text,
+                        None => self.scratch(["0", "1"][known]),
+                    };
+                    answers[known] = Some(text);
+                    out.push(PToken { kind: Kind::Number, text, first: false, ..token });
                     at = after;
                 }
                 None => out.push(token),
@@ -370,7 +379,13 @@ fn truth(value: bool) -> Value {
     Value { number: i64::from(value), unsigned: false }
 }
 
+/// The value of a number. Of a version (`__GENOM__` is `2.99.41`) it is the first part, as GenoM3
+/// reads it; a fraction is none.
 fn number(text: &str) -> Option<Value> {
+    let text = match text.split_once('.') {
+        Some((first, rest)) if rest.contains('.') => first,
+        _ => text,
+    };
     let digits = text.trim_end_matches(['u', 'U', 'l', 'L']);
     let suffix = text.get(digits.len()..).unwrap_or_default();
     let lower = digits.to_ascii_lowercase();

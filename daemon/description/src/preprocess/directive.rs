@@ -79,10 +79,19 @@ impl Preprocessor<'_> {
             if matches!(token.kind, Kind::Newline | Kind::End) {
                 break;
             }
+            if !self.count_line(line.len(), token) {
+                break;
+            }
             line.push(PToken { first: false, ..token });
         }
         self.end_directive();
         line
+    }
+
+    /// Passes over the rest of the line.
+    pub(super) fn skip_line(&mut self) {
+        while !matches!(self.line_token().kind, Kind::Newline | Kind::End) {}
+        self.end_directive();
     }
 
     /// The rest of the directive, which is no program text: quotes need no partner.
@@ -160,6 +169,18 @@ impl Preprocessor<'_> {
             Diagnostic::error("E0123", span, "this line directive cannot be understood")
                 .help("write `#line NUMBER` or `#line NUMBER \"file\"`"),
         );
+    }
+
+    /// `##` at the beginning of a line.
+    pub(super) fn pass_over(&mut self, sign: PToken) {
+        if let Some(open) = self.open.last_mut() {
+            open.scanner.directive = true;
+        }
+        self.set_quiet(true);
+        self.skip_line();
+        self.set_quiet(false);
+        let message = "a line that begins with `##` is ignored";
+        self.diagnostics.push(Diagnostic::warning("W0105", sign.span, message));
     }
 
     /// GenoM3 drops unknown directives silently; a word says what was probably meant.

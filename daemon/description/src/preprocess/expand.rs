@@ -8,12 +8,10 @@ use std::rc::Rc;
 use super::macros::{Item, Macro, Role, Shape};
 use super::scanner::Scanner;
 use super::{Kind, PToken, Preprocessor, Text, end_token};
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::Span;
 use crate::source::Loaded;
 
-/// Tokens that macros may make in one run: no honest description comes near.
-const MAX_EXPANDED: usize = 1 << 20;
 /// Macros used in arguments of macros used in arguments...
 const MAX_NESTING: usize = 100;
 
@@ -88,7 +86,13 @@ impl Preprocessor<'_> {
     /// Replaces a use of a macro by its expansion; false when it is no use of it after all.
     fn expand(&mut self, name: PToken, found: &Rc<Macro>) -> bool {
         let tokens = match found.shape {
-            Shape::File | Shape::Line => vec![self.place_token(name, found.shape)],
+            Shape::File | Shape::Line => {
+                let made = vec![self.place_token(name, found.shape)];
+                if !self.count_tokens(name, found, &made) {
+                    return true;
+                }
+                made
+            }
             Shape::Object => self.replace(name, found, &[]),
             Shape::Function { parameters, variadic } => {
                 let keep = std::mem::replace(&mut self.keep_open, self.open.len());
@@ -106,17 +110,8 @@ impl Preprocessor<'_> {
                 }
             }
         };
-        if self.fatal {
-            return true;
-        }
-        self.expanded += tokens.len() + 1;
-        if self.expanded > MAX_EXPANDED {
-            let message = format!("macros expand to more than {MAX_EXPANDED} tokens");
-            self.abandon(
-                Diagnostic::error("E0127", name.span, message)
-                    .note(found.span, format!("while expanding `{}`, defined here", found.name))
-                    .help("a macro that uses another one twice doubles its size each time"),
-            );
+        // What it makes was counted while it was made.
+        if !self.count_expanded(name, found, 1, 0) {
             return true;
         }
         if self.contexts.is_empty() {
@@ -158,12 +153,19 @@ impl Preprocessor<'_> {
                 (Kind::Punctuation, ")") if depth == 0 => return Arguments::Found(arguments),
                 (Kind::Punctuation, ")") => depth -= 1,
                 (Kind::Punctuation, ",") if depth == 0 => {
+                    if !self.count_expanded(name, found, 1, 0) {
+                        return Arguments::Unusable;
+                    }
                     arguments.push(vec![token]);
                     continue;
                 }
                 _ => {}
             }
             token.first = false;
+            // Arguments inside arguments are held once a level.
+            if !self.count_expanded(name, found, 1, 0) {
+                return Arguments::Unusable;
+            }
             if let Some(last) = arguments.last_mut() {
                 last.push(token);
             }
@@ -219,7 +221,7 @@ impl Preprocessor<'_> {
         // After `##`: whether what stood before it left a token to paste to.
         let mut paste: Option<bool> = None;
         for (rank, item) in found.body.iter().enumerate() {
-            if self.fatal || out.len() > MAX_EXPANDED {
+            if self.fatal {
                 break;
             }
             let next_pastes = found.body.get(rank + 1).is_some_and(|n| n.role == Role::Paste);
@@ -227,7 +229,11 @@ impl Preprocessor<'_> {
                 Role::Paste => continue,
                 Role::Plain => vec![PToken { span: name.span, first: false, ..item.token }],
                 Role::Stringize(parameter) => {
-                    vec![self.stringize(name, item, raw.get(parameter).map_or(&[], Vec::as_slice))]
+                    let given = raw.get(parameter).map_or(&[][..], Vec::as_slice);
+                    match self.stringize(name, found, item, given) {
+                        Some(made) => vec![made],
+                        None => break,
+                    }
                 }
                 Role::Parameter(parameter) => {
                     let given = raw.get(parameter).map_or(&[][..], Vec::as_slice);
@@ -246,6 +252,9 @@ impl Preprocessor<'_> {
                     }
                 }
             };
+            if !self.count_tokens(name, found, &operand) {
+                break;
+            }
             let left = paste.take();
             if next_pastes {
                 paste = Some(left == Some(true) || !operand.is_empty());
@@ -274,9 +283,17 @@ impl Preprocessor<'_> {
         done
     }
 
-    fn stringize(&mut self, name: PToken, item: &Item, argument: &[PToken]) -> PToken {
+    /// The text of an argument as a string; `None` when it is too long.
+    fn stringize(
+        &mut self,
+        name: PToken,
+        found: &Macro,
+        item: &Item,
+        argument: &[PToken],
+    ) -> Option<PToken> {
         let mut text = String::from("\"");
         for (rank, token) in argument.iter().enumerate() {
+            let before = text.len();
             if rank > 0 && token.space {
                 text.push(' ');
             }
@@ -286,9 +303,12 @@ impl Preprocessor<'_> {
             } else {
                 text.push_str(spelled);
             }
+            if !self.count_expanded(name, found, 0, text.len() - before) {
+                return None;
+            }
         }
         text.push('"');
-        self.made(Kind::String, &text, name.span, item.token.space)
+        Some(self.made(Kind::String, &text, name.span, item.token.space))
     }
 
     /// Glues the last token of `out` and the first of `operand`.
@@ -314,10 +334,13 @@ impl Preprocessor<'_> {
             return;
         };
         let text = format!("{}{}", self.text(left), self.text(right));
+        if !self.count_expanded(name, found, 0, text.len()) {
+            return;
+        }
         let loaded = Loaded::new(text.clone().into_bytes());
         let mut probe = Scanner::new(loaded.logical, 0, 0);
         probe.quiet = true;
-        let whole = probe.next(&mut Vec::new());
+        let whole = probe.next(&mut Diagnostics::default());
         if whole.text.end as usize == text.len() && whole.kind != Kind::End {
             out.push(self.made(whole.kind, &text, name.span, left.space));
         } else {

@@ -4,7 +4,10 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::scanner::Scanner;
-use super::{Kind, MAX_BYTES, MAX_INCLUDE_DEPTH, MAX_INCLUDES, Open, PToken, Preprocessor};
+use super::{
+    Kind, MAX_BYTES, MAX_INCLUDE_DEPTH, MAX_INCLUDES, MAX_LOADED, MAX_PATHS, Open, PToken,
+    Preprocessor,
+};
 use crate::diagnostic::Diagnostic;
 use crate::model::Span;
 use crate::source::{Encoding, Loaded};
@@ -120,8 +123,13 @@ impl Preprocessor<'_> {
     /// Opens a file on top of those being read; false when it cannot be read.
     pub(super) fn open_file(&mut self, path: &Path, from: Option<Span>) -> bool {
         self.includes += 1;
-        if self.includes > MAX_INCLUDES {
-            let message = format!("more than {MAX_INCLUDES} files are included");
+        self.paths += path.as_os_str().len();
+        if self.includes > MAX_INCLUDES || self.paths > MAX_PATHS {
+            let message = if self.includes > MAX_INCLUDES {
+                format!("more than {MAX_INCLUDES} files are included")
+            } else {
+                format!("the paths of included files take more than {} MiB", MAX_PATHS >> 20)
+            };
             self.abandon(Diagnostic::error("E0122", from.unwrap_or_default(), message));
             return false;
         }
@@ -129,7 +137,10 @@ impl Preprocessor<'_> {
         let Some((loaded, buffer)) = self.load(path, &identity, from) else { return false };
         self.bytes += loaded.text.len();
         if self.bytes > MAX_BYTES {
-            let message = format!("the files are larger than {} MiB in all", MAX_BYTES >> 20);
+            let message = format!(
+                "the files are larger than {} MiB, each as often as it is included",
+                MAX_BYTES >> 20
+            );
             self.abandon(Diagnostic::error("E0133", from.unwrap_or_default(), message));
             return false;
         }
@@ -153,12 +164,15 @@ impl Preprocessor<'_> {
             return Some(known.clone());
         }
         match self.files.read(path) {
-            Ok(bytes) if bytes.len() > MAX_BYTES => {
-                let message = format!("`{}` is larger than {} MiB", base(path), MAX_BYTES >> 20);
+            Ok(bytes) if self.held + bytes.len() > MAX_LOADED => {
+                let message = format!("the files are larger than {} MiB in all", MAX_LOADED >> 20);
                 self.unreadable(path, from, "E0133", message);
+                self.fatal = true;
+                self.diagnostics.stopped = true;
                 None
             }
             Ok(bytes) => {
+                self.held += bytes.len();
                 let loaded = Loaded::new(bytes);
                 let buffer = u32::try_from(self.buffers.len()).unwrap_or(u32::MAX);
                 self.buffers.push(loaded.logical.text.clone());
@@ -168,11 +182,12 @@ impl Preprocessor<'_> {
             Err(error) => {
                 let why = match error.kind() {
                     io::ErrorKind::NotFound => "there is no such file".to_owned(),
-                    io::ErrorKind::IsADirectory => "it is a directory".to_owned(),
                     _ => error.to_string(),
                 };
+                let large = error.kind() == io::ErrorKind::FileTooLarge;
+                let code = if large { "E0133" } else { "E0120" };
                 let message = format!("cannot read `{}`: {why}", path.display());
-                self.unreadable(path, from, "E0120", message);
+                self.unreadable(path, from, code, message);
                 None
             }
         }

@@ -74,8 +74,11 @@ impl Preprocessor<'_> {
                 None => return,
             },
         };
-        let Some(body) = self.body(shape, &names, body) else { return };
         let span = name.span;
+        let Some(body) = self.body(shape, &names, body) else { return };
+        if !self.count_definition(span, body.len()) {
+            return;
+        }
         let made = Macro { name: spelled, shape, body, span, busy: Cell::new(false) };
         self.install(made);
     }

@@ -12,6 +12,7 @@ mod macros;
 mod options;
 mod package;
 mod pragma;
+mod room;
 mod scanner;
 
 pub use options::Options;
@@ -21,7 +22,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::lex::Lexer;
 use crate::model::Span;
 use crate::ptoken::{Kind, PToken, Text};
@@ -31,6 +32,7 @@ use crate::token::Token;
 use condition::Conditional;
 use expand::Context;
 use macros::Macro;
+use room::Made;
 use scanner::Scanner;
 
 /// Reads input files, in order, as one translation unit.
@@ -42,7 +44,7 @@ pub fn tokenize(
     options: &Options,
     files: &dyn Files,
     sources: &mut SourceMap,
-) -> (Vec<Token>, Vec<Diagnostic>) {
+) -> (Vec<Token>, Diagnostics) {
     let mut preprocessor = Preprocessor::new(options, files, sources);
     preprocessor.predefine();
     for input in inputs {
@@ -52,11 +54,7 @@ pub fn tokenize(
 }
 
 /// Reads one text held in memory, without includes from the disk.
-pub fn tokenize_text(
-    name: &str,
-    text: &str,
-    sources: &mut SourceMap,
-) -> (Vec<Token>, Vec<Diagnostic>) {
+pub fn tokenize_text(name: &str, text: &str, sources: &mut SourceMap) -> (Vec<Token>, Diagnostics) {
     let mut files = Memory::new();
     files.insert(name, text);
     tokenize(&[PathBuf::from(name)], &Options::default(), &files, sources)
@@ -66,14 +64,18 @@ pub fn tokenize_text(
 const MAX_INCLUDE_DEPTH: usize = 64;
 /// Files opened in all.
 const MAX_INCLUDES: usize = 65_536;
-/// Bytes read in all; also keeps offsets within 32 bits.
+/// Bytes of different files, held while they are read.
+const MAX_LOADED: usize = crate::source::LARGEST;
+/// Bytes read in all, those of a file as often as it is included.
 const MAX_BYTES: usize = 1 << 28;
+/// Bytes of the paths of included files.
+const MAX_PATHS: usize = 1 << 24;
 
 struct Preprocessor<'a> {
     options: &'a Options,
     files: &'a dyn Files,
     sources: &'a mut SourceMap,
-    diagnostics: Vec<Diagnostic>,
+    diagnostics: Diagnostics,
     lexer: Lexer,
     /// Texts that tokens point into: those of files, and those made by `#` and `##`.
     buffers: Vec<Arc<str>>,
@@ -92,8 +94,12 @@ struct Preprocessor<'a> {
     once: HashSet<PathBuf>,
     includes: usize,
     bytes: usize,
-    /// Tokens made by macros so far.
-    expanded: usize,
+    /// Bytes of different files.
+    held: usize,
+    /// Bytes of paths.
+    paths: usize,
+    /// What was made of the text so far.
+    made: Made,
     /// Arguments being expanded inside arguments.
     nesting: usize,
     /// While looking for a macro's arguments: the file that must not be left.
@@ -116,7 +122,7 @@ impl<'a> Preprocessor<'a> {
             options,
             files,
             sources,
-            diagnostics: Vec::new(),
+            diagnostics: Diagnostics::default(),
             lexer: Lexer::default(),
             buffers: Vec::new(),
             open: Vec::new(),
@@ -128,7 +134,9 @@ impl<'a> Preprocessor<'a> {
             once: HashSet::new(),
             includes: 0,
             bytes: 0,
-            expanded: 0,
+            held: 0,
+            paths: 0,
+            made: Made::default(),
             nesting: 0,
             keep_open: 0,
             fatal: false,
@@ -150,13 +158,16 @@ impl<'a> Preprocessor<'a> {
             if token.kind == Kind::End {
                 return;
             }
+            if !self.count_text(token) {
+                return;
+            }
             let buffer = self.buffers.get(token.text.buffer as usize);
             let text = buffer.map_or("", |buffer| slice(buffer, token.text));
             self.lexer.take(token, text, &mut self.diagnostics);
         }
     }
 
-    fn finish(mut self) -> (Vec<Token>, Vec<Diagnostic>) {
+    fn finish(mut self) -> (Vec<Token>, Diagnostics) {
         let end = self.sources.files().filter(|(_, file)| !file.is_synthetic()).last();
         let end = end.map_or_else(Span::default, |(_, _)| self.end_of_inputs());
         let tokens = self.lexer.finish(end);
@@ -208,6 +219,10 @@ impl<'a> Preprocessor<'a> {
                 Kind::Punctuation if token.first && self.text(token) == "#" => {
                     self.directive(token);
                 }
+                // GenoM3 passes over such a line, as over a directive that it does not know.
+                Kind::Punctuation if token.first && self.text(token) == "##" => {
+                    self.pass_over(token);
+                }
                 _ => return token,
             }
         }
@@ -228,6 +243,7 @@ impl<'a> Preprocessor<'a> {
     fn abandon(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
         self.fatal = true;
+        self.diagnostics.stopped = true;
     }
 }
 

@@ -3,7 +3,7 @@
 //! It knows comments, literals and lines. It knows no macro and no directive: the caller says
 //! when it is inside a directive, where the end of the line counts and strings end with it.
 
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::Span;
 use crate::ptoken::{Kind, PToken, Text};
 use crate::source::Logical;
@@ -43,7 +43,7 @@ impl Scanner {
     }
 
     /// The next token.
-    pub(crate) fn next(&mut self, diagnostics: &mut Vec<Diagnostic>) -> PToken {
+    pub(crate) fn next(&mut self, diagnostics: &mut Diagnostics) -> PToken {
         let space = self.skip_blanks(diagnostics) || self.first;
         let start = self.at;
         let first = self.first;
@@ -91,7 +91,7 @@ impl Scanner {
     }
 
     /// Passes blanks and comments; line ends too, outside directives.
-    fn skip_blanks(&mut self, diagnostics: &mut Vec<Diagnostic>) -> bool {
+    fn skip_blanks(&mut self, diagnostics: &mut Diagnostics) -> bool {
         let begin = self.at;
         loop {
             match (self.byte(0), self.byte(1)) {
@@ -112,7 +112,7 @@ impl Scanner {
         self.at > begin
     }
 
-    fn comment(&mut self, diagnostics: &mut Vec<Diagnostic>) {
+    fn comment(&mut self, diagnostics: &mut Diagnostics) {
         let body = self.at + 2;
         let found = self.source.text.get(body..).and_then(|rest| rest.find("*/"));
         if let Some(length) = found {
@@ -151,7 +151,7 @@ impl Scanner {
 
     /// A string may hold line ends outside directives. A backslash takes the next character
     /// with it, so `"foo\\"` ends at its last quote (an intended difference: genom3.md 2.1).
-    fn string(&mut self, diagnostics: &mut Vec<Diagnostic>) -> Kind {
+    fn string(&mut self, diagnostics: &mut Diagnostics) -> Kind {
         let start = self.at;
         let one_line = self.directive || self.unclosed;
         let mut line_end = None;
@@ -195,7 +195,7 @@ impl Scanner {
         Kind::String
     }
 
-    fn character(&mut self, diagnostics: &mut Vec<Diagnostic>) -> Kind {
+    fn character(&mut self, diagnostics: &mut Diagnostics) -> Kind {
         let start = self.at;
         self.at += 1;
         loop {

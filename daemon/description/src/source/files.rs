@@ -1,7 +1,9 @@
 //! Reading files: from the disk, or from memory for editors and tests.
 
 use std::collections::BTreeMap;
-use std::io;
+use std::fs::{self, File, FileType};
+use std::io::{self, Read as _};
+use std::os::unix::fs::FileTypeExt as _;
 use std::path::{Path, PathBuf};
 
 /// Where the text of files comes from.
@@ -21,6 +23,9 @@ pub trait Files {
     }
 }
 
+/// Bytes of the largest file that is read: no description comes near.
+pub(crate) const LARGEST: usize = 1 << 24;
+
 /// The file system.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Disk;
@@ -30,12 +35,49 @@ impl Files for Disk {
         path.is_file()
     }
 
+    /// Refuses what is no file, for it may have no end, and files larger than 16 MiB.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
-        std::fs::read(path)
+        check_file(path)?;
+        let mut bytes = Vec::new();
+        // One byte more than may be there shows that there is more.
+        File::open(path)?.take(LARGEST as u64 + 1).read_to_end(&mut bytes)?;
+        if bytes.len() > LARGEST {
+            let message = format!("it is larger than {} MiB", LARGEST >> 20);
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, message));
+        }
+        Ok(bytes)
     }
 
     fn identity(&self, path: &Path) -> PathBuf {
         path.canonicalize().unwrap_or_else(|_| path.to_owned())
+    }
+}
+
+/// Whether a path leads to a file.
+///
+/// # Errors
+/// What the system says, or what is there instead: a directory, a FIFO, a socket, a device.
+pub fn check_file(path: &Path) -> io::Result<()> {
+    match no_file(fs::metadata(path)?.file_type()) {
+        None => Ok(()),
+        Some(what) => {
+            Err(io::Error::new(io::ErrorKind::InvalidInput, format!("it is {what}, not a file")))
+        }
+    }
+}
+
+/// What something is that is no file.
+fn no_file(kind: FileType) -> Option<&'static str> {
+    if kind.is_file() {
+        None
+    } else if kind.is_dir() {
+        Some("a directory")
+    } else if kind.is_fifo() {
+        Some("a FIFO")
+    } else if kind.is_socket() {
+        Some("a socket")
+    } else {
+        Some("a device")
     }
 }
 

@@ -6,9 +6,10 @@ mod decode;
 mod files;
 
 pub use decode::Encoding;
-pub use files::{Disk, Files, Memory, tidy};
+pub use files::{Disk, Files, Memory, check_file, tidy};
 
 pub(crate) use decode::{Logical, decode};
+pub(crate) use files::LARGEST;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

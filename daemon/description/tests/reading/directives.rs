@@ -60,6 +60,36 @@ fn expressions_have_the_operators_of_c() {
     }
 }
 
+// As GenoM3's preprocessor reads it: up to the first point.
+#[test]
+fn the_version_of_genom_is_a_number_in_conditions() {
+    for (condition, holds) in [
+        ("__GENOM__", true),
+        ("__GENOM__ >= 2", true),
+        ("__GENOM__ == 2", true),
+        ("__GENOM__ >= 3", false),
+        ("defined __GENOM__ && __GENOM__ < 3", true),
+    ] {
+        let text = format!("#if {condition}\nyes\n#else\nno\n#endif");
+        let read = read(&[("a.gen", text.as_str())]);
+        let wanted = if holds { "yes" } else { "no" };
+        assert_eq!((read.tokens().as_str(), read.messages().as_str()), (wanted, ""), "{condition}");
+    }
+}
+
+#[test]
+fn a_line_that_begins_with_two_signs_is_passed_over() {
+    check(
+        &[("a.gen", "a\n##\nb\n  ## \"c d\n## \ne")],
+        expect!["a b e"],
+        expect![[r##"
+            a.gen:2:1: W0105 a line that begins with `##` is ignored
+            a.gen:4:3: W0105 a line that begins with `##` is ignored
+            a.gen:5:1: W0105 a line that begins with `##` is ignored
+        "##]],
+    );
+}
+
 #[test]
 fn expressions_that_make_no_sense_are_refused() {
     check(

@@ -1,7 +1,7 @@
 //! Diagnostics as people and editors see them.
 
 use expect_test::{Expect, expect};
-use genom_description::diagnostic::{Diagnostic, render};
+use genom_description::diagnostic::{Diagnostic, Rest, render};
 use genom_description::model::Span;
 use genom_description::source::SourceMap;
 
@@ -168,7 +168,7 @@ fn json_is_one_document_for_editors() {
           ]
         }
     "#]]
-    .assert_eq(&render::json(&read.diagnostics, &read.sources));
+    .assert_eq(&render::json(&read.diagnostics, Rest::default(), &read.sources));
 }
 
 #[test]
@@ -194,7 +194,7 @@ fn any_place_can_be_drawn() {
         let picture = render::human(&diagnostics, sources, false);
         assert!(picture.len() < 4000, "{}", picture.len());
         assert!(render::short(&diagnostics, sources).contains("z [E0101]"));
-        assert!(render::json(&diagnostics, sources).contains("\"errors\": 5"));
+        assert!(render::json(&diagnostics, Rest::default(), sources).contains("\"errors\": 5"));
     };
     draw(&sources);
     sources = SourceMap::new();

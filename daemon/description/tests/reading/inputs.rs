@@ -39,7 +39,7 @@ fn missing_files_and_directories_are_errors_and_the_others_are_read() {
     let name = dir.path().file_name().unwrap().to_string_lossy().into_owned();
     expect![[r#"
         none.gen:1:1: E0120 cannot read `DIR/none.gen`: there is no such file
-        NAME:1:1: E0120 cannot read `DIR`: it is a directory
+        NAME:1:1: E0120 cannot read `DIR`: it is a directory, not a file
     "#]]
     .assert_eq(&shown.replace(&name, "NAME"));
 }

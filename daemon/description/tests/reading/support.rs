@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use genom_description::diagnostic::Diagnostic;
+use genom_description::diagnostic::{Diagnostic, Diagnostics};
 use genom_description::preprocess::{Options, tokenize};
 use genom_description::source::{Memory, SourceMap};
 use genom_description::token::{Pragma, Token, TokenKind};
@@ -10,7 +10,7 @@ use genom_description::token::{Pragma, Token, TokenKind};
 /// What reading some files gave.
 pub(crate) struct Read {
     pub(crate) tokens: Vec<Token>,
-    pub(crate) diagnostics: Vec<Diagnostic>,
+    pub(crate) diagnostics: Diagnostics,
     pub(crate) sources: SourceMap,
 }
 

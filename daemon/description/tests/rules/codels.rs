@@ -21,6 +21,10 @@ rules! {
     k10_stop_comes_to_the_end "E0710" 1 "component c { task t { codel<stop> x() yield stop; }; };";
     k11_every_codel_is_reached "E0711" 1
         "component c { task t { codel<start> x() yield ether; codel<dead> z() yield ether; }; };";
+    k11_a_codel_of_several_states_is_said_once "E0711" 1
+        "component c { task t { codel<start> x() yield ether; codel<dead, gone> z() yield ether; }; };";
+    k11_an_unreached_codel_reaches_nothing "E0711" 1
+        "component c { task t { codel<start> x() yield ether; codel<dead> z() yield dead, ether; }; };";
     k12_a_parameter_comes_from_somewhere "E0712" 1 "component c { function f() { codel g(in nope); }; };";
     k13_a_parameter_comes_from_one_place "E0713" 1
         "component c { ids { long value; }; function f(in long value) { codel g(in value); }; };";
@@ -79,4 +83,23 @@ fn k9_sleep_needs_no_codel_where_there_are_events() {
 #[test]
 fn k11_a_task_needs_no_start() {
     accepted("component c { task t { codel<stop> x() yield ether; }; };");
+}
+
+#[test]
+fn k11_a_codel_is_reached_by_any_of_its_states() {
+    let machine = |owner: &str, states: &str| {
+        let head = if owner == "task" { "task t {" } else { "task t; activity a() { task t;" };
+        format!(
+            "component c {{ {head} codel<{states}> x() yield main; codel<main> y() yield ether; }}; }};"
+        )
+    };
+    for owner in ["task", "activity"] {
+        accepted(&machine(owner, "start, other"));
+        accepted(&machine(owner, "other, start"));
+    }
+    // Reached from `stop` alone, and by way of a state that it shares.
+    accepted(
+        "component c { task t; activity a() { task t; codel<start> x() yield ether;
+         codel<stop> y() yield late; codel<early, late, later> z() yield ether; }; };",
+    );
 }

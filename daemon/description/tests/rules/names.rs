@@ -13,6 +13,15 @@ rules! {
     n3_a_struct_differs_from_the_module_around_it "E0203" 1 "module s { struct s { long a; }; };";
     n4_a_type_differs_from_the_components "E0204" 1 "component c; typedef long c;";
     n4_no_type_of_a_component_is_called_pause "E0204" 1 "component c { typedef long pause; };";
+    n4_a_constant_differs_from_the_modules "E0204" 1
+        "module m { typedef long a; }; const long m = 1;";
+    n4_an_enumerator_differs_from_the_modules "E0204" 1
+        "module m { typedef long a; }; enum e { k, m };";
+    n4_a_native_differs_from_the_interfaces "E0204" 1 "interface i; native i;";
+    n4_a_port_differs_from_the_modules_of_its_component "E0204" 1
+        "component c { module m { typedef long a; }; port in m::a m; };";
+    n4_a_state_differs_from_the_modules_of_its_component "E0204" 1
+        "component c { module m { typedef long a; }; task t { codel<start> x() yield m, ether; }; };";
     n5_a_struct_is_declared_once "E0205" 1 "struct s { long a; }; struct s { long a; };";
     n5_a_module_is_no_type "E0205" 1 "typedef long m; module m { typedef long a; };";
     n5_a_component_is_no_type "E0205" 1 "typedef long c; component c { version \"1\"; };";

@@ -3,6 +3,7 @@
 use crate::{accepted, rules};
 
 rules! {
+    the_ids_of_a_component_have_no_name "E0103" 1 "component c { ids state { long a; }; };";
     l3_a_token_out_of_place_is_a_syntax_error "E0103" 2 "component c {\n  remote r;\n};";
     l3_the_end_of_the_file_may_come_too_early "E0105" 1 "component c { version \"1\";";
     l3_a_bare_semicolon_is_an_error "E0103" 1 "component c { ; };";

@@ -18,6 +18,59 @@ fn writing_an_in_parameter_is_told() {
 }
 
 #[test]
+fn an_activity_may_keep_something_in_an_in_parameter() {
+    let activity = |codels: &str| {
+        format!(
+            "component c {{ struct s {{ long a, b; }}; task t; activity f(in s n) {{ task t; {codels} \
+             codel<stop> z() yield ether; }}; }};"
+        )
+    };
+    // By the codel itself, when it comes back.
+    accepted(&activity("codel<start> x(inout n) yield pause::start, ether;"));
+    // By one that follows, and by one that follows that.
+    accepted(&activity("codel<start> x(out n) yield main; codel<main> y(in n) yield ether;"));
+    accepted(&activity(
+        "codel<start> x(out n.a) yield main; codel<main> y() yield last; codel<last> w(in n.a) yield ether;",
+    ));
+    // When it is interrupted.
+    let stops =
+        "component c { task t; activity f(in long n) { task t; codel<start> x(out n) yield ether;
+         codel<stop> z(in n) yield ether; }; };";
+    accepted(stops);
+    accepted("component c { function f(in long a) { codel x(out a); codel y(in a); }; };");
+    // Nobody reads it: not later, not this member, not as a value.
+    warned("W0902", &activity("codel<start> x(inout n) yield ether;"));
+    warned(
+        "W0902",
+        &activity("codel<start> x(in n) yield main; codel<main> y(out n) yield ether;"),
+    );
+    warned(
+        "W0902",
+        &activity("codel<start> x(out n.a) yield main; codel<main> y(in n.b) yield ether;"),
+    );
+    warned("W0902", &activity("codel<start> x(out n) yield pause::start, ether;"));
+    warned("W0902", "component c { function f(in long a) { codel y(in a); codel x(out a); }; };");
+}
+
+#[test]
+fn a_member_that_is_given_two_values_is_told() {
+    let text = |value: &str| {
+        format!(
+            "struct s {{ double dp, dq; long v[3]; }};
+             component c {{ function f(in s a = {value}) {{ codel x(in a); }}; }};"
+        )
+    };
+    warned("W0907", &text("{ .dq = 5, .dp = 1, .dq = 20 }"));
+    warned("W0907", &text("{ .dq = 5, .dp = 1, 20 }"));
+    warned("W0907", &text("{ .v = { [0] = 1, [2] = 2, [0] = 3 } }"));
+    accepted(&text("{ .dq = 5 : \"gain\", .dp = 1, .v = { 1, 2, 3 } }"));
+    accepted(&text("{ .dq =: \"gain\", .dq = 5 }"));
+    let both = "component c { struct s { long a; }; ids { s x; };
+         attribute g(in x.a = 1); attribute h(in x = { .a = 1 }, in x.a::y = 2); };";
+    accepted(both);
+}
+
+#[test]
 fn a_port_that_no_codel_uses_is_told() {
     warned("W0903", "component c { typedef long l; port in l p; };");
 }

@@ -261,3 +261,36 @@ proptest! {
         prop_assert_eq!(before, meaning(&read_text("a.gen", &once, &options)), "{}", once);
     }
 }
+
+/// What `check` does not read, `fmt` does not either.
+#[test]
+fn what_if_0_leaves_out_need_not_make_sense_and_is_kept() {
+    check(
+        "#if 0 // later\n   don't   /* #endif\n  */ \"unclosed\n# if X\n a\\\n#endif\n   #else\n#endif\n\t ` \\x ??\n\n #endif\ncomponent   c;\n# if 0\n'\n#else\ntypedef   long a;\n#endif\n",
+        expect![[r#"
+            #if 0 // later
+               don't   /* #endif
+              */ "unclosed
+            # if X
+             a\
+            #endif
+               #else
+            #endif
+            	 ` \x ??
+
+            #endif
+            component c;
+            # if 0
+            '
+            #else
+            typedef long a;
+            #endif
+        "#]],
+    );
+    let analysis =
+        read_text("x.gen", "#if 0\ndon't \"\n#endif\ncomponent c;\n", &Options::default());
+    assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
+    // Never closed: as `check` says.
+    assert!(format_text("#if 0\n'\n").is_ok());
+    assert!(format_text("#if 1\n'\n#endif\n").is_err());
+}

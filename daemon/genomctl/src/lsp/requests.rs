@@ -5,16 +5,17 @@ use genom_description::source::SourceFile;
 use genom_description::tools::format_text;
 use lsp_server::Request;
 use lsp_types::{
-    CompletionParams, DocumentFormattingParams, DocumentSymbolParams, GotoDefinitionParams, Hover,
-    HoverContents, HoverParams, MarkupContent, MarkupKind, Position, Range, ReferenceParams,
-    TextDocumentPositionParams, TextEdit, Uri,
+    CodeActionParams, CompletionParams, DocumentFormattingParams, DocumentSymbolParams,
+    GotoDefinitionParams, Hover, HoverContents, HoverParams, MarkupContent, MarkupKind, Position,
+    Range, ReferenceParams, RenameParams, SemanticTokensParams, TextDocumentPositionParams,
+    TextEdit, Uri,
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use super::workspace::Workspace;
-use super::{convert, place};
+use super::{colours, convert, edits, place};
 
 /// Why there is no answer.
 pub(super) enum Refusal {
@@ -79,6 +80,29 @@ pub(super) fn answer(workspace: &Workspace, request: Request) -> Result<Value, R
             let text = open(workspace, &asked.text_document.uri);
             let edits = text.map(|(_, _, file)| format(file));
             value(edits.transpose().map_err(Refusal::Failed)?)
+        }
+        "textDocument/prepareRename" => {
+            let asked: TextDocumentPositionParams = parameters(request)?;
+            let at = at(workspace, &asked);
+            let span = at.map(|at| at.read.renamed_at(at.rank, at.offset).map(|span| (at, span)));
+            let span = span.transpose().map_err(|error| Refusal::Failed(error.to_string()))?;
+            value(span.map(|(at, span)| place::range(at.file, span)))
+        }
+        "textDocument/rename" => {
+            let asked: RenameParams = parameters(request)?;
+            let at = at(workspace, &asked.text_document_position);
+            let edit = at.map(|at| edits::rename(at.read, at.rank, at.offset, &asked.new_name));
+            value(edit.transpose().map_err(Refusal::Failed)?)
+        }
+        "textDocument/codeAction" => {
+            let asked: CodeActionParams = parameters(request)?;
+            let text = open(workspace, &asked.text_document.uri);
+            value(text.map(|(read, rank, _)| edits::actions(read, rank, &asked)))
+        }
+        "textDocument/semanticTokens/full" => {
+            let asked: SemanticTokensParams = parameters(request)?;
+            let text = open(workspace, &asked.text_document.uri);
+            value(text.map(|(read, rank, file)| colours::tokens(read, rank, file)))
         }
         other => Err(Refusal::Unknown(other.to_owned())),
     }

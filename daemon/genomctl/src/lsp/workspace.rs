@@ -4,12 +4,15 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use genom_description::Options;
-use genom_description::diagnostic::ordered;
+use genom_description::diagnostic::first;
 use genom_description::navigate::Navigator;
 use genom_description::source::{Memory, tidy};
 use lsp_types::{Diagnostic, PublishDiagnosticsParams, Uri};
 
 use super::{convert, place};
+
+/// Mistakes of one text that are told: an editor shows a few at once.
+const TOLD: usize = 1000;
 
 /// An open text.
 struct Document {
@@ -127,7 +130,8 @@ impl Workspace {
 fn diagnostics(root: &Path, read: &Navigator) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
     let mut found = BTreeMap::from([(root.to_owned(), Vec::new())]);
     let sources = &read.analysis.sources;
-    for said in ordered(&read.analysis.diagnostics, sources) {
+    let (first, _) = first(&read.analysis.diagnostics, sources, TOLD);
+    for said in &first {
         let file = sources.file(said.span.file).filter(|file| !file.is_synthetic());
         let path = file.map_or_else(|| root.to_owned(), |file| tidy(file.path()));
         found.entry(path).or_default().push(convert::diagnostic(said, sources));

@@ -5,12 +5,13 @@ use std::os::unix::process::CommandExt as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use genom_description::diagnostic::first;
 use genom_description::diagnostic::render::{human, json, short};
 use genom_description::{Analysis, Options};
 
 use crate::agreement::Agreement;
 use crate::failure::Failure;
-use crate::reading::{Reading, counts};
+use crate::reading::{Reading, SHOWN, counts};
 use crate::session::Session;
 use crate::terminal::coloured_errors;
 
@@ -36,6 +37,10 @@ pub(crate) struct Args {
     /// Refuse warnings too.
     #[arg(long)]
     deny_warnings: bool,
+    /// How many mistakes and surprises to tell; the others are counted. With 0 all, up to 10000 of
+    /// each.
+    #[arg(long, value_name = "N", default_value_t = SHOWN)]
+    limit: usize,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -59,16 +64,21 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         (false, true) => Format::Short,
         (false, false) => args.format,
     };
-    let (said, sources) = (&analysis.diagnostics, &analysis.sources);
-    let text = match format {
+    let sources = &analysis.sources;
+    let most = if args.limit == 0 { usize::MAX } else { args.limit };
+    let (said, rest) = first(&analysis.diagnostics, sources, most);
+    let mut text = match format {
         // Data goes where data goes.
         Format::Json => {
-            session.print(&json(said, sources))?;
+            session.print(&json(&said, rest, sources))?;
             String::new()
         }
-        Format::Short => short(said, sources),
-        Format::Human => human(said, sources, coloured_errors()),
+        Format::Short => short(&said, sources),
+        Format::Human => human(&said, sources, coloured_errors()),
     };
+    if format != Format::Json && !rest.is_empty() {
+        text.push_str(&format!("{rest}\n"));
+    }
     io::stderr().lock().write_all(text.as_bytes())?;
     let refused = errors + if args.deny_warnings { warnings } else { 0 };
     if refused > 0 {

@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
+use genom_description::source::{Disk, Files as _};
 use genom_description::tools::{FormatError, format_bytes};
 
 use crate::failure::Failure;
@@ -32,7 +33,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
             let mut bytes = Vec::new();
             io::stdin().lock().read_to_end(&mut bytes).map(|_| bytes)
         } else {
-            fs::read(path)
+            Disk.read(path)
         };
         let before = before
             .map_err(|error| Failure::usage(format!("{name}: {error}"), "name a .gen file"))?;

@@ -67,6 +67,24 @@ fn mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected() {
 }
 
 #[test]
+fn a_text_made_to_take_memory_is_refused_and_the_server_goes_on() {
+    let room = room();
+    let file = room.path().join("arm.gen");
+    let mut editor = start();
+    let (open, close) = ("q(".repeat(60), ")".repeat(60));
+    editor.open(
+        &file,
+        &format!("#define s(x) #x\n#define q(x) s(x)\nconst string a = {open}\"\\\\\"{close};\n"),
+    );
+    let said = editor.diagnostics(&file);
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert!(said[0].contains("E0127 macros expand to more than 16 MiB of text"), "{said:?}");
+    editor.change(&file, 2, ARM);
+    assert_eq!(editor.diagnostics(&file), [""; 0]);
+    assert!(editor.stop().success());
+}
+
+#[test]
 fn an_unsaved_include_counts_and_its_mistakes_are_told_where_they_are() {
     let room = room();
     let (file, types) = (room.path().join("arm.gen"), room.path().join("types.gen"));
@@ -200,7 +218,7 @@ fn symbols_and_formatting_are_of_the_open_text() {
 fn what_is_not_understood_is_refused_and_the_server_lives_on() {
     let room = room();
     let mut editor = start();
-    let unknown = editor.reply("textDocument/rename", json!({}));
+    let unknown = editor.reply("textDocument/moniker", json!({}));
     assert_eq!(unknown["error"]["code"], -32601);
     let wrong = editor.reply("textDocument/hover", json!({"place": 3}));
     assert_eq!(wrong["error"]["code"], -32602);
@@ -208,4 +226,91 @@ fn what_is_not_understood_is_refused_and_the_server_lives_on() {
     assert_eq!(closed, Value::Null, "a text that is not open");
     editor.tell("workspace/didChangeConfiguration", json!({}));
     assert!(editor.stop().success());
+}
+
+#[test]
+fn a_name_is_changed_everywhere_also_in_files_that_are_included() {
+    let room = room();
+    let (file, types) = (room.path().join("arm.gen"), room.path().join("types.gen"));
+    let mut editor = start();
+    editor.open(&file, ARM);
+    let asked = |marked: &str, name: &str| {
+        json!({
+            "textDocument": {"uri": uri(&file)}, "position": position(ARM, marked),
+            "newName": name,
+        })
+    };
+    let range = editor.ask("textDocument/prepareRename", asked("port out po|int tip", ""));
+    assert_eq!(range["start"], json!({"line": 2, "character": 21}));
+    let edit = editor.ask("textDocument/rename", asked("port out po|int tip", "place"));
+    let changes = edit["changes"].as_object().unwrap();
+    let count = |path| changes[uri(path).as_str()].as_array().unwrap().len();
+    assert_eq!(count(&types), 1, "{edit}");
+    assert_eq!(count(&file), ARM.matches("point").count(), "{edit}");
+    assert!(
+        changes.values().flat_map(|of| of.as_array().unwrap()).all(|e| e["newText"] == "place")
+    );
+    for (marked, name, why) in [
+        ("port out po|int tip", "two words", "cannot be a name"),
+        ("port out po|int tip", "struct", "cannot be a name"),
+        ("<st|art>", "begin", "keeps its name"),
+    ] {
+        let refused = editor.reply("textDocument/rename", asked(marked, name));
+        let message = refused["error"]["message"].as_str().unwrap_or_default();
+        assert!(message.contains(why), "{marked}: {refused}");
+    }
+    assert!(editor.stop().success());
+}
+
+#[test]
+fn mistakes_are_put_right_as_their_help_says() {
+    let room = room();
+    let file = room.path().join("arm.gen");
+    let mut editor = start();
+    let wrong = ARM.replace("in point goal", "in piont goal");
+    editor.open(&file, &wrong);
+    let place = position(&wrong, "in pi|ont goal");
+    let actions = editor.ask(
+        "textDocument/codeAction",
+        json!({
+            "textDocument": {"uri": uri(&file)}, "range": {"start": place, "end": place},
+            "context": {"diagnostics": []},
+        }),
+    );
+    assert_eq!(actions[0]["title"], "change `piont` to `point`");
+    assert_eq!(actions[0]["kind"], "quickfix");
+    let edit = &actions[0]["edit"]["changes"][uri(&file).as_str()][0];
+    assert_eq!(edit["newText"], "point");
+    assert_eq!(
+        edit["range"]["start"]["character"],
+        position(&wrong, "in |piont goal")["character"]
+    );
+    assert_eq!(actions.as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn words_are_coloured_by_what_they_mean() {
+    let room = room();
+    let file = room.path().join("arm.gen");
+    let (mut editor, hello) = Client::start(&[], &Value::Null);
+    let legend = &hello["capabilities"]["semanticTokensProvider"]["legend"]["tokenTypes"];
+    let text = "component arm {\n  ids { long n; };\n  function f() { codel go(in n); };\n};\n";
+    editor.open(&file, text);
+    let document = json!({"textDocument": {"uri": uri(&file)}});
+    let found = editor.ask("textDocument/semanticTokens/full", document);
+    let data: Vec<usize> =
+        found["data"].as_array().unwrap().iter().map(|n| n.as_u64().unwrap() as usize).collect();
+    let (mut line, mut column, mut shown) = (0, 0, Vec::new());
+    for token in data.chunks(5) {
+        column = if token[0] == 0 { column + token[1] } else { token[1] };
+        line += token[0];
+        let word = &text.lines().nth(line).unwrap()[column..column + token[2]];
+        let kind = legend[token[3]].as_str().unwrap();
+        shown.push(format!("{word}:{kind}{}", if token[4] == 1 { "!" } else { "" }));
+    }
+    assert_eq!(
+        shown.join(" "),
+        "component:keyword arm:class! ids:keyword long:keyword n:property! function:keyword \
+         f:method! codel:keyword go:function! in:keyword n:property"
+    );
 }

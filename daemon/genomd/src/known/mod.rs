@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use genom_description::diagnostic::Severity;
+use genom_description::diagnostic::first;
 use genom_description::diagnostic::render::human;
 use genom_description::model::{Component as Model, Span, Specification};
 use genom_description::source::{Disk, Memory, SourceMap};
@@ -127,14 +127,23 @@ impl Reading {
     }
 }
 
+/// Mistakes and surprises that are told: the others are counted.
+const SHOWN: usize = 100;
+
 /// Its warnings, drawn; its errors refuse it.
 fn drawn(analysis: &Analysis) -> Result<Option<String>, ReadError> {
-    let drawn = || human(&analysis.diagnostics, &analysis.sources, false);
+    let drawn = || {
+        let (said, rest) = first(&analysis.diagnostics, &analysis.sources, SHOWN);
+        let mut text = human(&said, &analysis.sources, false);
+        if !rest.is_empty() {
+            text.push_str(&format!("{rest}\n"));
+        }
+        text
+    };
     if analysis.has_errors() {
         return Err(ReadError::Description(drawn()));
     }
-    let mut said = analysis.diagnostics.iter();
-    Ok(said.any(|said| said.severity == Severity::Warning).then(drawn))
+    Ok((analysis.diagnostics.warnings() > 0).then(drawn))
 }
 
 /// The one component of a description.

@@ -82,7 +82,8 @@ pub(super) const ROWS: &[Explanation] = &[
         "E0711",
         "K11",
         "a codel is never reached",
-        "Neither `start` nor `stop` leads to it.",
+        "Neither `start` nor `stop` leads to any of its states. A codel of several states is reached \
+         by one of them.",
         "component demo { task main { codel<start> c() yield ether; \
          codel<lost> d() yield ether; }; };",
     ),
@@ -182,5 +183,13 @@ pub(super) const ROWS: &[Explanation] = &[
          or data that nobody else uses.",
         "component demo { ids { long a; }; attribute set(in a); task main; activity f() { \
          task main; async codel<start> c(in a) yield ether; }; };",
+    ),
+    row(
+        "E0725",
+        "",
+        "too many codels share data",
+        "Which codels exclude each other is computed once; four million pairs are the limit. \
+         Codels that take the whole ids exclude all others: name the members that they use.",
+        "",
     ),
 ];

@@ -54,4 +54,12 @@ pub(super) const ROWS: &[Explanation] = &[
          differ.",
         "component demo { ids { long a; }; ids { short a; }; };",
     ),
+    row(
+        "E0408",
+        "",
+        "a description takes too much memory",
+        "Types, values, services and codels may take 128 MiB. Interfaces that extend each other, \
+         or that many components provide, hand on all that they have each time.",
+        "",
+    ),
 ];

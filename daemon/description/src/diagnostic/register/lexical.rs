@@ -122,4 +122,11 @@ pub(super) const ROWS: &[Explanation] = &[
         "Integers have 64 bits, and those that begin with 0 are octal.",
         "const unsigned long long big = 99999999999999999999;",
     ),
+    row(
+        "E0117",
+        "",
+        "a name is too long",
+        "Names have at most 1024 characters. Such a name is made by `##`, or by a tool.",
+        "",
+    ),
 ];

@@ -7,7 +7,7 @@ pub(super) const ROWS: &[Explanation] = &[
         "E0120",
         "1.1",
         "an input file cannot be read",
-        "It does not exist, is a directory, or the system refuses to open it.",
+        "It does not exist, is a directory, a FIFO or a device, or the system refuses to open it.",
         "",
     ),
     row(
@@ -59,8 +59,8 @@ pub(super) const ROWS: &[Explanation] = &[
         "E0127",
         "",
         "macros expand without measure",
-        "Expansion stops at about a million tokens and at a hundred arguments inside each \
-         other.",
+        "Expansion stops at about a million tokens, at 16 MiB of text and at a hundred \
+         arguments inside each other.",
         "",
     ),
     row(
@@ -104,8 +104,9 @@ pub(super) const ROWS: &[Explanation] = &[
     row(
         "E0133",
         "",
-        "the files are too large",
-        "A description has at most 256 MiB, included files counted each time.",
+        "the text is too large",
+        "The files of a description have at most 16 MiB in all. With macros expanded and all \
+         that is included it has at most a million words and signs, and 32 MiB.",
         "",
     ),
 ];

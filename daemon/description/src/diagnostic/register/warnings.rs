@@ -73,8 +73,9 @@ pub(super) const ROWS: &[Explanation] = &[
         "W0902",
         "3.10",
         "a codel writes what the service only takes in",
-        "What it writes is lost. Make the parameter of the service `inout` or `out`, or that of \
-         the codel `in`.",
+        "No codel reads it afterwards: what it writes is lost. Make the parameter of the service \
+         `inout` or `out`, or that of the codel `in`. An activity that keeps something from one \
+         codel to the next does so in a `local`.",
         "component demo { function f(in long a) { codel c(out a); }; };",
     ),
     row(
@@ -106,5 +107,13 @@ pub(super) const ROWS: &[Explanation] = &[
          `codel<stop>` it ends in good order, and successfully.",
         "component demo { task main; activity run() { task main; \
          codel<start> c() yield pause::start, ether; }; };",
+    ),
+    row(
+        "W0907",
+        "3.10",
+        "a member is given two values",
+        "The last one holds. Remove the other.",
+        "struct gains { double p, d; };\ncomponent demo { function set(in gains g = { .p = 1, \
+         .p = 2 }); };",
     ),
 ];

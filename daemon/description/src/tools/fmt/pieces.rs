@@ -135,6 +135,7 @@ impl Cutter<'_> {
 
     /// Up to the end of its last line; comments in it may hold line ends.
     fn directive(&mut self) -> Result<PieceKind, FormatError> {
+        let start = self.at;
         while let Some(byte) = self.byte(0) {
             match (byte, self.byte(1)) {
                 (b'\n', _) => break,
@@ -148,8 +149,89 @@ impl Cutter<'_> {
                 _ => self.at += 1,
             }
         }
+        if is_if_0(self.text.get(start..self.at).unwrap_or_default()) {
+            self.left_out();
+        }
         self.trim()?;
         Ok(PieceKind::Directive)
+    }
+
+    /// Passes over the lines that `#if 0` leaves out, up to the line that ends them: nobody reads
+    /// them, so they need not make sense, and are kept as they are.
+    fn left_out(&mut self) {
+        let mut depth = 0_usize;
+        while self.byte(0) == Some(b'\n') {
+            let before = self.at;
+            self.at += 1;
+            match self.line_left_out().as_str() {
+                "if" | "ifdef" | "ifndef" => depth += 1,
+                "endif" if depth > 0 => depth -= 1,
+                "endif" | "else" | "elif" if depth == 0 => {
+                    self.at = before;
+                    return;
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Passes over one line, with what joins it to the next; its directive, if it is one.
+    fn line_left_out(&mut self) -> String {
+        let mut directive = String::new();
+        let mut first = true;
+        while let Some(byte) = self.byte(0) {
+            match (byte, self.byte(1)) {
+                (b'\n', _) => break,
+                (b'\\', Some(b'\n')) => self.at += 2,
+                (b'\\', Some(b'\r')) if self.byte(2) == Some(b'\n') => self.at += 3,
+                (b'/', Some(b'/')) => {
+                    let rest = self.text.get(self.at..).unwrap_or_default();
+                    self.at += rest.find('\n').unwrap_or(rest.len());
+                }
+                (b'/', Some(b'*')) => {
+                    let rest = self.text.get(self.at + 2..).unwrap_or_default();
+                    self.at += rest.find("*/").map_or(rest.len() + 2, |length| length + 4);
+                }
+                (b' ' | b'\t' | b'\r' | 0x0b | 0x0c, _) => self.at += 1,
+                (b'#', _) if first => {
+                    first = false;
+                    let rest = self
+                        .text
+                        .get(self.at + 1..)
+                        .unwrap_or_default()
+                        .trim_start_matches([' ', '\t']);
+                    let end = rest.find(|c: char| !c.is_ascii_alphanumeric());
+                    directive =
+                        rest.get(..end.unwrap_or(rest.len())).unwrap_or_default().to_owned();
+                    self.at += 1;
+                }
+                (quote @ (b'"' | b'\''), _) => {
+                    first = false;
+                    self.quoted_left_out(quote);
+                }
+                _ => {
+                    first = false;
+                    self.at += 1;
+                }
+            }
+        }
+        directive
+    }
+
+    /// A string ends with its line at the latest; a quote without partner stands for itself.
+    fn quoted_left_out(&mut self, quote: u8) {
+        let start = self.at;
+        self.at += 1;
+        while let Some(byte) = self.byte(0).filter(|byte| *byte != b'\n') {
+            self.at +=
+                if byte == b'\\' && self.byte(1).is_some_and(|next| next != b'\n') { 2 } else { 1 };
+            if byte == quote {
+                return;
+            }
+        }
+        if quote == b'\'' {
+            self.at = start + 1;
+        }
     }
 
     fn string_in_line(&mut self) {
@@ -228,6 +310,14 @@ impl Cutter<'_> {
         self.at += length;
         PieceKind::Sign
     }
+}
+
+/// Whether a directive is `#if 0`, whatever blanks and comments are in it.
+fn is_if_0(directive: &str) -> bool {
+    let rest = directive.trim_start_matches('#').trim_start();
+    let condition = rest.strip_prefix("if").unwrap_or_default();
+    let condition = condition.split("//").next().and_then(|text| text.split("/*").next());
+    rest.starts_with("if") && condition.is_some_and(|text| text.trim() == "0")
 }
 
 fn is_name(byte: u8) -> bool {
