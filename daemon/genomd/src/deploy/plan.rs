@@ -150,7 +150,7 @@ fn adapt(
     }
     let set = hosted.done.attributes();
     for (service, inputs) in &request.attributes {
-        if set.get(service) != full(hosted, service, inputs).as_ref() {
+        if !set.get(service).is_some_and(|set| holds(hosted, service, set, inputs)) {
             let (component, service) = (name.clone(), service.clone());
             steps.push(Step::Set(CallEntry { component, service, inputs: inputs.clone() }));
         }
@@ -161,16 +161,23 @@ fn adapt(
 /// Inputs with the defaults of what they leave out.
 fn full(hosted: &Hosted, service: &str, inputs: &Value) -> Option<Value> {
     let index = hosted.plan().service(service)?;
-    hosted.input(index, inputs).ok().map(|record| record.to_json())
+    hosted.filled(index, inputs).ok().map(|record| record.to_json())
+}
+
+/// Whether setting some inputs of an attribute would change nothing of what it was last set to.
+fn holds(hosted: &Hosted, service: &str, set: &Value, inputs: &Value) -> bool {
+    let Some(index) = hosted.plan().service(service) else { return false };
+    let Ok(mut record) = hosted.filled(index, set) else { return false };
+    record.merge_json(inputs).is_ok() && record.to_json() == *set
 }
 
 /// Whether a deployment had this called already, in this life of the component, or the activity
 /// runs.
 fn done(daemon: &Daemon, entry: &CallEntry) -> bool {
     let Some(hosted) = daemon.components.get(&entry.component) else { return false };
-    let wanted = full(&hosted, &entry.service, &entry.inputs);
+    let Some(wanted) = full(&hosted, &entry.service, &entry.inputs) else { return false };
     let equal = |service: &str, inputs: &Value| {
-        service == entry.service && full(&hosted, service, inputs) == wanted
+        service == entry.service && full(&hosted, service, inputs).as_ref() == Some(&wanted)
     };
     let deployed = hosted.done.all_deployed();
     let running = hosted.activities.all();

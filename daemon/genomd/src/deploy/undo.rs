@@ -3,15 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use genom_description::model::{Direction, Parameter, ServiceKind};
 use genom_runtime::Clock;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
 use super::link::{self, Link};
 use crate::config::{BackendNames, CallEntry};
 use crate::daemon::Daemon;
-use crate::ending::Ending;
-use crate::hosting::{Answer, Hosted, request};
+use crate::hosting::{Hosted, request};
 use crate::wiring::switch::switch;
 
 /// How to take a step back.
@@ -147,34 +145,11 @@ impl Requested {
     }
 }
 
-/// The inputs of an attribute that set what is set now: as another attribute tells it, else as
-/// it was last set. None when nothing tells.
+/// The inputs of an attribute that set what is set now; as it was last set, when codels keep one
+/// from looking.
 fn values(hosted: &Hosted, service: &str, remembered: &Option<Value>) -> Option<Value> {
-    let services = &hosted.model().services;
-    let setter = services.iter().find(|one| one.name == service)?;
-    if setter.kind != ServiceKind::Attribute {
-        return None;
-    }
-    let told = |wanted: &Parameter| {
-        let reads = |one: &Parameter| {
-            one.direction == Direction::Out && one.target.is_some() && one.target == wanted.target
-        };
-        let (index, getter) = services.iter().enumerate().find(|(_, one)| {
-            one.kind == ServiceKind::Attribute
-                && one.parameters.iter().all(|one| one.direction == Direction::Out)
-                && one.parameters.iter().any(reads)
-        })?;
-        let name = &getter.parameters.iter().find(|one| reads(one))?.name;
-        let input = hosted.input(index, &Value::Object(Map::new())).ok()?;
-        match hosted.request_blocking(index, input) {
-            Answer::Ended(Ending::Done(mut outputs)) => Some(outputs.get_mut(name)?.take()),
-            _ => None,
-        }
-    };
-    let inputs = setter.parameters.iter().filter(|one| one.direction != Direction::Out);
-    let told: Option<Map<String, Value>> =
-        inputs.map(|one| Some((one.name.clone(), told(one)?))).collect();
-    told.map(Value::Object).or_else(|| remembered.clone())
+    let index = hosted.plan().service(service)?;
+    hosted.current(index).or_else(|| remembered.clone())
 }
 
 /// Takes steps back, the last first; what could not be is named.
