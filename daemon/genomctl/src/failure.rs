@@ -2,6 +2,7 @@
 
 use std::io;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -22,6 +23,15 @@ pub(crate) enum Failure {
     /// The daemon went away in the middle of a reply or a stream.
     #[error("genomd on {target} went away")]
     Lost { target: String },
+    /// The daemon is there, and answers nobody.
+    #[error(
+        "genomd on {target} does not answer{}",
+        stopped.map_or_else(
+            || format!(", nor did it for {} s", limit.as_secs_f64()),
+            |process| format!(": its process {process} is stopped"),
+        )
+    )]
+    Silent { target: String, limit: Duration, stopped: Option<i32> },
     /// The daemon refused; nothing was changed.
     #[error("{}", .0.message)]
     Refused(Refusal),
@@ -157,6 +167,12 @@ impl Failure {
             Failure::Unreachable { .. } => Some(
                 "start one with `genomd LIBRARY...`, or name its socket with --socket".to_owned(),
             ),
+            Failure::Silent { stopped: Some(process), .. } => {
+                Some(format!("`kill -CONT {process}` lets it go on, unless a debugger holds it"))
+            }
+            Failure::Silent { .. } => {
+                Some("look at its process and its log; --timeout SECONDS waits longer".to_owned())
+            }
             Failure::Refused(refusal) => refusal.help.clone(),
             _ => None,
         }
@@ -168,6 +184,7 @@ impl Failure {
             Failure::Usage { .. } => "usage",
             Failure::Unreachable { .. } => "unreachable",
             Failure::Lost { .. } => "lost",
+            Failure::Silent { .. } => "silent",
             Failure::Refused(refusal) => &refusal.code,
             // The outcome itself was printed on standard output.
             Failure::Exception { .. } => "exception",
@@ -197,7 +214,7 @@ impl Failure {
         let _ = io::stderr().lock().write_all(text.as_bytes());
         ExitCode::from(match self {
             Failure::Usage { .. } => 2,
-            Failure::Unreachable { .. } | Failure::Lost { .. } => 3,
+            Failure::Unreachable { .. } | Failure::Lost { .. } | Failure::Silent { .. } => 3,
             _ => 1,
         })
     }

@@ -20,6 +20,7 @@ mod inputs;
 mod lsp;
 mod names;
 mod parameter;
+mod patience;
 mod private;
 mod prompt;
 mod reading;
@@ -54,7 +55,7 @@ fn main() -> ExitCode {
         }
     };
     let json = cli.json;
-    let session = Session::new(cli.connection, json);
+    let session = Session::new(cli.verb.connection(cli.connection), json);
     // One query, one thread: starting a pool would cost more than the query.
     let outcome = tokio::runtime::Builder::new_current_thread()
         .enable_all()
