@@ -6,15 +6,19 @@ use std::sync::Arc;
 use genom_runtime::Clock;
 use serde_json::Value;
 
+use super::dump;
 use super::link::{self, Link};
-use crate::config::{BackendNames, CallEntry};
+use crate::config::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
 use crate::daemon::Daemon;
 use crate::hosting::{Hosted, request};
+use crate::loading;
 use crate::wiring::switch::switch;
 
 /// How to take a step back.
 pub(super) enum Undo {
     Unload(String),
+    /// A component that was taken down.
+    PutBack(Box<Gone>),
     Move(Moved),
     /// An in port or remote, and what it was connected to.
     Reconnect {
@@ -22,6 +26,45 @@ pub(super) enum Undo {
         before: Option<Link>,
     },
     Request(Requested),
+}
+
+/// A component that was taken down, as it was.
+pub(super) struct Gone {
+    request: LoadRequest,
+    connections: Vec<ConnectionEntry>,
+    /// Services of the activities that ran.
+    interrupted: Vec<String>,
+}
+
+impl Gone {
+    pub(super) fn of(hosted: &Hosted) -> Self {
+        let running = hosted.activities.all().into_iter();
+        let running = running.filter(|activity| activity.ending().is_none());
+        Self {
+            request: dump::component(hosted),
+            connections: link::of(hosted),
+            interrupted: running.map(|activity| activity.service.clone()).collect(),
+        }
+    }
+
+    /// Loads it as it was, in place of what bears its name now; what cannot be as it was.
+    fn put_back(self, daemon: &Arc<Daemon>) -> Vec<String> {
+        let name = self.request.instance();
+        if daemon.components.get(&name).is_some()
+            && let Err(error) = daemon.unload(&name)
+        {
+            return vec![error.to_string()];
+        }
+        if let Err(error) = loading::load(daemon, &self.request) {
+            return vec![format!("{name} does not run: {error}")];
+        }
+        let connected = self.connections.iter().filter_map(|entry| {
+            link::make_anyway(daemon, entry).err().map(|error| format!("{entry}: {}", error.why))
+        });
+        let stopped =
+            self.interrupted.iter().map(|service| format!("{name}/{service} was interrupted"));
+        connected.chain(stopped).collect()
+    }
 }
 
 /// A component or port that moved.
@@ -172,6 +215,13 @@ pub(super) fn take_back(daemon: &Arc<Daemon>, undo: Vec<Undo>) -> Vec<String> {
                 left.extend(
                     failed.map(|(component, error)| Left { component, what: error.to_string() }),
                 );
+                continue;
+            }
+            Undo::PutBack(gone) => {
+                let component = gone.request.instance();
+                left.retain(|left| left.component != component);
+                let lost = gone.put_back(daemon).into_iter();
+                left.extend(lost.map(|what| Left { component: component.clone(), what }));
                 continue;
             }
             Undo::Move(moved) => {
