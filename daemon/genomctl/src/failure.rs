@@ -119,6 +119,19 @@ impl Failure {
         Failure::Usage { message: message.into(), help: Some(help.into()) }
     }
 
+    /// A line that makes no sense, in clap's words: what is wrong, then hints and the usage.
+    pub(crate) fn typed(told: &str) -> Self {
+        let mut lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
+        let first = lines.next().unwrap_or_default();
+        let message = first.strip_prefix("error: ").unwrap_or(first);
+        let (help, more): (Vec<_>, Vec<_>) = lines
+            .filter(|line| !line.starts_with("For more information"))
+            .partition(|line| line.starts_with("tip:") || line.starts_with("Usage:"));
+        let message = std::iter::once(message).chain(more).collect::<Vec<_>>().join(" ");
+        let help = help.iter().map(|line| line.trim_start_matches("tip: ")).collect::<Vec<_>>();
+        Self::usage(message, help.join("; "))
+    }
+
     /// A refusal of genomctl's own, in the daemon's shape.
     pub(crate) fn refused(code: &str, message: String) -> Self {
         Failure::Refused(Refusal { code: code.to_owned(), message, place: None, help: None })
