@@ -148,3 +148,24 @@ fn what_is_refused_is_told_with_its_line() {
     let refused = Home::new().refused(&["--log", "loud"]);
     refused.expect_code(2).expect_err("--log `loud` is no level of logs");
 }
+
+#[test]
+fn a_component_that_is_loaded_anew_keeps_what_the_file_leaves_out_of_an_attribute() {
+    let daemon = Daemon::start(&[]);
+    let library = component("mission").library;
+    let text = |period: &str| {
+        format!(
+            "[[component]]\nlibrary = {library:?}\n[component.attributes]\n\
+             set_turns = {{ turns = {{ far = 0.25 }} }}\n[component.tasks.watch]\n\
+             period_ms = {period}\n"
+        )
+    };
+    daemon.ctl(&["apply", &write(&daemon, &text("5.0"))]).expect_code(0);
+    daemon.ctl(&["call", "mission", "set_turns", "turns.near=-1"]).expect_code(0);
+    let again = daemon.ctl(&["apply", &write(&daemon, &text("5.0"))]);
+    again.expect_out("nothing to do: everything is as the file says\n");
+    let steps = daemon.json(&["apply", &write(&daemon, &text("4.0"))])["steps"].clone();
+    assert_eq!(steps, json!(["reload mission: other settings of tasks"]));
+    let turns = daemon.json(&["info", "mission", "set_turns"])["parameters"][0]["current"].clone();
+    assert_eq!(turns, json!({"near": -1.0, "far": 0.25}));
+}

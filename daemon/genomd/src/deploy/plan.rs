@@ -196,8 +196,12 @@ fn adapt(
         let mut request = request.clone();
         request.name = Some(name);
         // What was set and the deployment says nothing of stays set.
-        for (service, inputs) in hosted.done.attributes() {
-            request.attributes.entry(service).or_insert(inputs);
+        for (service, set) in hosted.done.attributes() {
+            let inputs = match request.attributes.get(&service) {
+                None => Some(set),
+                Some(wanted) => merged(hosted, &service, &set, wanted),
+            };
+            request.attributes.extend(inputs.map(|inputs| (service, inputs)));
         }
         steps.push(Step::Reload { request: Box::new(request), why });
         return Ok(());
@@ -219,7 +223,10 @@ fn adapt(
     }
     let set = hosted.done.attributes();
     for (service, inputs) in &request.attributes {
-        if !set.get(service).is_some_and(|set| holds(hosted, service, set, inputs)) {
+        if set
+            .get(service)
+            .is_none_or(|set| merged(hosted, service, set, inputs).as_ref() != Some(set))
+        {
             let (component, service) = (name.clone(), service.clone());
             steps.push(Step::Set(CallEntry { component, service, inputs: inputs.clone() }));
         }
@@ -233,11 +240,11 @@ fn full(hosted: &Hosted, service: &str, inputs: &Value) -> Option<Value> {
     hosted.filled(index, inputs).ok().map(|record| record.to_json())
 }
 
-/// Whether setting some inputs of an attribute would change nothing of what it was last set to.
-fn holds(hosted: &Hosted, service: &str, set: &Value, inputs: &Value) -> bool {
-    let Some(index) = hosted.plan().service(service) else { return false };
-    let Ok(mut record) = hosted.filled(index, set) else { return false };
-    record.merge_json(inputs).is_ok() && record.to_json() == *set
+/// What an attribute is set to when some of its inputs are given after it was set.
+fn merged(hosted: &Hosted, service: &str, set: &Value, inputs: &Value) -> Option<Value> {
+    let mut record = hosted.filled(hosted.plan().service(service)?, set).ok()?;
+    record.merge_json(inputs).ok()?;
+    Some(record.to_json())
 }
 
 /// Whether a deployment had this called already, in this life of the component, or the activity
