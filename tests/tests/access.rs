@@ -169,7 +169,10 @@ fn contexts_name_daemons() {
     let home = daemon.home().path();
     ctl(home, &["list"]).expect_code(3);
     let add = ["context", "add", "robot", "--host", &address, "--token-file", "read"];
-    ctl(home, &add).expect_code(0);
+    // Nothing is reached by it until somebody says so.
+    ctl(home, &add).expect_code(0).expect_err("`genomctl context use robot` does from now on");
+    ctl(home, &["list"]).expect_code(3);
+    ctl(home, &["context", "use", "robot"]).expect_code(0);
     let listed = ctl(home, &["list"]);
     assert!(listed.expect_code(0).out.contains("demo"), "{}", listed.out);
     ctl(home, &["context", "add", "other", "--socket", "/nowhere/socket"]).expect_code(0);

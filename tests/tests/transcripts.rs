@@ -22,6 +22,7 @@ macro_rules! transcripts {
 }
 
 transcripts! {
+    "choice": what_fits_is_offered_and_values_are_shown_as_wanted,
     "completion": live_names_are_completed,
     "manual": manual_pages_are_made_from_the_definitions_of_the_help,
     "dead": every_verb_says_how_to_start_a_daemon,

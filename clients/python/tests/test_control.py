@@ -28,9 +28,10 @@ class Services(DemoCase):
             demo.set_speed(1.0)
             self.assertEqual(call(), {})
             self.assertEqual(demo.get_speed(), {"velocity": 0.25})
-        # Nothing given: the default of the description.
+        # Nothing given: an attribute keeps its value.
         demo.set_speed()
-        self.assertEqual(demo.get_speed(), {"velocity": 0.5})
+        self.assertEqual(demo.get_speed(), {"velocity": 0.25})
+        self.assertIn("velocity: float = ?", str(inspect.signature(demo.set_speed)))
 
     def test_an_activity_without_flags_returns_when_it_has_ended(self):
         self.demo.set_speed(2.0)

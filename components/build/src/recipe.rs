@@ -62,6 +62,7 @@ pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
         Recipe::new("demo-2011", "demo", demo.join("papers/2011"))?,
         Recipe { language: Language::Rust, ..Recipe::new("demo-rs", "demo-rs", demo)? },
         Recipe::new("demo-cpp", "demo-cpp", components.join("demo-cpp"))?,
+        Recipe::new("mission", "mission", components.join("mission"))?,
     ];
     for directory in folders(&components.join("faults"))? {
         let name = directory.file_name().unwrap_or_default().to_string_lossy().into_owned();

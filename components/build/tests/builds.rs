@@ -60,7 +60,9 @@ fn a_changed_source_is_built_again_and_an_error_names_the_line() {
     let workspace = Paths::of_workspace().unwrap();
     let copy = tempfile::tempdir().unwrap();
     let root = copy.path();
-    for folder in ["components/demo", "components/demo-cpp", "plugin-api/include"] {
+    for folder in
+        ["components/demo", "components/demo-cpp", "components/mission", "plugin-api/include"]
+    {
         copy_folder(&workspace.root.join(folder), &root.join(folder));
     }
     let paths = Paths { root: root.to_owned(), target: root.join("target") };

@@ -17,6 +17,7 @@ use crate::contexts;
 use crate::escape;
 use crate::failure::{Failure, Refusal};
 use crate::far::Far;
+use crate::patience::Watch;
 use crate::sse::EventStream;
 use crate::target::Target;
 
@@ -53,7 +54,7 @@ impl Reply {
         if !self.is_success() {
             return Err(self.refusal(target).await);
         }
-        let bytes = self.body.whole().await.ok_or_else(|| target.lost())?;
+        let bytes = self.body.whole().await?.ok_or_else(|| target.lost())?;
         if bytes.is_empty() {
             return Ok(Value::Null);
         }
@@ -63,7 +64,11 @@ impl Reply {
     /// Why it was refused.
     pub(crate) async fn refusal(self, target: &Target) -> Failure {
         let status = self.status;
-        let Some(bytes) = self.body.whole().await else { return target.lost() };
+        let bytes = match self.body.whole().await {
+            Ok(Some(bytes)) => bytes,
+            Ok(None) => return target.lost(),
+            Err(failure) => return failure,
+        };
         let mut reply: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
         // It is told on standard error, and in words.
         escape::all(&mut reply);
@@ -81,9 +86,9 @@ impl Client {
         Self { given, far: Mutex::default() }
     }
 
-    fn way(&self) -> Result<Target, Failure> {
+    fn way(&self) -> Result<Arc<Target>, Failure> {
         let (connection, chosen) = contexts::complete(self.given.clone())?;
-        Target::new(connection, chosen)
+        Target::new(connection, chosen).map(Arc::new)
     }
 
     /// Who is talked to, for messages.
@@ -155,7 +160,7 @@ impl Client {
         method: Method,
         path: &str,
         body: Option<&Value>,
-    ) -> Result<(Reply, Target), Failure> {
+    ) -> Result<(Reply, Arc<Target>), Failure> {
         let bytes = body.map_or_else(Bytes::new, |body| Bytes::from(body.to_string()));
         self.send_bytes(method, path, bytes, None).await
     }
@@ -166,7 +171,7 @@ impl Client {
         path: &str,
         bytes: Bytes,
         after: Option<u64>,
-    ) -> Result<(Reply, Target), Failure> {
+    ) -> Result<(Reply, Arc<Target>), Failure> {
         let target = self.way()?;
         let reply = match target.daemon.clone() {
             None => near(&target, method, path, bytes, after).await?,
@@ -195,7 +200,7 @@ impl Client {
 
 /// Asks the daemon that the way leads to.
 pub(crate) async fn near(
-    target: &Target,
+    target: &Arc<Target>,
     method: Method,
     path: &str,
     bytes: Bytes,
@@ -214,14 +219,15 @@ pub(crate) async fn near(
     }
     let request =
         request.body(Full::new(bytes)).map_err(|error| target.misread(error.to_string()))?;
-    let stream = target.open().await?;
+    let (stream, process) = target.open().await?;
+    let watch = Watch::new(target, process);
     let (mut sender, connection) = http1::handshake(TokioIo::new(stream))
         .await
         .map_err(|error| target.misread(error.to_string()))?;
     // It ends when the reply's body has been read or dropped.
     tokio::spawn(connection);
-    let response = sender.send_request(request).await.map_err(|error| {
+    let response = watch.over(sender.send_request(request)).await?.map_err(|error| {
         if error.is_parse() { target.misread(error.to_string()) } else { target.lost() }
     })?;
-    Ok(Reply { status: response.status().as_u16(), body: Body::Near(response.into_body()) })
+    Ok(Reply { status: response.status().as_u16(), body: Body::Near(response.into_body(), watch) })
 }

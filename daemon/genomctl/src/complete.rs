@@ -10,6 +10,7 @@ use std::time::Duration;
 use clap::{ArgMatches, Command, FromArgMatches as _};
 use clap_complete::CompleteEnv;
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
+use genom_description::diagnostic::explanations;
 use serde_json::Value;
 
 use crate::connection::Connection;
@@ -50,8 +51,12 @@ pub(crate) enum Names {
     Inports,
     /// In ports and remotes: what can be connected.
     Readers,
-    /// Out ports; or services, when a remote was typed before.
+    /// Out ports of the type of the in port typed before; or services, when a remote was.
     Outports,
+    /// Policies of connections.
+    Policies,
+    /// Codes of diagnostics.
+    Codes,
     /// In ports and remotes that are connected.
     Connected,
     /// Components and ports.
@@ -64,7 +69,8 @@ impl From<Names> for ArgValueCompleter {
     fn from(names: Names) -> Self {
         ArgValueCompleter::new(move |typed: &OsStr| {
             let typed = typed.to_string_lossy();
-            let all = Line::read().map_or_else(Vec::new, |line| line.ask(names));
+            let all = fixed(names)
+                .unwrap_or_else(|| Line::read().map_or_else(Vec::new, |line| line.ask(names)));
             all.into_iter()
                 // A name with control characters is none that a shell should get.
                 .filter(|(name, _)| name.starts_with(&*typed) && escape::line(name) == *name)
@@ -74,6 +80,24 @@ impl From<Names> for ArgValueCompleter {
                 })
                 .collect()
         })
+    }
+}
+
+/// Names that no daemon has to be asked for.
+fn fixed(names: Names) -> Option<Vec<Candidate>> {
+    let told = |(name, help): (&str, &str)| (name.to_owned(), Some(help.to_owned()));
+    match names {
+        Names::Policies => Some(
+            [
+                ("latest", "the last sample"),
+                ("queue:8", "the oldest first, new ones are dropped while 8 wait"),
+                ("ring:8", "the oldest first, a ninth takes the place of the oldest"),
+            ]
+            .map(told)
+            .to_vec(),
+        ),
+        Names::Codes => Some(explanations().map(|one| told((one.code, one.title))).collect()),
+        _ => None,
     }
 }
 
@@ -116,6 +140,15 @@ impl Line {
         let Some(typed) = self.typed_path("inport") else { return false };
         let remotes = remotes(session).await.unwrap_or_default();
         remotes.iter().any(|(address, _)| *address == typed)
+    }
+
+    /// What a service must be like that the remote typed before calls.
+    async fn wanted_of_service(&self, session: &Session) -> Option<Value> {
+        let typed = self.typed_path("inport")?;
+        let (component, remote) = typed.split_once('/')?;
+        let described = session.get(&url(["components", component])).await.ok()?;
+        let mut remotes = described["uses"].as_array()?.iter();
+        Some(remotes.find(|one| one["name"] == *remote)?["digest"].clone())
     }
 
     fn ask(&self, names: Names) -> Vec<Candidate> {
@@ -179,13 +212,25 @@ impl Line {
             Names::Connected => {
                 list(&get("/connections".into()).await?["connections"], "in", "out")
             }
-            Names::Outports if self.remote_typed(session).await => services(session).await?,
+            Names::Outports if self.remote_typed(session).await => {
+                services(session, self.wanted_of_service(session).await).await?
+            }
             Names::Ports | Names::Inports | Names::Readers | Names::Outports => {
                 let mut reply = get("/ports?values=false".into()).await?;
                 if let Some(ports) = reply["ports"].as_array_mut() {
+                    // What another type has cannot be connected; of a port that is not there,
+                    // such as an element to come, nothing is known.
+                    let reader = self.typed_path("inport");
+                    let reader =
+                        ports.iter().find(|port| port["address"].as_str() == reader.as_deref());
+                    let wanted = reader.map(|port| port["digest"].clone());
                     ports.retain(|port| match names {
                         Names::Inports | Names::Readers => port["direction"] == "in",
-                        Names::Outports => port["direction"] == "out",
+                        Names::Outports => {
+                            let fits =
+                                wanted.as_ref().is_none_or(|wanted| port["digest"] == *wanted);
+                            port["direction"] == "out" && fits
+                        }
                         _ => true,
                     });
                 }
@@ -202,6 +247,7 @@ impl Line {
                 all.extend(list(&ports["ports"], "address", "type"));
                 all
             }
+            Names::Policies | Names::Codes => Vec::new(),
             Names::Backends => {
                 list(&get("/middlewares".into()).await?["middlewares"], "name", "version")
             }
@@ -222,14 +268,18 @@ async fn remotes(session: &Session) -> Option<Vec<Candidate>> {
     Some(all)
 }
 
-/// Services of all components, but for those that every component has.
-async fn services(session: &Session) -> Option<Vec<Candidate>> {
+/// Services of all components that are as wanted, but for those that every component has.
+async fn services(session: &Session, wanted: Option<Value>) -> Option<Vec<Candidate>> {
     let reply = session.get("/components").await.ok()?;
     let mut all = Vec::new();
     for component in reply["components"].as_array()? {
         let name = text(&component["name"]);
         let described = session.get(&url(["components", name.as_str()])).await.ok()?;
-        let own = described["services"].as_array()?.iter().filter(|one| one["standard"] != true);
+        let fits = |one: &&Value| {
+            one["standard"] != true
+                && wanted.as_ref().is_none_or(|wanted| one["call_digest"] == *wanted)
+        };
+        let own = described["services"].as_array()?.iter().filter(fits);
         let own: Value = own.cloned().collect();
         let own = list(&own, "name", "doc").into_iter();
         all.extend(own.map(|(service, doc)| (format!("{name}/{service}"), doc)));
@@ -247,7 +297,8 @@ fn list(all: &Value, name: &str, help: &str) -> Vec<Candidate> {
 /// Type, default and documentation of an input.
 fn about(input: &Value) -> Option<String> {
     let mut told = text(&input["type"]);
-    if let Some(default) = input.get("default") {
+    let shown = input.get("current").or(input.get("default")).filter(|value| !value.is_null());
+    if let Some(default) = shown {
         told.push_str(&format!(" = {default}"));
     }
     if let Some(doc) = input["doc"].as_str() {

@@ -25,6 +25,11 @@ pub(crate) struct Connection {
     /// File with your token, which only you may read.
     #[arg(long, global = true, value_name = "FILE", env = "GENOMD_TOKEN_FILE")]
     pub(crate) token_file: Option<PathBuf>,
+    /// Give up when the daemon answers nobody for so long [default: 10].
+    ///
+    /// A request may take longer, for as long as the daemon answers others.
+    #[arg(long, global = true, value_name = "SECONDS")]
+    pub(crate) timeout: Option<f64>,
     /// Name of a context (`genomctl context`): options kept under that name.
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) context: Option<String>,

@@ -2,6 +2,7 @@
 
 use std::io;
 use std::process::ExitCode;
+use std::time::Duration;
 
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -22,6 +23,15 @@ pub(crate) enum Failure {
     /// The daemon went away in the middle of a reply or a stream.
     #[error("genomd on {target} went away")]
     Lost { target: String },
+    /// The daemon is there, and answers nobody.
+    #[error(
+        "genomd on {target} does not answer{}",
+        stopped.map_or_else(
+            || format!(", nor did it for {} s", limit.as_secs_f64()),
+            |process| format!(": its process {process} is stopped"),
+        )
+    )]
+    Silent { target: String, limit: Duration, stopped: Option<i32> },
     /// The daemon refused; nothing was changed.
     #[error("{}", .0.message)]
     Refused(Refusal),
@@ -109,6 +119,19 @@ impl Failure {
         Failure::Usage { message: message.into(), help: Some(help.into()) }
     }
 
+    /// A line that makes no sense, in clap's words: what is wrong, then hints and the usage.
+    pub(crate) fn typed(told: &str) -> Self {
+        let mut lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
+        let first = lines.next().unwrap_or_default();
+        let message = first.strip_prefix("error: ").unwrap_or(first);
+        let (help, more): (Vec<_>, Vec<_>) = lines
+            .filter(|line| !line.starts_with("For more information"))
+            .partition(|line| line.starts_with("tip:") || line.starts_with("Usage:"));
+        let message = std::iter::once(message).chain(more).collect::<Vec<_>>().join(" ");
+        let help = help.iter().map(|line| line.trim_start_matches("tip: ")).collect::<Vec<_>>();
+        Self::usage(message, help.join("; "))
+    }
+
     /// A refusal of genomctl's own, in the daemon's shape.
     pub(crate) fn refused(code: &str, message: String) -> Self {
         Failure::Refused(Refusal { code: code.to_owned(), message, place: None, help: None })
@@ -157,6 +180,12 @@ impl Failure {
             Failure::Unreachable { .. } => Some(
                 "start one with `genomd LIBRARY...`, or name its socket with --socket".to_owned(),
             ),
+            Failure::Silent { stopped: Some(process), .. } => {
+                Some(format!("`kill -CONT {process}` lets it go on, unless a debugger holds it"))
+            }
+            Failure::Silent { .. } => {
+                Some("look at its process and its log; --timeout SECONDS waits longer".to_owned())
+            }
             Failure::Refused(refusal) => refusal.help.clone(),
             _ => None,
         }
@@ -168,6 +197,7 @@ impl Failure {
             Failure::Usage { .. } => "usage",
             Failure::Unreachable { .. } => "unreachable",
             Failure::Lost { .. } => "lost",
+            Failure::Silent { .. } => "silent",
             Failure::Refused(refusal) => &refusal.code,
             // The outcome itself was printed on standard output.
             Failure::Exception { .. } => "exception",
@@ -197,7 +227,7 @@ impl Failure {
         let _ = io::stderr().lock().write_all(text.as_bytes());
         ExitCode::from(match self {
             Failure::Usage { .. } => 2,
-            Failure::Unreachable { .. } | Failure::Lost { .. } => 3,
+            Failure::Unreachable { .. } | Failure::Lost { .. } | Failure::Silent { .. } => 3,
             _ => 1,
         })
     }

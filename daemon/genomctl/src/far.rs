@@ -16,6 +16,7 @@ use crate::body::Body;
 use crate::client::{Reply, near};
 use crate::failure::{Failure, Refusal};
 use crate::names::url;
+use crate::patience::patiently;
 use crate::target::Target;
 
 /// Pieces of a stream that wait to be read.
@@ -23,7 +24,7 @@ const WAITING: usize = 4;
 
 /// A daemon that has proved itself.
 pub(crate) struct Far {
-    target: Target,
+    target: Arc<Target>,
     daemon: String,
     session: Session,
 }
@@ -41,7 +42,7 @@ struct Answered {
 
 impl Far {
     /// Finds the one daemon of that name that holds the token.
-    pub(crate) async fn meet(target: Target, daemon: String) -> Result<Self, Failure> {
+    pub(crate) async fn meet(target: Arc<Target>, daemon: String) -> Result<Self, Failure> {
         let Some(token) = target.proof() else {
             return Err(Failure::Refused(Refusal {
                 code: "unauthorized".to_owned(),
@@ -83,13 +84,30 @@ impl Far {
         if !reply.is_success() {
             return Err(reply.refusal(&self.target).await);
         }
-        let bytes = reply.body.whole().await.ok_or_else(|| self.target.lost())?;
+        let bytes = reply.body.whole().await?.ok_or_else(|| self.target.lost())?;
         let forged = |error: &dyn std::fmt::Display| {
             Failure::refused("not_proved", format!("{error}; ask again"))
         };
         let answer = self.session.open(number, &bytes).map_err(|error| forged(&error))?;
         let (answer, body) = message::decode::<Answer>(answer).map_err(|error| forged(&error))?;
         Ok((answer, body.to_vec()))
+    }
+
+    /// Waits for what may take long. The daemon between answers whatever the other one does: that
+    /// one is asked too.
+    async fn while_it_answers<T>(
+        &self,
+        waiting: impl Future<Output = Result<T, Failure>>,
+    ) -> Result<T, Failure> {
+        let about = Question::Request(Request {
+            method: Method::GET.to_string(),
+            path: "/".to_owned(),
+            last_event_id: None,
+        });
+        let about = &about;
+        let ask = || async move { self.ask(about, &[], false).await.map(drop) };
+        let silent = || self.target.silent(None);
+        patiently(self.target.limit, waiting, ask, silent).await?
     }
 
     /// Asks as by HTTP.
@@ -106,7 +124,9 @@ impl Far {
             path: path.to_owned(),
             last_event_id: after.map(|number| number.to_string()),
         });
-        let (answer, body) = self.ask(&question, body, waits).await?;
+        let asked = self.ask(&question, body, waits);
+        let (answer, body) =
+            if waits { self.while_it_answers(asked).await? } else { asked.await? };
         let body = match answer.stream {
             None => Body::Whole(Some(body.into())),
             Some(stream) => {
@@ -120,11 +140,17 @@ impl Far {
 
     /// Fetches a stream for as long as it is read. Should the reader end without a word, the
     /// daemon closes it when nobody has asked for some time.
-    async fn fetch(self: Arc<Self>, stream: u64, reader: mpsc::Sender<Bytes>) {
+    async fn fetch(self: Arc<Self>, stream: u64, reader: mpsc::Sender<Result<Bytes, Failure>>) {
         loop {
             let more = Question::More(stream);
-            let Ok((answer, piece)) = self.ask(&more, &[], false).await else { return };
-            let gone = !piece.is_empty() && reader.send(piece.into()).await.is_err();
+            let (answer, piece) = match self.ask(&more, &[], false).await {
+                Ok(more) => more,
+                Err(failure) => {
+                    let _ = reader.send(Err(failure)).await;
+                    return;
+                }
+            };
+            let gone = !piece.is_empty() && reader.send(Ok(piece.into())).await.is_err();
             if answer.stream.is_none() {
                 return;
             }

@@ -20,6 +20,7 @@ mod inputs;
 mod lsp;
 mod names;
 mod parameter;
+mod patience;
 mod private;
 mod prompt;
 mod reading;
@@ -39,13 +40,22 @@ use std::process::ExitCode;
 use clap::{CommandFactory as _, Parser as _};
 
 use crate::args::Cli;
+use crate::failure::Failure;
 use crate::session::Session;
+
+/// Whether `--json` was typed, in a line that makes no sense otherwise.
+fn json_wanted() -> bool {
+    std::env::args_os().skip(1).take_while(|word| word != "--").any(|word| word == "--json")
+}
 
 fn main() -> ExitCode {
     // A shell asks: it gets its answer, and nothing else happens.
     complete::answer(Cli::command, verbs::COMPLETE);
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
+        Err(error) if error.use_stderr() && json_wanted() => {
+            return Failure::typed(&error.to_string()).report(true);
+        }
         Err(error) => {
             let code = if error.use_stderr() { 2 } else { 0 };
             // A closed pipe is the reader's choice, not a failure.
@@ -54,7 +64,7 @@ fn main() -> ExitCode {
         }
     };
     let json = cli.json;
-    let session = Session::new(cli.connection, json);
+    let session = Session::new(cli.verb.connection(cli.connection), json);
     // One query, one thread: starting a pool would cost more than the query.
     let outcome = tokio::runtime::Builder::new_current_thread()
         .enable_all()

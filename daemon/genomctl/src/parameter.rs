@@ -13,7 +13,10 @@ pub(crate) struct Parameter {
     pub(crate) ty: String,
     #[serde(default)]
     pub(crate) doc: Option<String>,
-    /// Taken when the input is left out.
+    /// Taken when the input is left out, but of an attribute.
     #[serde(default)]
     pub(crate) default: Option<Value>,
+    /// Of an attribute: what it keeps when the input is left out, as far as the daemon tells.
+    #[serde(default)]
+    pub(crate) current: Option<Value>,
 }

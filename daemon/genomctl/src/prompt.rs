@@ -21,22 +21,24 @@ struct Service {
 const TRIES: u32 = 3;
 
 /// Calls a service with the inputs typed; or with what somebody answers, when none were. An answer
-/// that the daemon refuses is asked for again. `{}` takes all defaults unasked.
+/// that the daemon refuses is asked for again. `{}` leaves all out, unasked.
 pub(crate) async fn call(
     session: &Session,
     component: &str,
     service: &str,
     words: &[String],
+    zero: bool,
 ) -> Result<Value, Failure> {
     let path = url(["components", component, "services", service]);
+    let asked = if zero { format!("{path}?zero=true") } else { path.clone() };
     if !words.is_empty() || session.json || !terminal::somebody_there() {
-        return session.post(&path, &inputs::parse(words)?).await;
+        return session.post(&asked, &inputs::parse(words)?).await;
     }
     let described: Service = session.read(session.get(&path).await?)?;
     let mut form = Form::new(described);
     form.fill(&mut io::stdin().lock(), &mut io::stderr().lock())?;
     loop {
-        match session.post(&path, &form.given()).await {
+        match session.post(&asked, &form.given()).await {
             Err(Failure::Refused(refusal)) if refusal.code == "bad_input" => {
                 form.mend(refusal, &mut io::stdin().lock(), &mut io::stderr().lock())?;
             }
@@ -62,7 +64,7 @@ impl Form {
         Value::Object(self.given.clone())
     }
 
-    /// Asks for each; an empty answer takes the default.
+    /// Asks for each; an empty answer takes what is shown.
     fn fill(&mut self, answers: &mut impl BufRead, out: &mut impl Write) -> Result<(), Failure> {
         let Self { parameters, given } = self;
         parameters.iter_mut().try_for_each(|asked| ask(asked, given, answers, out))
@@ -97,16 +99,18 @@ fn ask(
     out: &mut impl Write,
 ) -> Result<(), Failure> {
     *asked += 1;
-    let Parameter { name, ty, doc, default, .. } = parameter;
+    let Parameter { name, ty, doc, default, current, .. } = parameter;
     let doc = doc.as_ref().map_or_else(String::new, |doc| format!(", {}", doc.trim()));
-    let shown = default.as_ref().map_or_else(String::new, |default| format!(" [{default}]"));
+    // What an empty answer comes to: an attribute keeps what it has.
+    let shown = current.as_ref().or(default.as_ref());
+    let shown = shown.map_or_else(String::new, |shown| format!(" [{shown}]"));
     write!(out, "{name} ({ty}{doc}){shown}: ")?;
     out.flush()?;
     let mut answer = String::new();
     if answers.read_line(&mut answer)? == 0 {
         writeln!(out)?;
         let message = format!("no answer for {name}: nothing was started");
-        return Err(Failure::usage(message, "write '{}' to take all defaults"));
+        return Err(Failure::usage(message, "write '{}' to leave all out"));
     }
     let answer = answer.trim();
     if answer.is_empty() {

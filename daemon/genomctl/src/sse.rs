@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use crate::body::Body;
+use crate::failure::Failure;
 
 /// One event.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -27,13 +28,14 @@ impl EventStream {
         Self { body, parser: Parser::default() }
     }
 
-    /// The next event; `None` when the daemon closed the stream.
-    pub(crate) async fn next(&mut self) -> Option<Event> {
+    /// The next event; `None` when the daemon closed the stream, a failure when it answers nobody
+    /// any more.
+    pub(crate) async fn next(&mut self) -> Result<Option<Event>, Failure> {
         loop {
             if let Some(event) = self.parser.ready.pop_front() {
-                return Some(event);
+                return Ok(Some(event));
             }
-            let bytes = self.body.next().await?;
+            let Some(bytes) = self.body.next().await? else { return Ok(None) };
             self.parser.feed(&bytes);
         }
     }

@@ -1,4 +1,5 @@
-//! Tables: columns as wide as their content, two blanks between them; cut to fit a terminal.
+//! Tables: columns as wide as their content, two blanks between them; cut to fit a terminal, but
+//! for names, which somebody may want to type.
 
 use crate::escape;
 use crate::terminal::{Terminal, Tone};
@@ -10,6 +11,24 @@ pub(crate) struct Table {
     pub(crate) header: Vec<&'static str>,
     pub(crate) rows: Vec<Vec<String>>,
 }
+
+/// Columns of names that other commands take: they are never cut.
+const NAMES: [&str; 14] = [
+    "ACTIVITY",
+    "BACKEND",
+    "COMPONENT",
+    "CONNECTED",
+    "CONTEXT",
+    "DAEMON",
+    "IN",
+    "NAME",
+    "OUT",
+    "PORT",
+    "SERVICE",
+    "STATE",
+    "TASK",
+    "TOPIC",
+];
 
 /// Columns are not made narrower than this.
 const NARROW: usize = 6;
@@ -65,21 +84,22 @@ impl Table {
             }
         }
         let Some(most) = most else { return widths };
-        // The widest gives first, until the line fits or all are narrow.
+        // The widest that may gives first, until the line fits or all are narrow.
+        let gives =
+            |column: &usize| !self.header.get(*column).is_some_and(|name| NAMES.contains(name));
         loop {
             let line = widths.iter().sum::<usize>() + BETWEEN * (widths.len().saturating_sub(1));
             let Some(over) = line.checked_sub(most).filter(|over| *over > 0) else { return widths };
-            let mut sorted = widths.clone();
-            sorted.sort_unstable();
-            let next = sorted.iter().rev().find(|width| **width < sorted[sorted.len() - 1]);
-            let widest = sorted[sorted.len() - 1];
-            let Some(column) = widths.iter().rposition(|width| *width == widest) else {
+            let giving = (0..widths.len()).filter(gives);
+            let Some(column) = giving.clone().max_by_key(|column| widths[*column]) else {
                 return widths;
             };
+            let widest = widths[column];
             if widest <= NARROW {
                 return widths;
             }
-            let floor = next.copied().unwrap_or(0).max(NARROW).min(widest - 1);
+            let next = giving.map(|column| widths[column]).filter(|width| *width < widest).max();
+            let floor = next.unwrap_or(0).max(NARROW).min(widest - 1);
             widths[column] = widest.saturating_sub(over).max(floor);
         }
     }
@@ -122,11 +142,11 @@ mod tests {
     }
 
     #[test]
-    fn a_table_fits_the_terminal_and_the_widest_column_gives() {
+    fn a_table_fits_the_terminal_as_far_as_names_let_it() {
         for width in [20, 24, 30, 40, 56, 80] {
             let text = table().text(Terminal { width: Some(width), colour: false });
             for line in text.lines() {
-                assert!(line.chars().count() <= width.max(22), "{width}: {line}");
+                assert!(line.chars().count() <= width.max(24), "{width}: {line}");
             }
         }
         expect![[r"
@@ -135,6 +155,22 @@ mod tests {
             running  failed   x.so
         "]]
         .assert_eq(&table().text(Terminal { width: Some(30), colour: false }));
+    }
+
+    #[test]
+    fn names_stay_whole() {
+        let long = "left/a_port_with_a_name_that_is_longer_than_any_terminal_is_wide".to_owned();
+        let table = Table {
+            header: vec!["PORT", "TYPE", "VALUE"],
+            rows: vec![vec![
+                long.clone(),
+                "::a::type::of::it".to_owned(),
+                "[1,2,3,4,5]".to_owned(),
+            ]],
+        };
+        let text = table.text(Terminal { width: Some(40), colour: false });
+        let row = text.lines().nth(1).unwrap();
+        assert_eq!(row, format!("{long}  ::a::~  [1,2,~"));
     }
 
     #[test]

@@ -3,10 +3,13 @@
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use serde::Deserialize;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpStream, UnixStream};
+use tokio::sync::oneshot;
+use tokio::time::timeout;
 use tokio_rustls::TlsConnector;
 use tokio_rustls::rustls::crypto::ring;
 use tokio_rustls::rustls::pki_types::pem::PemObject as _;
@@ -16,6 +19,7 @@ use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 use crate::connection::{Connection, Host, Tcp};
 use crate::contexts::Chosen;
 use crate::failure::Failure;
+use crate::patience::is_stopped;
 use crate::private;
 
 /// A daemon and the way to it.
@@ -28,7 +32,12 @@ pub(crate) struct Target {
     pub(crate) daemon: Option<String>,
     /// The context that says all this, where the command line does not.
     chosen: Option<Chosen>,
+    /// How long it may answer nobody.
+    pub(crate) limit: Duration,
 }
+
+/// How long a daemon may answer nobody when nothing else is said.
+const LIMIT: f64 = 10.0;
 
 #[derive(Debug)]
 enum Way {
@@ -63,7 +72,12 @@ impl std::fmt::Display for Target {
 impl Target {
     /// What the options come to; files of certificates and tokens are read when they are needed.
     pub(crate) fn new(connection: Connection, chosen: Option<Chosen>) -> Result<Self, Failure> {
-        let Connection { socket, host, ca, cert, token_file, .. } = connection;
+        let Connection { socket, host, ca, cert, token_file, timeout: seconds, .. } = connection;
+        let seconds = seconds.unwrap_or(LIMIT);
+        let limit = Duration::try_from_secs_f64(seconds).ok().filter(|limit| !limit.is_zero());
+        let limit = limit.ok_or_else(|| {
+            Failure::usage(format!("--timeout {seconds}: no time to answer in"), "try 10")
+        })?;
         let token = token_file.map(|path| read_token(&path)).transpose()?;
         let mut daemon = None;
         let way = match host {
@@ -91,7 +105,7 @@ impl Target {
                 }
             }
         };
-        Ok(Self { way, token, daemon, chosen })
+        Ok(Self { way, token, daemon, chosen, limit })
     }
 
     /// Value of the header that says who asks. A token for another daemon goes to none: it is
@@ -111,34 +125,44 @@ impl Target {
         Failure::Lost { target: self.to_string() }
     }
 
+    /// The daemon answers nobody; `process` is its process, as far as it is known.
+    pub(crate) fn silent(&self, process: Option<i32>) -> Failure {
+        let (target, limit) = (self.to_string(), self.limit);
+        Failure::Silent { target, limit, stopped: process.filter(|one| is_stopped(*one)) }
+    }
+
     /// The reply has another shape than expected.
     pub(crate) fn misread(&self, why: String) -> Failure {
         Failure::Reply { target: self.to_string(), why }
     }
 
-    /// Opens the way.
-    pub(crate) async fn open(&self) -> Result<Box<dyn Stream>, Failure> {
+    /// Opens the way; with the process at its end, as far as it is known.
+    pub(crate) async fn open(&self) -> Result<(Box<dyn Stream>, Option<i32>), Failure> {
+        timeout(self.limit, self.open_in_time()).await.unwrap_or_else(|_| Err(self.silent(None)))
+    }
+
+    async fn open_in_time(&self) -> Result<(Box<dyn Stream>, Option<i32>), Failure> {
         let unreachable = |source| Failure::Unreachable {
             target: self.to_string(),
             chosen: self.chosen.clone(),
             source,
         };
         match &self.way {
-            // Blocking: a daemon with many peers at its door is waited for, not given up.
             Way::Socket(path) => {
                 private::place_of_socket(path)?;
-                let stream = std::os::unix::net::UnixStream::connect(path).map_err(unreachable)?;
-                stream.set_nonblocking(true).map_err(unreachable)?;
-                Ok(Box::new(UnixStream::from_std(stream).map_err(unreachable)?))
+                let stream = socket(path).await.map_err(unreachable)?;
+                let process = stream.peer_cred().ok().and_then(|peer| peer.pid());
+                Ok((Box::new(stream), process))
             }
-            Way::Tcp(host) => Ok(Box::new(tcp(host).await.map_err(unreachable)?)),
+            Way::Tcp(host) => Ok((Box::new(tcp(host).await.map_err(unreachable)?), None)),
             Way::Tls { host, ca, cert } => {
                 let connector = connector(ca, cert.as_deref())?;
                 let name = ServerName::try_from(host.name.clone()).map_err(|_| {
                     Failure::usage(format!("{host}: no name for a certificate"), "check its name")
                 })?;
                 let stream = tcp(host).await.map_err(unreachable)?;
-                Ok(Box::new(connector.connect(name, stream).await.map_err(unreachable)?))
+                let stream = connector.connect(name, stream).await.map_err(unreachable)?;
+                Ok((Box::new(stream), None))
             }
         }
     }
@@ -148,6 +172,23 @@ impl Target {
 pub(crate) trait Stream: AsyncRead + AsyncWrite + Unpin + Send {}
 
 impl<S: AsyncRead + AsyncWrite + Unpin + Send> Stream for S {}
+
+/// Connects. A daemon with many peers at its door is waited for: only a thread can do that.
+async fn socket(path: &Path) -> io::Result<UnixStream> {
+    match UnixStream::connect(path).await {
+        Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+        connected => return connected,
+    }
+    let (sender, connected) = oneshot::channel();
+    let path = path.to_owned();
+    // It ends with the process, if nobody opens.
+    std::thread::Builder::new().name("connect".to_owned()).spawn(move || {
+        let _ = sender.send(std::os::unix::net::UnixStream::connect(path));
+    })?;
+    let stream = connected.await.map_err(io::Error::other)??;
+    stream.set_nonblocking(true)?;
+    UnixStream::from_std(stream)
+}
 
 async fn tcp(host: &Tcp) -> io::Result<TcpStream> {
     TcpStream::connect((host.name.as_str(), host.port)).await

@@ -3,7 +3,7 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::Parser;
+use clap::{Parser, ValueHint};
 
 /// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
 /// here.
@@ -19,13 +19,13 @@ use clap::Parser;
 pub(crate) struct Cli {
     /// Components to run: libraries (demo.so), descriptions (demo.gen), or names on the
     /// component path (demo).
-    #[arg(value_name = "LIB")]
+    #[arg(value_name = "LIB", value_hint = ValueHint::FilePath)]
     pub(crate) components: Vec<PathBuf>,
     /// Middleware of ports and services [default: local].
     #[arg(long, short)]
     pub(crate) backend: Option<String>,
     /// Configuration (TOML); see configs/default.toml for every key.
-    #[arg(long, short, value_name = "FILE")]
+    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) config: Option<PathBuf>,
     /// Set a key of the configuration, for instance rpc.max_streams=8; may be repeated, comes
     /// after the file.
@@ -43,10 +43,10 @@ pub(crate) struct Cli {
     pub(crate) name: Option<String>,
     /// Description, when one component is given and its description is neither in the library
     /// nor beside it.
-    #[arg(long = "gen", value_name = "FILE")]
+    #[arg(long = "gen", value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) gen_file: Option<PathBuf>,
     /// Directory to look for components in; may be repeated, comes before GENOM_PATH.
-    #[arg(long, value_name = "DIRECTORY")]
+    #[arg(long, value_name = "DIRECTORY", value_hint = ValueHint::DirPath)]
     pub(crate) path: Vec<PathBuf>,
     /// Directories to look for components in, separated by colons.
     #[arg(long, hide = true, env = "GENOM_PATH", value_delimiter = ':')]
@@ -63,7 +63,7 @@ pub(crate) struct Cli {
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub(crate) listen: Option<SocketAddr>,
     /// Tokens of those who may come in there, each with its rights; see configs/default.toml.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) token_file: Option<PathBuf>,
     /// Time of the components: that of the machine, or one that `genomctl step` advances
     /// [default: monotonic].
@@ -77,6 +77,13 @@ pub(crate) struct Cli {
     /// wrong. No socket, no middleware.
     #[arg(long)]
     pub(crate) check: bool,
+    /// Print the completions of genomd for a shell; in ~/.bashrc: `source <(genomd --completion
+    /// bash)`.
+    #[arg(long, value_name = "SHELL")]
+    pub(crate) completion: Option<clap_complete::Shell>,
+    /// Write the manual page of genomd into a directory, such as ~/.local/share/man/man1.
+    #[arg(long, value_name = "DIRECTORY", value_hint = ValueHint::DirPath)]
+    pub(crate) man: Option<PathBuf>,
     /// Print the version, the middlewares this daemon knows and their versions.
     #[arg(long, short = 'V')]
     pub(crate) version: bool,

@@ -16,6 +16,7 @@ use tracing_subscriber::{EnvFilter, Layer};
 
 use crate::bus::Numbers;
 use crate::dates::Dates;
+use crate::nearest::nearest;
 use crate::telemetry;
 
 /// What was logged: one process has one log.
@@ -32,6 +33,29 @@ pub(crate) fn past() -> &'static Numbers {
 /// services are for a collector.
 const QUIET: &str = "rustdds=off,zenoh_link_unixsock_stream=error,\
                      zenoh::net::routing::hat::peer=error,genom::service=off";
+
+/// Whether a filter says what to log: a level, or levels of parts (`info,genomd=debug`). A word that
+/// is neither would be taken for a part that nothing is of, and silence all.
+pub(crate) fn understood(filter: &str) -> Result<(), String> {
+    const LEVELS: [&str; 6] = ["off", "error", "warn", "info", "debug", "trace"];
+    let is_level = |word: &str| {
+        LEVELS.contains(&word.to_ascii_lowercase().as_str())
+            || word.parse::<u8>().is_ok_and(|n| n < 6)
+    };
+    for word in filter.split(',').map(str::trim).filter(|word| !word.is_empty()) {
+        let level = word.rsplit_once('=').map_or(word, |(_, level)| level);
+        // A span or a field may stand in brackets, and hold anything.
+        if !is_level(level) && !word.contains(['[', ']']) {
+            let near = nearest(level, LEVELS);
+            let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
+            return Err(format!(
+                "`{level}` is no level of logs: error, warn, info, debug or trace, or for a part \
+                 such as info,genomd=debug{near}"
+            ));
+        }
+    }
+    Ok(())
+}
 
 /// Starts logging; the filter was wrong when this gives an error.
 /// With `spans`, those of services are exported, whatever is logged.

@@ -32,9 +32,10 @@ mod wires;
 mod wiring;
 
 use std::io::Write as _;
+use std::path::Path;
 use std::process::ExitCode;
 
-use clap::Parser as _;
+use clap::{CommandFactory as _, Parser as _};
 
 use crate::cli::Cli;
 use crate::config::{Config, Settings};
@@ -53,6 +54,16 @@ fn main() -> ExitCode {
     if cli.version {
         let _ = std::io::stdout().lock().write_all(version().as_bytes());
         return ExitCode::SUCCESS;
+    }
+    if let Some(shell) = cli.completion {
+        let mut text = Vec::new();
+        clap_complete::generate(shell, &mut Cli::command(), "genomd", &mut text);
+        // A closed pipe is the reader's choice, not a failure.
+        let _ = std::io::stdout().lock().write_all(&text);
+        return ExitCode::SUCCESS;
+    }
+    if let Some(directory) = &cli.man {
+        return write_manual(directory);
     }
     if cli.dump_config {
         return dump_config(&cli);
@@ -76,6 +87,16 @@ fn settings(cli: Cli) -> Result<Settings, Refusal> {
     registry::check(&settings.backend).map_err(Refusal::usage)?;
     registry::check_options(&settings.backends).map_err(Refusal::usage)?;
     Ok(settings)
+}
+
+/// Writes the manual page, which is made of what `--help` says.
+fn write_manual(directory: &Path) -> ExitCode {
+    let written = std::fs::create_dir_all(directory)
+        .and_then(|()| clap_mangen::generate_to(Cli::command(), directory));
+    match written {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => Refusal::usage(format!("--man {}: {error}", directory.display())).report(),
+    }
 }
 
 /// Prints the configuration as it is understood.

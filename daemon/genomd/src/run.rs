@@ -196,7 +196,8 @@ async fn work(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
 /// Loads the components asked for, in order; stops at the first that is refused. What else the
 /// deployment asks for is given back.
 async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
-    let steps = plan(daemon, &daemon.settings.deployment)
+    let steps = plan(daemon, &daemon.settings.deployment, false)
+        .map(|plan| plan.steps)
         .map_err(|error| Refusal::usage(told(&daemon.settings, &error.place(), &error)))?;
     let (loads, rest): (Vec<_>, Vec<_>) =
         steps.into_iter().partition(|step| matches!(step, Step::Load(_)));

@@ -50,6 +50,32 @@ impl fmt::Display for Exception {
     }
 }
 
+/// Inputs of a request.
+pub enum Inputs {
+    /// All of them: a record of the service's input struct.
+    Whole(Record),
+    /// Some of them, of an attribute: what it leaves alone keeps its value.
+    Partial(Partial),
+    /// None: an attribute is asked what the IDS hold where it stores its inputs. The outcome is a
+    /// record of these; nothing else happens.
+    Look,
+}
+
+/// Changes what is given in a record that holds what the IDS hold; called again when codels
+/// changed the IDS before the request was done. Refused, it ends with that exception, and nothing
+/// was changed.
+pub type Partial = Box<dyn FnMut(&mut Record) -> Result<(), Exception> + Send>;
+
+impl fmt::Debug for Inputs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Inputs::Whole(record) => record.fmt(f),
+            Inputs::Partial(_) => f.write_str("partial"),
+            Inputs::Look => f.write_str("look"),
+        }
+    }
+}
+
 /// What the supervisor does for the standard services (genom3.md 4.8).
 ///
 /// Called by a control worker that holds no exclusion; the connecting itself is done within

@@ -96,6 +96,10 @@ pub trait Frame: Send {
     /// Copies the `out` and `inout` parameters from the IDS to the outputs.
     fn fetch(&mut self);
 
+    /// Copies what the IDS hold in the places of the `in` and `inout` parameters of an attribute
+    /// into a record of its inputs. Bodies without IDS have nothing to copy.
+    fn current(&mut self, _inputs: &mut Record) {}
+
     /// Calls the codel with this index in [`Component::codels`](genom_description::model::Component::codels).
     ///
     /// `context` is the rank of the `genom_context` to give it (genom3.md 5.4): below the number

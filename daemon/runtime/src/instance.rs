@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use genom_types::Record;
 use serde_json::Value;
 
-use crate::api::Reply;
+use crate::api::{Inputs, Reply};
 use crate::body::Body;
 use crate::engine::{ActivityStatus, Engine, NoSuchActivity};
 use crate::options::Options;
@@ -72,13 +72,14 @@ impl Instance {
     /// activities run when the clock is stepped.
     pub fn request(&self, service: usize, input: Record, reply: Reply) -> Ticket {
         let ticket = Ticket::default();
-        self.request_by(&ticket, service, input, reply);
+        self.request_by(&ticket, service, Inputs::Whole(input), reply);
         ticket
     }
 
-    /// The same with a ticket at hand: on a virtual clock the request may take its time.
-    pub fn request_by(&self, ticket: &Ticket, service: usize, input: Record, reply: Reply) {
-        self.engine.submit(service, input, reply, ticket.clone());
+    /// The same with a ticket at hand, since on a virtual clock the request may take its time, and
+    /// maybe with some inputs only.
+    pub fn request_by(&self, ticket: &Ticket, service: usize, inputs: Inputs, reply: Reply) {
+        self.engine.submit(service, inputs, reply, ticket.clone());
     }
 
     /// Gives up a request that has not begun and that a stuck codel keeps from it: it never runs,

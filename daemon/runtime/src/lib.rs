@@ -30,7 +30,9 @@ mod task;
 mod ticket;
 mod watcher;
 
-pub use api::{Exception, Outcome, Progress, Reply, Wiring, WiringError, input_record};
+pub use api::{
+    Exception, Inputs, Outcome, Partial, Progress, Reply, Wiring, WiringError, input_record,
+};
 pub use clock::{Clock, VirtualClock};
 pub use engine::{ActivityPhase, ActivityStatus, NoSuchActivity};
 pub use instance::{Instance, NoSuchEvent};

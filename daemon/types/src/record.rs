@@ -200,6 +200,23 @@ impl Record {
         Ok(())
     }
 
+    /// Where the first datum is that none of the JSON values gives that this value was merged
+    /// from, as `goal.x[2]`; the one merged last comes first. `None` when they give everything:
+    /// what is optional may be left out.
+    #[must_use]
+    pub fn missing(&self, given: &[&Value]) -> Option<String> {
+        json::missing(self.view(), given)
+    }
+
+    /// Whether two records of one type hold the same value, as far as JSON tells.
+    #[must_use]
+    pub fn holds_same(&self, other: &Record) -> bool {
+        match (self.bytes(), other.bytes()) {
+            (Some(own), Some(others)) if own == others => true,
+            _ => self.to_json() == other.to_json(),
+        }
+    }
+
     /// Appends the value as a CDR payload, little endian (see [`cdr`]). On error `out` is as
     /// before.
     ///

@@ -8,6 +8,16 @@ import json
 import keyword
 from typing import Any, Dict, Iterable, List, Tuple
 
+
+
+class _Kept:
+    """Stands for the value that an attribute keeps when an input is left out."""
+
+    def __repr__(self) -> str:
+        return "?"
+
+
+KEPT = _Kept()
 _FLAGS = ("ack", "send", "callback")
 _BASIC = {
     "boolean": bool,
@@ -40,12 +50,17 @@ def inputs(service: Dict[str, Any]) -> List[Dict[str, Any]]:
     return [one for one in service["parameters"] if one["direction"] in ("in", "inout")]
 
 
+def _default(service: Dict[str, Any], parameter: Dict[str, Any]) -> Any:
+    """What an input is when it is left out; None: it may not be."""
+    return KEPT if service["kind"] == "attribute" else parameter.get("default")
+
+
 def signature(service: Dict[str, Any]) -> inspect.Signature:
     """How the service is called."""
     listed = []
     optional = False
     for one in inputs(service):
-        default = one.get("default")
+        default = _default(service, one)
         optional = optional or default is not None
         # After one with a default, Python wants those without to be given by name.
         by_name = optional and default is None
@@ -75,8 +90,9 @@ def document(service: Dict[str, Any]) -> str:
             lines.append(title + ":")
             for one in chosen:
                 line = f"    {one['name']}: {one['type']}"
-                if title == "Inputs" and one.get("default") is not None:
-                    line += f" = {json.dumps(one['default'])}"
+                default = _default(service, one)
+                if title == "Inputs" and default is not None:
+                    line += " = ?" if default is KEPT else f" = {json.dumps(default)}"
                 if one.get("doc"):
                     line += f"  ({one['doc']})"
                 lines.append(line)
@@ -111,7 +127,7 @@ def bind(service: Dict[str, Any], args: Tuple[Any, ...], given: Dict[str, Any]) 
             raise TypeError(f"{what} got input `{name}` twice")
         values[name] = value
     for one in parameters:
-        if one["name"] not in values and one.get("default") is None:
+        if one["name"] not in values and _default(service, one) is None:
             raise TypeError(f"{what} wants input `{one['name']}`, a {one['type']}")
     return values
 

@@ -94,6 +94,7 @@ fn one_service(component: &Component, types: &TypeTable, service: &Service) -> V
         "codels": codels(component, types, &service.codels),
         "throws": names(types, &service.throws),
         "digest": service.digest,
+        "call_digest": service.call_digest,
     })
 }
 

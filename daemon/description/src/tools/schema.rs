@@ -2,7 +2,8 @@
 //! description. Each schema stands for itself: the named types it needs are in its `$defs`.
 //!
 //! What a schema accepts is what the daemon reads (genom3.md appendix A): any members of a
-//! struct, an array or some of its elements by index.
+//! struct, an array or some of its elements by index. Inputs of a function or activity that have no
+//! default are required.
 
 use std::collections::BTreeMap;
 
@@ -40,11 +41,14 @@ pub fn schema(spec: &Specification, component: &Component) -> Value {
 /// Inputs and outputs of a service, by its rank; of one that is not there, nothing.
 #[must_use]
 pub fn service_schemas(spec: &Specification, component: &Component, rank: usize) -> [Value; 2] {
-    let parameters = component.services.get(rank).map_or(&[][..], |service| &service.parameters);
+    let service = component.services.get(rank);
+    let parameters = service.map_or(&[][..], |service| &service.parameters);
+    // What is left out of an attribute keeps its value, which no description tells.
+    let keeps = service.is_some_and(|service| service.kind == ServiceKind::Attribute);
     [Direction::Out, Direction::In].map(|other| {
         let these = parameters.iter().filter(|parameter| parameter.direction != other);
         // Only inputs have defaults.
-        record(&spec.types, these, other == Direction::Out)
+        record(&spec.types, these, other == Direction::Out && !keeps)
     })
 }
 
@@ -55,8 +59,14 @@ fn record<'a>(
 ) -> Value {
     let mut walk = Walk { types, named: BTreeMap::new() };
     let mut properties = Map::new();
+    let mut required = Vec::new();
     for parameter in parameters {
         let mut schema = walk.of(parameter.ty);
+        let default = parameter.default.as_ref().and_then(|default| default.value.as_ref());
+        let optional = matches!(types.resolved(parameter.ty), Kind::Optional { .. });
+        if defaults && default.is_none() && !optional {
+            required.push(parameter.name.clone());
+        }
         if let Some(default) = &parameter.default {
             describe(&mut schema, default.doc.as_deref());
             for (pointer, doc) in &default.member_docs {
@@ -70,9 +80,12 @@ fn record<'a>(
         }
         properties.insert(parameter.name.clone(), schema);
     }
-    walk.finish(json!({
-        "type": "object", "properties": properties, "additionalProperties": false,
-    }))
+    let mut schema =
+        json!({"type": "object", "properties": properties, "additionalProperties": false});
+    if !required.is_empty() {
+        schema["required"] = required.into();
+    }
+    walk.finish(schema)
 }
 
 fn one_type(types: &TypeTable, id: TypeId) -> Value {

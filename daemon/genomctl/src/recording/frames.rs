@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::body::Body;
+use crate::failure::Failure;
 
 /// A frame longer than this is none.
 const LONGEST: usize = 256 << 20;
@@ -78,21 +79,21 @@ impl Frames {
         Self { body, bytes: Vec::new(), done: 0 }
     }
 
-    /// The next frame; `None` when the daemon went away, an error when it sent nonsense. May be
-    /// dropped and called again.
-    pub(crate) async fn next(&mut self) -> Option<Result<Frame, String>> {
+    /// The next frame; `None` when the daemon went away or sent nonsense, a failure when it answers
+    /// nobody any more. May be dropped and called again.
+    pub(crate) async fn next(&mut self) -> Result<Option<Frame>, Failure> {
         loop {
             match cut(&self.bytes[self.done..]) {
-                Err(why) => return Some(Err(why)),
+                Err(_) => return Ok(None),
                 Ok(Some((frame, length))) => {
                     self.done += length;
-                    return Some(Ok(frame));
+                    return Ok(Some(frame));
                 }
                 Ok(None) => {}
             }
             self.bytes.drain(..self.done);
             self.done = 0;
-            let bytes = self.body.next().await?;
+            let Some(bytes) = self.body.next().await? else { return Ok(None) };
             self.bytes.extend_from_slice(&bytes);
         }
     }

@@ -16,12 +16,16 @@ use crate::terminal::Progress;
 
 /// Bring the daemon to what a deployment file says: load, connect, call, start.
 ///
-/// What is there already stays as it is. A connection waits for its other side; when a step is
-/// refused, all steps taken are taken back.
+/// What is there already stays as it is; a component whose tasks or quality of service are to be
+/// others is loaded anew. A connection waits for its other side; when a step is refused, all steps
+/// taken are taken back. What runs beside what the file says is named at the end.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The deployment file (TOML); see configs/robot.toml.
     file: PathBuf,
+    /// Take away components and connections that the file does not have; activities are left alone.
+    #[arg(long)]
+    prune: bool,
     /// Only print the steps.
     #[arg(long)]
     dry_run: bool,
@@ -37,6 +41,8 @@ pub(crate) struct Args {
 struct Reply {
     steps: Vec<String>,
     applied: bool,
+    #[serde(default)]
+    beside: Vec<String>,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
@@ -52,6 +58,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     body.insert("text".into(), text.into());
     body.insert("file".into(), file.to_string_lossy().into_owned().into());
     body.insert("dry_run".into(), args.dry_run.into());
+    body.insert("prune".into(), args.prune.into());
     body.insert("timeout".into(), args.timeout.into());
     body.extend(args.daemon.map(|name| ("daemon".to_owned(), Value::from(name))));
     let body = Value::Object(body);
@@ -67,7 +74,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let reply = loop {
         tokio::select! {
             biased;
-            Some(event) = told.next() => at_work.hear(&event.data),
+            Ok(Some(event)) = told.next() => at_work.hear(&event.data),
             reply = &mut asked => break reply?,
             _ = ticks.tick() => at_work.look(),
         }
@@ -149,14 +156,21 @@ fn line(text: &str) {
 }
 
 fn render(reply: &Reply) -> String {
-    if reply.steps.is_empty() {
-        return "nothing to do: everything is as the file says\n".to_owned();
-    }
     let mut out = String::new();
+    if reply.steps.is_empty() {
+        out.push_str(match reply.beside.is_empty() {
+            true => "nothing to do: everything is as the file says\n",
+            false => "nothing to do: all that the file says is so\n",
+        });
+    }
     for step in &reply.steps {
         out.push_str(if reply.applied { "done   " } else { "would  " });
         out.push_str(step);
         out.push('\n');
+    }
+    if !reply.beside.is_empty() {
+        let beside = reply.beside.join(", ");
+        out.push_str(&format!("beside the file: {beside}; --prune takes that away\n"));
     }
     out
 }

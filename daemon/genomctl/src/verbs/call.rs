@@ -18,14 +18,19 @@ pub(crate) struct Args {
     /// The service.
     #[arg(add = ArgValueCompleter::from(Names::Services))]
     service: String,
-    /// Inputs: '{"velocity": 0.5}' or velocity=0.5; what is missing takes its default. On a terminal
-    /// they are asked for when none are given; '{}' takes all defaults.
+    /// Inputs: '{"velocity": 0.5}' or velocity=0.5. What is left out of an attribute keeps its
+    /// value (`?` in `info`); of a function or activity it takes its default. On a terminal they
+    /// are asked for when none are given; '{}' leaves all out.
     #[arg(add = ArgValueCompleter::from(Names::Inputs))]
     inputs: Vec<String>,
+    /// What is left out takes its default, or zero where it has none; also of an attribute.
+    #[arg(long)]
+    zero: bool,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let reply = prompt::call(session, &args.component, &args.service, &args.inputs).await?;
+    let reply =
+        prompt::call(session, &args.component, &args.service, &args.inputs, args.zero).await?;
     let so_far: outcome::Outcome = session.read(reply.clone())?;
     match so_far.activity {
         Some(activity) if !so_far.ended() => {

@@ -70,7 +70,11 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let mut text = match format {
         // Data goes where data goes.
         Format::Json => {
-            session.print(&json(&said, rest, sources))?;
+            let text = json(&said, rest, sources);
+            // One line, as every verb's, unless it is asked for as a format, for people.
+            let line = session.json.then(|| serde_json::from_str::<serde_json::Value>(&text).ok());
+            let line = line.flatten().map(|document| format!("{document}\n"));
+            session.print(&line.unwrap_or(text))?;
             String::new()
         }
         Format::Short => short(&said, sources),

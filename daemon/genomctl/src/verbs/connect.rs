@@ -21,7 +21,7 @@ pub(crate) struct Args {
     #[arg(add = ArgValueCompleter::from(Names::Outports))]
     outport: Path2,
     /// What the reader gets of the samples it has not read: latest, queue:N or ring:N.
-    #[arg(long)]
+    #[arg(long, add = ArgValueCompleter::from(Names::Policies))]
     policy: Option<String>,
     /// Middleware to use [default: that of the out port; for a service of another daemon one of
     /// the caller's].

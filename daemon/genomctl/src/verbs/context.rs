@@ -19,7 +19,8 @@ pub(crate) struct Args {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// Keep what --socket, --host, --ca, --cert and --token-file say under a name.
+    /// Keep what --socket, --host, --ca, --cert and --token-file say under a name; nothing else
+    /// changes until it is used.
     Add {
         /// Its name.
         name: String,
@@ -50,8 +51,14 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
                 ));
             }
             contexts.context.insert(name.clone(), context);
-            // The first one is there to be used.
-            contexts.current.get_or_insert_with(|| name.clone());
+            contexts.write()?;
+            if contexts.current.as_ref() != Some(name) {
+                session.tell(&format!(
+                    "kept: --context {name} talks to it, `genomctl context use {name}` does from \
+                     now on"
+                ))?;
+            }
+            return done(session, &contexts);
         }
         What::Use { name } => {
             if let Some(name) = name {
@@ -80,5 +87,11 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
             contexts.current = contexts.current.filter(|current| current != name);
         }
     }
-    contexts.write()
+    contexts.write()?;
+    done(session, &contexts)
+}
+
+/// With `--json`, what is kept now.
+fn done(session: &Session, contexts: &Contexts) -> Result<(), Failure> {
+    if session.json { session.print(&format!("{}\n", json!(contexts))) } else { Ok(()) }
 }

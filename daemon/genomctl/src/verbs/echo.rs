@@ -1,15 +1,18 @@
 //! `genomctl echo`: values of a port as they come.
 
 use clap_complete::engine::ArgValueCompleter;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use crate::complete::Names;
 use crate::escape;
 use crate::failure::Failure;
 use crate::names::{Path2, encode, url};
 use crate::session::Session;
+use crate::sse::Event;
 
 /// Print the values of a port as they come, one a line, until Ctrl-C.
+///
+/// With `--json` and --time, each is an object of `time` and `value`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
@@ -18,6 +21,13 @@ pub(crate) struct Args {
     /// Stop after this many values.
     #[arg(short = 'n', long, value_name = "COUNT")]
     count: Option<u64>,
+    /// Begin each line with the date of the sample, in seconds since 1970 or on the virtual clock.
+    #[arg(long, short)]
+    time: bool,
+    /// Only this member of the value: velocity, or pose.x, samples.0; may be repeated, with a tab
+    /// between them.
+    #[arg(long, short, value_name = "MEMBER")]
+    field: Vec<String>,
     /// At most this many values a second.
     #[arg(long, value_name = "HERTZ")]
     rate: Option<f64>,
@@ -37,13 +47,13 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut left = args.count.unwrap_or(u64::MAX);
     while left > 0 {
         let event = tokio::select! {
-            event = events.next() => event,
+            event = events.next() => event?,
             _ = tokio::signal::ctrl_c() => return Ok(()),
         };
         let Some(event) = event else { return Err(session.client.lost()) };
         match event.kind.as_str() {
             "value" => {
-                session.print(&render(&event.data, session.json))?;
+                session.print(&args.line(&event, session.json)?)?;
                 left -= 1;
             }
             "end" => return Err(ended(&args.port, &event.data)),
@@ -51,6 +61,65 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+impl Args {
+    /// A value, or members of it, with its date when that is wanted.
+    fn line(&self, event: &Event, json: bool) -> Result<String, Failure> {
+        let text = match self.field.as_slice() {
+            [] => render(&event.data, json),
+            fields => {
+                let value: Value = serde_json::from_str(&event.data).unwrap_or_default();
+                let chosen =
+                    fields.iter().map(|field| Ok((field.as_str(), member(&value, field)?)));
+                let chosen = chosen.collect::<Result<Vec<_>, Failure>>()?;
+                if json {
+                    let all: Map<_, _> = chosen
+                        .iter()
+                        .map(|(name, it)| ((*name).to_owned(), (*it).clone()))
+                        .collect();
+                    format!("{}\n", Value::Object(all))
+                } else {
+                    let line = |it: &Value| render(&it.to_string(), false).trim_end().to_owned();
+                    let cells: Vec<_> = chosen.iter().map(|(_, it)| line(it)).collect();
+                    format!("{}\n", cells.join("\t"))
+                }
+            }
+        };
+        let date = event.id.filter(|_| self.time);
+        let date = date.map(|date| format!("{}.{:09}", date / NS, date % NS));
+        Ok(match date {
+            None => text,
+            Some(date) if json => {
+                format!("{{\"time\":{date},\"value\":{}}}\n", text.trim_end())
+            }
+            Some(date) => format!("{date} {text}"),
+        })
+    }
+}
+
+/// Nanoseconds of a second.
+const NS: u64 = 1_000_000_000;
+
+/// The member of a value at the end of a way of names and indices.
+fn member<'a>(value: &'a Value, way: &str) -> Result<&'a Value, Failure> {
+    let mut at = value;
+    for step in way.split('.') {
+        let next = match at {
+            Value::Array(all) => step.parse().ok().and_then(|index: usize| all.get(index)),
+            at => at.get(step),
+        };
+        at = next.ok_or_else(|| {
+            let there = match at {
+                Value::Object(members) => members.keys().cloned().collect::<Vec<_>>().join(", "),
+                Value::Array(all) => format!("elements 0 to {}", all.len().saturating_sub(1)),
+                _ => "no members".to_owned(),
+            };
+            let message = format!("--field {way}: there is no `{step}`");
+            Failure::usage(message, format!("there is: {}", escape::line(&there)))
+        })?;
+    }
+    Ok(at)
 }
 
 /// One value a line: the value alone for a plain number, JSON for the rest.
@@ -63,4 +132,29 @@ fn render(data: &str, json: bool) -> String {
 
 fn ended(port: &Path2, why: &str) -> Failure {
     Failure::refused("ended", format!("{port} is no more: {}", escape::line(why)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(time: bool, fields: &[&str], json: bool) -> Result<String, Failure> {
+        let field = fields.iter().map(|&field| field.to_owned()).collect();
+        let port = "arm/pose".parse().unwrap();
+        let args = Args { port, count: None, rate: None, time, field };
+        let data = r#"{"pose":{"x":1.5,"name":"home"},"joints":[1,2]}"#.to_owned();
+        let id = Some(1_700_000_000_000_001_000);
+        args.line(&Event { kind: "value".to_owned(), data, id }, json)
+    }
+
+    #[test]
+    fn a_line_has_the_members_and_the_date_that_are_asked_for() {
+        assert_eq!(shown(false, &["pose.x", "pose.name"], false).unwrap(), "1.5\thome\n");
+        let line = shown(true, &["joints.1"], false).unwrap();
+        assert_eq!(line, "1700000000.000001000 2\n");
+        let line = shown(true, &["joints.1"], true).unwrap();
+        assert_eq!(line, "{\"time\":1700000000.000001000,\"value\":{\"joints.1\":2}}\n");
+        let refused = shown(false, &["pose.y"], false).unwrap_err();
+        assert!(refused.text().contains("there is: name, x") || refused.text().contains("x, name"));
+    }
 }

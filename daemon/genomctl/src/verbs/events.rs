@@ -25,7 +25,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut last = None;
     while left > 0 {
         let event = tokio::select! {
-            event = events.next() => event,
+            event = events.next() => event?,
             _ = tokio::signal::ctrl_c() => return Ok(()),
         };
         let Some(event) = event else {

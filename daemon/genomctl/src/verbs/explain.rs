@@ -1,7 +1,9 @@
 //! `genomctl explain`: what a code of a diagnostic means. No daemon.
 
+use clap_complete::engine::ArgValueCompleter;
 use genom_description::diagnostic::{Explanation, explain, explanations};
 
+use crate::complete::Names;
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -9,20 +11,18 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The code; all codes when left out.
+    #[arg(add = ArgValueCompleter::from(Names::Codes))]
     code: Option<String>,
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let Some(code) = &args.code else {
-        let line = |one: &Explanation| {
-            if session.json {
-                format!("{}\n", data(one))
-            } else {
-                format!("{}  {}\n", one.code, one.title)
-            }
-        };
-        let all: String = explanations().map(line).collect();
-        return session.print(&all);
+        if session.json {
+            let codes: Vec<_> = explanations().map(data).collect();
+            return session.print(&format!("{}\n", serde_json::json!({ "codes": codes })));
+        }
+        let line = |one: &Explanation| format!("{}  {}\n", one.code, one.title);
+        return session.print(&explanations().map(line).collect::<String>());
     };
     match explain(code) {
         Some(explanation) if session.json => session.print(&format!("{}\n", data(explanation))),

@@ -7,6 +7,8 @@ use std::path::{Path, PathBuf};
 use genom_description::source::{Disk, Files as _};
 use genom_description::tools::{FormatError, format_bytes};
 
+use serde_json::Value;
+
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -26,6 +28,8 @@ pub(crate) struct Args {
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let (mut unformatted, mut refused) = (0, 0);
+    // With `--json`, one line about all files.
+    let mut all = Vec::new();
     for path in &args.files {
         let piped = path == Path::new("-");
         let name = if piped { "<stdin>".into() } else { path.display().to_string() };
@@ -41,31 +45,36 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
             Err(error) => {
                 refused += 1;
                 if session.json {
-                    session.print(&told(&name, "refused", Some(&error.to_string())))?;
+                    all.push(told(&name, "refused", Some(&error.to_string())));
                     continue;
                 }
                 io::stderr().lock().write_all(refusal(&name, &error).as_bytes())?;
             }
             Ok(after) if args.check => {
-                if let Some(hint) = hint(&name, &before, &after) {
-                    unformatted += 1;
-                    let json = session.json.then(|| told(&name, "to format", None));
-                    session.print(json.as_ref().unwrap_or(&hint))?;
+                let hint = hint(&name, &before, &after);
+                unformatted += usize::from(hint.is_some());
+                match hint {
+                    Some(_) if session.json => all.push(told(&name, "to format", None)),
+                    Some(hint) => session.print(&hint)?,
+                    None => all.push(told(&name, "as it should be", None)),
                 }
             }
             Ok(after) if (piped || args.stdout) && session.json => {
-                session.print_text("text", &String::from_utf8_lossy(&after))?;
+                let mut printed = told(&name, "printed", None);
+                printed["text"] = String::from_utf8_lossy(&after).into();
+                all.push(printed);
             }
             Ok(after) if piped || args.stdout => io::stdout().lock().write_all(&after)?,
             Ok(after) if after != before => {
                 fs::write(path, after)
                     .map_err(|error| io::Error::new(error.kind(), format!("{name}: {error}")))?;
-                if session.json {
-                    session.print(&told(&name, "formatted", None))?;
-                }
+                all.push(told(&name, "formatted", None));
             }
-            Ok(_) => {}
+            Ok(_) => all.push(told(&name, "as it should be", None)),
         }
+    }
+    if session.json {
+        session.print(&format!("{}\n", serde_json::json!({ "files": all })))?;
     }
     match (unformatted, refused) {
         (0, 0) => Ok(()),
@@ -74,8 +83,8 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
 }
 
 /// What was done to a file, for `--json`.
-fn told(file: &str, what: &str, why: Option<&str>) -> String {
-    format!("{}\n", serde_json::json!({ "file": file, "outcome": what, "why": why }))
+fn told(file: &str, what: &str, why: Option<&str>) -> Value {
+    serde_json::json!({ "file": file, "outcome": what, "why": why })
 }
 
 fn refusal(name: &str, error: &FormatError) -> String {

@@ -10,6 +10,9 @@ use crate::parameter::Parameter;
 use crate::session::Session;
 
 /// Describe a component, or one of its services.
+///
+/// `= ?` stands behind inputs of attributes: left out of a call, they keep the value that the
+/// component has. Of one service this value is shown too: `velocity ? 0.5`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
@@ -129,12 +132,17 @@ fn render(reply: &Reply) -> String {
 
 fn render_service(service: &Service, prefix: &str) -> String {
     let Service { kind, name, .. } = service;
-    let parameters: Vec<String> = service.parameters.iter().map(signature).collect();
+    let keeps = kind == "attribute";
+    let parameters: Vec<String> =
+        service.parameters.iter().map(|one| signature(one, keeps)).collect();
     let mut out = format!("{prefix}{kind} {name}({})\n", parameters.join(", "));
     push_doc(&mut out, "    ", service.doc.as_deref());
     for parameter in &service.parameters {
         if let Some(doc) = &parameter.doc {
             out.push_str(&format!("    {}: {doc}\n", parameter.name));
+        }
+        if let Some(current) = &parameter.current {
+            out.push_str(&format!("    {} ? {current}\n", parameter.name));
         }
     }
     let mut facts = Vec::new();
@@ -153,9 +161,11 @@ fn render_service(service: &Service, prefix: &str) -> String {
     out
 }
 
-fn signature(parameter: &Parameter) -> String {
+/// What is left out `keeps` its value, or takes its default.
+fn signature(parameter: &Parameter, keeps: bool) -> String {
     let Parameter { direction, ty, name, .. } = parameter;
     match &parameter.default {
+        _ if keeps && direction != "out" => format!("{direction} {ty} {name} = ?"),
         Some(default) => format!("{direction} {ty} {name} = {default}"),
         None => format!("{direction} {ty} {name}"),
     }
@@ -201,5 +211,20 @@ mod tests {
                 [task main; interrupts goto; throws ::demo::TOO_FAR]
         "#]]
         .assert_eq(&render(&reply.unwrap()));
+    }
+
+    #[test]
+    fn what_an_attribute_keeps_is_marked_and_shown() {
+        let parameter = |name: &str, direction: &str| json!({"name": name, "direction": direction, "type": "double", "default": 0.5});
+        let mut velocity = parameter("velocity", "in");
+        velocity["current"] = json!(0.3);
+        let service = json!({
+            "name": "set", "kind": "attribute", "parameters": [velocity, parameter("was", "out")],
+        });
+        expect![[r#"
+            attribute set(in double velocity = ?, out double was = 0.5)
+                velocity ? 0.3
+        "#]]
+        .assert_eq(&render_service(&serde_json::from_value(service).unwrap(), ""));
     }
 }

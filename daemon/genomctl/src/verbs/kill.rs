@@ -13,6 +13,6 @@ pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
     // The event stream is the sign of life: it closes when the daemon is gone.
     let mut alive = session.client.stream("/events").await?;
     let reply = session.post("/shutdown", &json!({})).await?;
-    while alive.next().await.is_some() {}
+    while let Ok(Some(_)) = alive.next().await {}
     session.show(reply, |_: &Value| "stopped\n".to_owned())
 }

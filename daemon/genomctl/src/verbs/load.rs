@@ -1,6 +1,6 @@
 //! `genomctl load`: one more component in the daemon.
 
-use clap_complete::engine::ArgValueCompleter;
+use clap_complete::engine::{ArgValueCompleter, PathCompleter};
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
@@ -14,9 +14,10 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Library of codels (.so), description (.gen), or a name on the daemon's component path.
+    #[arg(add = ArgValueCompleter::new(PathCompleter::any().filter(is_component)))]
     library: PathBuf,
     /// Description, when it is neither in the library nor beside it.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(PathCompleter::any()))]
     gen_file: Option<PathBuf>,
     /// Instance name [default: the component's name].
     #[arg(long)]
@@ -24,6 +25,12 @@ pub(crate) struct Args {
     /// Middleware of its ports [default: that of the daemon].
     #[arg(long, add = ArgValueCompleter::from(Names::Backends))]
     backend: Option<String>,
+}
+
+/// Libraries and descriptions, and folders on the way to them.
+fn is_component(path: &Path) -> bool {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    path.is_dir() || matches!(extension, Some("so" | "gen"))
 }
 
 #[derive(Debug, Deserialize)]

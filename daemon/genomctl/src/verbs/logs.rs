@@ -85,7 +85,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut stream = session.client.stream(&format!("/logs/stream{query}")).await?;
     loop {
         let event = tokio::select! {
-            event = stream.next() => event,
+            event = stream.next() => event?,
             _ = tokio::signal::ctrl_c() => return Ok(()),
         };
         let Some(event) = event else { return Err(session.client.lost()) };

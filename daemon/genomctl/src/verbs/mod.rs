@@ -52,6 +52,7 @@ mod why;
 
 use clap::Subcommand;
 
+use crate::connection::Connection;
 use crate::failure::Failure;
 use crate::session::Session;
 pub(crate) use completion::VARIABLE as COMPLETE;
@@ -109,6 +110,17 @@ pub(crate) enum Verb {
     Man(man::Args),
     #[command(hide = true)]
     Reference(reference::Args),
+}
+
+impl Verb {
+    /// The way to the daemon: `--timeout` of verbs that wait for something else than its answers is
+    /// theirs alone.
+    pub(crate) fn connection(&self, given: Connection) -> Connection {
+        match self {
+            Verb::Wait(_) | Verb::Apply(_) => Connection { timeout: None, ..given },
+            _ => given,
+        }
+    }
 }
 
 /// Does it; `command` is the whole command line, for verbs that describe it.

@@ -54,8 +54,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
     let wanted = json!({ "ports": args.ports });
     let mut frames = Frames::new(session.client.open(Method::POST, "/recordings", &wanted).await?);
-    let start = match frames.next().await {
-        Some(Ok(Frame::Start(start))) => start,
+    let start = match frames.next().await? {
+        Some(Frame::Start(start)) => start,
         Some(_) => return Err(session.client.misread("a recording without a start".to_owned())),
         None => return Err(session.client.lost()),
     };
@@ -69,19 +69,23 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut tick = tokio::time::interval(SAVE);
     let mut ending = false;
     let lives = std::io::stderr().is_terminal();
-    let mut full = None;
+    let (mut full, mut silent) = (None, None);
     let complete = loop {
         let enough = tokio::select! {
             frame = frames.next() => {
                 let taken = match frame {
-                    Some(Ok(Frame::Channel(channel))) => recorder.channel(channel),
-                    Some(Ok(Frame::Sample(sample))) => recorder.sample(&sample),
-                    Some(Ok(Frame::Lost(lost))) => {
+                    Ok(Some(Frame::Channel(channel))) => recorder.channel(channel),
+                    Ok(Some(Frame::Sample(sample))) => recorder.sample(&sample),
+                    Ok(Some(Frame::Lost(lost))) => {
                         recorder.lost(&lost);
                         Ok(())
                     }
-                    Some(Ok(Frame::End)) => break true,
-                    Some(Ok(Frame::Start(_)) | Err(_)) | None => break false,
+                    Ok(Some(Frame::End)) => break true,
+                    Ok(Some(Frame::Start(_)) | None) => break false,
+                    Err(failure) => {
+                        silent = Some(failure);
+                        break false;
+                    }
                 };
                 match taken {
                     Err(error @ WriteError::Full { .. }) => {
@@ -122,8 +126,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
     let channels = recorder.finish(complete)?;
     session.show_table(reply(&args, &channels, complete), |_: &Value| render(&channels))?;
-    match full {
-        Some(full) => Err(full.into()),
+    match full.map(Failure::from).or(silent) {
+        Some(failure) => Err(failure),
         None if complete => Ok(()),
         None => Err(Failure::cut_short(&args.output)),
     }

@@ -18,17 +18,21 @@ pub(crate) struct Args {
     /// The activity.
     #[arg(add = ArgValueCompleter::from(Names::Startable))]
     service: String,
-    /// Inputs: '{"goal": 1.0}' or goal=1.0; what is missing takes its default. On a terminal they
-    /// are asked for when none are given; '{}' takes all defaults.
+    /// Inputs: '{"goal": 1.0}' or goal=1.0; what is left out takes its default. On a terminal they
+    /// are asked for when none are given; '{}' leaves all out.
     #[arg(add = ArgValueCompleter::from(Names::Inputs))]
     inputs: Vec<String>,
+    /// What is left out takes its default, or zero where it has none; also of an attribute.
+    #[arg(long)]
+    zero: bool,
     /// Wait for its end; Ctrl-C aborts it, a second Ctrl-C leaves it alone.
     #[arg(long, short)]
     wait: bool,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let reply = prompt::call(session, &args.component, &args.service, &args.inputs).await?;
+    let reply =
+        prompt::call(session, &args.component, &args.service, &args.inputs, args.zero).await?;
     let so_far: Outcome = session.read(reply.clone())?;
     match so_far.activity {
         Some(activity) if args.wait && !so_far.ended() => {

@@ -87,6 +87,9 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         Some(path) => {
             let mut file = OpenOptions::new().create(true).append(true).mode(0o600).open(path)?;
             file.write_all(entry.as_bytes())?;
+            if session.json {
+                return session.print(&format!("{}\n", json!({ "name": name, "into": path })));
+            }
             Ok(())
         }
     }

@@ -16,6 +16,21 @@ pub(crate) enum ConfigError {
     Set { word: String, why: String },
 }
 
+/// A file describes several daemons, and which of them is meant is not said, or is none of them.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}; say with --daemon which of these it is: {}", wrong(.given.as_deref()), names.join(", "))]
+pub(crate) struct WhichDaemon {
+    pub(super) given: Option<String>,
+    pub(super) names: Vec<String>,
+}
+
+fn wrong(given: Option<&str>) -> String {
+    match given {
+        Some(given) => format!("the file describes no daemon `{given}`"),
+        None => "the file describes several daemons".to_owned(),
+    }
+}
+
 fn suggestion(nearest: &Option<String>) -> String {
     nearest.as_ref().map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
 }

@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use genom_runtime::STUCK_AFTER;
 use serde::{Deserialize, Serialize};
 
-use super::error::ConfigError;
+use super::error::{ConfigError, WhichDaemon};
 use super::offers::Offers;
 use super::rpc::Rpc;
-use super::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, overrides};
+use super::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, overrides, spot};
 use crate::cli::{Cli, ClockKind};
+use crate::logs;
 use crate::nearest::nearest_key;
 use crate::registry;
 
@@ -170,9 +171,16 @@ impl Config {
         toml::to_string(self).map_err(|error| error.to_string())
     }
 
-    /// The part that concerns the daemon of this name; without a name, what is not
-    /// said to be another's.
-    pub(crate) fn deployment(&self, daemon: Option<&str>) -> Deployment {
+    /// The part that concerns the daemon of this name. A file that names daemons says nothing to
+    /// one that it does not name.
+    pub(crate) fn deployment(&self, daemon: Option<&str>) -> Result<Deployment, WhichDaemon> {
+        let mut names: Vec<String> =
+            self.component.iter().filter_map(|one| one.daemon.clone()).collect();
+        names.sort();
+        names.dedup();
+        if !names.is_empty() && !names.iter().any(|name| Some(name.as_str()) == daemon) {
+            return Err(WhichDaemon { given: daemon.map(str::to_owned), names });
+        }
         let mine = |component: &&LoadRequest| {
             component.daemon.is_none() || component.daemon.as_deref() == daemon
         };
@@ -182,7 +190,7 @@ impl Config {
         let calls = |entries: &[CallEntry]| {
             entries.iter().filter(|entry| here(&entry.component)).cloned().collect()
         };
-        Deployment {
+        Ok(Deployment {
             component: self.component.iter().filter(mine).cloned().collect(),
             connection: {
                 let all = self.connection.iter();
@@ -190,7 +198,7 @@ impl Config {
             },
             call: calls(&self.call),
             activity: calls(&self.activity),
-        }
+        })
     }
 
     /// Reads a text; `path` is for messages.
@@ -201,6 +209,18 @@ impl Config {
     /// Refuses names of middlewares that are none, and options they have not, with the line where
     /// they stand.
     pub(crate) fn check(&self, path: &Path, text: &str) -> Result<(), ConfigError> {
+        if let Err(message) = logs::understood(&self.log) {
+            let line = text.lines().position(|line| line.trim_start().starts_with("log"));
+            let (path, line) = (path.to_owned(), line.map_or(1, |at| at + 1));
+            return Err(ConfigError::Mistake { path, line, message, nearest: None });
+        }
+        if let Some((line, inport)) = spot::connected_twice(text) {
+            let message = format!(
+                "a second connection into {inport}, which takes one: leave one of them out"
+            );
+            let path = path.to_owned();
+            return Err(ConfigError::Mistake { path, line, message, nearest: None });
+        }
         let of_components = self.component.iter().flat_map(|component| {
             let named = component.backend.iter().chain(component.ports.values());
             named.flat_map(BackendNames::names)

@@ -22,7 +22,7 @@ use std::time::Duration;
 pub(crate) use backends::BackendNames;
 pub(crate) use component::LoadRequest;
 pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
-pub(crate) use error::ConfigError;
+pub(crate) use error::{ConfigError, WhichDaemon};
 pub(crate) use file::Config;
 pub(crate) use offers::Offers;
 pub(crate) use qos::QosEntry;
@@ -31,6 +31,7 @@ pub(crate) use rpc::{RpcSettings, Tls};
 pub(crate) use spot::Spot;
 
 use crate::cli::{Cli, ClockKind};
+use crate::logs;
 use crate::telemetry::Collector;
 
 /// Everything decided before anything starts.
@@ -99,6 +100,12 @@ pub(crate) enum UsageError {
          COMPONENT/SERVICE, with * for anything, such as zenoh:*/kill"
     )]
     Offer(String),
+    /// A file for several daemons.
+    #[error("{}: {why}", file.display())]
+    Daemon { file: PathBuf, why: WhichDaemon },
+    /// `log` is no filter.
+    #[error("--log {0}")]
+    Log(String),
     /// `telemetry.otlp` is no place to send to.
     #[error("{0}")]
     Collector(String),
@@ -125,7 +132,12 @@ impl Settings {
             only.name = cli.name;
             only.gen_file = cli.gen_file;
         }
-        let mut deployment = config.deployment(cli.daemon.as_deref());
+        logs::understood(&config.log).map_err(UsageError::Log)?;
+        let deployment = config.deployment(cli.daemon.as_deref());
+        let mut deployment = deployment.map_err(|why| {
+            let file = cli.config.clone().unwrap_or_default();
+            UsageError::Daemon { file, why }
+        })?;
         deployment.component.extend(components);
         let collector = config.telemetry.otlp.as_deref().map(Collector::parse).transpose();
         let collector = collector.map_err(UsageError::Collector)?;

@@ -63,9 +63,7 @@ impl Spot {
     /// `FILE:LINE: KEY`, as far as it is found there.
     pub(crate) fn told(&self, file: &Path, text: &str) -> Option<String> {
         let at = self.find(text)?;
-        let line =
-            text.as_bytes()[..at.min(text.len())].iter().filter(|&&one| one == b'\n').count();
-        Some(format!("{}:{}: {self}", file.display(), line + 1))
+        Some(format!("{}:{}: {self}", file.display(), line(text, at)))
     }
 
     /// Offset of the key, else of what is nearest above it.
@@ -96,6 +94,29 @@ impl Spot {
         }
         Some(at)
     }
+}
+
+/// Line and name of the first in port, or remote, that a second `[[connection]]` goes into.
+pub(super) fn connected_twice(text: &str) -> Option<(usize, String)> {
+    let parsed = DeTable::parse(text).ok()?;
+    let DeValue::Array(entries) = parsed.get_ref().get("connection")?.get_ref() else {
+        return None;
+    };
+    let mut seen = Vec::new();
+    for entry in entries.iter() {
+        let DeValue::Table(members) = entry.get_ref() else { continue };
+        let Some(inport) = string(members, "in") else { continue };
+        if seen.contains(&inport) {
+            return Some((line(text, members.get("in")?.span().start), inport.to_owned()));
+        }
+        seen.push(inport);
+    }
+    None
+}
+
+/// The line that a byte is in.
+fn line(text: &str, at: usize) -> usize {
+    text.as_bytes()[..at.min(text.len())].iter().filter(|&&one| one == b'\n').count() + 1
 }
 
 fn string<'a>(table: &'a DeTable<'_>, key: &str) -> Option<&'a str> {

@@ -4,11 +4,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use genom_description::model::ServiceKind;
+
 use super::Step;
 use super::link::{self, Link};
-use super::undo::{Requested, Running, Undo, move_to, take_back};
+use super::undo::{Gone, Requested, Running, Undo, move_to, take_back};
 use crate::bus::{Change, StepStatus};
-use crate::config::{ConnectionEntry, Spot};
+use crate::config::{CallEntry, ConnectionEntry, Spot};
 use crate::daemon::Daemon;
 use crate::ending::Ending;
 use crate::hosting::request;
@@ -86,7 +88,9 @@ impl Refused {
         why: impl Into<String>,
     ) -> Self {
         let place = match step {
-            Step::Load(request) => Spot::component(request),
+            Step::Load(request) | Step::Reload { request, .. } => Spot::component(request),
+            Step::Unload(_) => Spot::default(),
+            Step::Disconnect(entry) => Spot::connection(entry),
             Step::Move { component, .. } => Spot::named(component),
             Step::Set(entry) => Spot::named(&entry.component),
             Step::Connect(entry) => Spot::connection(entry),
@@ -112,6 +116,24 @@ fn take(
                 loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
             undo.push(Undo::Unload(hosted.name.clone()));
         }
+        Step::Reload { request, .. } => {
+            let name = request.instance();
+            let none: [&str; 0] = [];
+            take_down(daemon, &name, undo).map_err(|why| Refused::new(step, none, why))?;
+            let loaded = loading::load(daemon, request);
+            loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
+        }
+        Step::Unload(name) => {
+            let none: [&str; 0] = [];
+            take_down(daemon, name, undo).map_err(|why| Refused::new(step, none, why))?;
+        }
+        Step::Disconnect(entry) => {
+            let before = Link::present(daemon, &entry.inport);
+            link::put_back(daemon, &entry.inport, None)
+                .map_err(|why| Refused::new(step, ["in"], why))?;
+            daemon.declared.forget(&entry.inport);
+            undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
+        }
         Step::Move { component, port, to } => {
             let key = port.as_ref().map_or(vec!["backend"], |port| vec!["ports", port]);
             let moved = move_to(daemon, component, port.as_deref(), to);
@@ -130,6 +152,9 @@ fn take(
         // Taken together, by `connect_all`.
         Step::Connect(_) => {}
         Step::Call(entry) | Step::Start(entry) => {
+            if let Step::Start(_) = step {
+                is_activity(daemon, entry).map_err(|why| Refused::new(step, ["service"], why))?;
+            }
             let before = Requested::before(daemon, entry, step.to_string(), ran);
             let activity = request::send(&daemon.components, entry)
                 .map_err(|error| Refused::new(step, error.key, error.why))?;
@@ -155,6 +180,25 @@ fn take(
         }
     }
     Ok(())
+}
+
+/// Stops a component, which may be put back.
+fn take_down(daemon: &Arc<Daemon>, name: &str, undo: &mut Vec<Undo>) -> Result<(), String> {
+    let before = daemon.components.get(name).map(|hosted| Gone::of(&hosted));
+    undo.extend(before.map(|before| Undo::PutBack(Box::new(before))));
+    daemon.unload(name).map_err(|error| error.to_string())
+}
+
+/// Only activities are started: anything else would be over when the next one begins.
+fn is_activity(daemon: &Daemon, entry: &CallEntry) -> Result<(), String> {
+    let hosted = daemon.components.get(&entry.component);
+    let services = hosted.as_ref().map_or(&[][..], |hosted| &hosted.model().services);
+    let what = match services.iter().find(|one| one.name == entry.service).map(|one| one.kind) {
+        Some(ServiceKind::Attribute) => "an attribute",
+        Some(ServiceKind::Function) => "a function",
+        Some(ServiceKind::Activity) | None => return Ok(()),
+    };
+    Err(format!("{}/{} is {what}: name it in [[call]]", entry.component, entry.service))
 }
 
 /// Makes connections, each as soon as its other side is there.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use genom_description::model::ServiceKind;
 
-use super::link::Link;
+use super::link;
 use crate::config::{BackendNames, CallEntry, Deployment, LoadRequest};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
@@ -14,9 +14,7 @@ pub(crate) fn dump(daemon: &Daemon) -> Deployment {
     let mut all = Deployment::default();
     for hosted in daemon.components.all() {
         all.component.push(component(&hosted));
-        let ports = hosted.wires.connections().into_iter().map(Link::Port);
-        let remotes = hosted.wires.remotes().into_iter().map(Link::Remote);
-        all.connection.extend(ports.chain(remotes).map(|link| link.entry()));
+        all.connection.extend(link::of(&hosted));
         let entry = |service: &str, inputs| CallEntry {
             component: hosted.name.clone(),
             service: service.to_owned(),
@@ -44,7 +42,8 @@ pub(crate) fn dump(daemon: &Daemon) -> Deployment {
     all
 }
 
-fn component(hosted: &Hosted) -> LoadRequest {
+/// How to load a component that runs, as it is.
+pub(super) fn component(hosted: &Hosted) -> LoadRequest {
     let bindings = &hosted.wires.bindings;
     let ports: BTreeMap<String, BackendNames> = bindings.ports();
     LoadRequest {

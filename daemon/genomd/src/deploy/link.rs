@@ -8,6 +8,7 @@ use genom_middleware::Address;
 use crate::config::place::Place;
 use crate::config::{ConnectionEntry, policy};
 use crate::daemon::Daemon;
+use crate::hosting::Hosted;
 use crate::wires::{Connection, RemoteConnection};
 use crate::wiring::connect::{self, ConnectError, ConnectRequest};
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
@@ -75,12 +76,24 @@ impl Link {
     }
 }
 
+/// The connections of a component's in ports and remotes, as entries of a file.
+pub(super) fn of(hosted: &Hosted) -> Vec<ConnectionEntry> {
+    let ports = hosted.wires.connections().into_iter().map(Link::Port);
+    let remotes = hosted.wires.remotes().into_iter().map(Link::Remote);
+    ports.chain(remotes).map(|link| link.entry()).collect()
+}
+
 /// Makes the connection of an entry, in place of the one that is there.
 pub(super) fn make(daemon: &Arc<Daemon>, entry: &ConnectionEntry) -> Result<(), LinkError> {
     make_now(daemon, entry, false)
 }
 
-/// The same; `wait`: also when the other side is not there.
+/// The same, whether the other side is there or not.
+pub(super) fn make_anyway(daemon: &Arc<Daemon>, entry: &ConnectionEntry) -> Result<(), LinkError> {
+    make_now(daemon, entry, true)
+}
+
+/// `wait`: also when the other side is not there.
 fn make_now(daemon: &Arc<Daemon>, entry: &ConnectionEntry, wait: bool) -> Result<(), LinkError> {
     if remote::named(daemon, &entry.inport).is_some() {
         if entry.policy.is_some() {

@@ -16,6 +16,12 @@ use crate::config::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
 pub(crate) enum Step {
     /// A component is to run, with its attributes set.
     Load(Box<LoadRequest>),
+    /// A component is to be loaded anew, since it differs in what cannot be changed while it runs.
+    Reload { request: Box<LoadRequest>, why: &'static str },
+    /// A component is to go.
+    Unload(String),
+    /// An in port or a remote is to be connected no more.
+    Disconnect(ConnectionEntry),
     /// A component or port is to move to other middlewares.
     Move { component: String, port: Option<String>, to: BackendNames },
     /// An attribute is to have other inputs.
@@ -45,6 +51,9 @@ impl fmt::Display for Step {
                 write!(f, "load {} from {}", request.instance(), request.library.display())?;
                 request.backend.as_ref().map_or(Ok(()), |backend| write!(f, " on {backend}"))
             }
+            Step::Reload { request, why } => write!(f, "reload {}: {why}", request.instance()),
+            Step::Unload(name) => write!(f, "unload {name}"),
+            Step::Disconnect(entry) => write!(f, "disconnect {entry}"),
             Step::Move { component, port: None, to } => write!(f, "move {component} to {to}"),
             Step::Move { component, port: Some(port), to } => {
                 write!(f, "move {component}/{port} to {to}")

@@ -3,8 +3,8 @@
 use serde_json::Value;
 
 use super::Step;
-use super::link::Link;
-use crate::config::{BackendNames, CallEntry, Deployment, LoadRequest, Spot};
+use super::link::{self, Link};
+use crate::config::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::nearest::suggest;
@@ -22,22 +22,61 @@ pub(crate) enum PlanError {
     #[error("two components are named {0}: give one another `name`")]
     Twice(String),
     /// What runs cannot become what is wanted.
-    #[error("{name} runs with {what} than the deployment says: `genomctl unload {name}` first")]
-    Other { name: String, what: &'static str },
+    #[error(
+        "{name} runs from another library than the deployment says: `genomctl unload {name}` first"
+    )]
+    Other { name: String, place: Spot },
 }
 
 impl PlanError {
     /// Where the mistake is in the file.
     pub(crate) fn place(&self) -> Spot {
         match self {
-            PlanError::Unknown { place, .. } => place.clone(),
+            PlanError::Unknown { place, .. } | PlanError::Other { place, .. } => place.clone(),
             _ => Spot::default(),
         }
     }
 }
 
-/// The steps that bring the daemon to the deployment; none when it is there.
-pub(crate) fn plan(daemon: &Daemon, wanted: &Deployment) -> Result<Vec<Step>, PlanError> {
+/// The way from what runs to a deployment.
+#[derive(Debug, Default)]
+pub(crate) struct Plan {
+    /// The steps, in order; none when the daemon is there.
+    pub(crate) steps: Vec<Step>,
+    /// What there is that the deployment does not say, as the steps that take it away. They are
+    /// among the others when this is asked for.
+    pub(crate) beside: Vec<Step>,
+}
+
+/// Plans; `prune`: what the deployment does not say is to go.
+pub(crate) fn plan(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Plan, PlanError> {
+    let beside = beside(daemon, wanted);
+    let mut steps = plan_steps(daemon, wanted, prune)?;
+    if prune {
+        let (leave, cut): (Vec<_>, Vec<_>) =
+            beside.iter().cloned().partition(|step| matches!(step, Step::Unload(_)));
+        steps.splice(0..0, cut);
+        steps.extend(leave);
+    }
+    Ok(Plan { steps, beside })
+}
+
+/// What takes away all that the deployment does not say: connections, then components, users before
+/// those they use.
+fn beside(daemon: &Daemon, wanted: &Deployment) -> Vec<Step> {
+    let mut all = daemon.components.all();
+    all.reverse();
+    let said = |name: &str| wanted.component.iter().any(|one| one.instance() == name);
+    let declared =
+        |entry: &ConnectionEntry| wanted.connection.iter().any(|one| one.inport == entry.inport);
+    let cut = all.iter().filter(|hosted| said(&hosted.name)).flat_map(|hosted| {
+        link::of(hosted).into_iter().filter(|entry| !declared(entry)).map(Step::Disconnect)
+    });
+    let leave = all.iter().filter(|hosted| !said(&hosted.name));
+    cut.chain(leave.map(|hosted| Step::Unload(hosted.name.clone()))).collect()
+}
+
+fn plan_steps(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Vec<Step>, PlanError> {
     let mut steps = Vec::new();
     for request in ordered(&wanted.component)? {
         let name = request.instance();
@@ -63,9 +102,21 @@ pub(crate) fn plan(daemon: &Daemon, wanted: &Deployment) -> Result<Vec<Step>, Pl
         let place = Spot::connection(connection).key(["in"]);
         check(format!("in = \"{}\"", connection.inport), connection.reader(), place)?;
         let present = Link::present(daemon, &connection.inport);
-        if !present.is_some_and(|present| present.is(connection)) {
+        if anew(&steps, connection.reader())
+            || !present.is_some_and(|present| present.is(connection))
+        {
             steps.push(Step::Connect(connection.clone()));
         }
+    }
+    // What is loaded anew keeps the connections that the deployment says nothing of.
+    for hosted in daemon.components.all() {
+        if prune || !anew(&steps, &hosted.name) {
+            continue;
+        }
+        let said = |entry: &ConnectionEntry| {
+            wanted.connection.iter().any(|one| one.inport == entry.inport)
+        };
+        steps.extend(link::of(&hosted).into_iter().filter(|one| !said(one)).map(Step::Connect));
     }
     let (calls, starts) = (wanted.call.iter(), wanted.activity.iter());
     let calls = calls.map(|entry| (entry, Step::Call(entry.clone())));
@@ -73,11 +124,18 @@ pub(crate) fn plan(daemon: &Daemon, wanted: &Deployment) -> Result<Vec<Step>, Pl
         let section = if matches!(step, Step::Call(_)) { "call" } else { "activity" };
         let place = Spot::request(section, entry).key(["component"]);
         check(format!("the call of {}", entry.service), &entry.component, place)?;
-        if !done(daemon, entry) {
+        if anew(&steps, &entry.component) || !done(daemon, entry) {
             steps.push(step);
         }
     }
     Ok(steps)
+}
+
+/// Whether a component is to be loaded anew.
+fn anew(steps: &[Step], name: &str) -> bool {
+    steps
+        .iter()
+        .any(|step| matches!(step, Step::Reload { request, .. } if request.instance() == name))
 }
 
 /// Components with those first that others come after.
@@ -123,15 +181,30 @@ fn adapt(
     steps: &mut Vec<Step>,
 ) -> Result<(), PlanError> {
     let name = hosted.name.clone();
-    let other = |what| Err(PlanError::Other { name: name.clone(), what });
     if hosted.request.library != request.library && hosted.library != request.library {
-        return other("another library");
+        let place = Spot::component(request).key(["library"]);
+        return Err(PlanError::Other { name, place });
     }
-    if hosted.request.tasks != request.tasks {
-        return other("other settings of tasks");
-    }
-    if hosted.request.qos != request.qos {
-        return other("another quality of service of ports");
+    let other = if hosted.request.tasks != request.tasks {
+        Some("other settings of tasks")
+    } else if hosted.request.qos != request.qos {
+        Some("another quality of service of ports")
+    } else {
+        None
+    };
+    if let Some(why) = other {
+        let mut request = request.clone();
+        request.name = Some(name);
+        // What was set and the deployment says nothing of stays set.
+        for (service, set) in hosted.done.attributes() {
+            let inputs = match request.attributes.get(&service) {
+                None => Some(set),
+                Some(wanted) => merged(hosted, &service, &set, wanted),
+            };
+            request.attributes.extend(inputs.map(|inputs| (service, inputs)));
+        }
+        steps.push(Step::Reload { request: Box::new(request), why });
+        return Ok(());
     }
     let default = || BackendNames::one(daemon.settings.backend.as_str());
     let to = request.backend.clone().unwrap_or_else(default);
@@ -150,7 +223,10 @@ fn adapt(
     }
     let set = hosted.done.attributes();
     for (service, inputs) in &request.attributes {
-        if set.get(service) != full(hosted, service, inputs).as_ref() {
+        if set
+            .get(service)
+            .is_none_or(|set| merged(hosted, service, set, inputs).as_ref() != Some(set))
+        {
             let (component, service) = (name.clone(), service.clone());
             steps.push(Step::Set(CallEntry { component, service, inputs: inputs.clone() }));
         }
@@ -161,16 +237,23 @@ fn adapt(
 /// Inputs with the defaults of what they leave out.
 fn full(hosted: &Hosted, service: &str, inputs: &Value) -> Option<Value> {
     let index = hosted.plan().service(service)?;
-    hosted.input(index, inputs).ok().map(|record| record.to_json())
+    hosted.filled(index, inputs).ok().map(|record| record.to_json())
+}
+
+/// What an attribute is set to when some of its inputs are given after it was set.
+fn merged(hosted: &Hosted, service: &str, set: &Value, inputs: &Value) -> Option<Value> {
+    let mut record = hosted.filled(hosted.plan().service(service)?, set).ok()?;
+    record.merge_json(inputs).ok()?;
+    Some(record.to_json())
 }
 
 /// Whether a deployment had this called already, in this life of the component, or the activity
 /// runs.
 fn done(daemon: &Daemon, entry: &CallEntry) -> bool {
     let Some(hosted) = daemon.components.get(&entry.component) else { return false };
-    let wanted = full(&hosted, &entry.service, &entry.inputs);
+    let Some(wanted) = full(&hosted, &entry.service, &entry.inputs) else { return false };
     let equal = |service: &str, inputs: &Value| {
-        service == entry.service && full(&hosted, service, inputs) == wanted
+        service == entry.service && full(&hosted, service, inputs).as_ref() == Some(&wanted)
     };
     let deployed = hosted.done.all_deployed();
     let running = hosted.activities.all();

@@ -3,20 +3,22 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use genom_description::model::{Direction, Parameter, ServiceKind};
 use genom_runtime::Clock;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
+use super::dump;
 use super::link::{self, Link};
-use crate::config::{BackendNames, CallEntry};
+use crate::config::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
 use crate::daemon::Daemon;
-use crate::ending::Ending;
-use crate::hosting::{Answer, Hosted, request};
+use crate::hosting::{Hosted, request};
+use crate::loading;
 use crate::wiring::switch::switch;
 
 /// How to take a step back.
 pub(super) enum Undo {
     Unload(String),
+    /// A component that was taken down.
+    PutBack(Box<Gone>),
     Move(Moved),
     /// An in port or remote, and what it was connected to.
     Reconnect {
@@ -24,6 +26,45 @@ pub(super) enum Undo {
         before: Option<Link>,
     },
     Request(Requested),
+}
+
+/// A component that was taken down, as it was.
+pub(super) struct Gone {
+    request: LoadRequest,
+    connections: Vec<ConnectionEntry>,
+    /// Services of the activities that ran.
+    interrupted: Vec<String>,
+}
+
+impl Gone {
+    pub(super) fn of(hosted: &Hosted) -> Self {
+        let running = hosted.activities.all().into_iter();
+        let running = running.filter(|activity| activity.ending().is_none());
+        Self {
+            request: dump::component(hosted),
+            connections: link::of(hosted),
+            interrupted: running.map(|activity| activity.service.clone()).collect(),
+        }
+    }
+
+    /// Loads it as it was, in place of what bears its name now; what cannot be as it was.
+    fn put_back(self, daemon: &Arc<Daemon>) -> Vec<String> {
+        let name = self.request.instance();
+        if daemon.components.get(&name).is_some()
+            && let Err(error) = daemon.unload(&name)
+        {
+            return vec![error.to_string()];
+        }
+        if let Err(error) = loading::load(daemon, &self.request) {
+            return vec![format!("{name} does not run: {error}")];
+        }
+        let connected = self.connections.iter().filter_map(|entry| {
+            link::make_anyway(daemon, entry).err().map(|error| format!("{entry}: {}", error.why))
+        });
+        let stopped =
+            self.interrupted.iter().map(|service| format!("{name}/{service} was interrupted"));
+        connected.chain(stopped).collect()
+    }
 }
 
 /// A component or port that moved.
@@ -147,34 +188,11 @@ impl Requested {
     }
 }
 
-/// The inputs of an attribute that set what is set now: as another attribute tells it, else as
-/// it was last set. None when nothing tells.
+/// The inputs of an attribute that set what is set now; as it was last set, when codels keep one
+/// from looking.
 fn values(hosted: &Hosted, service: &str, remembered: &Option<Value>) -> Option<Value> {
-    let services = &hosted.model().services;
-    let setter = services.iter().find(|one| one.name == service)?;
-    if setter.kind != ServiceKind::Attribute {
-        return None;
-    }
-    let told = |wanted: &Parameter| {
-        let reads = |one: &Parameter| {
-            one.direction == Direction::Out && one.target.is_some() && one.target == wanted.target
-        };
-        let (index, getter) = services.iter().enumerate().find(|(_, one)| {
-            one.kind == ServiceKind::Attribute
-                && one.parameters.iter().all(|one| one.direction == Direction::Out)
-                && one.parameters.iter().any(reads)
-        })?;
-        let name = &getter.parameters.iter().find(|one| reads(one))?.name;
-        let input = hosted.input(index, &Value::Object(Map::new())).ok()?;
-        match hosted.request_blocking(index, input) {
-            Answer::Ended(Ending::Done(mut outputs)) => Some(outputs.get_mut(name)?.take()),
-            _ => None,
-        }
-    };
-    let inputs = setter.parameters.iter().filter(|one| one.direction != Direction::Out);
-    let told: Option<Map<String, Value>> =
-        inputs.map(|one| Some((one.name.clone(), told(one)?))).collect();
-    told.map(Value::Object).or_else(|| remembered.clone())
+    let index = hosted.plan().service(service)?;
+    hosted.current(index).or_else(|| remembered.clone())
 }
 
 /// Takes steps back, the last first; what could not be is named.
@@ -197,6 +215,13 @@ pub(super) fn take_back(daemon: &Arc<Daemon>, undo: Vec<Undo>) -> Vec<String> {
                 left.extend(
                     failed.map(|(component, error)| Left { component, what: error.to_string() }),
                 );
+                continue;
+            }
+            Undo::PutBack(gone) => {
+                let component = gone.request.instance();
+                left.retain(|left| left.component != component);
+                let lost = gone.put_back(daemon).into_iter();
+                left.extend(lost.map(|what| Left { component: component.clone(), what }));
                 continue;
             }
             Undo::Move(moved) => {

@@ -5,12 +5,11 @@ use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
 use genom_runtime::Ticket;
-use genom_types::Record;
 use tokio::sync::mpsc;
 use tokio::time::timeout;
 
 use super::hosted::ending;
-use super::{Answer, Heard, Hosted};
+use super::{Answer, Asked, Heard, Hosted};
 
 /// How often one looks whether a codel is in the way of a request that is not answered.
 const LOOK: Duration = Duration::from_millis(250);
@@ -18,10 +17,10 @@ const LOOK: Duration = Duration::from_millis(250);
 impl Hosted {
     /// Sends a request and waits for its end, or for its acceptance when it is an activity.
     /// Blocks. What a stuck codel keeps from being served is given up.
-    pub(crate) fn request_blocking(&self, service: usize, input: Record) -> Answer {
+    pub(crate) fn request_blocking(&self, service: usize, asked: Asked) -> Answer {
         let (sender, answers) = std::sync::mpsc::channel();
         let ticket = Ticket::default();
-        self.submit_by(&ticket, service, input, move |heard| {
+        self.submit_by(&ticket, service, asked, move |heard| {
             let _ = sender.send(first(heard));
         });
         loop {
@@ -38,12 +37,12 @@ impl Hosted {
     }
 
     /// The same for whoever may not block.
-    pub(crate) async fn request(self: &Arc<Self>, service: usize, input: Record) -> Answer {
+    pub(crate) async fn request(self: &Arc<Self>, service: usize, asked: Asked) -> Answer {
         let (sender, mut answers) = mpsc::unbounded_channel();
         let ticket = Ticket::default();
         let (hosted, shared) = (Arc::clone(self), ticket.clone());
         let send = move || {
-            hosted.submit_by(&shared, service, input, move |heard| {
+            hosted.submit_by(&shared, service, asked, move |heard| {
                 // A caller that went away is no error of the component.
                 let _ = sender.send(first(heard));
             });
@@ -71,5 +70,6 @@ fn first(heard: Heard) -> Answer {
     match heard {
         Heard::Accepted(activity) => Answer::Accepted(activity),
         Heard::Ended(outcome) => Answer::Ended(ending(&outcome)),
+        Heard::Refused(error) => Answer::Refused(error),
     }
 }

@@ -10,13 +10,14 @@ use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
 use genom_runtime::{
     ActivityPhase, Clock, HeldUp, Instance, Options, Outcome, Progress, RunningCodel, StartError,
-    Statistics, Ticket, Watcher, input_record, seconds,
+    Statistics, Ticket, Watcher, seconds,
 };
 use genom_types::{DataType, Record};
 use serde_json::{Value, json};
 use tracing::Span;
 
 use super::activities::{Activity, ActivityLog};
+use super::asked::{Asked, Completion};
 use super::done::Done;
 use super::input::InputError;
 use super::watch::{BusWatcher, Follower};
@@ -39,6 +40,8 @@ pub(crate) enum Answer {
     Gone,
     /// A codel that is stuck keeps it from being served: it was given up, and never runs.
     HeldUp(HeldUp),
+    /// Its inputs do not fit what the component holds; nothing was done.
+    Refused(InputError),
 }
 
 /// Services of one component, each by its rank, by middleware.
@@ -177,16 +180,6 @@ impl Hosted {
         self.instance.port_value(port, element)
     }
 
-    /// The inputs of a service: the defaults of the description, then what was given.
-    pub(crate) fn input(&self, service: usize, given: &Value) -> Result<Record, InputError> {
-        let name = self.model().services[service].name.as_str();
-        let refused = |error| InputError::new(name, error);
-        let empty = || Record::new(&self.plan.services()[service].input);
-        let mut record = input_record(&self.plan, service).map_err(refused)?.unwrap_or_else(empty);
-        record.merge_json(given).map_err(refused)?;
-        Ok(record)
-    }
-
     /// Sends a request; `progress` hears how it goes on, from the component's control threads.
     pub(crate) fn submit(
         &self,
@@ -194,7 +187,7 @@ impl Hosted {
         input: Record,
         progress: impl FnMut(Heard) + Send + 'static,
     ) {
-        self.submit_by(&Ticket::default(), service, input, progress);
+        self.submit_by(&Ticket::default(), service, Asked::Whole(input), progress);
     }
 
     /// The same; with the ticket it may be given up.
@@ -202,30 +195,39 @@ impl Hosted {
         &self,
         ticket: &Ticket,
         service: usize,
-        input: Record,
+        asked: Asked,
         mut progress: impl FnMut(Heard) + Send + 'static,
     ) {
         let name = &self.model().services[service].name;
+        let told = || match &asked {
+            Asked::Whole(input) => input.to_json(),
+            Asked::Partial(given) => given.clone(),
+        };
+        let call = self.recordings.called(&self.name, name, told);
+        let inputs = self.remembered(service).then(told);
+        let (asked, completion) = self.inputs(service, asked);
         let mut tracked = Tracked {
             span: telemetry::service(&self.name, name),
-            call: self.recordings.called(&self.name, name, || input.to_json()),
+            call,
             log: Arc::clone(&self.activities),
             service: name.clone(),
             running: None,
             done: Arc::clone(&self.done),
-            inputs: self.remembered(service).then(|| input.to_json()),
+            inputs,
+            completion,
         };
         self.instance.request_by(
             ticket,
             service,
-            input,
+            asked,
             Box::new(move |step| match step {
                 Progress::Accepted { activity } => {
                     progress(Heard::Accepted(tracked.started(activity)));
                 }
                 Progress::Done(outcome) => {
+                    let refused = tracked.completed();
                     tracked.ended(ending(&outcome));
-                    progress(Heard::Ended(outcome));
+                    progress(refused.map_or(Heard::Ended(outcome), Heard::Refused));
                 }
             }),
         );
@@ -338,6 +340,8 @@ pub(crate) enum Heard {
     Accepted(Arc<Activity>),
     /// It ended.
     Ended(Outcome),
+    /// Its inputs do not fit what the component holds; nothing was done.
+    Refused(InputError),
 }
 
 /// Keeps the log of activities in step with one request.
@@ -352,9 +356,21 @@ struct Tracked {
     done: Arc<Done>,
     /// What it was asked with, when that is to be remembered.
     inputs: Option<Value>,
+    /// What comes of inputs that were given in part.
+    completion: Option<Completion>,
 }
 
 impl Tracked {
+    /// Inputs that were given in part are known as a whole now; or why they were refused.
+    fn completed(&mut self) -> Option<InputError> {
+        let completion = self.completion.take()?;
+        let mut completed = completion.lock().unwrap_or_else(PoisonError::into_inner);
+        if let (Some(inputs), Some(all)) = (&mut self.inputs, completed.inputs.take()) {
+            *inputs = all;
+        }
+        completed.refused.take()
+    }
+
     fn started(&mut self, number: u32) -> Arc<Activity> {
         let activity = self.log.started(u64::from(number), &self.service);
         self.running = Some(Arc::clone(&activity));

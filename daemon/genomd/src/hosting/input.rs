@@ -10,6 +10,10 @@ pub(crate) struct InputError {
     message: String,
     /// Where, as `goal.x[2]`; empty for the inputs themselves.
     pub(crate) path: String,
+    /// It is not there, and has no default.
+    pub(crate) missing: bool,
+    /// Whether it is wrong depends on what the component holds: the member of a union.
+    pub(super) depends: bool,
 }
 
 impl InputError {
@@ -28,6 +32,13 @@ impl InputError {
             }
             _ => error.to_string(),
         };
-        Self { message, path: error.path }
+        let depends = matches!(&*error.problem, JsonProblem::Unselected { .. });
+        Self { message, path: error.path, missing: false, depends }
+    }
+
+    /// Nothing says what an input is.
+    pub(super) fn missing(service: &str, path: String) -> Self {
+        let message = format!("service {service} wants input `{path}`, which has no default");
+        Self { message, path, missing: true, depends: false }
     }
 }

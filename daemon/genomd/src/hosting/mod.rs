@@ -2,6 +2,7 @@
 
 mod activities;
 mod ask;
+mod asked;
 mod done;
 mod hosted;
 mod input;
@@ -21,7 +22,9 @@ use indexmap::IndexMap;
 use self::remnants::Remnants;
 
 pub(crate) use activities::{Activity, Look};
+pub(crate) use asked::{Asked, Rest};
 pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn, ServedServices, Starting};
+pub(crate) use input::InputError;
 
 /// A component could not be unloaded.
 #[derive(Clone, Debug, thiserror::Error)]

@@ -1,6 +1,6 @@
 //! A request of a deployment to a service, and its first answer.
 
-use super::{Answer, Components, Hosted};
+use super::{Answer, Components, Hosted, InputError, Rest};
 use crate::config::CallEntry;
 use crate::nearest::suggest;
 
@@ -36,12 +36,14 @@ pub(crate) fn send_to(hosted: &Hosted, entry: &CallEntry) -> Result<Option<u64>,
         let why = format!("{} has no service `{}`; {help}", hosted.name, entry.service);
         return Err(RequestError::new(&["service"], why));
     };
-    let input = hosted.input(index, &entry.inputs).map_err(|error| {
+    let refused = |error: InputError| {
         let members = error.path.split(['/', '.']).filter(|member| !member.is_empty());
         let key: Vec<&str> = std::iter::once("inputs").chain(members).collect();
         RequestError::new(&key, format!("{name}: {error}"))
-    })?;
-    match hosted.request_blocking(index, input) {
+    };
+    let asked = hosted.asked(index, &entry.inputs, Rest::Kept).map_err(refused)?;
+    match hosted.request_blocking(index, asked) {
+        Answer::Refused(error) => Err(refused(error)),
         Answer::Accepted(activity) => Ok(Some(activity.number)),
         Answer::HeldUp(error) => Err(RequestError::new(&[], error.to_string())),
         Answer::Gone => Err(RequestError::new(&[], format!("{} stops", hosted.name))),

@@ -114,8 +114,8 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Components> 
 /// Describe a component: what it is, and all its description says.
 ///
 /// `served` of a service names the middlewares that it is offered on (`[services]` of the daemon's
-/// configuration). Beside the members below: `tasks`, `ports`, `services`, `remotes`, `events`, `throws`, `doc`
-/// and more, as `genomctl describe` prints them.
+/// configuration). Beside the members below: `tasks`, `ports`, `services`, `events`, `throws`, `doc`
+/// and more, as `genomctl describe` prints them; `uses` has what it prints of `remotes`.
 #[utoipa::path(
     get,
     path = "/components/{component}",
@@ -133,6 +133,8 @@ pub(crate) async fn describe(
     for (index, service) in reply["services"].as_array_mut().into_iter().flatten().enumerate() {
         service["served"] = hosted.served_on(index).into();
     }
+    // There by name only: what each calls stands here.
+    reply["uses"] = reply["remotes"].take();
     let own = serde_json::to_value(summary(&hosted));
     if let (Value::Object(reply), Ok(Value::Object(own))) = (&mut reply, own) {
         reply.extend(own);

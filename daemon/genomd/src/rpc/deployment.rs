@@ -1,21 +1,23 @@
 //! The whole wiring as one document: dump, plan, apply.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
+use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use crate::config::{Config, ConfigError, Deployment, Spot};
+use crate::config::{Config, ConfigError, Deployment, Right, Spot};
 use crate::daemon::Daemon;
 use crate::deploy::apply::ApplyError;
 use crate::deploy::plan::PlanError;
 use crate::deploy::{self, Step};
 use crate::rpc::error::RpcError;
+use crate::rpc::holder::Holder;
 use crate::rpc::input::Body;
 
 /// Seconds a connection waits for its other side when nothing is said.
@@ -37,6 +39,9 @@ pub(crate) struct Wanted {
     /// Which daemon of the file this is; by default the name the daemon was started with.
     #[serde(default)]
     daemon: Option<String>,
+    /// Take away components and connections that the file does not have.
+    #[serde(default)]
+    prune: bool,
     /// Only tell what would be done.
     #[serde(default)]
     dry_run: bool,
@@ -51,9 +56,21 @@ pub(crate) struct Wanted {
 pub(crate) struct Dumped {
     /// The deployment.
     #[schema(value_type = Object)]
-    deployment: Deployment,
+    deployment: Running,
     /// The same as the text of a file.
     text: String,
+}
+
+/// What runs, and the options of the middlewares under it.
+#[derive(Debug, Serialize)]
+struct Running {
+    /// The default middleware.
+    backend: String,
+    /// Options of middlewares, for those who may know: keys and passwords may stand there.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    backends: BTreeMap<String, toml::Table>,
+    #[serde(flatten)]
+    runs: Deployment,
 }
 
 /// What was done, or would be.
@@ -63,9 +80,13 @@ pub(crate) struct Applied {
     steps: Vec<String>,
     /// Whether they were taken.
     applied: bool,
+    /// Components and connections that the file does not have, and that are there still.
+    beside: Vec<String>,
 }
 
 /// Tell what runs, as a deployment file.
+///
+/// Options of middlewares are in it for those who have the right `admin`.
 #[utoipa::path(
     get,
     path = "/deployment",
@@ -73,8 +94,16 @@ pub(crate) struct Applied {
     security(("token" = ["read"])),
     responses((status = 200, body = Dumped), (status = 500))
 )]
-pub(crate) async fn dump(State(daemon): State<Arc<Daemon>>) -> Result<Json<Dumped>, RpcError> {
-    let deployment = deploy::dump::dump(&daemon);
+pub(crate) async fn dump(
+    State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
+) -> Result<Json<Dumped>, RpcError> {
+    let backends = match holder.may(Right::Admin, "") {
+        Ok(()) => daemon.settings.backends.clone(),
+        Err(_) => BTreeMap::new(),
+    };
+    let (backend, runs) = (daemon.settings.backend.clone(), deploy::dump::dump(&daemon));
+    let deployment = Running { backend, backends, runs };
     let text =
         toml::to_string(&deployment).map_err(|error| RpcError::internal(error.to_string()))?;
     Ok(Json(Dumped { deployment, text }))
@@ -102,15 +131,23 @@ pub(crate) async fn apply(
     let deployment = read(&daemon, &wanted)?;
     let work = move || {
         let _turn = daemon.deploying();
-        let steps = deploy::plan::plan(&daemon, &deployment)
+        let plan = deploy::plan::plan(&daemon, &deployment, wanted.prune)
             .map_err(|error| impossible(&error, &wanted))?;
+        let steps = plan.steps;
         if !wanted.dry_run {
             deploy::apply::apply(&daemon, &steps, Some(patience))
                 .map_err(|error| failed(&error, &wanted))?;
             daemon.declared.keep(&deployment.connection);
         }
         let steps = steps.iter().map(Step::to_string).collect();
-        Ok((StatusCode::OK, Json(Applied { steps, applied: !wanted.dry_run })))
+        let beside = if wanted.prune { Vec::new() } else { plan.beside };
+        let beside = beside.iter().map(|step| match step {
+            Step::Unload(name) => format!("component {name}"),
+            Step::Disconnect(entry) => format!("connection {entry}"),
+            other => other.to_string(),
+        });
+        let (applied, beside) = (!wanted.dry_run, beside.collect());
+        Ok((StatusCode::OK, Json(Applied { steps, applied, beside })))
     };
     match tokio::task::spawn_blocking(work).await {
         Ok(outcome) => outcome,
@@ -124,7 +161,9 @@ fn read(daemon: &Daemon, wanted: &Wanted) -> Result<Deployment, RpcError> {
     config.check(&wanted.file, &wanted.text).map_err(mistake)?;
     config.anchor(&wanted.file);
     let name = wanted.daemon.as_deref().or(daemon.settings.name.as_deref());
-    let mut deployment = config.deployment(name);
+    let mut deployment = config.deployment(name).map_err(|why| {
+        RpcError::bad_input(format!("{}: {why}", wanted.file.display())).place("/daemon")
+    })?;
     // A file that says its own default middleware means it for its components.
     if config.backend != Config::default().backend {
         let default = crate::config::BackendNames::one(config.backend.as_str());

@@ -18,6 +18,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use crate::config::BackendNames;
 use crate::daemon::Daemon;
+use crate::dates::Dates;
 use crate::hosting::{self, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
@@ -81,6 +82,9 @@ pub(crate) struct Port {
     /// Name of its type.
     #[serde(rename = "type")]
     ty: String,
+    /// Digest of its type: ports of one digest can be connected.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    digest: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     doc: Option<String>,
     /// The out port that feeds it.
@@ -277,7 +281,8 @@ pub(crate) async fn traffic(
 /// Follow the values of a port.
 ///
 /// Server-sent events `value` when the value is another than the last one sent, the first at
-/// once if there is one; event `end` when the component is unloaded. A reader that does not keep
+/// once if there is one, each with the date of its sample as `id`, in nanoseconds since 1970 or on
+/// the virtual clock; event `end` when the component is unloaded. A reader that does not keep
 /// up misses values, and one that reads nothing for 10 s is dropped.
 #[utoipa::path(
     get,
@@ -304,16 +309,31 @@ pub(crate) async fn stream(
         let message = format!("rate: {rate} is not between 0 and {GREATEST_RATE} values a second");
         return Err(RpcError::bad_input(message).place("rate"));
     }
-    stream::open(&daemon, &holder, move |writer| follow(hosted, index, element, rate, writer))
+    let dates = Dates::of(&daemon.clock);
+    let watched = Watched { hosted, port: index, element, dates };
+    stream::open(&daemon, &holder, move |writer| follow(watched, rate, writer))
 }
 
-async fn follow(
+/// A port that is followed.
+struct Watched {
     hosted: Arc<Hosted>,
     port: usize,
     element: Option<String>,
-    rate: f64,
-    writer: Writer,
-) {
+    dates: Dates,
+}
+
+impl Watched {
+    /// Its value, and the date of the sample that it came with.
+    fn look(&self) -> Option<(Value, u64)> {
+        let element = self.element.as_deref();
+        let value = self.hosted.port_value(self.port, element)?;
+        let gauge = self.hosted.wires.gauge(self.port, element);
+        let age = gauge.and_then(|gauge| gauge.counts().age_ns).unwrap_or_default();
+        Some((value, self.dates.now().saturating_sub(age)))
+    }
+}
+
+async fn follow(watched: Watched, rate: f64, writer: Writer) {
     let mut ticks = interval(Duration::from_secs_f64(1.0 / rate));
     ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
     let mut last = None;
@@ -321,17 +341,18 @@ async fn follow(
         tokio::select! {
             _ = ticks.tick() => {}
             () = writer.closed() => return,
-            () = hosted.gone.raised() => {
+            () = watched.hosted.gone.raised() => {
                 let why = json!({"why": "the component was unloaded"}).to_string();
                 writer.send(Event::default().event("end").data(why)).await;
                 return;
             }
         }
-        let Some(value) = hosted.port_value(port, element.as_deref()) else { continue };
+        let Some((value, date)) = watched.look() else { continue };
         if last.as_ref() == Some(&value) {
             continue;
         }
-        if !writer.send(Event::default().event("value").data(value.to_string())).await {
+        let event = Event::default().event("value").id(date.to_string());
+        if !writer.send(event.data(value.to_string())).await {
             return;
         }
         last = Some(value);
@@ -403,6 +424,7 @@ fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
         direction: port.direction.as_str(),
         multiple: port.multiple,
         ty: hosted.specification().types.spelling(port.ty),
+        digest: hosted.port_type(index).map(|ty| ty.digest().to_owned()),
         doc: port.doc.clone(),
         connected: connection.map(|connection| connection.outport.to_string()),
         backend: hosted.wires.bindings.port(&port.name),

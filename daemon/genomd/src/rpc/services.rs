@@ -13,13 +13,13 @@ use utoipa::{IntoParams, ToSchema};
 use crate::config::Right;
 use crate::daemon::Daemon;
 use crate::ending::{Ending, Told};
-use crate::hosting::{Answer, Hosted, Look};
+use crate::hosting::{Answer, Hosted, InputError, Look, Rest};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::input::{Body, Parameters};
 
-/// `?wait=true`
+/// `?wait=true&zero=true`
 #[derive(Debug, Default, Deserialize, IntoParams)]
 #[serde(deny_unknown_fields)]
 #[into_params(parameter_in = Query)]
@@ -27,6 +27,9 @@ pub(crate) struct CallParameters {
     /// Answer only when the activity has ended.
     #[serde(default)]
     wait: bool,
+    /// What is left out takes its default, or zero; also of an attribute.
+    #[serde(default)]
+    zero: bool,
 }
 
 fn find(hosted: &Hosted, service: &str) -> Result<usize, RpcError> {
@@ -65,7 +68,9 @@ pub(crate) struct Started {
 
 /// Describe a service: parameters, docs, defaults, codels, exceptions.
 ///
-/// `input_schema` and `output_schema` are JSON Schemas of its inputs and outputs.
+/// `input_schema` and `output_schema` are JSON Schemas of its inputs and outputs. Inputs of an
+/// attribute have `current`, the value they keep when they are left out, for those who may call it
+/// and unless codels are in the way.
 #[utoipa::path(
     get,
     path = "/components/{component}/services/{service}",
@@ -75,13 +80,28 @@ pub(crate) struct Started {
 )]
 pub(crate) async fn describe(
     State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
     Path((component, service)): Path<(String, String)>,
 ) -> Result<Json<Value>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &service)?;
+    let current = match holder.may(Right::Call, "") {
+        Ok(()) => {
+            let hosted = Arc::clone(&hosted);
+            let look = tokio::task::spawn_blocking(move || hosted.current(index));
+            look.await.ok().flatten()
+        }
+        Err(_) => None,
+    };
     let mut component = tools::describe(hosted.specification(), hosted.model());
     let mut described = component["services"][index].take();
     described["served"] = hosted.served_on(index).into();
+    for parameter in described["parameters"].as_array_mut().into_iter().flatten() {
+        let value = parameter["name"].as_str().and_then(|name| current.as_ref()?.get(name));
+        if let Some(value) = value {
+            parameter["current"] = value.clone();
+        }
+    }
     let [input, output] = tools::service_schemas(hosted.specification(), hosted.model(), index);
     described["input_schema"] = input;
     described["output_schema"] = output;
@@ -90,7 +110,9 @@ pub(crate) async fn describe(
 
 /// Call a service, or start an activity.
 ///
-/// The body holds the inputs; what is left out takes its default. An attribute or function
+/// The body holds the inputs. What is left out of an attribute, or of a value in it, keeps what the
+/// component has; what is left out of a function or activity takes its default, and is refused by
+/// name when it has none. An attribute or function
 /// answers 200 with its end, `result` or `exception`. An activity answers 202 with its number
 /// once it is accepted, or with `?wait=true` 200 with its end.
 #[utoipa::path(
@@ -123,12 +145,17 @@ pub(crate) async fn call(
         };
         holder.may(right, format_args!("service {service}"))?;
     }
-    let input = hosted.input(index, &inputs).map_err(|error| {
-        RpcError::bad_input(error.to_string())
-            .inside(&error.path)
-            .help(format!("`genomctl info {component} {service}` shows the inputs"))
-    })?;
-    let answer = hosted.request(index, input).await;
+    let refused = |error: InputError| {
+        let help = if error.missing {
+            "give it; or take zeros for all that is left out: `--zero`, `?zero=true`".to_owned()
+        } else {
+            format!("`genomctl info {component} {service}` shows the inputs")
+        };
+        RpcError::bad_input(error.to_string()).inside(&error.path).help(help)
+    };
+    let rest = if parameters.zero { Rest::Zero } else { Rest::Kept };
+    let asked = hosted.asked(index, &inputs, rest).map_err(refused)?;
+    let answer = hosted.request(index, asked).await;
     match answer {
         Answer::Ended(ending) => refusal(&hosted, &service, &ending)
             .map_or_else(|| Ok((StatusCode::OK, Json(Reply::Ended(ending.told())))), Err),
@@ -139,6 +166,7 @@ pub(crate) async fn call(
         Answer::Accepted(activity) => {
             Ok((StatusCode::ACCEPTED, Json(Reply::Started(Started { activity: activity.number }))))
         }
+        Answer::Refused(error) => Err(refused(error)),
         Answer::HeldUp(error) => Err(RpcError::held_up(&error)),
         Answer::Gone => {
             Err(RpcError::conflict("stopping", format!("{component} stops: nothing was started")))

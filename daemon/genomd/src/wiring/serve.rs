@@ -105,6 +105,8 @@ impl ServiceHandler for Handler {
                     hosted.follow(&activity, Box::new(follower));
                 }
             }
+            // Of whole inputs, as these are, none is refused so.
+            Heard::Refused(_) => {}
             Heard::Ended(outcome) => {
                 let replies = lock(&replies).take();
                 if let Some(replies) = replies {

@@ -29,6 +29,7 @@ pub(super) struct CxxService {
     pub(super) store: Vec<Transfer>,
     pub(super) store_validated: Vec<Transfer>,
     pub(super) fetch: Vec<Transfer>,
+    pub(super) current: Vec<Transfer>,
 }
 
 /// A value to copy.
@@ -112,6 +113,7 @@ impl CxxService {
             store: Vec::new(),
             store_validated: Vec::new(),
             fetch: Vec::new(),
+            current: Vec::new(),
         };
         let (mut inputs, mut outputs) = (0.., 0..);
         for parameter in &service.parameters {
@@ -147,6 +149,10 @@ impl CxxService {
         }
         let (Some(place), Some(ids)) = (place, ids) else { return Ok(()) };
         let place = CxxPath::new(ids, place)?;
+        if let Some(rank) = from {
+            let to = CxxPath::new(&self.input, &[PathStep::Member(rank)])?;
+            self.current.push(Transfer { from: From::Object(place.clone()), to });
+        }
         match (from, to) {
             (Some(_), Some(rank)) if dialect != Dialect::Current => {
                 let from = From::Object(output(self, rank)?);
@@ -225,7 +231,7 @@ impl Objects {
         for transfer in transfers {
             // SAFETY: the roots hold values of the ways' root types; the runtime excludes every
             // codel that may change them meanwhile (genom3.md 4.5). Source and target are
-            // different memory: the request, the outputs and the IDS.
+            // different memory: the request, the inputs, the outputs and the IDS.
             let done = unsafe {
                 match (&transfer.from, transfer.to.locate(to)) {
                     (From::Request(path), Some(to)) => {

@@ -417,6 +417,19 @@ impl Frame for BoundFrame {
         }
     }
 
+    fn current(&mut self, inputs: &mut Record) {
+        let ids = self.ids();
+        if let Some((types, objects, input)) = self.in_cxx() {
+            objects.transfer(&types.current, input, ids, objects.input.at());
+            objects.input.get(inputs);
+            return;
+        }
+        let types = self.service.and_then(|rank| self.inner.services.get(rank));
+        if let Some(types) = types {
+            self.copy(&types.current, self.ids(), inputs.as_mut_ptr());
+        }
+    }
+
     fn call(&mut self, codel: usize, context: usize) -> Returned {
         let rank = self.ranks.get(codel).copied().unwrap_or(ABSENT);
         let inner = Arc::as_ptr(&self.inner);

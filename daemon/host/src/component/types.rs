@@ -52,6 +52,8 @@ pub(super) struct ServiceTypes {
     pub(super) store_validated: Vec<Copy>,
     /// From the IDS to the outputs.
     pub(super) fetch: Vec<Copy>,
+    /// From the IDS to the inputs: what stands where they are stored.
+    pub(super) current: Vec<Copy>,
 }
 
 /// A value to copy from one record to another.
@@ -83,6 +85,7 @@ impl ServiceTypes {
             store: Vec::new(),
             store_validated: Vec::new(),
             fetch: Vec::new(),
+            current: Vec::new(),
         };
         let (mut inputs, mut outputs) = (0.., 0..);
         for parameter in &service.parameters {
@@ -116,6 +119,9 @@ impl ServiceTypes {
         });
         let (Some(target), Some(ids)) = (&parameter.target, ids) else { return Ok(()) };
         let place = CompiledPath::new(ids, &steps(&target.path))?;
+        if let Some(rank) = from {
+            self.current.push(Copy { from: place.clone(), to: member(&self.input, rank)? });
+        }
         match (from, to) {
             // dialects.md B: the validate codel is called with the new value, which is then set.
             (Some(_), Some(rank)) if dialect != Dialect::Current => {

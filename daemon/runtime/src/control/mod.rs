@@ -12,11 +12,10 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use genom_types::Record;
 use rtrb::{Consumer, Producer};
 use serde_json::{Value, json};
 
-use crate::api::{Exception, Outcome, Progress, Reply};
+use crate::api::{Exception, Inputs, Outcome, Progress, Reply};
 use crate::plan::Plan;
 use crate::shared::Notice;
 use crate::shutdown::{Ended, Step};
@@ -26,7 +25,7 @@ use crate::watcher::Change;
 
 /// A request on its way.
 pub(crate) struct Request {
-    pub(crate) input: Record,
+    pub(crate) inputs: Inputs,
     pub(crate) reply: Reply,
     pub(crate) ticket: Ticket,
 }

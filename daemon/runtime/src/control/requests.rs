@@ -10,10 +10,14 @@ use genom_types::Record;
 use serde_json::{Value, json};
 
 use super::{Afterwards, Control, Phase, Request, genom, interrupted};
-use crate::api::{Exception, Outcome, Progress, Reply};
+use crate::api::{Exception, Inputs, Outcome, Partial, Progress, Reply};
 use crate::body::{Frame, Returned};
 use crate::engine::{Engine, Guard};
 use crate::ticket::Ticket;
+
+/// How often inputs are completed anew because codels changed what was left out. A codel that
+/// writes it all the time loses what it wrote last, as to any request that sets it.
+const ROUNDS: u32 = 16;
 
 /// What a request came to before it is answered.
 enum Performed {
@@ -28,14 +32,18 @@ impl Engine {
     pub(crate) fn submit(
         self: &Arc<Self>,
         service: usize,
-        input: Record,
+        inputs: Inputs,
         mut reply: Reply,
         ticket: Ticket,
     ) {
         let Some(compiled) = self.shared.plan.services().get(service) else {
             return reply(done(genom("no_such_service", Value::Null)));
         };
-        if !input.ty().same_as(&compiled.input) {
+        let fits = match &inputs {
+            Inputs::Whole(input) => input.ty().same_as(&compiled.input),
+            Inputs::Partial(_) | Inputs::Look => compiled.kind == ServiceKind::Attribute,
+        };
+        if !fits {
             return reply(done(genom("serialization", Value::Null)));
         }
         {
@@ -45,7 +53,7 @@ impl Engine {
                 return reply(done(interrupted("kill")));
             }
             let queue = &mut control.services[service];
-            queue.waiting.push_back(Request { input, reply, ticket });
+            queue.waiting.push_back(Request { inputs, reply, ticket });
             if !queue.busy && queue.waiting.len() == 1 {
                 control.ready.push_back(service);
             }
@@ -98,8 +106,11 @@ impl Engine {
     }
 
     fn serve(&self, service: usize, request: Request, context: usize) {
-        let Request { input, mut reply, ticket } = request;
-        let performed = self.perform(service, &input, context, &ticket);
+        let Request { mut inputs, mut reply, ticket } = request;
+        if let Inputs::Look = inputs {
+            return reply(Progress::Done(Outcome::Success(self.look(service, context))));
+        }
+        let performed = self.perform(service, &mut inputs, context, &ticket);
         // 7.3.8: something happened in the component, whatever the outcome.
         self.shared.wake_tasks();
         match performed {
@@ -127,7 +138,7 @@ impl Engine {
     fn perform(
         &self,
         service: usize,
-        input: &Record,
+        inputs: &mut Inputs,
         context: usize,
         ticket: &Ticket,
     ) -> Result<Performed, Exception> {
@@ -136,7 +147,7 @@ impl Engine {
         if activity {
             self.take_slot(service)?;
         }
-        let performed = self.perform_with_slot(service, input, context, ticket);
+        let performed = self.perform_with_slot(service, inputs, context, ticket);
         if activity && performed.is_err() {
             self.release_slot(service);
         }
@@ -146,20 +157,19 @@ impl Engine {
     fn perform_with_slot(
         &self,
         service: usize,
-        input: &Record,
+        inputs: &mut Inputs,
         context: usize,
         ticket: &Ticket,
     ) -> Result<Performed, Exception> {
         let compiled = &self.shared.plan.services()[service];
         self.check_order(service)?;
-        if let Some(builtin) = compiled.builtin {
+        if let (Some(builtin), Inputs::Whole(input)) = (compiled.builtin, &*inputs) {
             begin(ticket)?;
             self.builtin(builtin, input)?;
             return Ok(Performed::Done(Record::new(&compiled.output)));
         }
         let mut frame = self.take_frame(service);
-        frame.begin(input);
-        match self.run_codels(service, frame.as_mut(), context, ticket) {
+        match self.run_codels(service, frame.as_mut(), inputs, context, ticket) {
             Err(exception) => {
                 self.give_frame(service, frame);
                 Err(exception)
@@ -204,26 +214,29 @@ impl Engine {
         &self,
         service: usize,
         frame: &mut dyn Frame,
+        inputs: &mut Inputs,
         context: usize,
         ticket: &Ticket,
     ) -> Result<(), Exception> {
         let plan = &self.shared.plan;
         let (model, compiled) = (&plan.component().services[service], &plan.services()[service]);
-        for &codel in &model.validates {
-            match self.call(frame, codel, context, ticket)? {
-                Returned::Ok => {}
-                // Reported whatever it is: validation is not filtered.
-                returned => return Err(self.as_it_is(frame, returned)),
-            }
-        }
         let node = plan.nodes().transfer(service);
-        if compiled.through_ids {
-            let _permit = self.shared.exclusion.enter(context, node);
-            begin(ticket)?;
-            frame.store();
-            if compiled.kind == ServiceKind::Attribute {
-                frame.fetch();
+        let mut seen = None;
+        match inputs {
+            Inputs::Whole(input) => frame.begin(input),
+            Inputs::Partial(fill) => {
+                let mut now = Record::new(&compiled.input);
+                let permit = self.shared.exclusion.enter(context, node);
+                frame.current(&mut now);
+                drop(permit);
+                complete(frame, fill, &now)?;
+                seen = Some(now);
             }
+            Inputs::Look => {}
+        }
+        self.validate(service, frame, context, ticket)?;
+        if compiled.through_ids {
+            self.transfer(service, frame, (inputs, seen), context, ticket)?;
         }
         if compiled.kind == ServiceKind::Activity {
             return begin(ticket);
@@ -237,6 +250,73 @@ impl Engine {
         if compiled.through_ids && compiled.kind == ServiceKind::Function {
             let _permit = self.shared.exclusion.enter(context, node);
             frame.fetch();
+        }
+        Ok(())
+    }
+
+    /// What the IDS hold where an attribute stores its inputs.
+    fn look(&self, service: usize, context: usize) -> Record {
+        let plan = &self.shared.plan;
+        let mut now = Record::new(&plan.services()[service].input);
+        let mut frame = self.take_frame(service);
+        let permit = self.shared.exclusion.enter(context, plan.nodes().transfer(service));
+        frame.current(&mut now);
+        drop(permit);
+        self.give_frame(service, frame);
+        now
+    }
+
+    fn validate(
+        &self,
+        service: usize,
+        frame: &mut dyn Frame,
+        context: usize,
+        ticket: &Ticket,
+    ) -> Result<(), Exception> {
+        for &codel in &self.shared.plan.component().services[service].validates {
+            match self.call(frame, codel, context, ticket)? {
+                Returned::Ok => {}
+                // Reported whatever it is: validation is not filtered.
+                returned => return Err(self.as_it_is(frame, returned)),
+            }
+        }
+        Ok(())
+    }
+
+    /// 7.3.6. Inputs that were completed with what was `seen` in the IDS are completed and
+    /// validated again when codels changed that meanwhile: what nobody gave is not set back.
+    fn transfer(
+        &self,
+        service: usize,
+        frame: &mut dyn Frame,
+        (inputs, mut seen): (&mut Inputs, Option<Record>),
+        context: usize,
+        ticket: &Ticket,
+    ) -> Result<(), Exception> {
+        let compiled = &self.shared.plan.services()[service];
+        let node = self.shared.plan.nodes().transfer(service);
+        for round in 0.. {
+            // Made before anybody is excluded.
+            let now = seen.as_ref().map(|seen| Record::new(seen.ty()));
+            let permit = self.shared.exclusion.enter(context, node);
+            begin(ticket)?;
+            if let (Inputs::Partial(fill), Some(before), Some(mut now)) = (&mut *inputs, &seen, now)
+                && round < ROUNDS
+            {
+                frame.current(&mut now);
+                if !now.holds_same(before) {
+                    drop(permit);
+                    complete(frame, fill, &now)?;
+                    self.validate(service, frame, context, ticket)?;
+                    seen = Some(now);
+                    continue;
+                }
+            }
+            frame.store();
+            if compiled.kind == ServiceKind::Attribute {
+                frame.fetch();
+            }
+            break;
         }
         Ok(())
     }
@@ -287,6 +367,14 @@ impl Engine {
 
 fn done(exception: Exception) -> Progress {
     Progress::Done(Outcome::Exception(exception))
+}
+
+/// The run begins with what the IDS hold, changed as the request says.
+fn complete(frame: &mut dyn Frame, fill: &mut Partial, now: &Record) -> Result<(), Exception> {
+    let mut input = now.clone();
+    fill(&mut input)?;
+    frame.begin(&input);
+    Ok(())
 }
 
 /// It runs, unless its sender gave it up.

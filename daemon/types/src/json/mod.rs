@@ -16,9 +16,11 @@
 //! | native | `null` | `null`: unchanged |
 
 mod error;
+mod missing;
 mod read;
 mod write;
 
 pub use error::{JsonError, JsonProblem};
+pub(crate) use missing::missing;
 pub(crate) use read::merge;
 pub(crate) use write::write;

@@ -244,14 +244,14 @@ fn rank(members: &[Part], name: &str, ty: &str) -> Result<usize, JsonProblem> {
     })
 }
 
-fn push_name(path: &mut String, name: &str) {
+pub(super) fn push_name(path: &mut String, name: &str) {
     if !path.is_empty() {
         path.push('.');
     }
     path.push_str(name);
 }
 
-fn push_index(path: &mut String, index: usize) {
+pub(super) fn push_index(path: &mut String, index: usize) {
     path.push_str(&format!("[{index}]"));
 }
 

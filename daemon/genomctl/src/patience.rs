@@ -1,0 +1,116 @@
+//! How long somebody waits for a daemon: for as long as it takes, while the daemon still answers
+//! others; not for one that answers nobody, because its process is stopped or hangs.
+
+use std::future::Future;
+use std::pin::pin;
+use std::sync::Arc;
+use std::time::Duration;
+
+use http_body_util::Empty;
+use hyper::body::Bytes;
+use hyper::client::conn::http1;
+use hyper::{Request, header};
+use hyper_util::rt::TokioIo;
+use tokio::time::timeout;
+
+use crate::failure::Failure;
+use crate::target::Target;
+
+/// Waits. When nothing came for half of `limit`, `ask` must find the daemon answering within the
+/// other half; so again and again.
+pub(crate) async fn patiently<T, A: Future<Output = Result<(), Failure>>>(
+    limit: Duration,
+    waiting: impl Future<Output = T>,
+    ask: impl Fn() -> A,
+    silent: impl Fn() -> Failure,
+) -> Result<T, Failure> {
+    let mut waiting = pin!(waiting);
+    loop {
+        if let Ok(done) = timeout(limit / 2, &mut waiting).await {
+            return Ok(done);
+        }
+        tokio::select! {
+            biased;
+            done = &mut waiting => return Ok(done),
+            answer = timeout(limit / 2, ask()) => answer.unwrap_or_else(|_| Err(silent()))?,
+        }
+    }
+}
+
+/// A daemon that is asked something, and the process behind its socket as far as it is known.
+#[derive(Debug)]
+pub(crate) struct Watch {
+    target: Arc<Target>,
+    process: Option<i32>,
+}
+
+impl Watch {
+    pub(crate) fn new(target: &Arc<Target>, process: Option<i32>) -> Self {
+        Self { target: Arc::clone(target), process }
+    }
+
+    /// Waits for something of the daemon while it answers.
+    pub(crate) async fn over<T>(&self, waiting: impl Future<Output = T>) -> Result<T, Failure> {
+        let target = &*self.target;
+        patiently(target.limit, waiting, || answers(target), || target.silent(self.process)).await
+    }
+}
+
+/// Asks what costs the daemon least. Whatever it answers, it does.
+async fn answers(target: &Target) -> Result<(), Failure> {
+    let (stream, _) = target.open().await?;
+    let (mut sender, connection) = http1::handshake(TokioIo::new(stream))
+        .await
+        .map_err(|error| target.misread(error.to_string()))?;
+    tokio::spawn(connection);
+    let request = Request::get("/").header(header::HOST, "genomd").body(Empty::<Bytes>::new());
+    let request = request.map_err(|error| target.misread(error.to_string()))?;
+    sender.send_request(request).await.map_err(|_| target.lost())?;
+    Ok(())
+}
+
+/// Whether a process is stopped, by a signal or a debugger.
+pub(crate) fn is_stopped(process: i32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    // The name before may hold anything.
+    let state = status.rsplit_once(')').and_then(|(_, rest)| rest.trim_start().chars().next());
+    matches!(state, Some('T' | 't'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    fn runtime() -> tokio::runtime::Runtime {
+        tokio::runtime::Builder::new_current_thread().enable_time().build().unwrap()
+    }
+
+    const MOMENT: Duration = Duration::from_millis(2);
+
+    #[test]
+    fn who_answers_others_is_waited_for() {
+        let asked = Cell::new(0);
+        let ask = || {
+            asked.set(asked.get() + 1);
+            std::future::ready(Ok(()))
+        };
+        let slow = async {
+            while asked.get() < 3 {
+                tokio::task::yield_now().await;
+            }
+            7
+        };
+        let silent = || Failure::refused("silent", String::new());
+        assert_eq!(runtime().block_on(patiently(MOMENT, slow, ask, silent)).unwrap(), 7);
+    }
+
+    #[test]
+    fn who_answers_nobody_is_given_up() {
+        let never = std::future::pending::<()>;
+        let ask = std::future::pending::<Result<(), Failure>>;
+        let silent = || Failure::refused("silent", "no answer".to_owned());
+        let given_up = runtime().block_on(patiently(MOMENT, never(), ask, silent)).unwrap_err();
+        assert_eq!(given_up.to_string(), "no answer");
+    }
+}
