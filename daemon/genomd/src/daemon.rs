@@ -165,6 +165,11 @@ impl Daemon {
         self.stop_asked.get().map(Instant::elapsed)
     }
 
+    /// Whether a start codel had its time since the end was asked for: nothing waits for it then.
+    pub(crate) fn start_is_given_up(&self) -> bool {
+        self.stopping_for().is_some_and(|time| time >= self.settings.stop_timeout)
+    }
+
     /// Whether the end was asked for.
     pub(crate) fn stopping(&self) -> bool {
         self.stop.is_up()

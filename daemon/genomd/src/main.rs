@@ -25,6 +25,7 @@ mod registry;
 mod rpc;
 mod run;
 mod shown;
+mod signals;
 mod slots;
 mod telemetry;
 mod vigil;

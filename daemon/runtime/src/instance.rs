@@ -103,6 +103,14 @@ impl Instance {
         Ok(())
     }
 
+    /// Asks all activities of services to stop, as [`abort`](Self::abort) does one; ids and
+    /// services of those that have not ended, whoever asked them first.
+    pub fn abort_all(&self) -> Vec<(u32, usize)> {
+        let told = self.engine.abort_all("client");
+        self.engine.shared.wake_tasks();
+        told
+    }
+
     /// Fires an external event: activities that handle its state get a token there
     /// (dialects.md A). Others do not notice.
     ///

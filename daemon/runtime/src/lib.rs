@@ -34,7 +34,7 @@ pub use api::{Exception, Outcome, Progress, Reply, Wiring, WiringError, input_re
 pub use clock::{Clock, VirtualClock};
 pub use engine::{ActivityPhase, ActivityStatus, NoSuchActivity};
 pub use instance::{Instance, NoSuchEvent};
-pub use options::{ACTIVITY_LIMIT, Options, STUCK_AFTER, TaskOptions};
+pub use options::{ACTIVITY_LIMIT, GiveUp, Options, STUCK_AFTER, TaskOptions};
 pub use plan::{Plan, PlanError};
 pub use shutdown::{Ended, ShutdownError};
 pub use start::StartError;

@@ -44,6 +44,7 @@ mod ros2_package;
 mod start;
 mod stats;
 mod step;
+mod stop;
 mod token;
 mod top;
 mod unload;
@@ -65,6 +66,7 @@ pub(crate) enum Verb {
     Start(start::Args),
     Wait(wait::Args),
     Abort(abort::Args),
+    Stop(stop::Args),
     Activities(activities::Args),
     Ports(ports::Args),
     Echo(echo::Args),
@@ -124,6 +126,7 @@ pub(crate) async fn run(
         Verb::Start(args) => start::run(args, session).await,
         Verb::Wait(args) => wait::run(args, session).await,
         Verb::Abort(args) => abort::run(args, session).await,
+        Verb::Stop(args) => stop::run(args, session).await,
         Verb::Activities(args) => activities::run(args, session).await,
         Verb::Ports(args) => ports::run(args, session).await,
         Verb::Echo(args) => echo::run(args, session).await,

@@ -52,6 +52,8 @@ pub(crate) struct Settings {
     pub(crate) log: String,
     /// Options of middlewares, by name.
     pub(crate) backends: BTreeMap<String, toml::Table>,
+    /// Whether to go on when the terminal is closed.
+    pub(crate) keep: bool,
     /// Time of the components.
     pub(crate) clock: ClockKind,
     /// Whether to keep all memory in RAM.
@@ -139,6 +141,7 @@ impl Settings {
             include: config.include,
             log: config.log,
             backends: config.backends,
+            keep: cli.keep,
             clock: config.clock,
             lock_memory: config.lock_memory,
             check_memory: config.check_memory.host(),

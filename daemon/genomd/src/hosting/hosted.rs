@@ -255,6 +255,13 @@ impl Hosted {
         u32::try_from(number).is_ok_and(|number| self.instance.abort(number).is_ok())
     }
 
+    /// Asks all activities to stop; numbers and services of those that have not ended.
+    pub(crate) fn abort_all(&self) -> Vec<(u64, String)> {
+        let told = self.instance.abort_all().into_iter();
+        let services = &self.model().services;
+        told.map(|(id, service)| (u64::from(id), services[service].name.clone())).collect()
+    }
+
     /// Fires an external event, by rank of its sink.
     pub(crate) fn fire(&self, sink: usize) {
         if let Err(error) = self.instance.fire(sink) {
