@@ -18,6 +18,7 @@ use crate::start::StartError;
 use crate::statistics::{CodelStatistics, Statistics, TaskStatistics};
 use crate::stuck::{HeldUp, RunningCodel};
 use crate::ticket::Ticket;
+use crate::unpaused::Unpaused;
 
 /// How long an instance that is dropped without shutdown has to end.
 const LAST_CHANCE: Duration = Duration::from_secs(1);
@@ -147,6 +148,12 @@ impl Instance {
         all.filter(|codel| codel.stuck).max_by_key(|codel| codel.for_ns)
     }
 
+    /// Tasks that have been at work for long although none of their codels is stuck.
+    #[must_use]
+    pub fn unpaused(&self) -> Vec<Unpaused> {
+        self.engine.unpaused()
+    }
+
     /// Activities accepted and not ended, in order of acceptance, permanent ones included.
     #[must_use]
     pub fn activities(&self) -> Vec<ActivityStatus> {
@@ -177,9 +184,10 @@ impl Instance {
                 name: task.name.clone(),
                 period_ns: shared.timing.map(|timing| timing.period),
                 real_time: shared.real_time.load(Ordering::Relaxed),
-                cycles: shared.figures.cycles.read(),
+                cycles: shared.figures.cycles.read(now),
                 lateness: shared.figures.lateness.read(),
                 stuck: self.engine.codel_of_task(rank).filter(|codel| codel.stuck),
+                unpaused: self.engine.unpaused_task(rank, now),
                 overruns: shared.figures.overruns.read(shared.timing, now),
             }
         };

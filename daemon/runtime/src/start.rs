@@ -198,7 +198,7 @@ impl Engine {
         self.lock().alive += 1;
         let spawned = std::thread::Builder::new().name(name).stack_size(stack).spawn(move || {
             let shared = &engine.shared;
-            shared.tasks[rank].set_thread(std::thread::current());
+            shared.tasks[rank].set_thread();
             wanted.apply(&engine.name, rank, shared);
             thread::run(runner);
             engine.thread_ended();

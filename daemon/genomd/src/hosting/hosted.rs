@@ -1,7 +1,7 @@
 //! One component that runs: the runtime's instance, and what supervisors see of it.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use genom_description::model::{Component as Model, Direction, ServiceKind, Specification};
@@ -19,6 +19,7 @@ use tracing::Span;
 use super::activities::{Activity, ActivityLog};
 use super::done::Done;
 use super::input::InputError;
+use super::spins::Spins;
 use super::watch::{BusWatcher, Follower};
 use crate::bus::Bus;
 use crate::config::{BackendNames, LoadRequest};
@@ -71,6 +72,7 @@ pub(crate) struct Hosted {
     plan: Arc<Plan>,
     pub(super) instance: Instance,
     watcher: Arc<BusWatcher>,
+    spins: Mutex<Spins>,
     /// Its services on the middleware.
     pub(super) served: Mutex<ServedOn>,
 }
@@ -123,6 +125,7 @@ impl Hosted {
             plan,
             instance,
             watcher,
+            spins: Mutex::default(),
             served: Mutex::default(),
         })
     }
@@ -330,6 +333,10 @@ impl Hosted {
         let mut all = self.instance.running_codels();
         all.retain(|codel| codel.stuck);
         all
+    }
+
+    pub(super) fn spins_now(&self) -> MutexGuard<'_, Spins> {
+        self.spins.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// `stuck in CODEL for 12 s`, of the codel that is for longest.

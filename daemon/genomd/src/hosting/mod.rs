@@ -9,6 +9,7 @@ pub(crate) mod layout;
 mod record;
 mod remnants;
 pub(crate) mod request;
+mod spins;
 mod stop;
 mod unload;
 mod watch;
@@ -22,6 +23,7 @@ use self::remnants::Remnants;
 
 pub(crate) use activities::{Activity, Look};
 pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn, ServedServices, Starting};
+pub(crate) use spins::Spin;
 
 /// A component could not be unloaded.
 #[derive(Clone, Debug, thiserror::Error)]

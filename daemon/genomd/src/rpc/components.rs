@@ -15,7 +15,7 @@ use utoipa::ToSchema;
 
 use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
-use crate::hosting::{Hosted, UnloadError};
+use crate::hosting::{Hosted, Spin, UnloadError};
 use crate::loading::{self, LoadError};
 use crate::registry::BackendError;
 use crate::rpc::error::RpcError;
@@ -64,13 +64,17 @@ pub(crate) struct Summary {
     name: String,
     /// Name in the description.
     component: String,
-    /// `running`, `damaged` (its codels wrote past the memory they were given), or
-    /// `stuck in CODEL for 12 s`.
+    /// `running`, `damaged` (its codels wrote past the memory they were given),
+    /// `stuck in CODEL for 12 s`, or `spins in CODEL for 12 s`.
     state: String,
     /// Codels that have not returned for so long that they count as stuck; absent without any.
     #[schema(value_type = Vec<Object>)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     stuck: Vec<RunningCodel>,
+    /// Tasks that keep a processor and do not pause; absent without any.
+    #[schema(value_type = Vec<Object>)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    spins: Vec<Spin>,
     /// Middlewares of its services, and of ports that have no others.
     backend: BackendNames,
     /// Middlewares of ports that have others.
@@ -210,13 +214,20 @@ pub(crate) async fn unload(
 
 fn summary(hosted: &Hosted) -> Summary {
     let bindings = &hosted.wires.bindings;
+    let spins = hosted.spins();
+    let spinning = || {
+        let longest = spins.iter().max_by_key(|spin| spin.unpaused.for_ns)?;
+        let (codel, time) = (&longest.unpaused.codel, seconds(longest.unpaused.for_ns));
+        Some(format!("spins in {codel} for {time}"))
+    };
     Summary {
         name: hosted.name.clone(),
         component: hosted.model().name.clone(),
         state: match hosted.damage() {
             Some(_) => "damaged".to_owned(),
-            None => hosted.stuck_in().unwrap_or_else(|| "running".to_owned()),
+            None => hosted.stuck_in().or_else(spinning).unwrap_or_else(|| "running".to_owned()),
         },
+        spins,
         stuck: hosted.stuck(),
         backend: bindings.component(),
         port_backends: bindings.ports(),

@@ -131,6 +131,7 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
         }
     }
     stuck_codels(hosted, &mut out);
+    spinning_codels(hosted, &mut out);
     stopped_tasks(hosted, &mut out);
     if let Some(written) = hosted.damage() {
         let fix = "set check_memory = \"each-codel\" to find the codel, mend it and load it again";
@@ -245,6 +246,17 @@ fn stuck_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
         out.push(finding(
             format!("{whose} of {name} is stuck in {} of {} for {time}", codel.codel, codel.owner),
             format!("look at what the codel waits for; `genomctl unload {name}` leaves it behind"),
+        ));
+    }
+}
+
+/// Tasks that keep a processor and do not pause.
+fn spinning_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
+    for spin in hosted.spins() {
+        let (task, codel) = (&spin.unpaused.task, &spin.unpaused.codel);
+        out.push(finding(
+            format!("task {task} of {} does not pause: {spin}", hosted.name),
+            format!("let {codel} yield `pause::` and the state, or end"),
         ));
     }
 }
