@@ -52,7 +52,7 @@ const UNSAFE: &[&str] = &[
 ];
 
 /// Modules of the daemon, each above all that it knows.
-const FLOORS: &str = "dates flag known limits nearest memory shown slots ending cli bus registry telemetry logs \
+const FLOORS: &str = "dates flag known limits nearest memory shown slots startup ending cli bus registry telemetry logs \
     config recording wires hosting daemon vigil wiring loading deploy rpc signals run check main";
 
 fn relative(path: &Path) -> String {

@@ -16,6 +16,7 @@ use crate::recording::{Recordings, Session};
 use crate::registry::Backends;
 use crate::shown::Shown;
 use crate::slots::Slots;
+use crate::startup::Startup;
 use crate::wires::declared::Declared;
 
 /// Questions to other daemons under way at a time, each of which holds a thread.
@@ -40,6 +41,8 @@ pub(crate) struct Daemon {
     pub(crate) recordings: Arc<Recordings>,
     /// Connections to keep.
     pub(crate) declared: Declared,
+    /// How far it is with what it was started with.
+    pub(crate) startup: Startup,
     /// Held while a deployment is applied: one at a time.
     deploying: Mutex<()>,
     /// Slots for open streams.
@@ -73,6 +76,7 @@ impl Daemon {
             bus: Arc::new(Bus::new(dates.clone())),
             recordings: Arc::new(Recordings::new(dates)),
             declared: Declared::default(),
+            startup: Startup::new(),
             deploying: Mutex::default(),
             streams: Slots::new(settings.rpc.max_streams, settings.rpc.max_streams_per_token),
             questions: Slots::new(QUESTIONS, QUESTIONS / 4),

@@ -27,6 +27,7 @@ mod run;
 mod shown;
 mod signals;
 mod slots;
+mod startup;
 mod telemetry;
 mod vigil;
 mod wires;

@@ -191,6 +191,7 @@ async fn work(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
     let mut outcome = Ok(());
     match load_all(daemon).await {
         Ok(rest) => {
+            daemon.startup.ready.raise();
             tracing::info!("ready on {}", daemon.settings.rpc.socket.display());
             tokio::select! {
                 refusal = deploy(daemon, rest) => outcome = Err(refusal),
@@ -209,6 +210,11 @@ async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
         .map_err(|error| Refusal::usage(told(&daemon.settings, &error.place(), &error)))?;
     let (loads, rest): (Vec<_>, Vec<_>) =
         steps.into_iter().partition(|step| matches!(step, Step::Load(_)));
+    let names = loads.iter().filter_map(|step| match step {
+        Step::Load(request) => Some(request.instance()),
+        _ => None,
+    });
+    daemon.startup.begins(names.collect());
     for step in loads {
         let Step::Load(request) = step else { continue };
         if daemon.stopping() {
@@ -222,7 +228,7 @@ async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
             () = daemon.asked_to_stop() => tokio::join!(unload_all(daemon), loading).1,
         };
         match loaded {
-            Ok(Ok(_) | Err(LoadError::Stopping)) => {}
+            Ok(Ok(_) | Err(LoadError::Stopping)) => daemon.startup.one_is_loaded(),
             Ok(Err(error)) => {
                 let place = Spot::component(&asked).key(error.key());
                 let message = told(&daemon.settings, &place, &error);
@@ -250,7 +256,10 @@ async fn deploy(daemon: &Arc<Daemon>, steps: Vec<Step>) -> Refusal {
         Ok::<_, ApplyError>(())
     };
     match tokio::task::spawn_blocking(work).await {
-        Ok(Ok(())) => std::future::pending().await,
+        Ok(Ok(())) => {
+            daemon.startup.deployed.raise();
+            std::future::pending().await
+        }
         Ok(Err(_)) if daemon.stopping() => std::future::pending().await,
         Ok(Err(error)) => Refusal::component(told(&daemon.settings, &error.place, &error)),
         Err(error) => Refusal::own(error),

@@ -49,6 +49,7 @@ mod token;
 mod top;
 mod unload;
 mod wait;
+mod wait_ready;
 mod why;
 
 use clap::Subcommand;
@@ -61,6 +62,7 @@ pub(crate) use completion::VARIABLE as COMPLETE;
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     List(list::Args),
+    WaitReady(wait_ready::Args),
     Info(info::Args),
     Call(call::Args),
     Start(start::Args),
@@ -121,6 +123,7 @@ pub(crate) async fn run(
 ) -> Result<(), Failure> {
     match verb {
         Verb::List(args) => list::run(args, session).await,
+        Verb::WaitReady(args) => wait_ready::run(args, session).await,
         Verb::Info(args) => info::run(args, session).await,
         Verb::Call(args) => call::run(args, session).await,
         Verb::Start(args) => start::run(args, session).await,

@@ -39,6 +39,9 @@ pub(super) fn find(daemon: &Daemon, name: &str) -> Result<Arc<Hosted>, RpcError>
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct Components {
     components: Vec<Summary>,
+    /// Names of those that are being loaded, or are to be at the daemon's start; absent without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    loading: Vec<String>,
     /// What is left of components that did not stop in time; absent when nothing is.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     left_behind: Vec<Left>,
@@ -112,7 +115,18 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Components> 
         });
         Left { was: remnant.was, component: remnant.component, state }
     });
-    Json(Components { components, left_behind: left_behind.collect() })
+    let loading = loading(&daemon);
+    Json(Components { components, loading, left_behind: left_behind.collect() })
+}
+
+fn loading(daemon: &Daemon) -> Vec<String> {
+    let (mut names, mut later) = (daemon.components.loading(), daemon.startup.to_load());
+    if !names.is_empty() && !later.is_empty() {
+        // The first of them is among those that are being loaded, under the name it will have.
+        later.remove(0);
+    }
+    names.append(&mut later);
+    names
 }
 
 /// Describe a component: what it is, and all its description says.

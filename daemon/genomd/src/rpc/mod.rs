@@ -27,6 +27,7 @@ mod metrics;
 mod middlewares;
 mod ports;
 mod private;
+mod ready;
 mod recordings;
 pub(crate) mod relay;
 mod replay;
@@ -97,6 +98,7 @@ fn routes() -> OpenApiRouter<Arc<Daemon>> {
         .routes(routes!(document::json))
         .routes(routes!(document::page))
         .routes(routes!(daemon::shutdown))
+        .routes(routes!(ready::ready))
 }
 
 /// The control plane, as it shows at a door.
