@@ -9,7 +9,7 @@ use genom_description::model::ServiceKind;
 use genom_types::Record;
 use serde_json::{Value, json};
 
-use super::{Afterwards, Control, Phase, Request, genom, interrupted};
+use super::{Afterwards, Asker, Control, Phase, Request, genom, interrupted};
 use crate::api::{Exception, Outcome, Progress, Reply};
 use crate::body::{Frame, Returned};
 use crate::engine::{Engine, Guard};
@@ -78,14 +78,18 @@ impl Engine {
     ) -> Guard<'a, Control> {
         let queue = &mut control.services[service];
         let Some(request) = queue.waiting.pop_front() else { return control };
+        let Request { input, reply, ticket } = request;
+        let asker = Asker::new(reply);
         queue.busy = true;
+        queue.asker = Some(asker.clone());
         control.serving += 1;
         drop(control);
-        self.serve(service, request, context);
+        self.serve(service, &input, &asker, &ticket, context);
         let mut control = self.lock();
         control.serving -= 1;
         let queue = &mut control.services[service];
         queue.busy = false;
+        queue.asker = None;
         if !queue.waiting.is_empty() {
             control.ready.push_back(service);
         }
@@ -97,18 +101,31 @@ impl Engine {
         control
     }
 
-    fn serve(&self, service: usize, request: Request, context: usize) {
-        let Request { input, mut reply, ticket } = request;
-        let performed = self.perform(service, &input, context, &ticket);
+    fn serve(
+        &self,
+        service: usize,
+        input: &Record,
+        asker: &Asker,
+        ticket: &Ticket,
+        context: usize,
+    ) {
+        let performed = self.perform(service, input, context, ticket);
         // 7.3.8: something happened in the component, whatever the outcome.
         self.shared.wake_tasks();
         match performed {
-            Err(exception) => reply(done(exception)),
+            Err(exception) => answer(asker, done(exception)),
             Ok(Performed::Done(output)) => {
                 self.interrupt_from(service);
-                reply(Progress::Done(Outcome::Success(output)));
+                answer(asker, Progress::Done(Outcome::Success(output)));
             }
-            Ok(Performed::Validated(frame)) => self.accept(service, frame, reply),
+            Ok(Performed::Validated(frame)) => match asker.take() {
+                Some(reply) => self.accept(service, frame, reply),
+                // A shutdown answered: nothing starts any more.
+                None => {
+                    self.release_slot(service);
+                    self.give_frame(service, frame);
+                }
+            },
         }
     }
 
@@ -282,6 +299,13 @@ impl Engine {
             Returned::Failed => exception,
             _ => genom("unkex", json!({ "what": exception.name })),
         }
+    }
+}
+
+/// Answers, unless a shutdown did.
+fn answer(asker: &Asker, progress: Progress) {
+    if let Some(mut reply) = asker.take() {
+        reply(progress);
     }
 }
 
