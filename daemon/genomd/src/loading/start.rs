@@ -43,6 +43,7 @@ pub(super) fn start(
     let weak = Arc::downgrade(daemon);
     options.give_up =
         Some(Arc::new(move || weak.upgrade().is_none_or(|daemon| daemon.start_is_given_up())));
+    options.activity_limit = daemon.settings.max_activities;
     options.stuck_after = daemon.settings.stuck_after;
     for (task, entry) in &request.tasks {
         let refused = |why| LoadError::Override { name: name.clone(), why };
