@@ -46,6 +46,51 @@ fn elements_of_a_port_have_slashes_in_their_names_on_every_middleware_of_one_mac
 }
 
 #[test]
+fn a_closed_element_leaves_the_list_and_is_waited_for_with_a_word() {
+    let made = tempfile::tempdir().unwrap();
+    let camera = fixture("others", "camera", made.path());
+    for backend in ["local", "shm"] {
+        let daemon = Daemon::start(&["--backend", backend, &camera]);
+        let listed = || daemon.ctl(&["ports", "camera"]).out.clone();
+        for name in ["left", "right"] {
+            outputs(&daemon, &["camera", "add", &format!("name={name}")]);
+        }
+        assert!(
+            listed().contains("camera/image/left ") && listed().contains("camera/image/right ")
+        );
+        outputs(&daemon, &["camera", "drop", "name=left"]);
+        assert!(!listed().contains("camera/image/left"), "{}", listed());
+        assert!(listed().contains("camera/image/right "), "{}", listed());
+        // Whoever asks for it is told so, and gets it when it comes back.
+        let echo = daemon.spawn(&["echo", "-n", "1", "camera/image/left"]);
+        let waits = "camera/image has no element `left` yet: waiting for it; there is right";
+        assert!(echo.error_line_where(|line| line.contains(waits)).is_some());
+        outputs(&daemon, &["camera", "add", "name=left"]);
+        echo.finish().expect_code(0);
+        assert!(listed().contains("camera/image/left "));
+        daemon.stop("TERM").0.expect_code(0);
+    }
+}
+
+/// `genomd .libs/libx_codels.so` in folder `codels` of a project's tree, as after `make`.
+#[test]
+fn a_library_is_loaded_by_its_relative_path_from_within_its_folder() {
+    let home = Home::new();
+    let _ = fixture("others", "camera", home.path());
+    let libs = home.path().join("codels/.libs");
+    fs::create_dir_all(&libs).unwrap();
+    fs::rename(home.path().join("camera.so"), libs.join("libcamera_codels.so")).unwrap();
+    for (folder, library) in
+        [("codels", ".libs/libcamera_codels.so"), ("codels/.libs", "libcamera_codels.so")]
+    {
+        let within = format!("--chdir={}", path(&home.path().join(folder)));
+        let checked = home.spawn_by(&["env", &within], &["--check", library]).finish();
+        checked.expect_code(0);
+        assert!(checked.out.starts_with(&format!("{library} fits ")), "{}", checked.out);
+    }
+}
+
+#[test]
 fn a_name_that_would_break_an_address_is_told_to_the_codel() {
     let made = tempfile::tempdir().unwrap();
     let daemon = Daemon::start(&[&fixture("others", "camera", made.path())]);

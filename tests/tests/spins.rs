@@ -27,6 +27,11 @@ fn a_codel_that_spins_is_named_wherever_one_looks_until_it_ends() {
     assert!(state(&daemon).starts_with("spins in spins_spin_steady for "), "{}", state(&daemon));
     let why = daemon.ctl(&["why", "spins/genom_state"]);
     assert!(why.out.contains(&format!("task steady of spins does not pause: {named}")), "{why:?}");
+    // The task that spins is not that of the port, which is written once a second.
+    until("it is said first that data flows", || {
+        let why = daemon.ctl(&["why", "spins/genom_state"]);
+        why.out.starts_with("data flows: spins/genom_state was last written ")
+    });
     let doctor = daemon.ctl(&["doctor"]);
     doctor.expect_code(1);
     assert!(doctor.out.contains(named), "{}", doctor.out);

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::absent::leave_out;
 use crate::check::check;
 use crate::diagnostic::{Diagnostic, Severity};
 use crate::model::{Dialect, Span, Specification};
@@ -121,6 +122,7 @@ impl Parsed {
         }
         let mut rest = syntax;
         rest.extend(semantics);
+        leave_out(&mut diagnostics, &mut rest);
         rest.sort_by_key(|diagnostic| (diagnostic.span.file, diagnostic.span.start));
         diagnostics.append(&mut rest);
         Analysis { specification, diagnostics, sources }
