@@ -4,8 +4,9 @@
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
 use std::fs;
+use std::process::Command;
 
-use genom_tests::{Daemon, Finished, Home, fixture, path};
+use genom_tests::{Daemon, Finished, Home, fixture, path, repository};
 use serde_json::{Value, json};
 
 /// What an activity said that waits until it is done.
@@ -88,6 +89,37 @@ fn a_library_is_loaded_by_its_relative_path_from_within_its_folder() {
         checked.expect_code(0);
         assert!(checked.out.starts_with(&format!("{library} fits ")), "{}", checked.out);
     }
+}
+
+#[test]
+fn a_symbol_of_the_components_own_sources_is_not_looked_for_in_other_libraries() {
+    let home = Home::new();
+    let file = |name: &str| home.path().join(name);
+    fs::create_dir_all(file("codels/.libs")).unwrap();
+    fs::write(file("alone.gen"), "component alone { function f() { codel alone_f(); }; };")
+        .unwrap();
+    let main = "#include \"genom3/c/exception.h\"\nint alone_help(int x);\nint elsewhere(void);\n\
+                genom_event alone_f(const genom_context self)\n\
+                { (void)self; CALL; return genom_ok; }\n";
+    fs::write(file("codels/helpers.c"), "int alone_help(int x)\n{ return x; }\n").unwrap();
+    let said = |call: &str| {
+        fs::write(file("codels/main.c"), main.replace("CALL", call)).unwrap();
+        let mut compiler = Command::new("cc");
+        compiler
+            .args(["-g", "-fPIC", "-shared", "-I"])
+            .arg(repository().join("plugin-api/include"));
+        compiler.arg(file("codels/main.c")).arg("-o").arg(file("codels/.libs/libalone_codels.so"));
+        assert!(compiler.status().unwrap().success());
+        let refused = home.refused(&["--check", path(&file("alone.gen"))]);
+        refused.expect_code(1);
+        refused.err
+    };
+    let own = said("alone_help(1)");
+    let told = "undefined symbol `alone_help`: ";
+    assert!(own.contains(told) && own.contains("codels/helpers.c defines it"), "{own}");
+    let others = said("elsewhere()");
+    let told = "undefined symbol `elsewhere`: link the library that defines it (codels-require)";
+    assert!(others.contains(told), "{others}");
 }
 
 #[test]

@@ -356,14 +356,16 @@ pub(crate) fn check_options(options: &BTreeMap<String, toml::Table>) -> Result<(
 pub(crate) struct Backends {
     /// Their sections of the configuration, by name.
     options: BTreeMap<String, toml::Table>,
-    /// Those that are open, each since this date.
-    open: Mutex<BTreeMap<&'static str, (Arc<dyn Middleware>, Instant)>>,
+    open: Mutex<Open>,
     /// Told of each when it opens.
     opens: OnceLock<Box<OnOpen>>,
     /// What descriptions say is to be shown as a foreign type, by middleware, IDL name and foreign
     /// name: for middlewares that open later.
     masquerades: Mutex<Vec<(String, String, String)>>,
 }
+
+/// Those that are open, each since this date.
+type Open = BTreeMap<&'static str, (Arc<dyn Middleware>, Instant)>;
 
 type OnOpen = dyn Fn(&dyn Middleware) + Send + Sync;
 

@@ -105,7 +105,7 @@ impl Cycles {
             let before = self.version.load(Ordering::Acquire);
             let found = read();
             fence(Ordering::Acquire);
-            if before % 2 == 0 && before == self.version.load(Ordering::Relaxed) {
+            if before.is_multiple_of(2) && before == self.version.load(Ordering::Relaxed) {
                 return found;
             }
             match tried {
