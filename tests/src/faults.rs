@@ -132,6 +132,12 @@ pub const FAULTS: &[Fault] = &[
         "SIGTERM raised by codel `leaves_terminate`",
     ),
     row(
+        "raises SIGHUP",
+        ("leaves", "hang_up"),
+        Outcome::Stops(1),
+        "SIGHUP raised by codel `leaves_hang_up`",
+    ),
+    row(
         "writes where nothing is",
         ("crashes", "segfault"),
         Outcome::Ends(None),

@@ -114,6 +114,7 @@ rows! {
     a_codel_that_calls_exit_is_named: crashes leave;
     exit_in_a_thread_of_a_library_is_no_success: leaves exit_later;
     a_codel_that_raises_sigterm_is_named_and_is_no_success: leaves terminate;
+    a_codel_that_raises_sighup_is_named_and_is_no_success: leaves hang_up;
     a_codel_that_crashes_is_named: crashes segfault;
     a_codel_that_aborts_is_named: crashes abort;
     a_jump_within_a_codel_is_no_fault: leaves jump_within;

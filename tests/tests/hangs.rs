@@ -128,6 +128,26 @@ fn what_a_stuck_codel_holds_up_is_refused_and_the_rest_goes_on() {
 }
 
 #[test]
+fn calls_pending_when_their_component_is_killed_end_interrupted_by_kill() {
+    let blocks = component("blocks");
+    let patience = ["--set", "stop_timeout=1", "--set", "stuck_after=1"];
+    let daemon = Daemon::start(&[&patience[..], &[path(&blocks.library)]].concat());
+    let socket = daemon.home().socket();
+    let activity = daemon.spawn(&["start", "--wait", "blocks", "hang"]);
+    let function = daemon.spawn(&["call", "blocks", "wait"]);
+    let validation = daemon.spawn(&["call", "blocks", "wait_validate"]);
+    until("all three are in their codels", || {
+        let listed = request(&socket, "GET", "/components", "").body;
+        listed["components"][0]["stuck"].as_array().map_or(0, Vec::len) == 3
+    });
+    daemon.ctl(&["call", "blocks", "kill"]).expect_code(0);
+    for pending in [activity, function, validation] {
+        let ended = pending.finish();
+        ended.expect_code(1).expect_err("::genom::interrupted {\"by\":\"kill\"}");
+    }
+}
+
+#[test]
 fn after_an_unload_that_failed_the_name_is_free_and_what_is_left_is_told_until_it_ends() {
     let (home, blocks) = (Home::new(), component("blocks"));
     let file = home.path().join("go on");

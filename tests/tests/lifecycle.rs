@@ -50,6 +50,11 @@ fn sigint_stops_it_cleanly() {
 }
 
 #[test]
+fn sighup_that_somebody_sends_stops_it_cleanly() {
+    a_signal_stops_it_cleanly("HUP");
+}
+
+#[test]
 fn kill_returns_when_nothing_is_left() {
     let daemon = Daemon::demo("shm");
     daemon.ctl(&["kill"]).expect_code(0).expect_out("stopped\n");

@@ -4,8 +4,9 @@
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
 use std::fs;
+use std::process::Command;
 
-use genom_tests::{Daemon, Finished, Home, fixture, path};
+use genom_tests::{Daemon, Finished, Home, fixture, path, repository};
 use serde_json::{Value, json};
 
 /// What an activity said that waits until it is done.
@@ -43,6 +44,82 @@ fn elements_of_a_port_have_slashes_in_their_names_on_every_middleware_of_one_mac
         daemon.ctl(&["kill"]).expect_code(0);
         daemon.finish().0.expect_code(0);
     }
+}
+
+#[test]
+fn a_closed_element_leaves_the_list_and_is_waited_for_with_a_word() {
+    let made = tempfile::tempdir().unwrap();
+    let camera = fixture("others", "camera", made.path());
+    for backend in ["local", "shm"] {
+        let daemon = Daemon::start(&["--backend", backend, &camera]);
+        let listed = || daemon.ctl(&["ports", "camera"]).out.clone();
+        for name in ["left", "right"] {
+            outputs(&daemon, &["camera", "add", &format!("name={name}")]);
+        }
+        assert!(
+            listed().contains("camera/image/left ") && listed().contains("camera/image/right ")
+        );
+        outputs(&daemon, &["camera", "drop", "name=left"]);
+        assert!(!listed().contains("camera/image/left"), "{}", listed());
+        assert!(listed().contains("camera/image/right "), "{}", listed());
+        // Whoever asks for it is told so, and gets it when it comes back.
+        let echo = daemon.spawn(&["echo", "-n", "1", "camera/image/left"]);
+        let waits = "camera/image has no element `left` yet: waiting for it; there is right";
+        assert!(echo.error_line_where(|line| line.contains(waits)).is_some());
+        outputs(&daemon, &["camera", "add", "name=left"]);
+        echo.finish().expect_code(0);
+        assert!(listed().contains("camera/image/left "));
+        daemon.stop("TERM").0.expect_code(0);
+    }
+}
+
+/// `genomd .libs/libx_codels.so` in folder `codels` of a project's tree, as after `make`.
+#[test]
+fn a_library_is_loaded_by_its_relative_path_from_within_its_folder() {
+    let home = Home::new();
+    let _ = fixture("others", "camera", home.path());
+    let libs = home.path().join("codels/.libs");
+    fs::create_dir_all(&libs).unwrap();
+    fs::rename(home.path().join("camera.so"), libs.join("libcamera_codels.so")).unwrap();
+    for (folder, library) in
+        [("codels", ".libs/libcamera_codels.so"), ("codels/.libs", "libcamera_codels.so")]
+    {
+        let within = format!("--chdir={}", path(&home.path().join(folder)));
+        let checked = home.spawn_by(&["env", &within], &["--check", library]).finish();
+        checked.expect_code(0);
+        assert!(checked.out.starts_with(&format!("{library} fits ")), "{}", checked.out);
+    }
+}
+
+#[test]
+fn a_symbol_of_the_components_own_sources_is_not_looked_for_in_other_libraries() {
+    let home = Home::new();
+    let file = |name: &str| home.path().join(name);
+    fs::create_dir_all(file("codels/.libs")).unwrap();
+    fs::write(file("alone.gen"), "component alone { function f() { codel alone_f(); }; };")
+        .unwrap();
+    let main = "#include \"genom3/c/exception.h\"\nint alone_help(int x);\nint elsewhere(void);\n\
+                genom_event alone_f(const genom_context self)\n\
+                { (void)self; CALL; return genom_ok; }\n";
+    fs::write(file("codels/helpers.c"), "int alone_help(int x)\n{ return x; }\n").unwrap();
+    let said = |call: &str| {
+        fs::write(file("codels/main.c"), main.replace("CALL", call)).unwrap();
+        let mut compiler = Command::new("cc");
+        compiler
+            .args(["-g", "-fPIC", "-shared", "-I"])
+            .arg(repository().join("plugin-api/include"));
+        compiler.arg(file("codels/main.c")).arg("-o").arg(file("codels/.libs/libalone_codels.so"));
+        assert!(compiler.status().unwrap().success());
+        let refused = home.refused(&["--check", path(&file("alone.gen"))]);
+        refused.expect_code(1);
+        refused.err
+    };
+    let own = said("alone_help(1)");
+    let told = "undefined symbol `alone_help`: ";
+    assert!(own.contains(told) && own.contains("codels/helpers.c defines it"), "{own}");
+    let others = said("elsewhere()");
+    let told = "undefined symbol `elsewhere`: link the library that defines it (codels-require)";
+    assert!(others.contains(told), "{others}");
 }
 
 #[test]

@@ -148,22 +148,29 @@ fn connections_beyond_the_limit_wait_for_their_turn() {
     waiting.finish().expect_code(0);
 }
 
-#[test]
-fn one_activity_too_many_is_told_so() {
+/// A task runs so many activities at a time, and refuses the next.
+#[track_caller]
+fn there_is_room_for(most: usize, arguments: &[&str]) {
     let blocks = component("blocks");
-    let daemon = Daemon::start(&[path(&blocks.library)]);
+    let daemon = Daemon::start(&[arguments, &[path(&blocks.library)]].concat());
     let socket = daemon.home().socket();
-    let mut last = (0, String::new());
-    // The task runs 16 at a time: the codel of the first never returns.
-    for _ in 0..17 {
-        let reply = request(&socket, "POST", "/components/blocks/services/hang", "");
-        last = (reply.status, reply.code().to_owned());
-    }
-    assert_eq!(last, (429, "too_many_activities".to_owned()));
+    // The codel of the first never returns.
+    let start = || request(&socket, "POST", "/components/blocks/services/hang", "");
+    assert!((0..most).all(|_| start().status == 202));
+    let refused = start();
+    assert_eq!((refused.status, refused.code()), (429, "too_many_activities"));
     let mut events = daemon.events();
     daemon.process().signal("TERM");
     events.wait_for(|e| e["event"] == "stopping");
     let _ = daemon.stop("TERM");
+}
+
+#[test]
+fn one_activity_too_many_is_told_so() {
+    there_is_room_for(16, &[]);
+    there_is_room_for(40, &["--set", "max_activities=40"]);
+    let refused = Home::new().refused(&["--set", "max_activities=0"]);
+    refused.expect_code(2).expect_err("max_activities = 0: give 1 to 4096");
 }
 
 #[test]

@@ -166,6 +166,18 @@ fn a_long_wait_is_seen_on_a_terminal_and_leaves_no_trace_elsewhere() {
 }
 
 #[test]
+fn one_key_of_the_live_table_stops_everything() {
+    let daemon = stepped();
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+    let steps = json!([
+        {"wait": "s stops all activities"}, {"type": "s"}, {"wait": "activity told to stop"},
+        {"type": "q"},
+    ]);
+    daemon.on_terminal(120, &[], &steps, &["top"]).expect_code(0);
+    daemon.ctl(&["wait", "demo", "goto"]).expect_code(1).expect_err("::genom::interrupted");
+}
+
+#[test]
 fn a_deployment_is_seen_to_wait_and_to_go_on() {
     let demo = component("demo");
     let paper = component("demo-2010");

@@ -52,8 +52,8 @@ const UNSAFE: &[&str] = &[
 ];
 
 /// Modules of the daemon, each above all that it knows.
-const FLOORS: &str = "dates flag known limits nearest memory shown slots ending cli bus registry telemetry logs \
-    config recording wires hosting daemon vigil wiring loading deploy rpc run check main";
+const FLOORS: &str = "dates flag known limits nearest memory shown slots startup ending cli bus registry telemetry logs \
+    config recording wires hosting daemon vigil wiring loading deploy rpc signals run check main";
 
 fn relative(path: &Path) -> String {
     path.strip_prefix(repository()).unwrap_or(path).display().to_string()

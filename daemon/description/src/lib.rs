@@ -6,6 +6,7 @@
 
 #![forbid(unsafe_code)]
 
+mod absent;
 mod check;
 pub mod diagnostic;
 mod lex;

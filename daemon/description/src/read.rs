@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::absent::leave_out;
 use crate::check::check;
 use crate::diagnostic::Diagnostics;
 use crate::model::{Dialect, Span, Specification};
@@ -125,6 +126,7 @@ impl Parsed {
             // What seems wrong or missing may only be cut off.
             rest = Diagnostics::default();
         }
+        leave_out(&mut diagnostics, &mut rest);
         rest.sort_by_place();
         diagnostics.append(rest);
         Analysis { specification, diagnostics, sources }

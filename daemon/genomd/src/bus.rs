@@ -35,6 +35,15 @@ pub(crate) enum Change {
     },
     /// A codel that counted as stuck returned, after so long.
     CodelReturned { component: String, codel: String, owner: String, seconds: f64 },
+    /// A task keeps a processor and does not pause: a codel yields states again and again.
+    CodelSpins {
+        component: String,
+        codel: String,
+        /// Its task or service.
+        owner: String,
+        task: String,
+        seconds: f64,
+    },
     /// A component stopped by itself; the reason was logged.
     ComponentFailed { component: String, why: String },
     /// An activity was accepted.

@@ -12,8 +12,9 @@ use clap::{Parser, ValueHint};
 /// configuration; 3 the daemon's own socket or middleware could not be opened; 4 stopped on
 /// request, and a codel that does not return was left behind.
 ///
-/// SIGINT and SIGTERM stop it: activities are interrupted, `stop` codels run. Another one a second
-/// or more after the first ends it at once.
+/// SIGINT, SIGTERM and the end of its terminal stop it: activities are interrupted, `stop` codels
+/// run. Another signal a second or more after the first ends it at once. SIGHUP that somebody sends
+/// stops it too; with a token file, it has that read again instead.
 #[derive(Debug, Default, Parser)]
 #[command(name = "genomd", max_term_width = 100, disable_version_flag = true)]
 pub(crate) struct Cli {
@@ -73,6 +74,9 @@ pub(crate) struct Cli {
     /// info,genomd=debug [default: info].
     #[arg(long, value_name = "FILTER")]
     pub(crate) log: Option<String>,
+    /// Go on when the terminal is closed that it was started on, as with `nohup`.
+    #[arg(long)]
+    pub(crate) keep: bool,
     /// Do everything but start: find, read, open and compare each component, and say what is
     /// wrong. No socket, no middleware.
     #[arg(long)]

@@ -16,6 +16,7 @@ use crate::recording::{Recordings, Session};
 use crate::registry::Backends;
 use crate::shown::Shown;
 use crate::slots::Slots;
+use crate::startup::Startup;
 use crate::wires::declared::Declared;
 
 /// Questions to other daemons under way at a time, each of which holds a thread.
@@ -40,6 +41,8 @@ pub(crate) struct Daemon {
     pub(crate) recordings: Arc<Recordings>,
     /// Connections to keep.
     pub(crate) declared: Declared,
+    /// How far it is with what it was started with.
+    pub(crate) startup: Startup,
     /// Held while a deployment is applied: one at a time.
     deploying: Mutex<()>,
     /// Slots for open streams.
@@ -73,6 +76,7 @@ impl Daemon {
             bus: Arc::new(Bus::new(dates.clone())),
             recordings: Arc::new(Recordings::new(dates)),
             declared: Declared::default(),
+            startup: Startup::new(),
             deploying: Mutex::default(),
             streams: Slots::new(settings.rpc.max_streams, settings.rpc.max_streams_per_token),
             questions: Slots::new(QUESTIONS, QUESTIONS / 4),
@@ -163,6 +167,11 @@ impl Daemon {
     /// How long ago the end was asked for.
     pub(crate) fn stopping_for(&self) -> Option<Duration> {
         self.stop_asked.get().map(Instant::elapsed)
+    }
+
+    /// Whether a start codel had its time since the end was asked for: nothing waits for it then.
+    pub(crate) fn start_is_given_up(&self) -> bool {
+        self.stopping_for().is_some_and(|time| time >= self.settings.stop_timeout)
     }
 
     /// Whether the end was asked for.

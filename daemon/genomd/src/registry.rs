@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::time::Instant;
 
 use genom_middleware::Middleware;
 use serde::Deserialize;
@@ -355,13 +356,16 @@ pub(crate) fn check_options(options: &BTreeMap<String, toml::Table>) -> Result<(
 pub(crate) struct Backends {
     /// Their sections of the configuration, by name.
     options: BTreeMap<String, toml::Table>,
-    open: Mutex<BTreeMap<&'static str, Arc<dyn Middleware>>>,
+    open: Mutex<Open>,
     /// Told of each when it opens.
     opens: OnceLock<Box<OnOpen>>,
     /// What descriptions say is to be shown as a foreign type, by middleware, IDL name and foreign
     /// name: for middlewares that open later.
     masquerades: Mutex<Vec<(String, String, String)>>,
 }
+
+/// Those that are open, each since this date.
+type Open = BTreeMap<&'static str, (Arc<dyn Middleware>, Instant)>;
 
 type OnOpen = dyn Fn(&dyn Middleware) + Send + Sync;
 
@@ -385,12 +389,12 @@ impl Backends {
     pub(crate) fn get(&self, name: &str) -> Result<Arc<dyn Middleware>, BackendError> {
         let known = check(name)?;
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(middleware) = open.get(known.name) {
+        if let Some((middleware, _)) = open.get(known.name) {
             return Ok(Arc::clone(middleware));
         }
         let middleware = (known.open)(self.options.get(known.name).unwrap_or(&toml::Table::new()))
             .map_err(|why| BackendError::Closed { name: name.to_owned(), why })?;
-        open.insert(known.name, Arc::clone(&middleware));
+        open.insert(known.name, (Arc::clone(&middleware), Instant::now()));
         let masquerades = self.masquerades.lock().unwrap_or_else(PoisonError::into_inner);
         for (_, ours, foreign) in masquerades.iter().filter(|(on, ..)| on == known.name) {
             middleware.masquerade(ours, foreign).map_err(BackendError::Masquerade)?;
@@ -415,7 +419,7 @@ impl Backends {
             return Ok(());
         }
         let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(middleware) = open.get(on) {
+        if let Some((middleware, _)) = open.get(on) {
             middleware.masquerade(ours, foreign).map_err(BackendError::Masquerade)?;
         }
         let mut all = self.masquerades.lock().unwrap_or_else(PoisonError::into_inner);
@@ -433,7 +437,14 @@ impl Backends {
 
     /// The middleware of that name, if something already uses it.
     pub(crate) fn opened(&self, name: &str) -> Option<Arc<dyn Middleware>> {
-        self.open.lock().unwrap_or_else(PoisonError::into_inner).get(name).cloned()
+        let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        open.get(name).map(|(middleware, _)| Arc::clone(middleware))
+    }
+
+    /// Since when it is open.
+    pub(crate) fn open_since(&self, name: &str) -> Option<Instant> {
+        let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
+        open.get(name).map(|(_, since)| *since)
     }
 }
 

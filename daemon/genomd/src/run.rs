@@ -7,7 +7,6 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use genom_host::{KeptProcess, StandardError};
-use tokio::signal::unix::{SignalKind, signal};
 
 use crate::config::{RpcSettings, Settings, Spot};
 use crate::daemon::Daemon;
@@ -15,7 +14,7 @@ use crate::deploy::apply::{ApplyError, apply};
 use crate::deploy::plan::plan;
 use crate::deploy::{Step, keep};
 use crate::limits;
-use crate::loading;
+use crate::loading::{self, LoadError};
 use crate::memory;
 use crate::rpc;
 use crate::rpc::access::{Door, Log};
@@ -23,6 +22,7 @@ use crate::rpc::listen::{self, Socket};
 use crate::rpc::serve::{Entrance, Listener, Most, serve};
 use crate::rpc::tls;
 use crate::rpc::tokens::Tokens;
+use crate::signals::Signals;
 use crate::telemetry;
 use crate::vigil;
 
@@ -99,13 +99,9 @@ async fn open_tcp(
 }
 
 async fn live(mut settings: Settings) -> Result<(), Refusal> {
-    let signals = stop_signals().map_err(Refusal::own)?;
+    let signals = Signals::take(settings.keep).map_err(Refusal::own)?;
     let socket = Socket::open(&settings.rpc.socket).map_err(Refusal::own)?;
     let tokens = Tokens::read(settings.rpc.token_file.as_deref()).map_err(Refusal::usage)?;
-    if settings.rpc.token_file.is_some() {
-        let hang_up = signal(SignalKind::hangup()).map_err(Refusal::own)?;
-        tokio::spawn(reload_on(hang_up, Arc::clone(&tokens)));
-    }
     let log = Arc::new(Log::default());
     let tcp = match settings.rpc.listen {
         Some(address) => {
@@ -118,6 +114,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     };
     let backend = settings.backend.clone();
     let daemon = Daemon::new(settings);
+    tokio::spawn(signals.obey(Arc::clone(&daemon), Arc::clone(&tokens)));
     let (weak, runtime) = (Arc::downgrade(&daemon), tokio::runtime::Handle::current());
     let (known, told) = (Arc::clone(&tokens), Arc::clone(&log));
     daemon.backends.on_open(move |middleware| {
@@ -128,19 +125,13 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
             rpc::relay::announce(&daemon, &router, &known, &runtime, middleware);
         }
     });
-    let opening = Arc::clone(&daemon);
-    // It may take a while: some middlewares look for others first.
-    tokio::task::spawn_blocking(move || opening.backends.get(&backend).map(drop))
-        .await
-        .map_err(Refusal::own)?
-        .map_err(Refusal::own)?;
+    open_backend(&daemon, backend).await?;
     keep::watch(&daemon).map_err(Refusal::own)?;
     vigil::watch(&daemon).map_err(Refusal::own)?;
     let exporter = daemon.settings.collector.clone().map(|collector| {
         let name = daemon.settings.name.clone();
         tokio::spawn(telemetry::export(collector, name, daemon.closed.clone()))
     });
-    tokio::spawn(stop_on(signals, Arc::clone(&daemon)));
     tokio::spawn(keep_process(KeptProcess::remember()));
 
     // Requests are served while components load: a slow start codel holds up nobody.
@@ -177,11 +168,30 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     outcome
 }
 
+/// Opens the default middleware. It may take a while: some look for others first.
+async fn open_backend(daemon: &Arc<Daemon>, backend: String) -> Result<(), Refusal> {
+    let (worker, name) = (Arc::clone(daemon), backend.clone());
+    let opening = tokio::task::spawn_blocking(move || worker.backends.get(&name).map(drop));
+    let too_long = async {
+        // One that is open closes again as it should.
+        daemon.asked_to_stop().await;
+        let patience = tokio::time::sleep(daemon.settings.stop_timeout);
+        tokio::select! { () = patience => {}, () = daemon.forced.raised() => {} }
+    };
+    tokio::select! {
+        opened = opening => opened.map_err(Refusal::own)?.map_err(Refusal::own),
+        () = too_long => {
+            Err(Refusal::left_behind(format!("stopped while {backend} was being opened")))
+        }
+    }
+}
+
 /// Loads, runs until asked to stop, unloads.
 async fn work(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
     let mut outcome = Ok(());
     match load_all(daemon).await {
         Ok(rest) => {
+            daemon.startup.ready.raise();
             tracing::info!("ready on {}", daemon.settings.rpc.socket.display());
             tokio::select! {
                 refusal = deploy(daemon, rest) => outcome = Err(refusal),
@@ -201,24 +211,33 @@ async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
         .map_err(|error| Refusal::usage(told(&daemon.settings, &error.place(), &error)))?;
     let (loads, rest): (Vec<_>, Vec<_>) =
         steps.into_iter().partition(|step| matches!(step, Step::Load(_)));
+    let names = loads.iter().filter_map(|step| match step {
+        Step::Load(request) => Some(request.instance()),
+        _ => None,
+    });
+    daemon.startup.begins(names.collect());
     for step in loads {
         let Step::Load(request) = step else { continue };
+        if daemon.stopping() {
+            return Ok(Vec::new());
+        }
         let (worker, asked) = (Arc::clone(daemon), request.clone());
         let mut loading = tokio::task::spawn_blocking(move || loading::load(&worker, &request));
         let loaded = tokio::select! {
             loaded = &mut loading => loaded,
-            () = daemon.asked_to_stop() => loading.await,
+            // Those that run are not to wait for one that starts.
+            () = daemon.asked_to_stop() => tokio::join!(unload_all(daemon), loading).1,
         };
         match loaded {
-            Ok(Ok(_)) => {}
+            Ok(Ok(_) | Err(LoadError::Stopping)) => daemon.startup.one_is_loaded(),
             Ok(Err(error)) => {
                 let place = Spot::component(&asked).key(error.key());
-                return Err(Refusal::component(told(&daemon.settings, &place, &error)));
+                let message = told(&daemon.settings, &place, &error);
+                let given_up = daemon.start_is_given_up();
+                let refuse = if given_up { Refusal::left_behind } else { Refusal::component };
+                return Err(refuse(message));
             }
             Err(error) => return Err(Refusal::own(error)),
-        }
-        if daemon.stopping() {
-            return Ok(Vec::new());
         }
     }
     Ok(rest)
@@ -238,7 +257,10 @@ async fn deploy(daemon: &Arc<Daemon>, steps: Vec<Step>) -> Refusal {
         Ok::<_, ApplyError>(())
     };
     match tokio::task::spawn_blocking(work).await {
-        Ok(Ok(())) => std::future::pending().await,
+        Ok(Ok(())) => {
+            daemon.startup.deployed.raise();
+            std::future::pending().await
+        }
         Ok(Err(_)) if daemon.stopping() => std::future::pending().await,
         Ok(Err(error)) => Refusal::component(told(&daemon.settings, &error.place, &error)),
         Err(error) => Refusal::own(error),
@@ -254,17 +276,21 @@ fn told(settings: &Settings, place: &Spot, error: &impl std::fmt::Display) -> St
     place.map_or(message.clone(), |place| format!("{place}: {message}"))
 }
 
+/// Stops the components that run; what hangs is told and left behind.
+async fn unload_all(daemon: &Arc<Daemon>) -> Result<(), tokio::task::JoinError> {
+    let worker = Arc::clone(daemon);
+    for (_, error) in tokio::task::spawn_blocking(move || worker.unload_all()).await? {
+        tracing::error!("{error}");
+    }
+    Ok(())
+}
+
 /// Stops every component while requests under way are still answered.
 async fn stop(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
     daemon.ask_to_stop("a component was refused");
-    let worker = Arc::clone(daemon);
-    let stopped = tokio::task::spawn_blocking(move || worker.unload_all()).await;
-    let failed = stopped.map_err(|error| {
+    unload_all(daemon).await.map_err(|error| {
         Refusal::left_behind(format!("stopping the components ended badly: {error}"))
     })?;
-    for (_, error) in &failed {
-        tracing::error!("{error}");
-    }
     daemon.shown.let_go();
     daemon.backends.close();
     // Of those that were unloaded before, too.
@@ -280,12 +306,6 @@ async fn stop(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
     Err(Refusal::left_behind(format!("stopped, and left behind: {told}")))
 }
 
-type Signals = (tokio::signal::unix::Signal, tokio::signal::unix::Signal);
-
-fn stop_signals() -> std::io::Result<Signals> {
-    Ok((signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?))
-}
-
 /// Codels may change signals, limits and descriptors of the process; the daemon goes on and is
 /// stopped all the same.
 async fn keep_process(kept: KeptProcess) {
@@ -295,38 +315,6 @@ async fn keep_process(kept: KeptProcess) {
         tokio::time::sleep(LOOK).await;
         for told in kept.look() {
             tracing::warn!("{told}");
-        }
-    }
-}
-
-/// Reads the token file again whenever the signal comes; a mistake in it changes nothing.
-async fn reload_on(mut hang_up: tokio::signal::unix::Signal, tokens: Arc<Tokens>) {
-    while hang_up.recv().await.is_some() {
-        if let Err(error) = tokens.read_again() {
-            tracing::error!("the tokens are those of before: {error}");
-        }
-    }
-}
-
-/// Stops the daemon on a signal. One that comes a second or more after it was asked to stop ends
-/// it at once: somebody is tired of waiting. One that comes sooner is the same wish told twice, as
-/// by a terminal and a supervisor.
-async fn stop_on((mut interrupt, mut terminate): Signals, daemon: Arc<Daemon>) {
-    const SAME: Duration = Duration::from_secs(1);
-    loop {
-        let name = tokio::select! {
-            _ = interrupt.recv() => "SIGINT",
-            _ = terminate.recv() => "SIGTERM",
-        };
-        match daemon.stopping_for() {
-            None => daemon.ask_to_stop(name),
-            Some(time) if time >= SAME => {
-                daemon.forced.raise();
-            }
-            Some(_) => tracing::info!(
-                "{name} while stopping: components have their time; another one a second after \
-                 the first ends genomd at once, whatever codels are at"
-            ),
         }
     }
 }

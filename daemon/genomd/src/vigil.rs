@@ -1,16 +1,16 @@
-//! Watches for codels that do not return: tells when one counts as stuck and when it returns, and
-//! lets go of what was left behind of components once it ends.
+//! Watches for codels that do not return or do not pause: tells when one counts as stuck and when it
+//! returns, when one spins, and lets go of what was left behind of components once it ends.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use genom_runtime::{RunningCodel, seconds};
+use genom_runtime::{RunningCodel, Unpaused, seconds};
 
 use crate::bus::Change;
 use crate::daemon::Daemon;
-use crate::hosting::Hosted;
+use crate::hosting::{Hosted, Spin};
 
 /// Between two looks. All that is read are a few words a component.
 const LOOK: Duration = Duration::from_millis(250);
@@ -36,6 +36,8 @@ type Place = (String, usize);
 struct Vigil {
     /// What is stuck.
     told: HashMap<Place, Stuck>,
+    /// Cycles that spin: component, task, date.
+    spins: HashSet<(String, usize, u64)>,
     /// When a codel of a component was logged last, and how often it was not since.
     logged: HashMap<(String, String), (Instant, u32)>,
 }
@@ -57,6 +59,7 @@ impl Vigil {
         for hosted in &running {
             self.look_at(&daemon, &hosted.name, hosted.stuck());
         }
+        self.look_for_spins(&daemon, &running);
         // Those that stop are told about by whoever stops them.
         let runs = |name: &str| running.iter().any(|hosted| hosted.name == name);
         self.told.retain(|(name, _), _| runs(name));
@@ -105,21 +108,52 @@ impl Vigil {
         }
     }
 
-    /// Whether it was logged: not so soon again.
-    fn log(&mut self, name: &str, codel: &RunningCodel) -> bool {
-        let key = (name.to_owned(), codel.codel.clone());
+    fn look_for_spins(&mut self, daemon: &Daemon, running: &[Arc<Hosted>]) {
+        let mut now = HashSet::new();
+        for hosted in running {
+            hosted.look_for_spins();
+            for spin in hosted.spins() {
+                let (task, began) = spin.unpaused.cycle;
+                let key = (hosted.name.clone(), task, began);
+                if !self.spins.contains(&key) {
+                    self.tell_spin(daemon, &hosted.name, spin);
+                }
+                now.insert(key);
+            }
+        }
+        self.spins = now;
+    }
+
+    fn tell_spin(&mut self, daemon: &Daemon, name: &str, spin: Spin) {
+        if let Some(again) = self.not_lately(name, &spin.unpaused.codel) {
+            let task = &spin.unpaused.task;
+            tracing::warn!(instance = name, "task {task} does not pause: {spin}{again}");
+        }
+        let Unpaused { task, codel, owner, for_ns, .. } = spin.unpaused;
+        let (component, seconds) = (name.to_owned(), Duration::from_nanos(for_ns).as_secs_f64());
+        daemon.bus.tell(&Change::CodelSpins { component, codel, owner, task, seconds });
+    }
+
+    /// Whether a codel is to be logged: not so soon again; then how often it was not since.
+    fn not_lately(&mut self, name: &str, codel: &str) -> Option<String> {
+        let key = (name.to_owned(), codel.to_owned());
         let more = match self.logged.get_mut(&key) {
             Some((last, more)) if last.elapsed() < SAME_AGAIN => {
                 *more += 1;
-                return false;
+                return None;
             }
             Some((_, more)) => *more,
             None => 0,
         };
         self.logged.insert(key, (Instant::now(), 0));
+        Some(if more > 0 { format!("; {more} times more since") } else { String::new() })
+    }
+
+    /// Whether it was logged.
+    fn log(&mut self, name: &str, codel: &RunningCodel) -> bool {
+        let Some(again) = self.not_lately(name, &codel.codel) else { return false };
         let whose =
             codel.task.as_ref().map_or("a request".to_owned(), |task| format!("task {task}"));
-        let again = if more > 0 { format!("; {more} times more since") } else { String::new() };
         tracing::warn!(
             instance = name,
             "{whose} is stuck: codel {} of {} has not returned for {}{again}",

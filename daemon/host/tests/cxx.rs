@@ -345,6 +345,8 @@ impl Opener for FakeOpener {
     fn open(&self, _: usize, _: &str) -> Result<Box<dyn Publisher>, String> {
         Ok(Box::new(FakePublisher(Arc::clone(&self.0))))
     }
+
+    fn close(&self, _: usize, _: &str) {}
 }
 
 #[test]

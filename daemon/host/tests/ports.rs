@@ -188,6 +188,10 @@ impl Opener for FakeOpener {
         self.0.lock().unwrap().push(format!("{port}/{element}"));
         Ok(Box::new(FakePublisher(self.1.clone(), None)))
     }
+
+    fn close(&self, port: usize, element: &str) {
+        self.0.lock().unwrap().push(format!("closed {port}/{element}"));
+    }
 }
 
 #[test]
@@ -244,7 +248,7 @@ fn elements_of_a_multiple_out_port_are_opened_written_and_closed_by_name() {
     let too_long = ("::genom::syserr".into(), json!(0), Some(json!({ "code": 36 })));
     assert_eq!(step(8), too_long, "codels of real components shorten the name then");
     assert_eq!(step(9).0, "::genom::syserr");
-    assert_eq!(*opened.lock().unwrap(), ["0/a"]);
+    assert_eq!(*opened.lock().unwrap(), ["0/a", "closed 0/a"]);
     assert_eq!(sent.lock().unwrap().len(), 2);
 }
 

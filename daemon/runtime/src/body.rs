@@ -72,6 +72,9 @@ pub trait Body: Send + Sync {
 pub trait Opener: Send + Sync {
     /// A publisher for element `element` of `port`, or why there is none.
     fn open(&self, port: usize, element: &str) -> Result<Box<dyn Publisher>, String>;
+
+    /// The component closed an element; its publisher is gone.
+    fn close(&self, port: usize, element: &str);
 }
 
 /// Calls a service of another component, for a codel that waits.

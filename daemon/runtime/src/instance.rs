@@ -18,6 +18,7 @@ use crate::start::StartError;
 use crate::statistics::{CodelStatistics, Statistics, TaskStatistics};
 use crate::stuck::{HeldUp, RunningCodel};
 use crate::ticket::Ticket;
+use crate::unpaused::Unpaused;
 
 /// How long an instance that is dropped without shutdown has to end.
 const LAST_CHANCE: Duration = Duration::from_secs(1);
@@ -104,6 +105,14 @@ impl Instance {
         Ok(())
     }
 
+    /// Asks all activities of services to stop, as [`abort`](Self::abort) does one; ids and
+    /// services of those that have not ended, whoever asked them first.
+    pub fn abort_all(&self) -> Vec<(u32, usize)> {
+        let told = self.engine.abort_all("client");
+        self.engine.shared.wake_tasks();
+        told
+    }
+
     /// Fires an external event: activities that handle its state get a token there
     /// (dialects.md A). Others do not notice.
     ///
@@ -140,6 +149,12 @@ impl Instance {
         all.filter(|codel| codel.stuck).max_by_key(|codel| codel.for_ns)
     }
 
+    /// Tasks that have been at work for long although none of their codels is stuck.
+    #[must_use]
+    pub fn unpaused(&self) -> Vec<Unpaused> {
+        self.engine.unpaused()
+    }
+
     /// Activities accepted and not ended, in order of acceptance, permanent ones included.
     #[must_use]
     pub fn activities(&self) -> Vec<ActivityStatus> {
@@ -170,9 +185,10 @@ impl Instance {
                 name: task.name.clone(),
                 period_ns: shared.timing.map(|timing| timing.period),
                 real_time: shared.real_time.load(Ordering::Relaxed),
-                cycles: shared.figures.cycles.read(),
+                cycles: shared.figures.cycles.read(now),
                 lateness: shared.figures.lateness.read(),
                 stuck: self.engine.codel_of_task(rank).filter(|codel| codel.stuck),
+                unpaused: self.engine.unpaused_task(rank, now),
                 overruns: shared.figures.overruns.read(shared.timing, now),
             }
         };

@@ -15,6 +15,7 @@ mod at_work;
 pub mod body;
 mod clock;
 mod control;
+mod cycles;
 mod driven;
 mod engine;
 pub mod exclusion;
@@ -28,6 +29,7 @@ mod statistics;
 mod stuck;
 mod task;
 mod ticket;
+mod unpaused;
 mod watcher;
 
 pub use api::{
@@ -36,11 +38,12 @@ pub use api::{
 pub use clock::{Clock, VirtualClock};
 pub use engine::{ActivityPhase, ActivityStatus, NoSuchActivity};
 pub use instance::{Instance, NoSuchEvent};
-pub use options::{ACTIVITY_LIMIT, Options, STUCK_AFTER, TaskOptions};
+pub use options::{ACTIVITY_LIMIT, GiveUp, Options, STUCK_AFTER, TaskOptions};
 pub use plan::{Plan, PlanError};
 pub use shutdown::{Ended, ShutdownError};
 pub use start::StartError;
 pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
 pub use stuck::{HeldUp, RunningCodel, seconds};
 pub use ticket::Ticket;
+pub use unpaused::Unpaused;
 pub use watcher::{Change, Watcher};

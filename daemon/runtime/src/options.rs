@@ -12,6 +12,9 @@ use crate::watcher::Watcher;
 /// Activities of services that one task runs at once, unless told otherwise (genom3.md D).
 pub const ACTIVITY_LIMIT: usize = 16;
 
+/// Whether to wait no longer for what is under way.
+pub type GiveUp = Arc<dyn Fn() -> bool + Send + Sync>;
+
 /// How an instance is to run. Not for cloning: it belongs to one instance.
 pub struct Options {
     /// Instance name, which prefixes its ports, services and threads.
@@ -30,6 +33,9 @@ pub struct Options {
     pub date: String,
     /// How long a task's first codel may take; `None` waits for ever, as genom3.md 7.2 says.
     pub start_timeout: Option<Duration>,
+    /// Asked several times a second while a first codel runs: whether to wait for it no longer,
+    /// as if its time were over.
+    pub give_up: Option<GiveUp>,
     /// A codel that runs for longer counts as stuck; one of a periodic task does after a second,
     /// or five periods when these are longer. Also how long control waits for codels at most.
     pub stuck_after: Duration,
@@ -64,6 +70,7 @@ impl Options {
             watcher: None,
             date: String::new(),
             start_timeout: None,
+            give_up: None,
             stuck_after: STUCK_AFTER,
         }
     }

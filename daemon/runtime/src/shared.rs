@@ -1,6 +1,6 @@
 //! What control and tasks of an instance share: atomics, the exclusion, figures. No lock.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
@@ -53,6 +53,8 @@ pub(crate) struct TaskShared {
     /// Whether the permanent activity's first codel was executed.
     started: AtomicBool,
     thread: OnceLock<Thread>,
+    /// The system's number of the thread; 0 as long as there is none.
+    thread_number: AtomicU32,
     /// Who waits for `started`.
     starter: OnceLock<Thread>,
 }
@@ -160,6 +162,7 @@ impl TaskShared {
             fired: (0..sinks).map(|_| AtomicU64::new(0)).collect(),
             started: AtomicBool::new(false),
             thread: OnceLock::new(),
+            thread_number: AtomicU32::new(0),
             starter: OnceLock::new(),
         }
     }
@@ -178,10 +181,18 @@ impl TaskShared {
         }
     }
 
-    pub(crate) fn set_thread(&self, thread: Thread) {
-        let _ = self.thread.set(thread);
+    /// The calling thread is its own from now on.
+    pub(crate) fn set_thread(&self) {
+        let number = rustix::thread::gettid().as_raw_nonzero().get().unsigned_abs();
+        self.thread_number.store(number, Ordering::Relaxed);
+        let _ = self.thread.set(std::thread::current());
         // What happened before is not to be missed.
         self.unpark();
+    }
+
+    /// The system's number of the thread, while there is one.
+    pub(crate) fn thread_number(&self) -> Option<u32> {
+        Some(self.thread_number.load(Ordering::Relaxed)).filter(|number| *number > 0)
     }
 
     pub(crate) fn set_starter(&self, thread: Thread) {

@@ -4,7 +4,7 @@ use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
 use crate::api::{Outcome, Progress};
-use crate::control::{Afterwards, Control, Phase, interrupted};
+use crate::control::{Afterwards, Control, Entry, Phase, Stage, interrupted};
 use crate::engine::{Engine, lock};
 use crate::stuck::{RunningCodel, seconds};
 
@@ -79,6 +79,7 @@ impl Engine {
             return Ok(());
         }
         let error = self.what_hangs();
+        self.answer_all();
         // Tasks that hang cannot run their `stop` codel; all others had the time to.
         self.end_threads();
         Err(error)
@@ -259,6 +260,26 @@ impl Engine {
             control = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
         true
+    }
+
+    /// Nobody is to wait for what hangs: whatever comes of it later is told to nobody.
+    fn answer_all(&self) {
+        let refused = || Progress::Done(Outcome::Exception(interrupted("kill")));
+        let mut after = Afterwards::default();
+        {
+            let mut control = self.lock();
+            let Control { services, entries, .. } = &mut *control;
+            let askers = services.iter_mut().filter_map(|queue| queue.asker.take());
+            let replies = askers.filter_map(|asker| asker.take());
+            after.replies.extend(replies.map(|reply| (reply, refused())));
+            let with_task =
+                |entry: &&mut Entry| entry.service.is_some() && matches!(entry.stage, Stage::Sent);
+            for entry in entries.iter_mut().filter(with_task) {
+                after.ended(entry, Outcome::Exception(interrupted("kill")));
+                entry.stage = Stage::Cancelled;
+            }
+        }
+        self.finish_off(after);
     }
 
     fn what_hangs(&self) -> ShutdownError {

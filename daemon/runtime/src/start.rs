@@ -11,9 +11,10 @@ use crate::body::Body;
 use crate::clock::Clock;
 use crate::control::{Control, Entry, Phase, Stage, TaskLink};
 use crate::engine::{Engine, lock};
-use crate::options::{Options, TaskOptions};
+use crate::options::{GiveUp, Options, TaskOptions};
 use crate::plan::Plan;
 use crate::shared::Shared;
+use crate::stuck::seconds;
 use crate::task::driven::DrivenTask;
 use crate::task::runner::{Runner, TaskSide};
 use crate::task::timing::Timing;
@@ -42,8 +43,9 @@ pub enum StartError {
     },
     /// A task's first codel did not return in time. Its thread is left behind.
     #[error(
-        "codel {codel} of task {task} of {instance} has not returned after {after:?}: \
-         give it more time, or look at what it waits for"
+        "codel {codel} of task {task} of {instance} has not returned after {}: \
+         give it more time, or look at what it waits for",
+        told(*.after)
     )]
     Hangs {
         /// The instance.
@@ -69,6 +71,10 @@ pub enum StartError {
         #[source]
         source: std::io::Error,
     },
+}
+
+fn told(time: Duration) -> String {
+    seconds(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX))
 }
 
 /// A period as the `.gen` or the configuration says.
@@ -106,13 +112,13 @@ impl Engine {
         let runners: Vec<Runner> =
             runners.map(|(task, side)| Runner::new(Arc::clone(&shared), task, side)).collect();
         let control = Control::new(plan, links);
-        let start_timeout = options.start_timeout;
+        let patience = Patience { timeout: options.start_timeout, give_up: options.give_up.take() };
         let virtual_time = matches!(clock, Clock::Virtual(_));
         let driven = virtual_time.then(|| Vec::with_capacity(runners.len()));
         let engine = Arc::new(Self::new(options, shared, control, driven));
         engine.write_state();
         for (runner, task_options) in runners.into_iter().zip(of_task) {
-            let started = engine.start_task(runner, task_options, start_timeout);
+            let started = engine.start_task(runner, task_options, &patience);
             if let Err(error) = started.and_then(|()| engine.check_failure()) {
                 if let Err(hang) = engine.shutdown(UNDO) {
                     tracing::error!(instance = engine.name, "{hang}");
@@ -129,7 +135,7 @@ impl Engine {
         self: &Arc<Self>,
         runner: Runner,
         options: TaskOptions,
-        timeout: Option<Duration>,
+        patience: &Patience,
     ) -> Result<(), StartError> {
         let rank = runner.task();
         self.send_permanent(rank, false);
@@ -144,22 +150,21 @@ impl Engine {
         self.spawn(runner, options)?;
         let begin = Instant::now();
         while !me.is_started() {
-            let Some(timeout) = timeout else {
-                std::thread::park();
-                continue;
-            };
             let spent = begin.elapsed();
-            if spent >= timeout {
+            if patience.is_over(spent) {
                 let model = self.shared.plan.component();
                 let codel = self.shared.current(rank).map(|codel| model.codels[codel].name.clone());
                 return Err(StartError::Hangs {
                     instance: self.name.clone(),
                     task: model.tasks[rank].name.clone(),
                     codel: codel.unwrap_or_default(),
-                    after: timeout,
+                    after: spent,
                 });
             }
-            std::thread::park_timeout(timeout - spent);
+            match patience.slice(spent) {
+                Some(slice) => std::thread::park_timeout(slice),
+                None => std::thread::park(),
+            }
         }
         Ok(())
     }
@@ -193,7 +198,7 @@ impl Engine {
         self.lock().alive += 1;
         let spawned = std::thread::Builder::new().name(name).stack_size(stack).spawn(move || {
             let shared = &engine.shared;
-            shared.tasks[rank].set_thread(std::thread::current());
+            shared.tasks[rank].set_thread();
             wanted.apply(&engine.name, rank, shared);
             thread::run(runner);
             engine.thread_ended();
@@ -248,6 +253,28 @@ impl Engine {
             Ok(handle) => lock(&self.threads).push(handle),
             Err(error) => tracing::error!(instance = self.name, "no control thread: {error}"),
         }
+    }
+}
+
+/// How long a first codel is waited for.
+struct Patience {
+    timeout: Option<Duration>,
+    give_up: Option<GiveUp>,
+}
+
+impl Patience {
+    fn is_over(&self, spent: Duration) -> bool {
+        let late = self.timeout.is_some_and(|timeout| spent >= timeout);
+        late || self.give_up.as_ref().is_some_and(|give_up| give_up())
+    }
+
+    /// Until the next look; `None` when nothing but the codel's return ends the wait.
+    fn slice(&self, spent: Duration) -> Option<Duration> {
+        /// Between two questions whether to give up.
+        const LOOK: Duration = Duration::from_millis(100);
+        let left = self.timeout.map(|timeout| timeout.saturating_sub(spent));
+        let look = self.give_up.as_ref().map(|_| LOOK);
+        left.into_iter().chain(look).min()
     }
 }
 

@@ -4,8 +4,10 @@ use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 use serde::Serialize;
 
+use crate::cycles::Cycles;
 use crate::stuck::RunningCodel;
 use crate::task::pace::Pace;
+use crate::unpaused::Unpaused;
 
 /// Buckets in each power of two: 12 % resolution.
 const STEPS: u64 = 8;
@@ -151,7 +153,7 @@ pub(crate) struct CodelFigures {
 #[derive(Debug, Default)]
 pub(crate) struct TaskFigures {
     /// From a tick, or from waking up, until there is nothing left to do.
-    pub(crate) cycles: Histogram,
+    pub(crate) cycles: Cycles,
     /// From the date of a tick to the task's start.
     pub(crate) lateness: Histogram,
     /// Ticks that came while the task was still at work, or slept beyond the one before.
@@ -178,7 +180,7 @@ pub struct TaskStatistics {
     pub period_ns: Option<u64>,
     /// Whether its thread really has a real-time priority.
     pub real_time: bool,
-    /// Time at work, per tick or wake-up.
+    /// Time at work, per tick or wake-up; the one that it is at counts as long as it has lasted.
     pub cycles: Durations,
     /// Time from a tick's date to the start of work.
     pub lateness: Durations,
@@ -188,6 +190,9 @@ pub struct TaskStatistics {
     /// The codel that it is stuck in, if it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stuck: Option<RunningCodel>,
+    /// What it does instead of pausing, when it has been at work for long and is not stuck.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unpaused: Option<Unpaused>,
 }
 
 /// Statistics of a codel.

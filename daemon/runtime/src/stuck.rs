@@ -78,6 +78,10 @@ pub struct HeldUp {
     pub by: Option<Box<RunningCodel>>,
 }
 
+fn nanos(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
+
 fn tell(by: Option<&RunningCodel>) -> String {
     match by {
         Some(codel) => {
@@ -119,15 +123,18 @@ impl Engine {
 
     /// How long a codel may run in a context before it counts as stuck.
     fn stuck_limit(&self, codel: usize, context: usize) -> u64 {
-        let nanos = |d: Duration| u64::try_from(d.as_nanos()).unwrap_or(u64::MAX);
-        let others = nanos(self.stuck_after);
-        let timing = self.shared.tasks.get(context).and_then(|task| task.timing);
-        let limit = timing.map_or(others, |timing| {
-            timing.period.saturating_mul(PERIODS).max(PERIODIC.min(others))
-        });
         // One that says how long it takes is believed.
         let stated = self.shared.plan.component().codels[codel].wcet.map_or(0, nanos);
-        limit.max(stated)
+        self.patience_with(context).max(stated)
+    }
+
+    /// How long a context, that of a task or another one, may be at work without a word.
+    pub(crate) fn patience_with(&self, context: usize) -> u64 {
+        let others = nanos(self.stuck_after);
+        let timing = self.shared.tasks.get(context).and_then(|task| task.timing);
+        timing.map_or(others, |timing| {
+            timing.period.saturating_mul(PERIODS).max(PERIODIC.min(others))
+        })
     }
 
     /// The codel that has run for longest of those that `concerns` picks.

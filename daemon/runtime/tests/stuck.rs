@@ -328,3 +328,32 @@ fn a_clock_whose_step_does_not_return_does_not_hang_a_shutdown() {
     drop(keeper);
     stepping.join().unwrap();
 }
+
+#[test]
+fn who_waits_for_what_hangs_is_answered_when_it_is_left_behind_and_not_again() {
+    let ((hang, keeper), (block, blocker)) = (waits("ether"), waits("ok"));
+    let body = Closures::new(
+        "component test {
+           task slow { };
+           activity job() { task slow; codel<start> hang() yield ether; };
+           function f() { codel block(); };
+         };",
+        &[("hang", hang), ("block", block)],
+    );
+    let instance = body.start_with(|options| options.stuck_after = Duration::from_millis(50));
+    let job = request(&instance, "job");
+    assert_eq!(next(&job), "accepted 2");
+    keeper.wait();
+    let [served, queued] = [request(&instance, "f"), request(&instance, "f")];
+    blocker.wait();
+    let error = instance.shutdown(Duration::from_millis(200)).unwrap_err();
+    assert_eq!(error.codels.len(), 2);
+    let killed = "::genom::interrupted {\"by\":\"kill\"}";
+    assert_eq!([next(&job), next(&served), next(&queued)], [killed; 3]);
+    keeper.let_one_pass();
+    blocker.let_one_pass();
+    until("both returned", || instance.is_over());
+    for answers in [job, served, queued] {
+        assert!(answers.try_recv().is_err(), "one answer a request");
+    }
+}

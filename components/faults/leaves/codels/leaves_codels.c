@@ -26,6 +26,7 @@ CODEL(leaves_exit_thread) { (void)self; pthread_exit(NULL); }
 CODEL(leaves_wild) { (void)self; return (genom_event)0x123456789000; }
 CODEL(leaves_small) { (void)self; return (genom_event)7; }
 CODEL(leaves_terminate) { (void)self; raise(SIGTERM); return genom_ok; }
+CODEL(leaves_hang_up) { (void)self; raise(SIGHUP); return genom_ok; }
 CODEL(leaves_exit_process) { (void)self; _exit(0); }
 
 CODEL(leaves_exit_thread_by_call)

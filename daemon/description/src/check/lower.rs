@@ -60,6 +60,7 @@ impl Checker {
         for component in &components {
             self.check_async(component);
             self.warn(component);
+            self.warn_unpaused(component);
         }
         let specification = Specification {
             types: Arc::new(self.types),

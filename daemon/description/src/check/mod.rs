@@ -16,6 +16,7 @@ mod lower;
 mod machine;
 mod merge;
 mod papers;
+mod pauses;
 mod port;
 mod property;
 mod room;

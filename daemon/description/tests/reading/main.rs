@@ -1,5 +1,6 @@
 //! Reading files: preprocessor and lexer, seen from outside.
 
+mod absent;
 mod directives;
 mod drawing;
 mod inputs;

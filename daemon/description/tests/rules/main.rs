@@ -12,6 +12,7 @@ mod echo;
 mod explained;
 mod initialisers;
 mod names;
+mod pauses;
 mod properties;
 mod services;
 mod syntax;

@@ -157,6 +157,25 @@ fn stuck(component: &Value) -> Vec<Finding> {
     told.collect()
 }
 
+/// Tasks of a component that keep a processor and do not pause.
+fn spins(component: &Value) -> Vec<Finding> {
+    let name = component["name"].as_str().unwrap_or_default();
+    let all = component["spins"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let told = all.iter().map(|one| {
+        let text = |key: &str| one[key].as_str().unwrap_or_default();
+        let time = one["for_ns"].as_u64().unwrap_or_default() / 1_000_000_000;
+        let share = one["processor"].as_f64().unwrap_or_default() * 100.0;
+        let (task, codel, owner) = (text("task"), text("codel"), text("owner"));
+        let what = format!(
+            "task {task} of {name} does not pause: codel {codel} of {owner} yields without pause for \
+             {time} s ({share:.0} % of a processor)"
+        );
+        let fix = format!("let {codel} yield `pause::` and the state, or end");
+        Finding::problem("codels", what, fix)
+    });
+    told.collect()
+}
+
 /// What is left of components that did not stop.
 fn left_behind(listed: &Value) -> Vec<Finding> {
     let all = listed["left_behind"].as_array().map(Vec::as_slice).unwrap_or_default();
@@ -177,6 +196,7 @@ async fn tasks(session: &Session) -> Vec<Finding> {
     let names = listed["components"].as_array().map(Vec::as_slice).unwrap_or_default();
     for (one, name) in names.iter().filter_map(|one| Some((one, one["name"].as_str()?))) {
         found.extend(stuck(one));
+        found.extend(spins(one));
         if one["state"] == "damaged" {
             let what = format!("codels of {name} wrote past the memory they were given");
             let fix = format!(

@@ -28,8 +28,12 @@ pub(super) fn draw(
     ])
     .areas(frame.area());
     let running = now.activities.iter().filter(|(_, one)| one.status == "running").count();
-    let stuck = now.components.iter().filter(|one| one.state.starts_with("stuck"));
-    let stuck: String = stuck.map(|one| format!("{} is {}; ", one.name, one.state)).collect();
+    let wrong = now.components.iter().filter_map(|one| {
+        let is = if one.state.starts_with("stuck") { "is " } else { "" };
+        let wrong = !is.is_empty() || one.state.starts_with("spins");
+        wrong.then(|| format!("{} {is}{}; ", one.name, one.state))
+    });
+    let stuck: String = wrong.collect();
     // What is wrong comes first: the line may be cut.
     let text = format!(
         "{stuck}genomd on {}: {}, {running} running",

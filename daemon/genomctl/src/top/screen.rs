@@ -17,6 +17,8 @@ enum Wish {
     Down,
     /// Stand still, or go on.
     Pause,
+    /// All activities are to stop.
+    Stop,
     /// The terminal has another size.
     Redraw,
 }
@@ -31,9 +33,12 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
     let (mut scroll, mut paused) = (0_usize, false);
     let mut ticks = tokio::time::interval(period);
     ticks.tick().await;
+    // What came of the last wish to stop.
+    let mut told = String::new();
     let outcome = loop {
-        let help = if paused { "paused; p goes on, q quits" } else { "q quits, p pauses, arrows" };
-        let drawn = terminal.draw(|frame| draw(frame, &now, before.as_ref(), scroll, help));
+        let keys = if paused { "paused; p goes on" } else { "p pauses" };
+        let help = format!("{told}s stops all activities, {keys}, q quits, arrows");
+        let drawn = terminal.draw(|frame| draw(frame, &now, before.as_ref(), scroll, &help));
         if let Err(error) = drawn {
             break Err(Failure::Io(error));
         }
@@ -47,6 +52,7 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
                 Some(Wish::Up) => scroll = scroll.saturating_sub(1),
                 Some(Wish::Down) => scroll = (scroll + 1).min(now.ports.len().saturating_sub(1)),
                 Some(Wish::Pause) => paused = !paused,
+                Some(Wish::Stop) => told = format!("{}; ", stop(session).await),
                 Some(Wish::Redraw) => {}
             },
             _ = tokio::signal::ctrl_c() => break Ok(()),
@@ -54,6 +60,19 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
     };
     ratatui::restore();
     outcome
+}
+
+/// Tells all activities to stop and waits for nothing; what came of it, in a few words.
+async fn stop(session: &Session) -> String {
+    let told = match session.delete("/activities").await {
+        Ok(reply) => reply["aborted"].as_array().map_or(0, Vec::len),
+        Err(failure) => return format!("NOT STOPPED: {failure}"),
+    };
+    match told {
+        0 => "no activity runs".to_owned(),
+        1 => "1 activity told to stop".to_owned(),
+        told => format!("{told} activities told to stop"),
+    }
 }
 
 /// Keys come from a thread of their own, which ends with the process.
@@ -78,6 +97,7 @@ fn wish(event: &Event) -> Option<Wish> {
             KeyCode::Char('c') if modifiers.contains(KeyModifiers::CONTROL) => Some(Wish::Quit),
             KeyCode::Char('q') | KeyCode::Esc => Some(Wish::Quit),
             KeyCode::Char('p' | ' ') => Some(Wish::Pause),
+            KeyCode::Char('s') => Some(Wish::Stop),
             KeyCode::Up | KeyCode::Char('k') => Some(Wish::Up),
             KeyCode::Down | KeyCode::Char('j') => Some(Wish::Down),
             _ => None,

@@ -29,7 +29,7 @@ pub(crate) struct Snapshot {
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct Component {
     pub(crate) name: String,
-    /// `running`, or what it is stuck in.
+    /// `running`, or what it is stuck or spins in.
     pub(crate) state: String,
 }
 

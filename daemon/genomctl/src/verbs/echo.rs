@@ -44,6 +44,9 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         path.push_str(&query.join("&"));
     }
     let mut events = session.client.stream(&path).await?;
+    if let Some(element) = element {
+        tell_absent(session, &args.port, port, element).await?;
+    }
     let mut left = args.count.unwrap_or(u64::MAX);
     while left > 0 {
         let event = tokio::select! {
@@ -120,6 +123,33 @@ fn member<'a>(value: &'a Value, way: &str) -> Result<&'a Value, Failure> {
         })?;
     }
     Ok(at)
+}
+
+/// Says that an element of a multiple port is not there, or not yet.
+async fn tell_absent(
+    session: &Session,
+    address: &Path2,
+    port: &str,
+    element: &str,
+) -> Result<(), Failure> {
+    let component = &address.component;
+    let told =
+        session.get(&format!("{}?values=false", url(["components", component, "ports"]))).await?;
+    let all = told["ports"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let start = format!("{component}/{port}/");
+    let there: Vec<&str> =
+        all.iter().filter_map(|one| one["address"].as_str()?.strip_prefix(&start)).collect();
+    if there.contains(&element) {
+        return Ok(());
+    }
+    let others = match &there[..] {
+        [] => "it has none".to_owned(),
+        [one] => format!("there is {one}"),
+        several => format!("there are {}", several.join(", ")),
+    };
+    let text =
+        format!("{component}/{port} has no element `{element}` yet: waiting for it; {others}");
+    session.tell(&escape::line(&text))
 }
 
 /// One value a line: the value alone for a plain number, JSON for the rest.

@@ -6,13 +6,15 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::Table;
 
-/// List the components that run, and what is left of those that did not stop in time.
+/// List the components that run or are being loaded, and what is left of those that did not stop.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 
 #[derive(Debug, Deserialize)]
 struct Reply {
     components: Vec<Component>,
+    #[serde(default)]
+    loading: Vec<String>,
     #[serde(default)]
     left_behind: Vec<Left>,
 }
@@ -40,23 +42,24 @@ pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
 }
 
 fn render(reply: &Reply) -> Table {
-    let rows: Vec<_> = reply
-        .components
-        .iter()
-        .map(|component| {
-            vec![
-                component.name.clone(),
-                component.component.clone(),
-                component.state.clone(),
-                component.backend.clone(),
-                component.activities.to_string(),
-                component.library.clone(),
-            ]
-        })
-        .chain(reply.left_behind.iter().map(|left| {
-            let none = || "-".to_owned();
-            vec![none(), left.component.clone(), left.state.clone(), none(), none(), none()]
-        }))
-        .collect();
+    let none = || "-".to_owned();
+    let row = |component: &Component| {
+        vec![
+            component.name.clone(),
+            component.component.clone(),
+            component.state.clone(),
+            component.backend.clone(),
+            component.activities.to_string(),
+            component.library.clone(),
+        ]
+    };
+    let loading =
+        |name: &String| vec![name.clone(), none(), "loading".to_owned(), none(), none(), none()];
+    let left = |left: &Left| {
+        vec![none(), left.component.clone(), left.state.clone(), none(), none(), none()]
+    };
+    let mut rows: Vec<_> = reply.components.iter().map(row).collect();
+    rows.extend(reply.loading.iter().map(loading));
+    rows.extend(reply.left_behind.iter().map(left));
     Table { header: vec!["NAME", "COMPONENT", "STATE", "BACKEND", "ACTIVITIES", "LIBRARY"], rows }
 }

@@ -44,10 +44,12 @@ mod ros2_package;
 mod start;
 mod stats;
 mod step;
+mod stop;
 mod token;
 mod top;
 mod unload;
 mod wait;
+mod wait_ready;
 mod why;
 
 use clap::Subcommand;
@@ -61,11 +63,13 @@ pub(crate) use completion::VARIABLE as COMPLETE;
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     List(list::Args),
+    WaitReady(wait_ready::Args),
     Info(info::Args),
     Call(call::Args),
     Start(start::Args),
     Wait(wait::Args),
     Abort(abort::Args),
+    Stop(stop::Args),
     Activities(activities::Args),
     Ports(ports::Args),
     Echo(echo::Args),
@@ -131,11 +135,13 @@ pub(crate) async fn run(
 ) -> Result<(), Failure> {
     match verb {
         Verb::List(args) => list::run(args, session).await,
+        Verb::WaitReady(args) => wait_ready::run(args, session).await,
         Verb::Info(args) => info::run(args, session).await,
         Verb::Call(args) => call::run(args, session).await,
         Verb::Start(args) => start::run(args, session).await,
         Verb::Wait(args) => wait::run(args, session).await,
         Verb::Abort(args) => abort::run(args, session).await,
+        Verb::Stop(args) => stop::run(args, session).await,
         Verb::Activities(args) => activities::run(args, session).await,
         Verb::Ports(args) => ports::run(args, session).await,
         Verb::Echo(args) => echo::run(args, session).await,

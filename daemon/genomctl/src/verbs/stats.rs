@@ -33,6 +33,8 @@ struct Task {
     overruns: u64,
     #[serde(default)]
     stuck: Option<Stuck>,
+    #[serde(default)]
+    unpaused: Option<Stuck>,
 }
 
 /// The codel that a task is in.
@@ -58,6 +60,10 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         if let Some(Stuck { codel, for_ns }) = &task.stuck {
             let (name, time) = (&task.name, for_ns / 1_000_000_000);
             session.tell(&format!("task {name} is stuck in {codel} for {time} s"))?;
+        }
+        if let Some(Stuck { codel, for_ns }) = &task.unpaused {
+            let (name, time) = (&task.name, for_ns / 1_000_000_000);
+            session.tell(&format!("task {name} did not pause for {time} s, lately in {codel}"))?;
         }
     }
     Ok(())

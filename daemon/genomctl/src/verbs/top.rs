@@ -9,7 +9,7 @@ use crate::top::{self, Snapshot};
 
 /// Show tasks, activities and ports as they do, until q.
 ///
-/// Without a terminal, or with --once, the table is printed one time.
+/// Without a terminal, or with --once, the table is printed one time, after two looks.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Print the table one time.
@@ -31,10 +31,14 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     if !session.json && !args.once && io::stdout().is_terminal() && io::stdin().is_terminal() {
         return top::run(session, delay).await;
     }
+    let first = Snapshot::take(session).await?;
+    if session.json {
+        return session.print(&format!("{}\n", first.data));
+    }
+    // Rates come from two looks.
+    tokio::time::sleep(delay).await;
     let now = Snapshot::take(session).await?;
-    let width = terminal_width().unwrap_or(WIDTH);
-    let text = if session.json { format!("{}\n", now.data) } else { top::text(&now, None, width) };
-    session.print(&text)
+    session.print(&top::text(&now, Some(&first), terminal_width().unwrap_or(WIDTH)))
 }
 
 fn terminal_width() -> Option<u16> {

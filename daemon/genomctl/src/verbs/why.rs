@@ -19,6 +19,8 @@ pub(crate) struct Args {
 #[derive(Debug, Deserialize)]
 struct Reply {
     findings: Vec<Finding>,
+    #[serde(default)]
+    flows: Vec<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -38,6 +40,8 @@ fn render(reply: &Reply) -> String {
     if reply.findings.is_empty() {
         return "data flows: nothing is wrong\n".to_owned();
     }
+    // What somebody asks comes first.
+    let flows = reply.flows.iter().map(|flow| format!("data flows: {flow}\n"));
     let told = reply.findings.iter();
-    told.map(|Finding { what, fix }| format!("{what}\n  fix: {fix}\n")).collect()
+    flows.chain(told.map(|Finding { what, fix }| format!("{what}\n  fix: {fix}\n"))).collect()
 }

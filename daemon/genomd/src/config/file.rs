@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use genom_runtime::STUCK_AFTER;
+use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
 use serde::{Deserialize, Serialize};
 
 use super::error::{ConfigError, WhichDaemon};
@@ -39,6 +39,8 @@ pub(crate) struct Config {
     pub(crate) stop_timeout: u64,
     /// Seconds after which a codel counts as stuck.
     pub(crate) stuck_after: u64,
+    /// Activities of services that one task runs at once.
+    pub(crate) max_activities: usize,
     /// The control plane.
     pub(crate) rpc: Rpc,
     /// Which services are offered on which middlewares.
@@ -102,6 +104,7 @@ impl Default for Config {
             start_timeout: 60,
             stop_timeout: 10,
             stuck_after: STUCK_AFTER.as_secs(),
+            max_activities: ACTIVITY_LIMIT,
             rpc: Rpc::default(),
             services: Offers::default(),
             telemetry: Telemetry::default(),

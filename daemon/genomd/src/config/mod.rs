@@ -53,6 +53,8 @@ pub(crate) struct Settings {
     pub(crate) log: String,
     /// Options of middlewares, by name.
     pub(crate) backends: BTreeMap<String, toml::Table>,
+    /// Whether to go on when the terminal is closed.
+    pub(crate) keep: bool,
     /// Time of the components.
     pub(crate) clock: ClockKind,
     /// Whether to keep all memory in RAM.
@@ -65,6 +67,8 @@ pub(crate) struct Settings {
     pub(crate) stop_timeout: Duration,
     /// How long a codel may run before it counts as stuck, where no period says more.
     pub(crate) stuck_after: Duration,
+    /// Activities of services that one task runs at once.
+    pub(crate) max_activities: usize,
     /// Where spans go, if anywhere.
     pub(crate) collector: Option<Collector>,
     /// The control plane.
@@ -72,6 +76,9 @@ pub(crate) struct Settings {
     /// Which services are offered on which middlewares.
     pub(crate) offers: Offers,
 }
+
+/// Most activities that a task may be allowed at once: room for all is made when it starts.
+const MOST_ACTIVITIES: usize = 4096;
 
 /// The command line contradicts itself or the configuration.
 #[derive(Debug, thiserror::Error)]
@@ -94,6 +101,9 @@ pub(crate) enum UsageError {
     /// Nobody could come in, not even to stop it.
     #[error("rpc.max_connections = 0: the daemon would answer nobody; one at least")]
     NoConnections,
+    /// No activity could start, or each task had room made for more than there will ever be.
+    #[error("max_activities = {0}: give 1 to {MOST_ACTIVITIES}")]
+    Activities(usize),
     /// A pattern of `[services]` that nothing is like.
     #[error(
         "[services]: `{0}` is no pattern of services: write BACKEND:COMPONENT/SERVICE or \
@@ -117,6 +127,9 @@ impl Settings {
         let config = config.over(&cli);
         let rpc = RpcSettings::new(config.rpc.clone())?;
         config.services.check()?;
+        if !(1..=MOST_ACTIVITIES).contains(&config.max_activities) {
+            return Err(UsageError::Activities(config.max_activities));
+        }
         let mut components: Vec<_> = cli
             .components
             .into_iter()
@@ -151,12 +164,14 @@ impl Settings {
             include: config.include,
             log: config.log,
             backends: config.backends,
+            keep: cli.keep,
             clock: config.clock,
             lock_memory: config.lock_memory,
             check_memory: config.check_memory.host(),
             start_timeout: Duration::from_secs(config.start_timeout),
             stop_timeout: Duration::from_secs(config.stop_timeout),
             stuck_after: Duration::from_secs(config.stuck_after),
+            max_activities: config.max_activities,
             rpc,
             offers: config.services,
         })

@@ -10,7 +10,7 @@ use crate::config::{ConnectionEntry, policy};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::wires::{Connection, RemoteConnection};
-use crate::wiring::connect::{self, ConnectError, ConnectRequest};
+use crate::wiring::connect::{self, ConnectError, ConnectRequest, Patience};
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
 
 /// A connection that is there.
@@ -105,7 +105,7 @@ fn make_now(daemon: &Arc<Daemon>, entry: &ConnectionEntry, wait: bool) -> Result
             service: entry.outport.clone(),
             backend: entry.backend.clone(),
             wait,
-            patient: false,
+            patience: Patience::None,
         };
         return remote::connect(daemon, &request).map(drop).map_err(|error| {
             let (key, absent) = match &error {
@@ -124,7 +124,7 @@ fn make_now(daemon: &Arc<Daemon>, entry: &ConnectionEntry, wait: bool) -> Result
         policy: entry.policy(),
         backend: entry.backend.clone(),
         wait,
-        patient: false,
+        patience: Patience::None,
     };
     connect::connect(daemon, &request).map(drop).map_err(|error| {
         let (key, absent) = match &error {

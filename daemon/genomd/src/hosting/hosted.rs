@@ -1,7 +1,7 @@
 //! One component that runs: the runtime's instance, and what supervisors see of it.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use genom_description::model::{Component as Model, Direction, ServiceKind, Specification};
@@ -20,6 +20,7 @@ use super::activities::{Activity, ActivityLog};
 use super::asked::{Asked, Completion};
 use super::done::Done;
 use super::input::InputError;
+use super::spins::Spins;
 use super::watch::{BusWatcher, Follower};
 use crate::bus::Bus;
 use crate::config::{BackendNames, LoadRequest};
@@ -74,6 +75,7 @@ pub(crate) struct Hosted {
     plan: Arc<Plan>,
     pub(super) instance: Instance,
     watcher: Arc<BusWatcher>,
+    spins: Mutex<Spins>,
     /// Its services on the middleware.
     pub(super) served: Mutex<ServedOn>,
 }
@@ -126,6 +128,7 @@ impl Hosted {
             plan,
             instance,
             watcher,
+            spins: Mutex::default(),
             served: Mutex::default(),
         })
     }
@@ -257,6 +260,13 @@ impl Hosted {
         u32::try_from(number).is_ok_and(|number| self.instance.abort(number).is_ok())
     }
 
+    /// Asks all activities to stop; numbers and services of those that have not ended.
+    pub(crate) fn abort_all(&self) -> Vec<(u64, String)> {
+        let told = self.instance.abort_all().into_iter();
+        let services = &self.model().services;
+        told.map(|(id, service)| (u64::from(id), services[service].name.clone())).collect()
+    }
+
     /// Fires an external event, by rank of its sink.
     pub(crate) fn fire(&self, sink: usize) {
         if let Err(error) = self.instance.fire(sink) {
@@ -325,6 +335,10 @@ impl Hosted {
         let mut all = self.instance.running_codels();
         all.retain(|codel| codel.stuck);
         all
+    }
+
+    pub(super) fn spins_now(&self) -> MutexGuard<'_, Spins> {
+        self.spins.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// `stuck in CODEL for 12 s`, of the codel that is for longest.

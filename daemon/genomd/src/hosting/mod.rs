@@ -10,6 +10,7 @@ pub(crate) mod layout;
 mod record;
 mod remnants;
 pub(crate) mod request;
+mod spins;
 mod stop;
 mod unload;
 mod watch;
@@ -25,6 +26,7 @@ pub(crate) use activities::{Activity, Look};
 pub(crate) use asked::{Asked, Rest};
 pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn, ServedServices, Starting};
 pub(crate) use input::InputError;
+pub(crate) use spins::Spin;
 
 /// A component could not be unloaded.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -79,9 +81,17 @@ impl Components {
 
     /// Names of those that are being stopped.
     pub(crate) fn stopping(&self) -> Vec<String> {
+        self.names(|slot| matches!(slot, Slot::Stopping))
+    }
+
+    /// Names of those that are being loaded.
+    pub(crate) fn loading(&self) -> Vec<String> {
+        self.names(|slot| matches!(slot, Slot::Loading))
+    }
+
+    fn names(&self, of: impl Fn(&Slot) -> bool) -> Vec<String> {
         let slots = self.slots.read().unwrap_or_else(PoisonError::into_inner);
-        let stopping = slots.iter().filter(|(_, slot)| matches!(slot, Slot::Stopping));
-        stopping.map(|(name, _)| name.clone()).collect()
+        slots.iter().filter(|(_, slot)| of(slot)).map(|(name, _)| name.clone()).collect()
     }
 
     /// Takes a name for a component that is about to be loaded.

@@ -106,6 +106,11 @@ impl Reading {
         self.plan.component()
     }
 
+    /// The file that was read.
+    pub(crate) fn path(&self) -> &Path {
+        self.description.path()
+    }
+
     /// A place of it as people say it.
     pub(crate) fn place(&self, span: Span) -> String {
         let at = self.sources.location(span);

@@ -1,5 +1,7 @@
 //! Why a component was not loaded.
 
+use std::path::PathBuf;
+
 use super::locate::LocateError;
 use crate::known::ReadError;
 use crate::registry::BackendError;
@@ -29,6 +31,14 @@ pub(crate) enum LoadError {
     /// The library is none, or does not open.
     #[error(transparent)]
     Library(#[from] genom_host::OpenError),
+    /// The library was built without a source of the component.
+    #[error(
+        "{}: undefined symbol `{symbol}`: {} defines it, and is not in the library: add it to the \
+         sources that the library is built of",
+        path.display(),
+        file.display()
+    )]
+    LeftOut { path: PathBuf, symbol: String, file: PathBuf },
     /// The library does not fit the description.
     #[error(transparent)]
     Mismatch(#[from] genom_host::LoadErrors),

@@ -111,7 +111,11 @@ fn find_description(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
 
 /// The library of a description or name, in the same directory.
 fn beside(wanted: &Path) -> Option<PathBuf> {
-    candidates(wanted).into_iter().find_map(existing).or_else(|| project_library(wanted))
+    candidates(wanted)
+        .into_iter()
+        .find_map(existing)
+        .or_else(|| project_library(wanted))
+        .or_else(|| project_library(&whole(wanted)))
 }
 
 /// The library of a description or name on the component path: in a directory of it, or in the
@@ -130,6 +134,11 @@ fn candidates(wanted: &Path) -> Vec<PathBuf> {
         .into_iter()
         .map(|name| wanted.with_file_name(name))
         .collect()
+}
+
+/// The same from the root: a relative path does not say what it is in.
+fn whole(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// The library of a GenoM3 project (genom3.md 5.9), seen from its description: in its tree, where
@@ -163,7 +172,10 @@ fn description_of(library: &Path) -> Result<(Description, Option<Contents>), Loc
         let name = name.map_or_else(|| beside.clone(), |name| library.with_file_name(name));
         return Ok((Description::Embedded { name, text }, Some(contents)));
     }
-    match existing(beside.clone()).or_else(|| project_description(library)) {
+    let found = existing(beside.clone())
+        .or_else(|| project_description(library))
+        .or_else(|| project_description(&whole(library)));
+    match found {
         Some(file) => Ok((Description::File(file), Some(contents))),
         None => Err(LocateError::NoDescription { library: library.to_owned(), beside }),
     }

@@ -4,11 +4,12 @@ mod built;
 mod error;
 mod locate;
 mod start;
+mod undefined;
 
 use std::sync::Arc;
 
 use genom_description::model::{Component as Model, PortDirection, ServiceKind};
-use genom_host::{Component, Contents};
+use genom_host::{Component, Contents, OpenError};
 
 use self::locate::Located;
 use crate::config::{BackendNames, CallEntry, LoadRequest, Settings};
@@ -114,7 +115,7 @@ fn open(located: &mut Located, reading: &Reading) -> Result<Component, LoadError
         None => Contents::read(&located.library)?,
     };
     let digest = contents.digest();
-    let library = contents.open()?;
+    let library = contents.open().map_err(|error| explain(error, reading))?;
     let place = |span| reading.place(span);
     if reading.fits(&digest) {
         return Ok(Component::load_again(library, &reading.plan, &place)?);
@@ -123,6 +124,15 @@ fn open(located: &mut Located, reading: &Reading) -> Result<Component, LoadError
     let component = Component::load(library, &reading.plan, &place)?;
     reading.found_to_fit(digest);
     Ok(component)
+}
+
+/// A symbol that the component's own sources have is not that of another library.
+fn explain(error: OpenError, reading: &Reading) -> LoadError {
+    let OpenError::UndefinedSymbol { path, symbol } = &error else { return error.into() };
+    match undefined::defined_in(symbol, path, reading.path()) {
+        None => error.into(),
+        Some(file) => LoadError::LeftOut { path: path.clone(), symbol: symbol.clone(), file },
+    }
 }
 
 fn tell_warnings(located: &Located, reading: &Reading) {

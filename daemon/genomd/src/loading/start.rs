@@ -40,6 +40,10 @@ pub(super) fn start(
     options.clock = daemon.clock.clone();
     options.date = built::date(&library);
     options.start_timeout = Some(daemon.settings.start_timeout);
+    let weak = Arc::downgrade(daemon);
+    options.give_up =
+        Some(Arc::new(move || weak.upgrade().is_none_or(|daemon| daemon.start_is_given_up())));
+    options.activity_limit = daemon.settings.max_activities;
     options.stuck_after = daemon.settings.stuck_after;
     for (task, entry) in &request.tasks {
         let refused = |why| LoadError::Override { name: name.clone(), why };

@@ -41,6 +41,22 @@ pub(crate) struct Aborted {
     aborted: Vec<u64>,
 }
 
+/// Activities of any components that were asked to stop.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct AllAborted {
+    aborted: Vec<One>,
+}
+
+/// One activity of those of all components.
+#[derive(Debug, Serialize, ToSchema)]
+#[schema(as = AbortedActivity)]
+pub(crate) struct One {
+    component: String,
+    service: String,
+    /// Its number.
+    activity: u64,
+}
+
 /// List the activities of a component, running and lately ended.
 #[utoipa::path(
     get,
@@ -124,6 +140,45 @@ pub(crate) async fn abort(
         .map(|activity| activity.number)
         .collect();
     Ok(Json(Aborted { aborted }))
+}
+
+/// Ask every activity of a component to stop.
+#[utoipa::path(
+    delete,
+    path = "/components/{component}/activities",
+    tag = "activities",
+    security(("token" = ["call"])),
+    responses((status = 200, body = AllAborted), (status = 404))
+)]
+pub(crate) async fn abort_all(
+    State(daemon): State<Arc<Daemon>>,
+    Path(component): Path<String>,
+) -> Result<Json<AllAborted>, RpcError> {
+    let hosted = components::find(&daemon, &component)?;
+    Ok(Json(AllAborted { aborted: aborted(&hosted) }))
+}
+
+/// Ask every activity of every component to stop.
+///
+/// Answers when all of them are told. The reply has those that have not ended.
+#[utoipa::path(
+    delete,
+    path = "/activities",
+    tag = "activities",
+    security(("token" = ["call"])),
+    responses((status = 200, body = AllAborted))
+)]
+pub(crate) async fn stop(State(daemon): State<Arc<Daemon>>) -> Json<AllAborted> {
+    let all = daemon.components.all();
+    let aborted: Vec<One> = all.iter().flat_map(|hosted| aborted(hosted)).collect();
+    tracing::info!("all activities were told to stop: {} ran", aborted.len());
+    Json(AllAborted { aborted })
+}
+
+fn aborted(hosted: &Hosted) -> Vec<One> {
+    let told = hosted.abort_all().into_iter();
+    let component = || hosted.name.clone();
+    told.map(|(activity, service)| One { component: component(), service, activity }).collect()
 }
 
 fn find(hosted: &Hosted, number: &str) -> Result<Arc<Activity>, RpcError> {

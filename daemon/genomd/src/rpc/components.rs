@@ -15,7 +15,7 @@ use utoipa::ToSchema;
 
 use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
-use crate::hosting::{Hosted, UnloadError};
+use crate::hosting::{Hosted, Spin, UnloadError};
 use crate::loading::{self, LoadError};
 use crate::registry::BackendError;
 use crate::rpc::error::RpcError;
@@ -39,6 +39,9 @@ pub(super) fn find(daemon: &Daemon, name: &str) -> Result<Arc<Hosted>, RpcError>
 #[derive(Debug, Serialize, ToSchema)]
 pub(crate) struct Components {
     components: Vec<Summary>,
+    /// Names of those that are being loaded, or are to be at the daemon's start; absent without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    loading: Vec<String>,
     /// What is left of components that did not stop in time; absent when nothing is.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     left_behind: Vec<Left>,
@@ -64,13 +67,17 @@ pub(crate) struct Summary {
     name: String,
     /// Name in the description.
     component: String,
-    /// `running`, `damaged` (its codels wrote past the memory they were given), or
-    /// `stuck in CODEL for 12 s`.
+    /// `running`, `damaged` (its codels wrote past the memory they were given),
+    /// `stuck in CODEL for 12 s`, or `spins in CODEL for 12 s`.
     state: String,
     /// Codels that have not returned for so long that they count as stuck; absent without any.
     #[schema(value_type = Vec<Object>)]
     #[serde(skip_serializing_if = "Vec::is_empty")]
     stuck: Vec<RunningCodel>,
+    /// Tasks that keep a processor and do not pause; absent without any.
+    #[schema(value_type = Vec<Object>)]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    spins: Vec<Spin>,
     /// Middlewares of its services, and of ports that have no others.
     backend: BackendNames,
     /// Middlewares of ports that have others.
@@ -108,7 +115,18 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Components> 
         });
         Left { was: remnant.was, component: remnant.component, state }
     });
-    Json(Components { components, left_behind: left_behind.collect() })
+    let loading = loading(&daemon);
+    Json(Components { components, loading, left_behind: left_behind.collect() })
+}
+
+fn loading(daemon: &Daemon) -> Vec<String> {
+    let (mut names, mut later) = (daemon.components.loading(), daemon.startup.to_load());
+    if !names.is_empty() && !later.is_empty() {
+        // The first of them is among those that are being loaded, under the name it will have.
+        later.remove(0);
+    }
+    names.append(&mut later);
+    names
 }
 
 /// Describe a component: what it is, and all its description says.
@@ -212,13 +230,20 @@ pub(crate) async fn unload(
 
 fn summary(hosted: &Hosted) -> Summary {
     let bindings = &hosted.wires.bindings;
+    let spins = hosted.spins();
+    let spinning = || {
+        let longest = spins.iter().max_by_key(|spin| spin.unpaused.for_ns)?;
+        let (codel, time) = (&longest.unpaused.codel, seconds(longest.unpaused.for_ns));
+        Some(format!("spins in {codel} for {time}"))
+    };
     Summary {
         name: hosted.name.clone(),
         component: hosted.model().name.clone(),
         state: match hosted.damage() {
             Some(_) => "damaged".to_owned(),
-            None => hosted.stuck_in().unwrap_or_else(|| "running".to_owned()),
+            None => hosted.stuck_in().or_else(spinning).unwrap_or_else(|| "running".to_owned()),
         },
+        spins,
         stuck: hosted.stuck(),
         backend: bindings.component(),
         port_backends: bindings.ports(),

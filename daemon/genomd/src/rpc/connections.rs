@@ -124,7 +124,7 @@ pub(crate) async fn connect(
         policy,
         backend: wanted.backend,
         wait: wanted.wait,
-        patient: true,
+        patience: wiring::connect::Patience::Full,
     };
     let work = move || {
         let connection = wiring::connect::connect(&daemon, &request)?;
@@ -147,7 +147,8 @@ async fn connect_remote(
         let message = format!("{remote} is a remote: it takes a service, and no policy");
         return Err(RpcError::bad_input(message).place("/policy"));
     }
-    let request = RemoteRequest { remote, service, backend, wait, patient: true };
+    let request =
+        RemoteRequest { remote, service, backend, wait, patience: wiring::connect::Patience::Full };
     let work = move || {
         let connection = remote::connect(&daemon, &request)?;
         daemon.declared.forget(&request.remote);

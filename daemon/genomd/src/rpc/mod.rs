@@ -27,6 +27,7 @@ mod metrics;
 mod middlewares;
 mod ports;
 mod private;
+mod ready;
 mod recordings;
 pub(crate) mod relay;
 mod replay;
@@ -65,7 +66,8 @@ fn routes() -> OpenApiRouter<Arc<Daemon>> {
         .routes(routes!(components::schema))
         .routes(routes!(backends::change))
         .routes(routes!(services::describe, services::call))
-        .routes(routes!(activities::list))
+        .routes(routes!(activities::list, activities::abort_all))
+        .routes(routes!(activities::stop))
         .routes(routes!(activities::look, activities::abort))
         .routes(routes!(ports::all))
         .routes(routes!(ports::of_component))
@@ -96,6 +98,7 @@ fn routes() -> OpenApiRouter<Arc<Daemon>> {
         .routes(routes!(document::json))
         .routes(routes!(document::page))
         .routes(routes!(daemon::shutdown))
+        .routes(routes!(ready::ready))
 }
 
 /// The control plane, as it shows at a door.

@@ -188,7 +188,11 @@ fn refusal(hosted: &Hosted, service: &str, ending: &Ending) -> Option<RpcError> 
                 "too_many_activities",
                 format!("no room for one more activity in the task of {name}"),
             )
-            .help(format!("`genomctl activities {}` lists those that run", hosted.name)),
+            .help(format!(
+                "`genomctl activities {}` lists those that run; max_activities of the daemon's \
+                 configuration is the limit",
+                hosted.name
+            )),
         ),
         _ => None,
     }

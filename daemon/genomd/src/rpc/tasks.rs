@@ -18,7 +18,9 @@ use crate::rpc::error::RpcError;
 #[allow(dead_code, reason = "only its shape is told")]
 pub(crate) struct Figures {
     /// Each task: `name`, `period_ns`, `real_time`, `cycles` and `lateness` (durations),
-    /// `overruns`, and while it is stuck `stuck`: `codel`, `owner`, `for_ns`.
+    /// `overruns`, and while it is stuck `stuck`: `codel`, `owner`, `for_ns`; or while it is at work
+    /// for long without pause `unpaused`: `codel`, `owner`, `for_ns`, `steps`. A cycle counts while it
+    /// lasts.
     #[schema(value_type = Vec<Object>)]
     tasks: (),
     /// Each codel that ran: `name`, `owner`, `durations`, `wcet_ns`, `above_wcet`.

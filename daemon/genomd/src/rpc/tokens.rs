@@ -114,6 +114,11 @@ pub(crate) enum TokenError {
 }
 
 impl Tokens {
+    /// Whether there is a file to read again.
+    pub(crate) fn has_file(&self) -> bool {
+        self.path.is_some()
+    }
+
     /// Reads a file of tokens, which nobody else may read; without one there are none.
     pub(crate) fn read(path: Option<&Path>) -> Result<Arc<Self>, TokenError> {
         let known = path.map(entries).transpose()?.unwrap_or_default();

@@ -23,6 +23,9 @@ use crate::wiring::{connect, remote};
 pub(crate) struct Findings {
     /// None: data flows.
     findings: Vec<Finding>,
+    /// The port and its elements that data flows through, whatever else is found.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    flows: Vec<String>,
 }
 
 /// One reason, and what to do.
@@ -52,8 +55,14 @@ pub(crate) async fn explain(
     let index = remote.map_or_else(|| ports::find(&hosted, &port), Ok)?;
     // Discovery may have to ask other processes.
     let work = move || {
-        let tell = if remote.is_some() { of_remote } else { findings };
-        Json(Findings { findings: tell(&daemon, &hosted, index) })
+        if remote.is_some() {
+            return Json(Findings { findings: of_remote(&daemon, &hosted, index), flows: vec![] });
+        }
+        let mut findings = of_port(&daemon, &hosted, index);
+        // What is wrong with the component may not matter to this port.
+        let flows = if findings.is_empty() { flows(&hosted, index) } else { Vec::new() };
+        findings.extend(of_component(&hosted));
+        Json(Findings { findings, flows })
     };
     tokio::task::spawn_blocking(work).await.map_err(|error| RpcError::internal(error.to_string()))
 }
@@ -62,7 +71,23 @@ fn finding(what: impl Into<String>, fix: impl Into<String>) -> Finding {
     Finding { what: what.into(), fix: fix.into(), unmet: false }
 }
 
-fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
+/// What of a port data flows through: written or read not long ago.
+fn flows(hosted: &Hosted, port: usize) -> Vec<String> {
+    let model = &hosted.model().ports[port];
+    let one = |element: Option<String>| {
+        let counts = hosted.wires.gauge(port, element.as_deref())?.counts();
+        let age = counts.age_ns.filter(|age| counts.samples > 0 && *age <= STALE)?;
+        let did = match model.direction {
+            PortDirection::In => "read",
+            PortDirection::Out => "written",
+        };
+        let (address, ms) = (hosted.address(&model.name, element.as_deref()), age / 1_000_000);
+        Some(format!("{address} was last {did} {ms} ms ago, {} samples so far", counts.samples))
+    };
+    ports::elements(hosted, port).into_iter().filter_map(one).collect()
+}
+
+fn of_port(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
     let mut out = Vec::new();
     let elements = ports::elements(hosted, port);
     let model = &hosted.model().ports[port];
@@ -130,7 +155,14 @@ fn findings(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
             out.push(finding(what, "look at the exceptions of its codels and at the log"));
         }
     }
+    out
+}
+
+/// What is wrong with the component, whatever the port.
+fn of_component(hosted: &Hosted) -> Vec<Finding> {
+    let mut out = Vec::new();
     stuck_codels(hosted, &mut out);
+    spinning_codels(hosted, &mut out);
     stopped_tasks(hosted, &mut out);
     if let Some(written) = hosted.damage() {
         let fix = "set check_memory = \"each-codel\" to find the codel, mend it and load it again";
@@ -245,6 +277,17 @@ fn stuck_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
         out.push(finding(
             format!("{whose} of {name} is stuck in {} of {} for {time}", codel.codel, codel.owner),
             format!("look at what the codel waits for; `genomctl unload {name}` leaves it behind"),
+        ));
+    }
+}
+
+/// Tasks that keep a processor and do not pause.
+fn spinning_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
+    for spin in hosted.spins() {
+        let (task, codel) = (&spin.unpaused.task, &spin.unpaused.codel);
+        out.push(finding(
+            format!("task {task} of {} does not pause: {spin}", hosted.name),
+            format!("let {codel} yield `pause::` and the state, or end"),
         ));
     }
 }

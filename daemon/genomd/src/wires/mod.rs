@@ -221,6 +221,13 @@ impl Wires {
         self.with(|state| state.opened.insert(key(port, element), fan));
     }
 
+    /// A codel closed an element of a multiple out port: it shows nowhere any more.
+    pub(crate) fn closed(&self, port: usize, element: &str) {
+        let old = self.with(|state| state.opened.remove(&key(port, Some(element))));
+        // Closed without holding up those who look.
+        drop(old);
+    }
+
     fn with<T>(&self, work: impl FnOnce(&mut State) -> T) -> T {
         work(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner))
     }

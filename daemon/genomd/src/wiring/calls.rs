@@ -70,8 +70,9 @@ impl RemoteCall for DirectCall {
                 let _ = sender.send(outcome);
             }
         });
-        // Dropped without an answer: the provider stopped.
-        match ended.recv().map_err(|_| absent())? {
+        // Dropped without an answer: the provider was stopped.
+        let killed = |_| ("::genom::interrupted".to_owned(), json!({ "by": "kill" }));
+        match ended.recv().map_err(killed)? {
             Outcome::Success(record) => {
                 output.copy_from(&record).map_err(|error| broken(error.to_string()))
             }

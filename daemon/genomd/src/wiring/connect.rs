@@ -18,10 +18,36 @@ use crate::registry::BackendError;
 use crate::wires::{Connection, Tap, key};
 
 /// On a network others become visible a while after they, or we, came up.
-pub(super) const NETWORK: Duration = Duration::from_secs(2);
-pub(super) const ZERO: Duration = Duration::ZERO;
+const NETWORK: Duration = Duration::from_secs(2);
 /// Between two looks at a network.
 pub(super) const LOOK_AGAIN: Duration = Duration::from_millis(20);
+
+/// How long to look on a network for what does not show there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Patience {
+    /// Not at all: somebody asks again.
+    None,
+    /// Until this daemon has been there for long enough to see all that is there. What comes up at
+    /// this very moment is not waited for: a component asks, whose other requests wait meanwhile.
+    Newcomer,
+    /// As long as what comes up now may take to become visible: a person asks.
+    Full,
+}
+
+impl Patience {
+    /// Until when to look on this middleware.
+    pub(super) fn end(self, daemon: &Daemon, middleware: &dyn Middleware) -> Instant {
+        let now = Instant::now();
+        let network = middleware.capabilities().cross_host;
+        match self {
+            Patience::Newcomer if network => {
+                daemon.backends.open_since(middleware.name()).unwrap_or(now) + NETWORK
+            }
+            Patience::Full if network => now + NETWORK,
+            _ => now,
+        }
+    }
+}
 
 /// A connection to make.
 #[derive(Clone, Debug)]
@@ -35,8 +61,8 @@ pub(crate) struct ConnectRequest {
     pub(crate) backend: Option<String>,
     /// Connect to an out port that is not there yet.
     pub(crate) wait: bool,
-    /// Look for it as long as it may take to become visible on a network.
-    pub(crate) patient: bool,
+    /// How long to look for it on a network.
+    pub(crate) patience: Patience,
 }
 
 /// A connection could not be made; what was there before still is.
@@ -145,7 +171,8 @@ fn connect_port(
         _ if from_outside => {}
         Some(writer) => check_local(writer, &outport, &backend, hosted, port, &inport)?,
         None if !request.wait && !foreign => {
-            check_remote(middleware.as_ref(), &outport, request.patient)?;
+            let end = request.patience.end(daemon, middleware.as_ref());
+            check_remote(middleware.as_ref(), &outport, end)?;
         }
         None => {}
     }
@@ -373,7 +400,7 @@ fn check_local(
 fn check_remote(
     middleware: &dyn Middleware,
     outport: &Address,
-    patient: bool,
+    end: Instant,
 ) -> Result<(), ConnectError> {
     let backend = middleware.name();
     if !middleware.capabilities().cross_process {
@@ -384,8 +411,6 @@ fn check_remote(
         return Err(ConnectError::outport(message, "load both on another backend"));
     }
     let wanted = middleware.spelled(outport);
-    let end = Instant::now()
-        + if patient && middleware.capabilities().cross_host { NETWORK } else { ZERO };
     let visible = loop {
         let visible = publishers(middleware, outport)?;
         if visible.contains(&wanted) {

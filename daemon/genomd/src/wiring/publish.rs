@@ -122,4 +122,8 @@ impl Opener for ElementOpener {
         daemon.recordings.opened(&address, PortDirection::Out, None, ty, fan.tapes());
         Ok(publisher)
     }
+
+    fn close(&self, port: usize, element: &str) {
+        self.wires.closed(port, element);
+    }
 }

@@ -11,7 +11,7 @@ use genom_runtime::body::RemoteCall;
 use genom_types::DataType;
 
 use super::calls::{DirectCall, FarCall};
-use super::connect::{LOOK_AGAIN, NETWORK, ZERO};
+use super::connect::{LOOK_AGAIN, Patience};
 use super::serve::kind_of;
 use crate::bus::Change;
 use crate::config::place::{Place, PlaceError};
@@ -32,8 +32,8 @@ pub(crate) struct RemoteRequest {
     pub(crate) backend: Option<String>,
     /// Connect to a service that is not there yet.
     pub(crate) wait: bool,
-    /// Look for it as long as it may take to become visible on a network.
-    pub(crate) patient: bool,
+    /// How long to look for it on a network.
+    pub(crate) patience: Patience,
 }
 
 /// A remote could not be connected; what was there before still is.
@@ -154,7 +154,7 @@ fn far(
     at: &Address,
 ) -> Result<FarCall, RemoteError> {
     let middlewares = reaching(daemon, caller, asked.as_deref(), request, at)?;
-    let middleware = choose(&middlewares, request, at)?;
+    let middleware = choose(daemon, &middlewares, request, at)?;
     let (model, types) = (&caller.model().remotes[remote], &caller.specification().types);
     let lay_out = |ty| {
         DataType::new(types, ty).map_err(|error| {
@@ -212,14 +212,15 @@ fn reaching(
 
 /// The first that shows the service; on a network it is looked for as long as that may take.
 fn choose(
+    daemon: &Daemon,
     all: &[Arc<dyn Middleware>],
     request: &RemoteRequest,
     at: &Address,
 ) -> Result<Arc<dyn Middleware>, RemoteError> {
     let wanted = at.to_string();
-    let network = all.iter().any(|middleware| middleware.capabilities().cross_host);
-    let look = network && request.patient && !request.wait;
-    let end = Instant::now() + if look { NETWORK } else { ZERO };
+    let patience = if request.wait { Patience::None } else { request.patience };
+    let ends = all.iter().map(|middleware| patience.end(daemon, middleware.as_ref()));
+    let end = ends.max().unwrap_or_else(Instant::now);
     loop {
         let mut visible = BTreeSet::new();
         for middleware in all {

@@ -5,7 +5,7 @@ use std::sync::{Arc, Weak};
 use genom_middleware::Policy;
 use genom_runtime::{Wiring, WiringError};
 
-use super::connect::{ConnectError, ConnectRequest, connect};
+use super::connect::{ConnectError, ConnectRequest, Patience, connect};
 use super::remote::{self, RemoteError, RemoteRequest};
 use crate::daemon::Daemon;
 use crate::flag::Flag;
@@ -54,7 +54,7 @@ impl Wiring for SupervisorWiring {
             policy: Policy::Latest,
             backend: None,
             wait: false,
-            patient: true,
+            patience: Patience::Newcomer,
         };
         let made = connect(&daemon, &request);
         if made.is_ok() {
@@ -76,7 +76,7 @@ impl Wiring for SupervisorWiring {
             service: remote.to_owned(),
             backend: None,
             wait: false,
-            patient: true,
+            patience: Patience::Newcomer,
         };
         let made = remote::connect(&daemon, &request);
         if made.is_ok() {

@@ -262,7 +262,13 @@ fn follow_services(daemon: &Arc<Daemon>, caller: &Hosted, seen: &mut Seen) {
             continue;
         }
         let (remote, service) = (remote.to_string(), service.to_string());
-        let request = RemoteRequest { remote, service, backend: None, wait: false, patient: false };
+        let request = RemoteRequest {
+            remote,
+            service,
+            backend: None,
+            wait: false,
+            patience: connect::Patience::None,
+        };
         match remote::connect(daemon, &request) {
             Ok(RemoteConnection { remote, service, backend, .. }) => {
                 tracing::info!("{remote} calls {service} on {} now", backend.unwrap_or_default());

@@ -85,6 +85,10 @@ impl Elements {
         let removed = name.and_then(|name| self.lock().remove(name));
         let element = removed.ok_or(Failure::System(ENOENT))?;
         drop(element.bind(Link::Out(None)));
+        if let (Some(opener), Some(name)) = (self.opener.get(), name) {
+            // It was opened under this name: it is UTF-8.
+            opener.close(self.port, &String::from_utf8_lossy(name));
+        }
         Ok(())
     }
 }

@@ -16,8 +16,15 @@ use super::notes::{self, Act};
 use crate::last_words;
 
 /// Signals that a daemon relies on: to be stopped, and not to die of a peer that left.
-const OURS: [(c_int, &str); 3] =
-    [(libc::SIGINT, "SIGINT"), (libc::SIGTERM, "SIGTERM"), (libc::SIGPIPE, "SIGPIPE")];
+const OURS: [(c_int, &str); 4] = [
+    (libc::SIGINT, "SIGINT"),
+    (libc::SIGTERM, "SIGTERM"),
+    (libc::SIGHUP, "SIGHUP"),
+    (libc::SIGPIPE, "SIGPIPE"),
+];
+
+/// Those of them that stop it.
+const STOPPING: [c_int; 3] = [libc::SIGINT, libc::SIGTERM, libc::SIGHUP];
 
 /// Signals whose default is to end the process, and that only timers, codels and curious users
 /// send. The real-time signals belong to them.
@@ -49,7 +56,6 @@ pub(super) fn name(signal: c_int) -> String {
         Some((_, name)) => (*name).to_owned(),
         None if signal >= libc::SIGRTMIN() => format!("SIGRTMIN+{}", signal - libc::SIGRTMIN()),
         None => match signal {
-            libc::SIGHUP => "SIGHUP".to_owned(),
             libc::SIGCHLD => "SIGCHLD".to_owned(),
             libc::SIGSEGV => "SIGSEGV".to_owned(),
             libc::SIGABRT => "SIGABRT".to_owned(),
@@ -76,10 +82,9 @@ impl KeptSignals {
             for signal in harmless() {
                 make_harmless(signal);
             }
-            let stops = [libc::SIGINT, libc::SIGTERM];
-            let before = stops.map(|signal| (signal, action(signal)));
+            let before = STOPPING.map(|signal| (signal, action(signal)));
             STOPS.get_or_init(|| before);
-            stops.iter().for_each(|signal| set(*signal, on_stop));
+            STOPPING.iter().for_each(|signal| set(*signal, on_stop));
             ALL.map(action).collect()
         });
         Self(())
@@ -117,8 +122,7 @@ pub(crate) fn take_from(code: &[Range<usize>]) -> (Vec<String>, Vec<String>) {
 #[must_use]
 pub fn raised_to_stop() -> Option<String> {
     let notes = notes::take(&[Act::Sent]);
-    let note =
-        notes.into_iter().find(|note| [libc::SIGINT, libc::SIGTERM].contains(&note.number))?;
+    let note = notes.into_iter().find(|note| STOPPING.contains(&note.number))?;
     let by = if note.words.is_empty() { "the process itself" } else { note.words.as_str() };
     Some(format!("{} raised by {by}", name(note.number)))
 }
@@ -168,7 +172,7 @@ extern "C" fn on_harmless(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_v
 }
 
 /// What was done before on the signals that stop the daemon.
-static STOPS: OnceLock<[(c_int, Option<libc::sigaction>); 2]> = OnceLock::new();
+static STOPS: OnceLock<[(c_int, Option<libc::sigaction>); STOPPING.len()]> = OnceLock::new();
 
 /// Notes who raised it, when that was the process itself, and passes it on.
 extern "C" fn on_stop(signal: c_int, info: *mut libc::siginfo_t, context: *mut c_void) {

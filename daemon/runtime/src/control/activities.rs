@@ -81,6 +81,26 @@ impl Engine {
         Ok(())
     }
 
+    /// Asks every activity of a service to stop; ids and services of those that have not ended,
+    /// whoever asked them first.
+    pub(crate) fn abort_all(&self, by: &str) -> Vec<(u32, usize)> {
+        let mut after = Afterwards::default();
+        let mut told = Vec::new();
+        {
+            let mut control = self.lock();
+            for at in 0..control.entries.len() {
+                let entry = &control.entries[at];
+                let answered = matches!(entry.stage, Stage::Cancelled | Stage::Gone);
+                let Some(service) = entry.service.filter(|_| !answered) else { continue };
+                told.push((entry.id, service));
+                self.stop(&mut control, at, by, &mut after);
+            }
+            self.examine(&mut control, &mut after);
+        }
+        self.finish_off(after);
+        told
+    }
+
     /// 7.6: tells the activities that `service` interrupts to stop, but for activity `but`.
     pub(crate) fn interrupt(
         &self,

@@ -9,13 +9,14 @@ pub(crate) mod window;
 pub(crate) mod workers;
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
 
 use rtrb::{Consumer, Producer};
 use serde_json::{Value, json};
 
 use crate::api::{Exception, Inputs, Outcome, Progress, Reply};
+use crate::engine::lock;
 use crate::plan::Plan;
 use crate::shared::Notice;
 use crate::shutdown::{Ended, Step};
@@ -30,12 +31,29 @@ pub(crate) struct Request {
     pub(crate) ticket: Ticket,
 }
 
+/// Who waits for the answer to a request that is served, until somebody answers.
+#[derive(Clone)]
+pub(crate) struct Asker(Arc<Mutex<Option<Reply>>>);
+
+impl Asker {
+    pub(crate) fn new(reply: Reply) -> Self {
+        Self(Arc::new(Mutex::new(Some(reply))))
+    }
+
+    /// The way to answer; `None` when somebody did.
+    pub(crate) fn take(&self) -> Option<Reply> {
+        lock(&self.0).take()
+    }
+}
+
 /// Requests of one service: one at a time, in order of arrival.
 #[derive(Default)]
 pub(crate) struct ServiceQueue {
     pub(crate) waiting: VecDeque<Request>,
     /// A worker is at one of its requests.
     pub(crate) busy: bool,
+    /// Who waits for that one.
+    pub(crate) asker: Option<Asker>,
     /// It was executed successfully at least once (genom3.md 7.6).
     pub(crate) ran: bool,
 }

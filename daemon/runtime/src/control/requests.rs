@@ -9,7 +9,7 @@ use genom_description::model::ServiceKind;
 use genom_types::Record;
 use serde_json::{Value, json};
 
-use super::{Afterwards, Control, Phase, Request, genom, interrupted};
+use super::{Afterwards, Asker, Control, Phase, Request, genom, interrupted};
 use crate::api::{Exception, Inputs, Outcome, Partial, Progress, Reply};
 use crate::body::{Frame, Returned};
 use crate::engine::{Engine, Guard};
@@ -86,14 +86,18 @@ impl Engine {
     ) -> Guard<'a, Control> {
         let queue = &mut control.services[service];
         let Some(request) = queue.waiting.pop_front() else { return control };
+        let Request { inputs, reply, ticket } = request;
+        let asker = Asker::new(reply);
         queue.busy = true;
+        queue.asker = Some(asker.clone());
         control.serving += 1;
         drop(control);
-        self.serve(service, request, context);
+        self.serve(service, inputs, &asker, &ticket, context);
         let mut control = self.lock();
         control.serving -= 1;
         let queue = &mut control.services[service];
         queue.busy = false;
+        queue.asker = None;
         if !queue.waiting.is_empty() {
             control.ready.push_back(service);
         }
@@ -105,21 +109,35 @@ impl Engine {
         control
     }
 
-    fn serve(&self, service: usize, request: Request, context: usize) {
-        let Request { mut inputs, mut reply, ticket } = request;
+    fn serve(
+        &self,
+        service: usize,
+        mut inputs: Inputs,
+        asker: &Asker,
+        ticket: &Ticket,
+        context: usize,
+    ) {
         if let Inputs::Look = inputs {
-            return reply(Progress::Done(Outcome::Success(self.look(service, context))));
+            let now = self.look(service, context);
+            return answer(asker, Progress::Done(Outcome::Success(now)));
         }
-        let performed = self.perform(service, &mut inputs, context, &ticket);
+        let performed = self.perform(service, &mut inputs, context, ticket);
         // 7.3.8: something happened in the component, whatever the outcome.
         self.shared.wake_tasks();
         match performed {
-            Err(exception) => reply(done(exception)),
+            Err(exception) => answer(asker, done(exception)),
             Ok(Performed::Done(output)) => {
                 self.interrupt_from(service);
-                reply(Progress::Done(Outcome::Success(output)));
+                answer(asker, Progress::Done(Outcome::Success(output)));
             }
-            Ok(Performed::Validated(frame)) => self.accept(service, frame, reply),
+            Ok(Performed::Validated(frame)) => match asker.take() {
+                Some(reply) => self.accept(service, frame, reply),
+                // A shutdown answered: nothing starts any more.
+                None => {
+                    self.release_slot(service);
+                    self.give_frame(service, frame);
+                }
+            },
         }
     }
 
@@ -362,6 +380,13 @@ impl Engine {
             Returned::Failed => exception,
             _ => genom("unkex", json!({ "what": exception.name })),
         }
+    }
+}
+
+/// Answers, unless a shutdown did.
+fn answer(asker: &Asker, progress: Progress) {
+    if let Some(mut reply) = asker.take() {
+        reply(progress);
     }
 }
 

@@ -7,6 +7,7 @@ use genom_types::Record;
 use serde_json::{Value, json};
 
 use super::window::{Totals, Window};
+use crate::cycles::Done;
 use crate::engine::{Engine, lock};
 use crate::shared::TaskShared;
 
@@ -77,8 +78,8 @@ impl Engine {
 /// is its share of the time, of which the last figure is that of the last second.
 #[allow(clippy::cast_precision_loss)]
 fn rusage(task: &TaskShared, window: &mut Window, date: u64) -> Value {
-    let durations = task.figures.cycles.read();
-    let (cycles, busy_ns) = task.figures.cycles.totals();
+    let durations = task.figures.cycles.read(date);
+    let Done { cycles, busy_ns } = task.figures.cycles.done(date);
     let recent = window.look(Totals { date, cycles, busy_ns });
     let seconds = |ns: f64| ns * 1e-9;
     let (last, max) = (durations.last_ns as f64, durations.max_ns as f64);

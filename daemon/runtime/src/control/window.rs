@@ -73,7 +73,8 @@ impl Window {
 #[allow(clippy::cast_precision_loss)]
 fn mean(since: Totals, now: Totals) -> f64 {
     match now.cycles.wrapping_sub(since.cycles) {
-        0 => 0.0,
+        // A cycle that lasts: what it took of the window.
+        0 => now.busy_ns.wrapping_sub(since.busy_ns) as f64,
         cycles => now.busy_ns.wrapping_sub(since.busy_ns) as f64 / cycles as f64,
     }
 }
@@ -82,7 +83,7 @@ fn mean(since: Totals, now: Totals) -> f64 {
 fn load(since: Totals, now: Totals) -> f64 {
     match now.date.saturating_sub(since.date) {
         0 => 0.0,
-        // Work is counted when it ends: of a long one a part may be older than the span.
+        // Dates of two looks may differ a little from those of the work between them.
         span => (now.busy_ns.wrapping_sub(since.busy_ns) as f64 * 100.0 / span as f64).min(100.0),
     }
 }
@@ -142,11 +143,20 @@ mod tests {
     }
 
     #[test]
-    fn work_that_began_before_the_window_does_not_load_beyond_its_length() {
+    fn a_cycle_that_lasts_loads_as_long_as_it_does_and_not_beyond_the_window() {
         let mut window = Window::default();
         window.look(Totals::default());
         window.look(Totals { date: 20 * SECOND, cycles: 0, busy_ns: 0 });
         let recent = window.look(Totals { date: 21 * SECOND, cycles: 1, busy_ns: 15 * SECOND });
         assert!(recent.last_load <= 100.0 && recent.load <= 100.0, "{recent:?}");
+        // Nothing ended in the last second: what it took of it is known all the same.
+        let mut window = Window::default();
+        for second in 0..20 {
+            let busy_ns = second * 850_000_000;
+            window.look(Totals { date: second * SECOND, cycles: 1, busy_ns });
+        }
+        let recent = window.look(Totals { date: 20 * SECOND, cycles: 1, busy_ns: 17 * SECOND });
+        assert!((recent.load - 85.0).abs() < 0.1 && (recent.last_load - 85.0).abs() < 0.1);
+        assert!((recent.mean_ns - 8.5e9).abs() < 1.0, "{recent:?}");
     }
 }

@@ -13,6 +13,8 @@ pub(crate) trait Calls {
     fn call(&mut self, run: &mut Run, codel: usize) -> Returned;
     /// A place of this run's marking moved, or paused where it was running.
     fn moved(&mut self, run: &Run, token: Token);
+    /// A codel yielded a state without pause.
+    fn goes_on(&mut self, _codel: usize) {}
 }
 
 /// What a pass did.
@@ -174,6 +176,7 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
                 match table.get(usize::from(event.0)).copied().unwrap_or(Transition::Bad) {
                     Transition::Go(state) if by_period => Token { state, mode: Mode::Paused },
                     Transition::Go(state) => {
+                        calls.goes_on(codel);
                         passed.again = true;
                         passed.moved = true;
                         Token { state, mode: Mode::Ready }

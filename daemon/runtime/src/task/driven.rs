@@ -55,7 +55,8 @@ impl DrivenTask {
             return false;
         }
         if tick {
-            me.figures.cycles.record(0);
+            me.figures.cycles.begins(now);
+            me.figures.cycles.ends(now);
             me.figures.lateness.record(0);
         }
         self.last = self.runner.pass(tick, now);

@@ -137,6 +137,10 @@ impl Calls for Caller<'_> {
         returned
     }
 
+    fn goes_on(&mut self, codel: usize) {
+        self.shared.tasks[self.task].figures.cycles.goes_on(codel);
+    }
+
     fn moved(&mut self, run: &Run, token: Token) {
         if self.notices.is_some() {
             let (state, paused) = (usize::from(token.state), token.mode != Mode::Ready);

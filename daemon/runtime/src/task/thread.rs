@@ -17,21 +17,26 @@ fn aperiodic(runner: &mut Runner) {
     let me = &shared.tasks[runner.task()];
     // What the last pass left: codels to go on with, and pauses that it ends.
     let mut last = Passed::default();
-    let mut began = shared.clock.now();
-    let mut now = began;
+    let cycles = &me.figures.cycles;
+    let mut now = shared.clock.now();
+    cycles.begins(now);
     while !me.quits() {
         if !last.again && !last.moved && !me.is_runnable() {
-            me.figures.cycles.record(now.saturating_sub(began));
+            cycles.ends(now);
             while !me.is_runnable() && !me.quits() {
                 std::thread::park();
             }
-            began = shared.clock.now();
-            now = began;
+            if me.quits() {
+                return;
+            }
+            now = shared.clock.now();
+            cycles.begins(now);
         }
         let runnable = me.take_runnable() || last.moved;
         last = runner.pass(runnable, now);
         now = runner.end();
     }
+    cycles.ends(now);
 }
 
 fn periodic(runner: &mut Runner, timing: Timing) {
@@ -41,9 +46,13 @@ fn periodic(runner: &mut Runner, timing: Timing) {
     let mut next = timing.after(began);
     let pace = &me.figures.overruns;
     pace.begins(timing, next);
+    let cycles = &me.figures.cycles;
     let mut tick = true;
     let mut now = began;
     while !me.quits() {
+        if tick {
+            cycles.begins(began);
+        }
         if runner.pass(tick, now).again {
             tick = false;
             now = runner.end();
@@ -51,7 +60,7 @@ fn periodic(runner: &mut Runner, timing: Timing) {
         }
         tick = true;
         let end = runner.end();
-        me.figures.cycles.record(end.saturating_sub(began));
+        cycles.ends(end);
         let at_work = end >= next;
         if at_work {
             // The tick is latched: one pass at once, no burst of those that were missed.
@@ -69,6 +78,9 @@ fn periodic(runner: &mut Runner, timing: Timing) {
         now = began;
         me.figures.lateness.record(began.saturating_sub(next));
         next = timing.after(began.max(next));
+    }
+    if !tick {
+        cycles.ends(now);
     }
     pace.ends(timing, shared.clock.now());
 }

@@ -9,6 +9,7 @@ mod constants;
 mod initializers;
 mod lexical;
 mod names;
+mod pauses;
 mod preprocessor;
 mod properties;
 mod services;
@@ -29,7 +30,7 @@ pub struct Explanation {
     pub example: &'static str,
 }
 
-const GROUPS: [&[Explanation]; 10] = [
+const GROUPS: [&[Explanation]; 11] = [
     lexical::ROWS,
     preprocessor::ROWS,
     names::ROWS,
@@ -40,6 +41,7 @@ const GROUPS: [&[Explanation]; 10] = [
     codels::ROWS,
     initializers::ROWS,
     warnings::ROWS,
+    pauses::ROWS,
 ];
 
 /// The meaning of a code, whatever its case.

@@ -1,0 +1,34 @@
+//! What is said of files that are not there, and what is not: names that they would have declared.
+
+use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
+
+/// A file or a package that cannot be read.
+const ABSENT: [&str; 4] = ["E0120", "E0121", "E0131", "E0133"];
+/// A package that is not found.
+const PACKAGE: &str = "E0131";
+/// A file that is not found.
+const FILE: &str = "E0121";
+/// A name, or an interface, that nothing declares.
+const UNKNOWN: [&str; 2] = ["E0206", "E0402"];
+
+/// One mistake, one message: without a file, what it would declare is unknown, and without a
+/// package its files are not found. How much is left out for that is said.
+pub(crate) fn leave_out(preprocess: &mut Diagnostics, rest: &mut Diagnostics) {
+    let is_error = |one: &Diagnostic| one.severity == Severity::Error;
+    if preprocess.iter().any(|one| one.code == PACKAGE) {
+        preprocess.retain(|one| one.code != FILE);
+    }
+    let absent = |one: &&mut Diagnostic| is_error(one) && ABSENT.contains(&one.code);
+    let Some(first) = preprocess.iter_mut().find(absent) else { return };
+    let before = rest.found();
+    rest.retain(|one| !UNKNOWN.contains(&one.code));
+    let left_out = match before - rest.found() {
+        0 => return,
+        1 => "1 error about a name that is unknown without it is left out".to_owned(),
+        many => format!("{many} errors about names that are unknown without it are left out"),
+    };
+    first.help = Some(match first.help.take() {
+        Some(help) => format!("{help}; {left_out}"),
+        None => left_out,
+    });
+}

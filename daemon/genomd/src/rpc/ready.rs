@@ -1,0 +1,84 @@
+//! Whether the daemon has loaded what it was started with.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use serde::{Deserialize, Serialize};
+use utoipa::{IntoParams, ToSchema};
+
+use crate::daemon::Daemon;
+use crate::rpc::error::RpcError;
+use crate::rpc::input::Parameters;
+
+/// Longest time one request is held, in seconds.
+const LONGEST_WAIT: f64 = 3600.0;
+
+/// `?wait=SECONDS&deployed=true`
+#[derive(Debug, Default, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct ReadyParameters {
+    /// Answer when it is so, or after so many seconds.
+    #[param(minimum = 0)]
+    wait: Option<f64>,
+    /// Ready is it only with the connections, calls and activities of its configuration made.
+    deployed: Option<bool>,
+}
+
+/// The daemon is ready.
+#[derive(Debug, Serialize, ToSchema)]
+pub(crate) struct Ready {
+    ready: bool,
+    /// Whether connections, calls and activities of its configuration are made, too.
+    deployed: bool,
+}
+
+/// Tell whether the daemon has loaded what it was started with.
+///
+/// 200 when it has; 503 with code `not_ready` as long as it has not, and `stopping` when it stops.
+/// Components that are loaded later by request do not count: their request answers when they run.
+#[utoipa::path(
+    get,
+    path = "/ready",
+    tag = "daemon",
+    security(("token" = ["read"])),
+    params(ReadyParameters),
+    responses((status = 200, body = Ready), (status = 422), (status = 503))
+)]
+pub(crate) async fn ready(
+    State(daemon): State<Arc<Daemon>>,
+    Parameters(parameters): Parameters<ReadyParameters>,
+) -> Result<Json<Ready>, RpcError> {
+    let startup = &daemon.startup;
+    let wanted = if parameters.deployed == Some(true) { &startup.deployed } else { &startup.ready };
+    if let Some(seconds) = parameters.wait {
+        let wait = Duration::try_from_secs_f64(seconds.min(LONGEST_WAIT)).map_err(|_| {
+            RpcError::bad_input(format!("wait: {seconds} is no number of seconds")).place("wait")
+        })?;
+        tokio::select! {
+            () = wanted.raised() => {}
+            () = daemon.asked_to_stop() => {}
+            () = tokio::time::sleep(wait) => {}
+        }
+    }
+    if daemon.stopping() {
+        return Err(unavailable("stopping", "the daemon stops".to_owned()));
+    }
+    if wanted.is_up() {
+        return Ok(Json(Ready { ready: true, deployed: startup.deployed.is_up() }));
+    }
+    let message = match &startup.to_load()[..] {
+        [] if startup.ready.is_up() => "connections are being made".to_owned(),
+        [] => "the daemon starts".to_owned(),
+        [now] => format!("{now} is being loaded"),
+        [now, next @ ..] => format!("{now} is being loaded, then {}", next.join(", ")),
+    };
+    Err(unavailable("not_ready", message).help("`genomctl wait-ready` waits until it is"))
+}
+
+fn unavailable(code: &'static str, message: String) -> RpcError {
+    RpcError::new(StatusCode::SERVICE_UNAVAILABLE, code, message)
+}

@@ -1,0 +1,141 @@
+//! What the daemon does on signals: stop, at once when told again, and read the tokens anew.
+
+use std::fs::File;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::signal::unix::{Signal, SignalKind, signal};
+
+use crate::daemon::Daemon;
+use crate::rpc::tokens::Tokens;
+
+/// Another signal within this time is the same wish told twice, as by a terminal and a supervisor.
+const SAME: Duration = Duration::from_secs(1);
+
+/// The signals that the daemon handles. They are taken before anything else is done: from then on
+/// none of them ends the process by itself.
+pub(crate) struct Signals {
+    interrupt: Signal,
+    terminate: Signal,
+    hang_up: Signal,
+    terminal: Terminal,
+    /// Whether to go on without the terminal.
+    keep: bool,
+}
+
+impl Signals {
+    /// Takes the signals; with `keep`, the end of the terminal does not stop the daemon.
+    pub(crate) fn take(keep: bool) -> std::io::Result<Self> {
+        // As `nohup` wants it.
+        let keep = keep || ignores_hang_up();
+        Ok(Self {
+            interrupt: signal(SignalKind::interrupt())?,
+            terminate: signal(SignalKind::terminate())?,
+            hang_up: signal(SignalKind::hangup())?,
+            terminal: Terminal::of_process(),
+            keep,
+        })
+    }
+
+    /// Does what signals ask for, until the process ends. A signal to stop that comes a second or
+    /// more after the daemon was asked to stop ends it at once: somebody is tired of waiting.
+    pub(crate) async fn obey(mut self, daemon: Arc<Daemon>, tokens: Arc<Tokens>) {
+        loop {
+            let name = tokio::select! {
+                _ = self.interrupt.recv() => Some("SIGINT"),
+                _ = self.terminate.recv() => Some("SIGTERM"),
+                _ = self.hang_up.recv() => self.hung_up(&tokens),
+            };
+            if let Some(name) = name {
+                stop(&daemon, name);
+            }
+        }
+    }
+
+    /// SIGHUP has two meanings: the terminal is gone, or somebody sent it.
+    fn hung_up(&mut self, tokens: &Tokens) -> Option<&'static str> {
+        let ended = self.terminal.has_ended();
+        match (ended, self.keep) {
+            (true, false) => Some("the terminal was closed"),
+            (true, true) => {
+                tracing::info!("the terminal was closed: genomd goes on");
+                None
+            }
+            (false, _) if tokens.has_file() => {
+                if let Some(by) = genom_host::raised_to_stop() {
+                    tracing::warn!("{by}: the tokens are read again");
+                }
+                if let Err(error) = tokens.read_again() {
+                    tracing::error!("the tokens are those of before: {error}");
+                }
+                None
+            }
+            (false, true) => {
+                tracing::info!("SIGHUP is without effect: genomd was started to go on");
+                None
+            }
+            (false, false) => Some("SIGHUP"),
+        }
+    }
+}
+
+fn stop(daemon: &Daemon, why: &str) {
+    match daemon.stopping_for() {
+        None => daemon.ask_to_stop(why),
+        Some(time) if time >= SAME => {
+            daemon.forced.raise();
+        }
+        Some(_) => tracing::info!(
+            "{why} while stopping: components have their time; another signal a second after the \
+             first ends genomd at once, whatever codels are at"
+        ),
+    }
+}
+
+/// The terminal that the process was started on.
+struct Terminal {
+    there: bool,
+}
+
+impl Terminal {
+    fn of_process() -> Self {
+        Self { there: is_there() }
+    }
+
+    /// Whether there was one that is gone now; told once.
+    fn has_ended(&mut self) -> bool {
+        let ended = self.there && !is_there();
+        self.there &= !ended;
+        ended
+    }
+}
+
+/// The kernel takes a terminal from its processes before it sends them SIGHUP.
+fn is_there() -> bool {
+    File::open("/dev/tty").is_ok()
+}
+
+/// Whether the process was started with SIGHUP ignored.
+fn ignores_hang_up() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    ignored(&status).is_some_and(|signals| signals & 1 != 0)
+}
+
+/// The signals that a process ignores, one bit each, the first for SIGHUP: of its `status`.
+fn ignored(status: &str) -> Option<u64> {
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+    u64::from_str_radix(mask.trim(), 16).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ignored_signals_are_read_from_the_status_of_a_process() {
+        let status = |mask: &str| format!("Name:\tx\nSigBlk:\t01\nSigIgn:\t{mask}\nSigCgt:\t00\n");
+        assert_eq!(ignored(&status("0000000000001001")), Some(0x1001));
+        assert_eq!(ignored(&status("0000000000001000")).map(|bits| bits & 1), Some(0));
+        assert_eq!(ignored("Name:\tx\n"), None);
+    }
+}

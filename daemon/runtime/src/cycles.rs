@@ -1,0 +1,215 @@
+//! Cycles of a task, from a tick or from waking up until there is nothing left to do, told at any
+//! moment: also while one lasts, as of an activity that never pauses.
+//!
+//! The task writes, by a few stores a cycle; who reads does so again while it is in the middle of
+//! them.
+
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering, fence};
+use std::time::Duration;
+
+use crate::statistics::{Durations, Histogram};
+
+/// Instead of the date of a cycle: none lasts.
+const NONE: u64 = u64::MAX;
+/// How often a reader looks again, for a task that was put aside in the middle of its stores.
+const TRIES: usize = 4000;
+/// Looks without rest between them.
+const AT_ONCE: usize = 100;
+/// Between two later ones.
+const REST: Duration = Duration::from_micros(50);
+
+/// What a task did, and the cycle that lasts.
+#[derive(Debug)]
+pub(crate) struct Cycles {
+    /// Odd while the task changes what follows.
+    version: AtomicU64,
+    over: Histogram,
+    began: AtomicU64,
+    /// Times a codel of the cycle yielded a state without pause.
+    steps: AtomicU64,
+    /// The codel that did so last.
+    codel: AtomicU32,
+}
+
+/// A cycle that lasts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Lasting {
+    /// When it began.
+    pub(crate) began: u64,
+    /// How long ago that was.
+    pub(crate) for_ns: u64,
+    /// Times a codel yielded a state without pause.
+    pub(crate) steps: u64,
+    /// The codel that did so last.
+    pub(crate) codel: usize,
+}
+
+/// What was done until a moment, the cycle that lasts included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Done {
+    pub(crate) cycles: u64,
+    pub(crate) busy_ns: u64,
+}
+
+impl Default for Cycles {
+    fn default() -> Self {
+        Self {
+            version: AtomicU64::new(0),
+            over: Histogram::default(),
+            began: AtomicU64::new(NONE),
+            steps: AtomicU64::new(0),
+            codel: AtomicU32::new(0),
+        }
+    }
+}
+
+impl Cycles {
+    /// A cycle begins at this date.
+    #[inline]
+    pub(crate) fn begins(&self, date: u64) {
+        self.change(|| {
+            self.began.store(date, Ordering::Relaxed);
+            self.steps.store(0, Ordering::Relaxed);
+        });
+    }
+
+    /// It ends at this date.
+    #[inline]
+    pub(crate) fn ends(&self, date: u64) {
+        self.change(|| {
+            let began = self.began.load(Ordering::Relaxed);
+            self.began.store(NONE, Ordering::Relaxed);
+            if began != NONE {
+                self.over.record(date.saturating_sub(began));
+            }
+        });
+    }
+
+    /// A codel of it yielded a state without pause.
+    #[inline]
+    pub(crate) fn goes_on(&self, codel: usize) {
+        self.codel.store(u32::try_from(codel).unwrap_or(u32::MAX), Ordering::Relaxed);
+        self.steps.store(self.steps.load(Ordering::Relaxed) + 1, Ordering::Relaxed);
+    }
+
+    fn change(&self, work: impl FnOnce()) {
+        let version = self.version.load(Ordering::Relaxed);
+        self.version.store(version.wrapping_add(1), Ordering::Relaxed);
+        fence(Ordering::Release);
+        work();
+        self.version.store(version.wrapping_add(2), Ordering::Release);
+    }
+
+    fn consistent<T>(&self, mut read: impl FnMut() -> T) -> T {
+        for tried in 0..TRIES {
+            let before = self.version.load(Ordering::Acquire);
+            let found = read();
+            fence(Ordering::Acquire);
+            if before.is_multiple_of(2) && before == self.version.load(Ordering::Relaxed) {
+                return found;
+            }
+            match tried {
+                0..AT_ONCE => std::hint::spin_loop(),
+                _ => std::thread::park_timeout(REST),
+            }
+        }
+        read()
+    }
+
+    /// The cycle that lasts at this date, if one does.
+    pub(crate) fn lasting(&self, now: u64) -> Option<Lasting> {
+        self.consistent(|| {
+            let began = self.began.load(Ordering::Relaxed);
+            (began != NONE).then(|| Lasting {
+                began,
+                for_ns: now.saturating_sub(began),
+                steps: self.steps.load(Ordering::Relaxed),
+                codel: self.codel.load(Ordering::Relaxed) as usize,
+            })
+        })
+    }
+
+    /// How many cycles there were until this date, and how long they took.
+    pub(crate) fn done(&self, now: u64) -> Done {
+        self.consistent(|| {
+            let (cycles, busy_ns) = self.over.totals();
+            match self.began.load(Ordering::Relaxed) {
+                NONE => Done { cycles, busy_ns },
+                began => Done {
+                    cycles: cycles + 1,
+                    busy_ns: busy_ns.saturating_add(now.saturating_sub(began)),
+                },
+            }
+        })
+    }
+
+    /// Figures at this date. Quantiles and the last cycle are of those that are over, if any are.
+    pub(crate) fn read(&self, now: u64) -> Durations {
+        let (mut figures, done, lasting) =
+            self.consistent(|| (self.over.read(), self.done(now), self.lasting(now)));
+        let Some(Lasting { for_ns, .. }) = lasting else { return figures };
+        if figures.count == 0 {
+            figures.last_ns = for_ns;
+            figures.p50_ns = for_ns;
+            figures.p99_ns = for_ns;
+        }
+        figures.count = done.cycles;
+        figures.mean_ns = done.busy_ns.checked_div(done.cycles).unwrap_or_default();
+        figures.max_ns = figures.max_ns.max(for_ns);
+        figures
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn a_cycle_counts_from_its_begin_and_only_once() {
+        let cycles = Cycles::default();
+        assert_eq!(cycles.read(50), Durations::default());
+        cycles.begins(100);
+        assert_eq!(cycles.done(130), Done { cycles: 1, busy_ns: 30 });
+        let figures = cycles.read(130);
+        assert_eq!(
+            (figures.count, figures.mean_ns, figures.max_ns, figures.p50_ns),
+            (1, 30, 30, 30)
+        );
+        cycles.goes_on(7);
+        cycles.goes_on(8);
+        let lasting = cycles.lasting(140).unwrap();
+        assert_eq!((lasting.for_ns, lasting.steps, lasting.codel), (40, 2, 8));
+        cycles.ends(150);
+        assert_eq!(cycles.done(990), Done { cycles: 1, busy_ns: 50 });
+        assert_eq!(cycles.lasting(990), None);
+        cycles.begins(1000);
+        assert_eq!(cycles.lasting(1000).unwrap().steps, 0);
+        let figures = cycles.read(1010);
+        assert_eq!((figures.count, figures.mean_ns), (2, 30));
+        assert_eq!((figures.last_ns, figures.max_ns), (50, 50));
+    }
+
+    #[test]
+    fn whoever_reads_beside_the_task_never_sees_time_go_back() {
+        let (cycles, over) = (Cycles::default(), AtomicBool::new(false));
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                for date in 0..200_000 {
+                    cycles.begins(date * 10);
+                    cycles.ends(date * 10 + 10);
+                }
+                over.store(true, Ordering::Release);
+            });
+            let mut last = Done::default();
+            while !over.load(Ordering::Acquire) {
+                // A date that no cycle has reached adds nothing of its own.
+                let done = cycles.done(0);
+                assert!(done.cycles >= last.cycles && done.busy_ns >= last.busy_ns, "{done:?}");
+                assert!(done.busy_ns.abs_diff(done.cycles * 10) <= 10, "{done:?}");
+                last = done;
+            }
+        });
+        assert_eq!(cycles.done(0), Done { cycles: 200_000, busy_ns: 2_000_000 });
+    }
+}
