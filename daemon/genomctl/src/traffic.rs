@@ -126,10 +126,13 @@ impl Watch {
         let mut ticks = tokio::time::interval(window);
         ticks.tick().await;
         let mut before = Reading::take(session, port).await?;
+        // One for all: a Ctrl-C that comes between two looks counts, too.
+        let interrupted = tokio::signal::ctrl_c();
+        tokio::pin!(interrupted);
         for _ in 0..self.count.unwrap_or(u64::MAX) {
             tokio::select! {
                 _ = ticks.tick() => {}
-                _ = tokio::signal::ctrl_c() => return Ok(()),
+                _ = &mut interrupted => return Ok(()),
             }
             let now = Reading::take(session, port).await?;
             show(&now.since(&before))?;

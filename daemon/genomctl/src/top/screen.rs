@@ -36,8 +36,11 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
     // What came of the last wish to stop.
     let mut told = String::new();
     let outcome = loop {
-        let keys = if paused { "paused; p goes on" } else { "p pauses" };
-        let help = format!("{told}s stops all activities, {keys}, q quits, arrows");
+        let keys = match paused {
+            true => "paused: p goes on; s stops all activities, q quits, arrows",
+            false => "s stops all activities, p pauses, q quits, arrows",
+        };
+        let help = format!("{told}{keys}");
         let drawn = terminal.draw(|frame| draw(frame, &now, before.as_ref(), scroll, &help));
         if let Err(error) = drawn {
             break Err(Failure::Io(error));

@@ -48,10 +48,13 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         tell_absent(session, &args.port, port, element).await?;
     }
     let mut left = args.count.unwrap_or(u64::MAX);
+    // One for all: a Ctrl-C that comes between two events counts, too.
+    let interrupted = tokio::signal::ctrl_c();
+    tokio::pin!(interrupted);
     while left > 0 {
         let event = tokio::select! {
             event = events.next() => event?,
-            _ = tokio::signal::ctrl_c() => return Ok(()),
+            _ = &mut interrupted => return Ok(()),
         };
         let Some(event) = event else { return Err(session.client.lost()) };
         match event.kind.as_str() {

@@ -23,10 +23,13 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut left = args.count.unwrap_or(u64::MAX);
     // Number of the last event, when the stream may be resumed after it.
     let mut last = None;
+    // One for all: a Ctrl-C that comes between two events counts, too.
+    let interrupted = tokio::signal::ctrl_c();
+    tokio::pin!(interrupted);
     while left > 0 {
         let event = tokio::select! {
             event = events.next() => event?,
-            _ = tokio::signal::ctrl_c() => return Ok(()),
+            _ = &mut interrupted => return Ok(()),
         };
         let Some(event) = event else {
             // The daemon gives up readers that stand still: whoever comes back hears the rest.

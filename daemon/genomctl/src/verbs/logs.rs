@@ -83,10 +83,13 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         query.push_str("&last=1024");
     }
     let mut stream = session.client.stream(&format!("/logs/stream{query}")).await?;
+    // One for all: a Ctrl-C that comes between two events counts, too.
+    let interrupted = tokio::signal::ctrl_c();
+    tokio::pin!(interrupted);
     loop {
         let event = tokio::select! {
             event = stream.next() => event?,
-            _ = tokio::signal::ctrl_c() => return Ok(()),
+            _ = &mut interrupted => return Ok(()),
         };
         let Some(event) = event else { return Err(session.client.lost()) };
         if session.json {
