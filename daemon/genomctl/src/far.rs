@@ -145,10 +145,12 @@ impl Far {
             let more = Question::More(stream);
             let (answer, piece) = match self.ask(&more, &[], false).await {
                 Ok(more) => more,
-                Err(failure) => {
+                // The daemon in between hangs; should the other one be gone, the stream ends.
+                Err(failure @ Failure::Silent { .. }) => {
                     let _ = reader.send(Err(failure)).await;
                     return;
                 }
+                Err(_) => return,
             };
             let gone = !piece.is_empty() && reader.send(Ok(piece.into())).await.is_err();
             if answer.stream.is_none() {

@@ -3,7 +3,7 @@
 
 use std::future::Future;
 use std::pin::pin;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use http_body_util::Empty;
@@ -11,7 +11,9 @@ use hyper::body::Bytes;
 use hyper::client::conn::http1;
 use hyper::{Request, header};
 use hyper_util::rt::TokioIo;
-use tokio::time::timeout;
+use tokio::sync::watch;
+use tokio::task::AbortHandle;
+use tokio::time::{Instant, sleep_until, timeout};
 
 use crate::failure::Failure;
 use crate::target::Target;
@@ -37,22 +39,66 @@ pub(crate) async fn patiently<T, A: Future<Output = Result<(), Failure>>>(
     }
 }
 
-/// A daemon that is asked something, and the process behind its socket as far as it is known.
+/// Watches a daemon that is to say something, for as long as it lives. It stands apart from those
+/// who wait, who may begin to wait anew at any time, as a recorder does each second.
 #[derive(Debug)]
 pub(crate) struct Watch {
     target: Arc<Target>,
+    /// The process behind its socket, as far as it is known.
     process: Option<i32>,
+    /// When it last said something.
+    heard: Arc<Mutex<Instant>>,
+    /// Turns true when it answers nobody.
+    silent: watch::Receiver<bool>,
+    guard: AbortHandle,
 }
 
 impl Watch {
     pub(crate) fn new(target: &Arc<Target>, process: Option<i32>) -> Self {
-        Self { target: Arc::clone(target), process }
+        let heard = Arc::new(Mutex::new(Instant::now()));
+        let (tell, silent) = watch::channel(false);
+        let guard = tokio::spawn(guard(Arc::clone(target), Arc::clone(&heard), tell));
+        let guard = guard.abort_handle();
+        Self { target: Arc::clone(target), process, heard, silent, guard }
     }
 
     /// Waits for something of the daemon while it answers.
     pub(crate) async fn over<T>(&self, waiting: impl Future<Output = T>) -> Result<T, Failure> {
-        let target = &*self.target;
-        patiently(target.limit, waiting, || answers(target), || target.silent(self.process)).await
+        let mut silent = self.silent.clone();
+        tokio::select! {
+            biased;
+            done = waiting => {
+                *self.heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+                Ok(done)
+            }
+            Ok(_) = silent.wait_for(|silent| *silent) => Err(self.target.silent(self.process)),
+        }
+    }
+}
+
+impl Drop for Watch {
+    fn drop(&mut self) {
+        self.guard.abort();
+    }
+}
+
+/// Looks after a daemon until it answers nobody.
+async fn guard(target: Arc<Target>, heard: Arc<Mutex<Instant>>, tell: watch::Sender<bool>) {
+    let last = || *heard.lock().unwrap_or_else(PoisonError::into_inner);
+    loop {
+        let before = last();
+        sleep_until(before + target.limit / 2).await;
+        if last() != before {
+            continue;
+        }
+        match timeout(target.limit / 2, answers(&target)).await {
+            Err(_) | Ok(Err(Failure::Silent { .. })) if last() == before => {
+                let _ = tell.send(true);
+                return;
+            }
+            // It is gone, and who waits is told so; or it answers.
+            _ => *heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now(),
+        }
     }
 }
 

@@ -48,7 +48,10 @@ fn a_remote_in_a_file_is_planned_connected_dumped_and_connected_again() {
     let dumped = daemon.ctl(&["dump"]).out;
     let fresh = Daemon::start(&[]);
     fresh.ctl(&["apply", &write(&fresh, &dumped)]).expect_code(0);
-    assert_eq!((fresh.ctl(&["dump"]).out, sum(&fresh)), (dumped, "sum = 42\n".to_owned()));
+    // But for the options of its own middlewares.
+    let runs = |dump: &str| dump[dump.find("[[component]]").unwrap()..].to_owned();
+    assert_eq!(runs(&fresh.ctl(&["dump"]).out), runs(&dumped));
+    assert_eq!(sum(&fresh), "sum = 42\n");
 
     // The caller goes and comes back: it is connected without a command.
     daemon.ctl(&["unload", "caller"]).expect_code(0);
