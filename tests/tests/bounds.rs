@@ -146,6 +146,8 @@ fn long_texts_end() {
     let macros = repeat(200_000, |n| format!("#define m{n}\n"));
     refused(&macros, "macros hold more than 1048576 tokens in all [E0133]");
     refused(&" ".repeat(17 << 20), "it is larger than 16 MiB [E0133]");
+    let exceptions = repeat(300_000, |n| format!("e{n}, "));
+    refused(&format!("exception {exceptions} last;\n"), "[E0408]");
     let deep = |n: usize| format!("module {}{n} {{\n", "m".repeat(1000));
     let types = repeat(20_000, |n| format!("typedef long t{n};\n"));
     refused(&format!("{}{types}{}", repeat(90, deep), "};\n".repeat(90)), "[E0408]");

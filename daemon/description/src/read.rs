@@ -115,6 +115,9 @@ impl Parsed {
             let span = Span { file, ..Span::default() };
             sources.include_chain(span).last().map_or(file, |outermost| outermost.file)
         };
+        // Of a text that could not be read whole nothing is said but why.
+        let stopped = diagnostics.stopped;
+        let tree = if stopped { Tree { statements: Vec::new(), lost: tree.lost } } else { tree };
         let (specification, mut semantics) = check(tree, standard, &root_of);
         let mut rest = syntax;
         if rest.errors() > 0 {
@@ -122,8 +125,7 @@ impl Parsed {
             semantics.retain(|said| !said.code.starts_with("W09"));
         }
         rest.append(semantics);
-        if diagnostics.stopped {
-            // What seems wrong or missing may only be cut off.
+        if stopped {
             rest = Diagnostics::default();
         }
         leave_out(&mut diagnostics, &mut rest);

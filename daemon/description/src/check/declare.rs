@@ -31,7 +31,14 @@ impl Checker {
                 let full = self.scopes.full_name(self.scope).join(&name.text);
                 self.declare_type(name, Kind::Native { name: full });
             }
-            Idl::Exceptions(list) => list.iter().for_each(|dcl| self.exception(dcl)),
+            Idl::Exceptions(list) => {
+                for dcl in list {
+                    if self.taken.full {
+                        break;
+                    }
+                    self.exception(dcl);
+                }
+            }
             Idl::Constructed(constructed) => _ = self.constructed(constructed),
             Idl::Forward { union, name } => self.forward(*union, name),
             Idl::Pragma(pragma, span) => self.pragma(pragma, *span),

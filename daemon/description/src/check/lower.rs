@@ -57,18 +57,23 @@ impl Checker {
                 components.extend(self.lower_component(id, &mut made));
             }
         }
+        let types = Arc::new(std::mem::take(&mut self.types));
         for component in &components {
             self.check_async(component);
+            if self.diagnostics.errors() == 0 {
+                self.check_layouts(&types, component);
+            }
             self.warn(component);
             self.warn_unpaused(component);
         }
         let specification = Specification {
-            types: Arc::new(self.types),
-            constants: self.constants,
+            types,
+            constants: std::mem::take(&mut self.constants),
             interfaces,
             components,
-            masquerades: self.masquerades,
+            masquerades: std::mem::take(&mut self.masquerades),
         };
+        self.warn_names(&specification);
         (specification, self.diagnostics)
     }
 
@@ -425,6 +430,7 @@ fn lower_port(name: &str, port: &state::Port) -> Port {
         name: name.to_string(),
         direction: if port.out { PortDirection::Out } else { PortDirection::In },
         multiple: port.multiple,
+        interface: port.interface.as_ref().map(ToString::to_string),
         ty: port.ty,
         doc: joined(&port.docs),
         span: port.span,

@@ -143,7 +143,8 @@ impl Checker {
             return;
         }
         let out = port.out != flip;
-        self.add_port(id, &name, Port { out, ..port });
+        let interface = port.interface.filter(|_| !flip);
+        self.add_port(id, &name, Port { out, interface, ..port });
     }
 
     fn add_remote(&mut self, id: BodyId, name: &Name, remote: Remote) {

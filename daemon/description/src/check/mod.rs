@@ -14,6 +14,7 @@ mod exclusion;
 mod initial;
 mod lower;
 mod machine;
+mod mapping;
 mod merge;
 mod papers;
 mod pauses;

@@ -66,7 +66,9 @@ impl Checker {
         if matches!(self.types.kind(ty), Kind::Forward { .. }) {
             return;
         }
-        let port = Port { out: dcl.out, multiple: dcl.multiple, ty, docs, span: name.span };
+        let interface = self.bodies[id].interface.then(|| self.bodies[id].name.clone());
+        let (out, multiple, span) = (dcl.out, dcl.multiple, name.span);
+        let port = Port { out, multiple, interface, ty, docs, span };
         self.add_port(id, name, port);
     }
 

@@ -17,6 +17,8 @@ const ROOM: usize = 128 << 20;
 
 /// A component or interface with its scopes, states and tables, and nothing in them.
 pub(super) const BODY: usize = 4096;
+/// A scope of names with nothing in it.
+pub(super) const SCOPE: usize = 384;
 /// A text, list or table besides what it holds.
 const HEAP: usize = 32;
 

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use genom_types::{ScopedName, TypeId};
 
 use super::Checker;
+use super::room;
 use crate::diagnostic::Diagnostic;
 use crate::model::Span;
 use crate::syntax::{Name, Path};
@@ -264,11 +265,13 @@ impl Checker {
             self.clash_with_type(name, span);
             return None;
         }
+        self.reserve(room::SCOPE, name.span);
         Some(self.scopes.add_child(self.scope, name, ScopeKind::Module))
     }
 
     /// A scope for a struct, union or exception; not reachable by name if the name is refused.
     pub(super) fn open_record(&mut self, name: &Name) -> (ScopeId, bool) {
+        self.reserve(room::SCOPE, name.span);
         let own = self.scopes.own_name(self.scope) == Some(&*name.text);
         if own {
             let span = self.scopes.all[self.scope].span;

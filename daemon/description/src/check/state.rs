@@ -68,6 +68,8 @@ pub(super) struct Task {
 pub(super) struct Port {
     pub(super) out: bool,
     pub(super) multiple: bool,
+    /// The interface that it was provided by as it is.
+    pub(super) interface: Option<Rc<str>>,
     pub(super) ty: TypeId,
     pub(super) docs: Vec<String>,
     pub(super) span: Span,

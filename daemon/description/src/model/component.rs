@@ -153,6 +153,9 @@ pub struct Port {
     pub direction: PortDirection,
     /// `port multiple`: a set of elements opened by id at run time.
     pub multiple: bool,
+    /// The interface that it comes from, unless `uses` turned it round: some headers of GenoM3
+    /// name its handle after that.
+    pub interface: Option<String>,
     /// Type of the data.
     pub ty: TypeId,
     /// `doc`.

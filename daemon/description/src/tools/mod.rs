@@ -3,7 +3,7 @@
 mod describe;
 mod fmt;
 mod graph;
-mod header;
+pub(crate) mod header;
 mod schema;
 
 pub use describe::{describe, describe_text};

@@ -44,6 +44,47 @@ rules! {
 }
 
 #[test]
+fn what_has_no_place_in_memory_is_refused() {
+    for text in [
+        "component c { ids { c::ids x; }; };",
+        "struct s; struct s { sequence<s, 4> x; }; component c { ids { s y; }; };",
+        "struct s; struct s { sequence<s, 4> x; }; component c { function f(in s y); };",
+        "typedef octet a[65536]; typedef a b[65536]; component c { port out b p; task t {
+         codel<start> x(out p) yield ether; }; };",
+        "struct s { octet a[65536][65536]; }; component c { function f() { local s x; codel g(local in x); }; };",
+    ] {
+        let analysis = crate::analyse(text);
+        let codes: Vec<_> = analysis.diagnostics.iter().map(|said| said.code).collect();
+        assert_eq!(codes, ["E0216"], "{text}");
+    }
+    // Recursion through sequences without bound is fine, as is what no component holds.
+    accepted("struct s; struct s { sequence<s> x; }; component c { ids { s y; }; };");
+    accepted("struct s { octet a[65536][65536]; };");
+}
+
+#[test]
+fn names_that_c_has_otherwise_are_told() {
+    use crate::warned;
+    warned("W0908", "struct s { long errno; };");
+    warned("W0908", "component c { ids { struct s { double register; } x; }; };");
+    warned("W0908", "module m { union u switch (long) { case 1: long class; }; };");
+    warned("W0908", "typedef long new;");
+    accepted("module m { typedef long int; }; component c { function f(in long new); };");
+    warned(
+        "W0909",
+        "module a { struct b_c { long x; }; }; module a_b { struct c { double y; }; };",
+    );
+    warned("W0909", "module m { enum e { RED }; }; const long m_RED = 3;");
+    warned("W0909", "struct c_start { long x; }; component c;");
+    warned(
+        "W0909",
+        "struct c_p { long x; }; component c { port out c_p p; task t {
+         codel<start> x(out p) yield ether; }; };",
+    );
+    accepted("module a { struct b { long x; }; }; module b { struct a { long x; }; };");
+}
+
+#[test]
 fn n2_a_member_may_bear_the_name_of_its_struct() {
     accepted("struct s { long s; }; struct t { struct u { long x; } u2; };");
 }

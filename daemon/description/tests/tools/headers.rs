@@ -241,6 +241,47 @@ fn the_papers_codels_have_their_prototypes() {
     assert!(text.contains("GENOM_EVENT(demo_main, \"::demo::main\");"), "{text}");
 }
 
+/// Prototypes made by GenoM3 2.99.41 name the interface, older ones the component.
+#[test]
+fn ports_of_interfaces_have_the_names_of_both() {
+    let dir = tempfile::tempdir().unwrap();
+    let text = "interface camera { struct image { long width; }; port out image frame;
+         port in image mask; };
+         component eye { provides camera; task main { period 10 ms;
+         codel<start> eye_look(port in mask, port out frame) yield ether; }; };
+         component show { uses camera; task main { period 10 ms;
+         codel<start> show_it(port in frame, port out mask) yield ether; }; };";
+    let analysis = genom_description::read_text("x.gen", text, &Default::default());
+    assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
+    write_header(&analysis, Language::C, dir.path(), "h.h");
+    let source = dir.path().join("x.c");
+    let codel = "#include \"h.h\"
+        genom_event eye_look(const camera_mask *mask, const camera_frame *frame,
+          const genom_context self)
+        { mask->read(self); return frame->write(self); }
+        genom_event show_it(const show_frame *frame, const show_mask *mask, const genom_context self)
+        { frame->read(self); return mask->write(self); }
+        const eye_frame *same(const camera_frame *frame) { return frame; }
+        int main(void) { return 0; }\n";
+    std::fs::write(&source, codel).unwrap();
+    compile(gcc("gcc", "-std=gnu11", dir.path()).arg("-fsyntax-only").arg(&source), "C");
+    compile(
+        gcc("g++", "-std=c++17", dir.path()).args(["-fsyntax-only", "-x", "c++"]).arg(&source),
+        "C++",
+    );
+}
+
+#[test]
+fn two_types_with_one_name_in_c_are_refused() {
+    let text = "module a { struct b_c { long x; }; }; module a_b { struct c { double y; }; };";
+    let analysis = genom_description::read_text("x.gen", text, &Default::default());
+    let refused = header(&analysis.specification, None, Language::C).unwrap_err().to_string();
+    assert_eq!(
+        refused,
+        "`::a::b_c` and `::a_b::c` have one name in C, `a_b_c`: rename one of them"
+    );
+}
+
 #[test]
 fn an_unknown_component_is_refused_with_those_there_are() {
     let analysis = accepted(&path("tests/tools/rich.gen"));

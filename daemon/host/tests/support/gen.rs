@@ -115,6 +115,7 @@ impl Gen {
             name: name.into(),
             direction,
             multiple,
+            interface: None,
             ty,
             doc: None,
             span: Span::default(),

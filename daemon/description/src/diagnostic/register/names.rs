@@ -97,4 +97,12 @@ pub(super) const ROWS: &[Explanation] = &[
         "Enumerators live in the scope around their enum, not inside it.",
         "enum a { RED };\nenum b { RED };",
     ),
+    row(
+        "E0216",
+        "5.2",
+        "a type of a component has no place in memory",
+        "It contains itself by value, or is larger than 1 GiB: no daemon could load the component. \
+         Use an unbounded sequence.",
+        "component demo { ids { demo::ids again; }; };",
+    ),
 ];

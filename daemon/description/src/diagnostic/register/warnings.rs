@@ -116,4 +116,20 @@ pub(super) const ROWS: &[Explanation] = &[
         "struct gains { double p, d; };\ncomponent demo { function set(in gains g = { .p = 1, \
          .p = 2 }); };",
     ),
+    row(
+        "W0908",
+        "5.1",
+        "a name is a word of C or C++",
+        "Keywords and macros such as `errno` name nothing else in C: the header that codels are \
+         compiled against does not compile. GenoM3 has the same header.",
+        "struct state { long errno; };",
+    ),
+    row(
+        "W0909",
+        "5.1",
+        "two names become one in C",
+        "Scopes are joined by `_`: `a::b_c` and `a_b::c` are both `a_b_c`. GenoM3 drops the second \
+         in silence; `genomctl header` refuses.",
+        "module a { struct b_c { long x; }; };\nmodule a_b { struct c { double y; }; };",
+    ),
 ];

@@ -173,6 +173,8 @@ impl Cutter<'_> {
                 _ => {}
             }
         }
+        // Never closed: the blanks at the end of the text are not part of it.
+        self.at = self.text.get(..self.at).unwrap_or_default().trim_end().len();
     }
 
     /// Passes over one line, with what joins it to the next; its directive, if it is one.

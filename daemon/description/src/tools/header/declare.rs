@@ -71,12 +71,19 @@ pub(super) fn data_method(types: &TypeTable, id: TypeId, arguments: &str) -> Str
 
 /// A name that a prototype may use: words of C and C++ get a final `_`, and so does `self`.
 pub(super) fn argument(name: &str) -> String {
+    if is_taken(name) || name == "self" { format!("{name}_") } else { name.to_owned() }
+}
+
+/// Whether C or C++ has a word otherwise: a keyword, or a macro of the headers that codels use.
+pub(crate) fn is_taken(name: &str) -> bool {
     const TAKEN: &[&str] = &[
+        "NULL",
         "alignas",
         "alignof",
         "and",
         "and_eq",
         "asm",
+        "assert",
         "auto",
         "bitand",
         "bitor",
@@ -97,6 +104,7 @@ pub(super) fn argument(name: &str) -> String {
         "double",
         "else",
         "enum",
+        "errno",
         "explicit",
         "export",
         "extern",
@@ -127,11 +135,13 @@ pub(super) fn argument(name: &str) -> String {
         "requires",
         "restrict",
         "return",
-        "self",
         "short",
         "signed",
         "sizeof",
         "static",
+        "stderr",
+        "stdin",
+        "stdout",
         "struct",
         "switch",
         "template",
@@ -154,5 +164,5 @@ pub(super) fn argument(name: &str) -> String {
         "xor",
         "xor_eq",
     ];
-    if TAKEN.contains(&name) { format!("{name}_") } else { name.to_owned() }
+    TAKEN.contains(&name)
 }

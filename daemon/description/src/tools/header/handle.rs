@@ -61,6 +61,11 @@ pub(super) fn ports(out: &mut String, types: &TypeTable, component: &Component) 
             let _ = writeln!(body, "  genom_event (*{method})({arguments});");
         }
         guarded(out, &tag, &format!("typedef struct {tag} {{\n{body}}} {tag};"));
+        // Prototypes of GenoM3 2.99.41 name the interface that the port comes from.
+        if let Some(interface) = port.interface.as_ref().filter(|name| *name != "genom") {
+            let also = format!("{interface}_{}", port.name);
+            guarded(out, &also, &format!("typedef {tag} {also};"));
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 //!
 //! Component files by other people include these names and layouts: none may change.
 
+mod clash;
 mod constant;
 mod cxx;
 mod declare;
@@ -11,7 +12,9 @@ mod order;
 mod rust;
 mod types;
 
+pub(crate) use clash::{Place, clashes};
 pub use cxx::{declaration, prototype};
+pub(crate) use declare::is_taken;
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -48,6 +51,16 @@ pub enum HeaderError {
     Any {
         /// The type that contains it.
         name: String,
+    },
+    /// Two things have one name in C: one of them would be missing.
+    #[error("`{one}` and `{other}` have one name in C, `{name}`: rename one of them")]
+    Clash {
+        /// The C name.
+        name: String,
+        /// What has it first.
+        one: String,
+        /// What has it too.
+        other: String,
     },
     /// A type has no mapping in C++ (genom3.md 6).
     #[error("{why}")]
@@ -88,6 +101,11 @@ pub fn header(
     }
     refuse_any(&spec.types)?;
     let records = records(spec);
+    if let Some((name, one, other)) =
+        clashes(&spec.types, &spec.constants, chosen.iter().copied(), &records).into_iter().next()
+    {
+        return Err(HeaderError::Clash { name, one: one.idl, other: other.idl });
+    }
     match language {
         Language::Rust => Ok(rust::write(spec, &chosen, &records)),
         Language::Cxx if chosen.iter().any(|c| c.lang == "c++") => {
@@ -147,7 +165,7 @@ fn c(
 }
 
 /// The structs that genomd makes of parameters: no codel sees them.
-fn records(spec: &Specification) -> HashSet<TypeId> {
+pub(crate) fn records(spec: &Specification) -> HashSet<TypeId> {
     let of_component = |component: &Component| {
         let services = component.services.iter().flat_map(|s| [s.input, s.output, s.local]);
         let remotes = component.remotes.iter().flat_map(|r| [r.input, r.output]);
