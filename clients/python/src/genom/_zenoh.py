@@ -108,7 +108,12 @@ class ZenohPublisher(Publisher):
         self._number = 0
         self._queryable = end.session.declare_queryable(end.key, _direct(self._answer))
         # What goes out first must arrive, too.
-        self._publisher: Any = end.session.declare_publisher(end.key, encoding=end.encoding)
+        # Where a link is full, zenoh would drop what comes last, and the readers would never know:
+        # who publishes faster than readers take is held back instead.
+        block = zenoh.CongestionControl.BLOCK
+        self._publisher: Any = end.session.declare_publisher(
+            end.key, encoding=end.encoding, congestion_control=block
+        )
         if not end.match(self._publisher):
             self._let_go()
             raise RefusalError("not_fast", f"{end.address} is not read over zenoh")
