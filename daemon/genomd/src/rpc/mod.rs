@@ -34,6 +34,7 @@ mod seldom;
 pub(crate) mod serve;
 mod services;
 mod stall;
+mod stranded;
 mod stream;
 mod tasks;
 pub(crate) mod tls;
