@@ -8,11 +8,15 @@ use std::path::Path;
 use std::process::Command;
 
 use genom_components::python;
-use genom_tests::{Daemon, Finished, Running, component, path, repository};
+use genom_tests::{Daemon, Finished, Running, component, fixture, path, repository};
 
-/// Runs one file of the client's tests.
+/// Runs one file of the client's tests, with components of others at hand for those that want them.
 #[track_caller]
 fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: &str) -> Finished {
+    let fixtures = tempfile::tempdir().expect("a directory can be made");
+    if file == "tests.test_images" {
+        let _ = fixture("others", "viewer", fixtures.path());
+    }
     let demo = component("demo");
     let daemon = Daemon::start(&["--backend", backend]);
     let package = repository().join("clients/python");
@@ -25,6 +29,7 @@ fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: 
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("GENOMD_SOCKET", daemon.home().socket())
         .env("GENOM_DEMO", path(&demo.library))
+        .env("GENOM_FIXTURES", fixtures.path())
         // A forgotten socket or thread is an error too.
         .args(["-W", "error"])
         .args(options)
@@ -64,11 +69,17 @@ fn python_is_told_when_the_daemon_goes_away() {
     the_standard_library_is_enough("tests.test_gone", "local");
 }
 
+#[test]
+fn python_is_told_when_the_daemon_stands_still() {
+    the_standard_library_is_enough("tests.test_stopped", "local");
+}
+
 /// Shows what the tests measured: as many lines.
 #[track_caller]
 #[allow(clippy::print_stdout, reason = "figures are for whoever runs the test")]
 fn figures(finished: &Finished, count: usize) {
-    let figure = |line: &&str| line.contains("round trips") || line.contains("1 kHz");
+    let told = ["round trips", "1 kHz", "two images"];
+    let figure = |line: &&str| told.iter().any(|told| line.contains(told));
     let found: Vec<_> = finished.err.lines().filter(figure).collect();
     assert_eq!(found.len(), count, "{}", finished.err);
     found.iter().for_each(|figure| println!("{figure}"));
@@ -86,6 +97,21 @@ fn python_speaks_zenoh_with_ports() {
     let python =
         python::environment(&["eclipse-zenoh==1.10.2"]).unwrap_or_else(|error| panic!("{error}"));
     figures(&the_client_passes(&python, &[], "tests.test_zenoh", "zenoh"), 2);
+}
+
+/// Both packages: what moves from one middleware to another.
+const STRAIGHT: [&str; 2] = ["iceoryx2==0.10.0", "eclipse-zenoh==1.10.2"];
+
+#[test]
+fn python_goes_where_ports_go() {
+    let python = python::environment(&STRAIGHT).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes(&python, &[], "tests.test_moves", "shm");
+}
+
+#[test]
+fn python_passes_images_the_same_on_every_way() {
+    let python = python::environment(&STRAIGHT).unwrap_or_else(|error| panic!("{error}"));
+    figures(&the_client_passes(&python, &[], "tests.test_images", "shm"), 1);
 }
 
 #[test]

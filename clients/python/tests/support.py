@@ -2,12 +2,14 @@
 
 import contextlib
 import faulthandler
+import glob
 import itertools
 import multiprocessing
 import os
 import signal
 import sys
 import threading
+import time
 import unittest
 
 import genom
@@ -40,6 +42,12 @@ def process(work, *arguments):
     yield
     peer.join(WATCHDOG)
     assert peer.exitcode == 0, peer.exitcode
+
+
+def is_stopped(stat):
+    """Whether a thread has heard SIGSTOP, by what the kernel says of it."""
+    with open(stat, encoding="utf-8") as file:
+        return file.read().rpartition(")")[2].split()[0] == "T"
 
 
 def p50_p99(spans):
@@ -120,6 +128,9 @@ class DemoCase(unittest.TestCase):
         process = self.g.about()["pid"]
         os.kill(process, signal.SIGSTOP)
         try:
+            # Its threads stop one after another.
+            while not all(map(is_stopped, glob.glob(f"/proc/{process}/task/*/stat"))):
+                time.sleep(0.001)
             yield
         finally:
             os.kill(process, signal.SIGCONT)

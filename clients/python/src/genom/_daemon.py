@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Dict, List, Optional
 
 from ._http import Transport
+from ._watch import Watch
 from .errors import RefusalError
 
 
@@ -13,6 +14,7 @@ class Daemon:
 
     def __init__(self, transport: Transport) -> None:
         self._transport = transport
+        self._watch = Watch(transport)
         self._meet: Optional[Dict[str, Dict[str, str]]] = None
 
     def about(self) -> Dict[str, Any]:
@@ -35,7 +37,8 @@ class Daemon:
 
     def _meeting_point(self, backend: str) -> Dict[str, str]:
         """What a program must be told to meet the daemon on a middleware."""
-        if self._meet is None:
+        # A middleware that was not open yet when it was asked for tells nothing.
+        if self._meet is None or not self._meet.get(backend):
             listed = self._transport.request("GET", "/middlewares")["middlewares"]
             self._meet = {one["name"]: one.get("meet", {}) for one in listed}
         if backend not in self._meet:

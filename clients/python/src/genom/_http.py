@@ -6,7 +6,6 @@ import http.client
 import json
 import math
 import os
-import select
 import socket
 import ssl
 import stat
@@ -16,12 +15,15 @@ import weakref
 from typing import Any, Dict, Optional, Tuple
 from urllib.parse import quote
 
+from . import _numbers, _silence
 from ._far import Far
 from ._target import Target
 from .errors import DaemonError, refusal
 
 # The daemon gives up a connection that sends no request for 10 s.
 _IDLE = 5.0
+# A stream that has nothing to say shows that often that the daemon is alive.
+_SIGN_OF_LIFE = 5.0
 
 
 def url(*segments: str) -> str:
@@ -40,15 +42,16 @@ class _TlsConnection(_Connection, http.client.HTTPSConnection):
 
 
 class _UnixConnection(_Connection):
-    def __init__(self, path: str) -> None:
-        super().__init__("genomd")
+    def __init__(self, path: str, timeout: Optional[float]) -> None:
+        super().__init__("genomd", timeout=timeout)
         self._path = path
 
     def connect(self) -> None:
         _trusted(self._path)
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        sock.settimeout(self.timeout)
         try:
-            sock.connect(self._path)
+            _silence.connect(sock, self._path)
         except BaseException:
             sock.close()
             raise
@@ -79,8 +82,9 @@ class _Idle(threading.local):
 class Transport:
     """Requests to one daemon; may be used from any thread."""
 
-    def __init__(self, target: Target) -> None:
+    def __init__(self, target: Target, timeout: Optional[float] = None) -> None:
         self._target = target
+        self._timeout = timeout
         self._headers = {"Content-Type": "application/json"}
         # A token for another daemon goes to none: it is proved.
         self._far: Optional[Far] = None
@@ -98,6 +102,10 @@ class Transport:
     def request(self, method: str, path: str, body: Any = None) -> Any:
         """Asks, and waits for the reply."""
         text = None if body is None else json.dumps(_plain(body), allow_nan=False).encode()
+        return self.send(method, path, text)
+
+    def send(self, method: str, path: str, text: Optional[bytes]) -> Any:
+        """The same with a body that is written already."""
         if self._far is not None:
             status, data = self._far.request(method, path, text or b"")
         else:
@@ -121,9 +129,9 @@ class Transport:
         try:
             response = self._send(connection, method, path, body, {})
             data = response.read()
-        except http.client.HTTPException as error:
+        except (OSError, http.client.HTTPException) as error:
             connection.close()
-            raise self._lost() from error
+            raise self._failed(error) from error
         except BaseException:
             # Half a reply may be on its way: this connection is of no use any more.
             connection.close()
@@ -141,6 +149,8 @@ class Transport:
         connection = self._connection()
         try:
             response = self._send(connection, "GET", path, None, headers or {})
+            if self._timeout is not None and connection.sock is not None:
+                connection.sock.settimeout(_SIGN_OF_LIFE + self._timeout)
             if response.status >= 300:
                 raise refusal(json.loads(response.read() or b"null"), response.status)
         except BaseException:
@@ -157,11 +167,11 @@ class Transport:
         connection: http.client.HTTPConnection
         to = self._target
         if to.socket is not None:
-            connection = _UnixConnection(to.socket)
+            connection = _UnixConnection(to.socket, self._timeout)
         elif to.tls is not None:
-            connection = _TlsConnection(to.name, to.port, context=to.tls)
+            connection = _TlsConnection(to.name, to.port, context=to.tls, timeout=self._timeout)
         else:
-            connection = _Connection(to.name, to.port)
+            connection = _Connection(to.name, to.port, timeout=self._timeout)
         self._open.add(connection)
         return connection
 
@@ -171,7 +181,7 @@ class Transport:
         if connection is not None and connection.sock is not None:
             fresh = time.monotonic() - self._idle.since < _IDLE
             # Nothing is due on an idle connection: what can be read is its end.
-            if fresh and not select.select([connection.sock], [], [], 0)[0]:
+            if fresh and not _silence.readable(connection.sock, 0.0):
                 return connection
             connection.close()
         return self._connection()
@@ -194,24 +204,47 @@ class Transport:
             except (BrokenPipeError, ConnectionResetError):
                 # The daemon may answer before it has read all: the answer says why.
                 pass
+            self._await(connection)
             return connection.getresponse()
-        except (ConnectionRefusedError, FileNotFoundError, PermissionError, socket.gaierror) as why:
-            raise DaemonError(
-                "unreachable",
-                None,
-                f"no genomd answers on {self.target}: {why.strerror}; start one with "
-                "`genomd LIBRARY...`, or name its socket: connect(socket=...)",
-            ) from why
-        except ssl.SSLError as why:
-            raise DaemonError(
-                "unreachable", None, f"{self.target}: {why}; is `ca` the root of its certificate, "
-                "and does it ask for a `cert`?"
-            ) from why
         except (OSError, http.client.HTTPException) as why:
-            raise self._lost() from why
+            raise self._failed(why) from why
 
-    def _lost(self) -> DaemonError:
-        return DaemonError("lost", None, f"genomd on {self.target} went away")
+    def _await(self, connection: http.client.HTTPConnection) -> None:
+        """Waits for a reply, as long as it takes a daemon that is alive."""
+        sock = connection.sock
+        while sock is not None and self._timeout is not None:
+            if _silence.readable(sock, self._timeout):
+                return
+            if not _silence.is_stopped(sock):
+                # It may be at work on this very request: does it answer another one?
+                probe = self._connection()
+                try:
+                    probe.request("GET", "/", headers=self._headers)
+                    if _silence.readable(probe.sock, self._timeout):
+                        continue
+                except (BrokenPipeError, ConnectionResetError, ConnectionRefusedError):
+                    continue
+                finally:
+                    probe.close()
+            raise socket.timeout()
+
+    def _failed(self, why: Exception) -> DaemonError:
+        """What an error of a connection comes to."""
+        at = self.target
+        if isinstance(why, socket.timeout):
+            return _silence.error(at, self._target.socket, self._timeout)
+        if isinstance(why, (ConnectionRefusedError, FileNotFoundError, PermissionError, socket.gaierror)):
+            name, told = "unreachable", (
+                f"no genomd answers on {at}: {why.strerror}; start one with "
+                "`genomd LIBRARY...`, or name its socket: connect(socket=...)"
+            )
+        elif isinstance(why, ssl.SSLError):
+            name, told = "unreachable", (
+                f"{at}: {why}; is `ca` the root of its certificate, and does it ask for a `cert`?"
+            )
+        else:
+            name, told = "lost", f"genomd on {at} went away"
+        return DaemonError(name, None, told)
 
 
 def _plain(value: Any) -> Any:
@@ -224,6 +257,8 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(inner) for key, inner in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(inner) for inner in value]
+    if _numbers.buffer(value) is not None:
+        return _plain(value.tolist() if hasattr(value, "tolist") else list(value))
     if hasattr(value, "tolist"):
         return _plain(value.tolist())
     return value

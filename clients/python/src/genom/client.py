@@ -22,6 +22,7 @@ def connect(
     ca: Optional[str] = None,
     cert: Optional[str] = None,
     context: Optional[str] = None,
+    timeout: Optional[float] = 10.0,
 ) -> "Client":
     """Connects to a daemon: by default that of this user, as genomctl does.
 
@@ -31,9 +32,13 @@ def connect(
     ``token_file``, says who asks. ``ca`` is the root of the daemon's certificate, ``cert`` your own
     certificate and its key, in PEM files. ``context`` is a name that ``genomctl context`` keeps such
     options under; the current one counts when nothing else says which daemon.
+
+    A daemon that says nothing for ``timeout`` seconds, to requests or on streams, and does not
+    answer when it is asked whether it is there, raises `DaemonError`; None waits for ever. How
+    long a service takes is another matter: that is waited for.
     """
     given = resolve(target, socket, host, token, token_file, ca, cert, context)
-    client = Client(Transport(given))
+    client = Client(Transport(given, timeout))
     client.about()
     return client
 
@@ -99,6 +104,7 @@ class Client(Daemon):
 
     def disconnect(self) -> None:
         """Closes the connections; components and activities go on."""
+        self._watch.close()
         self._transport.close()
 
     def __enter__(self) -> "Client":

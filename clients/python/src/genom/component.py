@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Mapping, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from . import _signature
 from ._daemon import Daemon, Part
@@ -24,8 +24,7 @@ class Component(Part):
         self._description = description
         self._services = {one["name"]: one for one in description["services"]}
         self._ports = {
-            one["name"]: port_of(daemon, self._name, one, description["backend"])
-            for one in description["ports"]
+            one["name"]: port_of(daemon, self._name, one) for one in description["ports"]
         }
         if description.get("doc"):
             self.__doc__ = description["doc"]
@@ -70,6 +69,11 @@ class Component(Part):
     def fire(self, event: str) -> None:
         """Fires an external event."""
         self._client._transport.request("POST", url("components", self._name, "events", event))
+
+    def move(self, backend: str, port: Optional[str] = None) -> None:
+        """Moves it, or one of its ports, to other middlewares: ``shm``, ``zenoh+ros2``."""
+        path = url("components", self._name, "backend")
+        self._client._transport.request("PUT", path, {"backend": backend, "port": port})
 
     def unload(self) -> None:
         """Stops the component and takes it out of the daemon."""

@@ -125,8 +125,10 @@ class EventStream:
             return
         try:
             self._connect()
-        except DaemonError:
+        except DaemonError as error:
             self._over = True
+            if error.name == "no_answer":
+                raise
 
     def _parse(self) -> Optional[Tuple[str, Any]]:
         """The next event: its kind and data; None at the end of the connection."""

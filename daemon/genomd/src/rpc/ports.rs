@@ -199,7 +199,7 @@ pub(crate) async fn publish(
     let address = hosted.address(&port, element.as_deref()).to_string();
     let work = tokio::task::spawn_blocking(move || {
         let fill = |record: &mut Record| Ok::<_, FeedError>(record.merge_json(&value)?);
-        feed::publish(&daemon, &hosted, index, element.as_deref(), fill)
+        feed::publish(&daemon, &hosted, index, element.as_deref(), fill, Record::to_json)
     });
     match work.await {
         Ok(Ok(value)) => Ok(Json(Published { address, value })),
