@@ -4,21 +4,31 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use genom_components::python;
-use genom_tests::{Daemon, Finished, Running, component, fixture, path, repository};
+use genom_tests::{Daemon, Finished, Running, component, fixture, path, program, repository};
 
 /// Runs one file of the client's tests, with components of others at hand for those that want them.
 #[track_caller]
 fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: &str) -> Finished {
+    the_client_passes_with(interpreter, options, file, &["--backend", backend])
+}
+
+#[track_caller]
+fn the_client_passes_with(
+    interpreter: &Path,
+    options: &[&str],
+    file: &str,
+    daemon: &[&str],
+) -> Finished {
     let fixtures = tempfile::tempdir().expect("a directory can be made");
-    if file == "tests.test_images" {
+    if ["tests.test_images", "tests.test_names"].contains(&file) {
         let _ = fixture("others", "viewer", fixtures.path());
     }
     let demo = component("demo");
-    let daemon = Daemon::start(&["--backend", backend]);
+    let daemon = Daemon::start(daemon);
     let package = repository().join("clients/python");
     let mut command = Command::new(interpreter);
     command
@@ -30,6 +40,7 @@ fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: 
         .env("GENOMD_SOCKET", daemon.home().socket())
         .env("GENOM_DEMO", path(&demo.library))
         .env("GENOM_FIXTURES", fixtures.path())
+        .env("GENOMCTL", program("genomctl"))
         // A forgotten socket or thread is an error too.
         .args(["-W", "error"])
         .args(options)
@@ -45,8 +56,21 @@ fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: 
 /// `-S`: without installed packages, so that the standard library alone is what is needed.
 #[track_caller]
 fn the_standard_library_is_enough(file: &str, backend: &str) {
-    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
-    the_client_passes(Path::new(&python), &["-S"], file, backend);
+    the_client_passes(&python(), &["-S"], file, backend);
+}
+
+fn python() -> PathBuf {
+    std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()).into()
+}
+
+#[test]
+fn scripts_for_the_fields_python_client_find_their_names() {
+    the_standard_library_is_enough("tests.test_names", "local");
+}
+
+#[test]
+fn python_steps_time() {
+    the_client_passes_with(&python(), &["-S"], "tests.test_stepped", &["--clock", "virtual"]);
 }
 
 #[test]
@@ -112,6 +136,12 @@ fn python_goes_where_ports_go() {
 fn python_passes_images_the_same_on_every_way() {
     let python = python::environment(&STRAIGHT).unwrap_or_else(|error| panic!("{error}"));
     figures(&the_client_passes(&python, &[], "tests.test_images", "shm"), 1);
+}
+
+#[test]
+fn type_checkers_know_components_by_their_stubs() {
+    let python = python::environment(&["mypy==2.4.1"]).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes(&python, &[], "tests.test_stubs", "local");
 }
 
 #[test]

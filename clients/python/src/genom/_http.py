@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import http.client
+import io
 import json
 import math
 import os
@@ -12,7 +14,7 @@ import stat
 import threading
 import time
 import weakref
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 from urllib.parse import quote
 
 from . import _numbers, _silence
@@ -31,7 +33,42 @@ def url(*segments: str) -> str:
     return "".join("/" + quote(segment, safe="") for segment in segments)
 
 
+class _Patient(io.RawIOBase):
+    """Reads of a socket, and asks what to do where nothing came in its time."""
+
+    def __init__(self, sock: Any, whole: Any, silent: Callable[[Any], None]) -> None:
+        self._sock = sock
+        # Keeps the socket open as long as it is read.
+        self._whole = whole
+        self._silent = silent
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, room: Any) -> int:
+        while True:
+            try:
+                return int(self._sock.recv_into(room))
+            except socket.timeout:
+                self._silent(self._sock)
+
+    def close(self) -> None:
+        if not self.closed:
+            super().close()
+            self._whole.close()
+
+
+class _Response(http.client.HTTPResponse):
+    def __init__(self, sock: Any, *args: Any, silent: Callable[[Any], None], **more: Any) -> None:
+        super().__init__(sock, *args, **more)
+        self.fp = io.BufferedReader(_Patient(sock, self.fp, silent))
+
+
 class _Connection(http.client.HTTPConnection):
+    def patient(self, silent: Callable[[Any], None]) -> None:
+        """What to do where nothing comes: `silent` raises, or has it wait on."""
+        self.response_class = functools.partial(_Response, silent=silent)  # type: ignore[assignment]
+
     def __del__(self) -> None:
         # Threads come and go; what they leave is closed.
         self.close()
@@ -120,6 +157,10 @@ class Transport:
             raise refusal(reply, status)
         return reply
 
+    def options(self) -> List[str]:
+        """What names the daemon to genomctl."""
+        return self._target.options
+
     def _post(self, path: str, body: bytes) -> Tuple[int, bytes]:
         return self._whole("POST", path, body)
 
@@ -150,6 +191,7 @@ class Transport:
         try:
             response = self._send(connection, "GET", path, None, headers or {})
             if self._timeout is not None and connection.sock is not None:
+                # Such a stream is never silent for that long.
                 connection.sock.settimeout(_SIGN_OF_LIFE + self._timeout)
             if response.status >= 300:
                 raise refusal(json.loads(response.read() or b"null"), response.status)
@@ -163,8 +205,8 @@ class Transport:
         for connection in list(self._open):
             connection.close()
 
-    def _connection(self) -> http.client.HTTPConnection:
-        connection: http.client.HTTPConnection
+    def _connection(self) -> _Connection:
+        connection: _Connection
         to = self._target
         if to.socket is not None:
             connection = _UnixConnection(to.socket, self._timeout)
@@ -172,6 +214,7 @@ class Transport:
             connection = _TlsConnection(to.name, to.port, context=to.tls, timeout=self._timeout)
         else:
             connection = _Connection(to.name, to.port, timeout=self._timeout)
+        connection.patient(self._silent)
         self._open.add(connection)
         return connection
 
@@ -204,29 +247,23 @@ class Transport:
             except (BrokenPipeError, ConnectionResetError):
                 # The daemon may answer before it has read all: the answer says why.
                 pass
-            self._await(connection)
             return connection.getresponse()
         except (OSError, http.client.HTTPException) as why:
             raise self._failed(why) from why
 
-    def _await(self, connection: http.client.HTTPConnection) -> None:
-        """Waits for a reply, as long as it takes a daemon that is alive."""
-        sock = connection.sock
-        while sock is not None and self._timeout is not None:
-            if _silence.readable(sock, self._timeout):
-                return
-            if not _silence.is_stopped(sock):
-                # It may be at work on this very request: does it answer another one?
-                probe = self._connection()
-                try:
-                    probe.request("GET", "/", headers=self._headers)
-                    if _silence.readable(probe.sock, self._timeout):
-                        continue
-                except (BrokenPipeError, ConnectionResetError, ConnectionRefusedError):
-                    continue
-                finally:
-                    probe.close()
+    def _silent(self, sock: Any) -> None:
+        """Nothing came: a daemon that is alive may be at work on this very request."""
+        if _silence.is_stopped(sock):
             raise socket.timeout()
+        probe = self._connection()
+        try:
+            probe.request("GET", "/", headers=self._headers)
+            if not _silence.readable(probe.sock, self._timeout or 0.0):
+                raise socket.timeout()
+        except (BrokenPipeError, ConnectionResetError, ConnectionRefusedError):
+            pass  # It has no room, or is gone: this connection tells.
+        finally:
+            probe.close()
 
     def _failed(self, why: Exception) -> DaemonError:
         """What an error of a connection comes to."""

@@ -42,9 +42,11 @@ class Place:
         found = self._get(element).get("connected")
         return None if found is None else str(found)
 
-    def connect(self, outport: str, **options: Any) -> Dict[str, Any]:
+    def connect(
+        self, outport: str, *, element: Optional[str] = None, **options: Any
+    ) -> Dict[str, Any]:
         """Connects this in port to ``component/port``; options as of `Client.connect_port`."""
-        return self._client.connect_port(self.address(), outport, **options)
+        return self._client.connect_port(self.address(element), outport, **options)
 
     def disconnect(self, element: Optional[str] = None) -> None:
         """Disconnects this in port."""

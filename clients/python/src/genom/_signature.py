@@ -21,6 +21,16 @@ _BASIC = {
 }
 
 
+class _Kept:
+    """In place of a default: what is left out stays as it is."""
+
+    def __repr__(self) -> str:
+        return "..."
+
+
+KEPT: Any = _Kept()
+
+
 def annotation(idl: str) -> Any:
     """The Python type that stands for an IDL type."""
     if "[" in idl or idl.startswith("sequence<"):
@@ -46,6 +56,8 @@ def signature(service: Dict[str, Any]) -> inspect.Signature:
     optional = False
     for one in inputs(service):
         default = one.get("default")
+        if default is None and service["kind"] == "attribute":
+            default = KEPT
         optional = optional or default is not None
         # After one with a default, Python wants those without to be given by name.
         by_name = optional and default is None
@@ -111,6 +123,9 @@ def bind(service: Dict[str, Any], args: Tuple[Any, ...], given: Dict[str, Any]) 
             raise TypeError(f"{what} got input `{name}` twice")
         values[name] = value
     for one in parameters:
+        # The daemon knows what an attribute has, and keeps it.
+        if service["kind"] == "attribute":
+            break
         if one["name"] not in values and one.get("default") is None:
             raise TypeError(f"{what} wants input `{one['name']}`, a {one['type']}")
     return values

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 from ._daemon import Daemon
 from ._http import Transport, url
 from ._target import resolve
-from .component import Component
+from .component import Component, Described
 from .events import EventStream
+from .recorder import Recorder
 
 
 def connect(
@@ -41,6 +42,10 @@ def connect(
     client = Client(Transport(given, timeout))
     client.about()
     return client
+
+
+def update() -> None:
+    """Does nothing: results come by themselves. Kept for scripts that call it."""
 
 
 class Client(Daemon):
@@ -78,6 +83,21 @@ class Client(Daemon):
                 body[key] = self._file(value) if key == "gen" else value
         loaded = self._transport.request("POST", "/components", body)
         return self.component(loaded["name"])
+
+    def unload(self, component: Union[str, Described]) -> None:
+        """Stops a component and takes it out of the daemon: by its name, its library, or itself."""
+        if isinstance(component, Described):
+            Described.unload(component)
+            return
+        name = self._attached(os.fspath(component), None)
+        self._transport.request("DELETE", url("components", name or component))
+
+    def record(self, file: str, *ports: str, force: bool = False) -> Recorder:
+        """Records ports (by default everything) and services in an MCAP file, until it is closed.
+
+        It runs `genomctl record`, which has to be there: on ``PATH``, or named by ``$GENOMCTL``.
+        """
+        return Recorder(self._transport.options(), file, ports, force)
 
     def events(
         self,

@@ -19,9 +19,19 @@ from .errors import RefusalError
 class Port(Place):
     """A port of a component. Calling it reads it."""
 
-    def __call__(self, element: Optional[str] = None) -> Dict[str, Any]:
-        """The last value, under the port's name: ``{'position': {...}}``."""
-        return {self.name: self.read(element)}
+    def __call__(self, element: Optional[str] = None) -> "Reading":
+        """The last value, under the port's name: ``{'position': {...}}``.
+
+        What comes has the ends of that element, too: ``c.state('robot').publisher()``. A single in
+        port takes any name: it is that of a publisher, and ``c.connect_port('state', 'name')``
+        connects the port to it.
+        """
+        if element is not None and self.direction == "in" and not self._description["multiple"]:
+            self._client._named[element] = self.address()
+            return Reading(self, None, self.read())
+        if element is not None:
+            self._client._named.setdefault(element, self.address(element))
+        return Reading(self, element, self.read(element))
 
     def publisher(
         self, element: Optional[str] = None, *, fast: Optional[bool] = None
@@ -59,6 +69,31 @@ class Port(Place):
         come as a `memoryview`, which numpy takes as it is, rather than as a list.
         """
         return Subscription(self, element, fast, Wish(depth, rate, buffers))
+
+
+class Reading(Dict[str, Any]):
+    """The value of a port, or of an element, under the port's name; and what can be done there."""
+
+    def __init__(self, port: Port, element: Optional[str], value: Any) -> None:
+        super().__init__({port.name: value})
+        self.port = port
+        self.element = element
+
+    def publisher(self, *, fast: Optional[bool] = None) -> Publisher:
+        """As `Port.publisher`."""
+        return self.port.publisher(self.element, fast=fast)
+
+    def subscribe(self, **options: Any) -> Subscription:
+        """As `Port.subscribe`."""
+        return self.port.subscribe(self.element, **options)
+
+    def connect(self, outport: str, **options: Any) -> Dict[str, Any]:
+        """As `Port.connect`."""
+        return self.port.connect(outport, element=self.element, **options)
+
+    def disconnect(self) -> None:
+        """As `Port.disconnect`."""
+        self.port.disconnect(self.element)
 
 
 def port_of(daemon: Daemon, component: str, description: Dict[str, Any]) -> Port:
