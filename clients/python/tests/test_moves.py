@@ -1,9 +1,11 @@
 """Ports that move to another middleware, and components that are loaded anew: who reads or
 publishes straight goes with them, or is told. With the packages iceoryx2 and eclipse-zenoh."""
 
+import contextlib
 import os
 import threading
 import unittest
+from unittest import mock
 
 import genom
 
@@ -152,6 +154,33 @@ class Moves(DemoCase):
             while True:
                 publisher(0.5)
         self.assertEqual(caught.exception.name, name)
+
+    def test_all_ends_of_a_client_share_one_stream(self):
+        from genom._watch import Watch
+
+        self.demo.move("zenoh")
+        with mock.patch.object(Watch, "_open", autospec=True, side_effect=Watch._open) as opened:
+            ends = [self.demo.position.subscribe(fast=True) for _ in range(5)]
+            self.assertEqual(opened.call_count, 1)
+        # A client that has let go listens again when it is needed.
+        self.g.disconnect()
+        self.demo.move("shm")
+        wanted = self.at(0.1)
+        for end in ends:
+            self.until(end, wanted)
+        for end in ends:
+            end.close()
+        self.assertFalse(self.g._watch._ears)
+
+    def test_where_no_stream_is_free_ends_ask_for_themselves(self):
+        with contextlib.ExitStack() as streams:
+            with self.assertRaises(genom.RefusalError) as caught:
+                while True:
+                    streams.enter_context(self.g.events())
+            self.assertEqual(caught.exception.name, "too_many_streams")
+            with self.demo.position.subscribe(fast=True) as positions:
+                self.demo.move("zenoh")
+                self.until(positions, self.at(0.1))
 
     def test_why_names_who_was_left_behind(self):
         from genom import _shm

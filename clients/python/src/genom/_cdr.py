@@ -101,26 +101,6 @@ class Cdr:
             return float("nan") if new is None else new
         return new
 
-    def buffered(self, value: Any, at: int = 0) -> Any:
-        """A value as JSON has it, with many numbers as a `memoryview`."""
-        one = self._types[at]
-        kind = one["kind"]
-        if value is None:
-            return None
-        if kind in ("struct", "exception"):
-            types = {m["name"]: m["type"] for m in one["members"]}
-            return {name: self.buffered(inner, types[name]) for name, inner in value.items()}
-        if kind == "union":
-            types = {m["name"]: m["type"] for m in one["members"]}
-            inner = {name: self.buffered(held, types[name]) for name, held in value["u"].items()}
-            return {**value, "u": inner}
-        if kind in ("sequence", "array"):
-            code = self._bulky.get(one["element"])
-            if code is not None:
-                return _numbers.unpacked(_numbers.packed(value, code), code, True)
-            return [self.buffered(inner, one["element"]) for inner in value]
-        return self.buffered(value, one["element"]) if kind == "optional" else value
-
     def _member(self, one: Dict[str, Any], switch: Any) -> Any:
         """The member of a union that a discriminant selects."""
         of = self._types[one["discriminant"]]

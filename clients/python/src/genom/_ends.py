@@ -60,9 +60,12 @@ class _Following:
         self._way = way
         source = way.source or ""
         self._concern = {self.port._component, source.split("/", 1)[0]}
+        watch = self.port._client._watch
         if way.backend is None:
             # The daemon follows the port by itself.
-            self.port._client._watch.remove(self)
+            watch.remove(self)
+        elif not self._closed:
+            watch.add(self)
 
     def _hear(self, change: Optional[Dict[str, Any]]) -> None:
         """Something changed in the daemon; nobody knows what."""
@@ -75,6 +78,10 @@ class _Following:
 
     def _note(self, change: Dict[str, Any]) -> None:
         """A change of this port."""
+
+    def _doubt(self) -> None:
+        """Nobody tells any more what changes: it has to be asked, when there is something to do."""
+        self._changed = True
 
     def _ask(self) -> None:
         """Asks for the way and goes it; raises why there is none."""
@@ -138,6 +145,9 @@ class Publisher(_Following):
             if self._changed or self._why is not None:
                 self._ask()
             self._end.publish(value)
+        if self._changed:
+            # Heard meanwhile.
+            self._settle()
 
     def close(self) -> None:
         """Takes the connection away, so that the component reads nothing from here."""
@@ -160,9 +170,15 @@ class Publisher(_Following):
 
     def _hear(self, change: Optional[Dict[str, Any]]) -> None:
         super()._hear(change)
-        if not self._changed or self._end is None:
-            return
-        # A component that is back wants its value, also if nobody publishes for a while.
+        # Where somebody publishes just now, that thread looks when it is done.
+        if self._changed and self._end is not None and self._lock.acquire(blocking=False):
+            try:
+                self._settle()
+            finally:
+                self._lock.release()
+
+    def _settle(self) -> None:
+        """A component that is back wants its value, also if nobody publishes for a while."""
         try:
             with self._lock:
                 if self._changed and not self._closed:

@@ -108,10 +108,15 @@ class Writer:
         if self._publisher is None:
             raise GenoMError("ended", None, f"{end.address} is not fed any more")
         self._any = True
-        if end.codec is not None:
-            self._publisher.send_copy(self._value)
-        else:
-            self._send(message)
+        try:
+            if end.codec is not None:
+                self._publisher.send_copy(self._value)
+            else:
+                self._send(message)
+        except Exception as why:
+            raise GenoMError(
+                "middleware_failed", None, f"{end.address} takes no value: {why}; is shared memory full?"
+            ) from why
 
     def last(self) -> Any:
         """The value published last; None when there was none."""

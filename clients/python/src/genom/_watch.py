@@ -27,6 +27,8 @@ class Ear(Protocol):
 
     def _hear(self, change: Optional[Dict[str, Any]]) -> None: ...
 
+    def _doubt(self) -> None: ...
+
 
 class Watch:
     """One stream of changes for all ends of a client, as long as there are some."""
@@ -60,10 +62,12 @@ class Watch:
                 self._stop()
 
     def close(self) -> None:
-        """Lets go of the daemon; ends that are still open ask for themselves once."""
+        """Lets go of the daemon; ends that are used after that ask, and listen again."""
         with self._lock:
             self._stop()
-        self._tell(None)
+            ears = list(self._ears)
+        for ear in ears:
+            ear._doubt()
 
     def _stop(self) -> None:
         self._thread = None

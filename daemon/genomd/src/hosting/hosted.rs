@@ -177,6 +177,11 @@ impl Hosted {
         self.instance.port_value(port, element)
     }
 
+    /// The same as a CDR message.
+    pub(crate) fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
+        self.instance.port_message(port, element)
+    }
+
     /// The inputs of a service: the defaults of the description, then what was given.
     pub(crate) fn input(&self, service: usize, given: &Value) -> Result<Record, InputError> {
         let name = self.model().services[service].name.as_str();

@@ -39,6 +39,7 @@ mod stream;
 mod tasks;
 pub(crate) mod tls;
 pub(crate) mod tokens;
+mod values;
 mod why;
 
 use std::sync::Arc;
@@ -72,7 +73,7 @@ fn routes() -> OpenApiRouter<Arc<Daemon>> {
         .routes(routes!(ports::of_component))
         .routes(routes!(ports::value, ports::publish))
         .routes(routes!(ports::layout))
-        .routes(routes!(ports::stream))
+        .routes(routes!(values::stream))
         .routes(routes!(ports::traffic))
         .routes(routes!(why::explain))
         .routes(routes!(events::fire))
