@@ -182,6 +182,20 @@ class Moves(DemoCase):
                 self.demo.move("zenoh")
                 self.until(positions, self.at(0.1))
 
+    def test_who_waits_for_a_stopped_daemon_is_told(self):
+        with genom.connect(timeout=1.0) as g:
+            demo = g.component(self.demo.name)
+            with demo.position.subscribe(fast=True) as positions:
+                self.until(positions, self.at(0.1))
+                with self.asleep(), self.assertRaises(genom.DaemonError) as caught:
+                    positions.wait(WATCHDOG)
+                self.assertEqual(caught.exception.name, "no_answer")
+                # And follows again when it is awake.
+                wanted, seen = self.at(0.2), None
+                while seen != wanted:
+                    with contextlib.suppress(genom.DaemonError):
+                        seen = positions.wait(WATCHDOG)
+
     def test_why_names_who_was_left_behind(self):
         from genom import _shm
 

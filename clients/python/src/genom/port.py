@@ -26,11 +26,9 @@ class Port(Place):
         port takes any name: it is that of a publisher, and ``c.connect_port('state', 'name')``
         connects the port to it.
         """
-        if element is not None and self.direction == "in" and not self._description["multiple"]:
-            self._client._named[element] = self.address()
-            return Reading(self, None, self.read())
-        if element is not None:
-            self._client._named.setdefault(element, self.address(element))
+        if element is not None and self.direction == "in":
+            name, element = element, element if self._description["multiple"] else None
+            self._client._named[name] = self.address(element)
         return Reading(self, element, self.read(element))
 
     def publisher(

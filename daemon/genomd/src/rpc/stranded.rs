@@ -8,7 +8,6 @@ use genom_middleware::{Address, EndpointKind, Middleware};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::registry;
-use crate::wiring::connect;
 
 /// What is stranded, and what brings it back.
 pub(super) struct Stranded {
@@ -36,7 +35,7 @@ pub(super) fn stranded(
             });
             let elsewhere = open.filter(|open| on.as_deref() != Some(open.name()));
             elsewhere
-                .filter(|open| connect::publishes(open.as_ref(), &at))
+                .filter(|open| shows(open.as_ref(), EndpointKind::Publisher, &at))
                 .map(|open| unread(&at, open.name(), reads.as_ref()))
                 .collect()
         }
@@ -44,7 +43,7 @@ pub(super) fn stranded(
             let names = hosted.wires.bindings.port(&model.name);
             let elsewhere = open.filter(|open| !names.has(open.name()));
             elsewhere
-                .filter(|open| is_read(open.as_ref(), &at))
+                .filter(|open| shows(open.as_ref(), EndpointKind::Subscription, &at))
                 .map(|open| {
                     let on = open.name();
                     Stranded {
@@ -73,9 +72,7 @@ fn unread(at: &Address, on: &str, reads: Option<&Address>) -> Stranded {
     }
 }
 
-fn is_read(open: &dyn Middleware, at: &Address) -> bool {
-    let wanted = open.spelled(at);
-    open.discover().is_ok_and(|ends| {
-        ends.iter().any(|end| end.kind == EndpointKind::Subscription && end.address == wanted)
-    })
+/// Whether somebody has an end of that kind there.
+fn shows(open: &dyn Middleware, kind: EndpointKind, at: &Address) -> bool {
+    open.ends_at(at).is_ok_and(|ends| ends.iter().any(|end| end.kind == kind))
 }
