@@ -32,14 +32,17 @@ pub(crate) fn list(node: &Node<Ipc>) -> Result<Vec<Endpoint>, DiscoverError> {
     Ok(seen)
 }
 
-/// The ends of the service of one port; none when there is no such service.
+/// Those of them at one address, of which one service is opened at most.
 pub(crate) fn at(node: &Node<Ipc>, at: &Address) -> Vec<Endpoint> {
     let mut seen = Vec::new();
-    let Ok(name) = ServiceName::new(&at.to_string()) else { return seen };
+    let address = at.to_string();
+    let Ok(name) = ServiceName::new(&address) else { return seen };
     let pattern = MessagingPattern::PublishSubscribe;
     if let Ok(Some(service)) = <Ipc as Service>::details(&name, node.config(), pattern) {
         ends(node, &service.static_details, &mut seen);
     }
+    catalog::listed(node, &mut seen);
+    seen.retain(|end| end.address == address);
     seen
 }
 
