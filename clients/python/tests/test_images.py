@@ -84,14 +84,15 @@ class Images(DemoCase):
                     self.demo.image.publisher("right", fast=True) as right, \
                     self.demo.image.subscribe("right", fast=True, buffers=True) as images:
                 spans = []
-                for number in range(50):
+                for number in range(300):
                     begin = time.perf_counter()
                     left(number=number, pixels=eyes[0])
                     right(number=number, pixels=eyes[1])
                     while images.wait(WATCHDOG)["number"] != number:
                         pass
                     spans.append(time.perf_counter() - begin)
-                times[backend] = sorted(spans)[len(spans) // 2]
+                # What it takes when nobody else wants the processor.
+                times[backend] = min(spans)
         tell("two images of 100 kB: " + ", ".join(f"{times[on] * 1e3:.2f} ms on {on}" for on in times))
         # By JSON it would be far more than twenty times as much.
         self.assertLess(max(times.values()), 20 * min(times.values()))
