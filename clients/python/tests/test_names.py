@@ -63,7 +63,7 @@ class Names(DemoCase):
             self.assertEqual(await first, {})
             with self.assertRaises(self.demo.OUT_OF_RANGE):
                 await self.demo.goto(50.0, ack=True)
-            long = self.demo.goto(10.0, ack=True)
+            long = self.start_slow()
             with self.assertRaises(asyncio.TimeoutError):
                 await asyncio.wait_for(long, 0.01)
             long.abort()
