@@ -4,17 +4,31 @@
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::unwrap_used, reason = "helpers of tests fail them")]
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use genom_components::python;
-use genom_tests::{Daemon, Finished, Running, component, path, repository};
+use genom_tests::{Daemon, Finished, Running, component, fixture, path, program, repository};
 
-/// Runs one file of the client's tests.
+/// Runs one file of the client's tests, with components of others at hand for those that want them.
 #[track_caller]
 fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: &str) -> Finished {
+    the_client_passes_with(interpreter, options, file, &["--backend", backend])
+}
+
+#[track_caller]
+fn the_client_passes_with(
+    interpreter: &Path,
+    options: &[&str],
+    file: &str,
+    daemon: &[&str],
+) -> Finished {
+    let fixtures = tempfile::tempdir().expect("a directory can be made");
+    if ["tests.test_images", "tests.test_names"].contains(&file) {
+        let _ = fixture("others", "viewer", fixtures.path());
+    }
     let demo = component("demo");
-    let daemon = Daemon::start(&["--backend", backend]);
+    let daemon = Daemon::start(daemon);
     let package = repository().join("clients/python");
     let mut command = Command::new(interpreter);
     command
@@ -25,6 +39,8 @@ fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: 
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("GENOMD_SOCKET", daemon.home().socket())
         .env("GENOM_DEMO", path(&demo.library))
+        .env("GENOM_FIXTURES", fixtures.path())
+        .env("GENOMCTL", program("genomctl"))
         // A forgotten socket or thread is an error too.
         .args(["-W", "error"])
         .args(options)
@@ -40,8 +56,21 @@ fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: 
 /// `-S`: without installed packages, so that the standard library alone is what is needed.
 #[track_caller]
 fn the_standard_library_is_enough(file: &str, backend: &str) {
-    let python = std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into());
-    the_client_passes(Path::new(&python), &["-S"], file, backend);
+    the_client_passes(&python(), &["-S"], file, backend);
+}
+
+fn python() -> PathBuf {
+    std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()).into()
+}
+
+#[test]
+fn scripts_for_the_fields_python_client_find_their_names() {
+    the_standard_library_is_enough("tests.test_names", "local");
+}
+
+#[test]
+fn python_steps_time() {
+    the_client_passes_with(&python(), &["-S"], "tests.test_stepped", &["--clock", "virtual"]);
 }
 
 #[test]
@@ -64,11 +93,17 @@ fn python_is_told_when_the_daemon_goes_away() {
     the_standard_library_is_enough("tests.test_gone", "local");
 }
 
+#[test]
+fn python_is_told_when_the_daemon_stands_still() {
+    the_standard_library_is_enough("tests.test_stopped", "local");
+}
+
 /// Shows what the tests measured: as many lines.
 #[track_caller]
 #[allow(clippy::print_stdout, reason = "figures are for whoever runs the test")]
 fn figures(finished: &Finished, count: usize) {
-    let figure = |line: &&str| line.contains("round trips") || line.contains("1 kHz");
+    let told = ["round trips", "1 kHz", "two images"];
+    let figure = |line: &&str| told.iter().any(|told| line.contains(told));
     let found: Vec<_> = finished.err.lines().filter(figure).collect();
     assert_eq!(found.len(), count, "{}", finished.err);
     found.iter().for_each(|figure| println!("{figure}"));
@@ -86,6 +121,27 @@ fn python_speaks_zenoh_with_ports() {
     let python =
         python::environment(&["eclipse-zenoh==1.10.2"]).unwrap_or_else(|error| panic!("{error}"));
     figures(&the_client_passes(&python, &[], "tests.test_zenoh", "zenoh"), 2);
+}
+
+/// Both packages: what moves from one middleware to another.
+const STRAIGHT: [&str; 2] = ["iceoryx2==0.10.0", "eclipse-zenoh==1.10.2"];
+
+#[test]
+fn python_goes_where_ports_go() {
+    let python = python::environment(&STRAIGHT).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes(&python, &[], "tests.test_moves", "shm");
+}
+
+#[test]
+fn python_passes_images_the_same_on_every_way() {
+    let python = python::environment(&STRAIGHT).unwrap_or_else(|error| panic!("{error}"));
+    figures(&the_client_passes(&python, &[], "tests.test_images", "shm"), 1);
+}
+
+#[test]
+fn type_checkers_know_components_by_their_stubs() {
+    let python = python::environment(&["mypy==2.4.1"]).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes(&python, &[], "tests.test_stubs", "local");
 }
 
 #[test]

@@ -2,10 +2,14 @@
 
 import contextlib
 import faulthandler
+import glob
 import itertools
 import multiprocessing
 import os
+import signal
 import sys
+import threading
+import time
 import unittest
 
 import genom
@@ -38,6 +42,12 @@ def process(work, *arguments):
     yield
     peer.join(WATCHDOG)
     assert peer.exitcode == 0, peer.exitcode
+
+
+def is_stopped(stat):
+    """Whether a thread has heard SIGSTOP, by what the kernel says of it."""
+    with open(stat, encoding="utf-8") as file:
+        return file.read().rpartition(")")[2].split()[0] == "T"
 
 
 def p50_p99(spans):
@@ -94,6 +104,36 @@ class DemoCase(unittest.TestCase):
         self.assertEqual(activity.status, "sent")
         publisher(2.0)
         activity.wait(WATCHDOG)
+
+    def burst(self, publisher, count, stopped=False):
+        """The codels get the newest value of a burst; `stopped`: the daemon sleeps meanwhile."""
+        publisher(0.0)
+        activity = self.demo.goto(goal=1.0, ack=True)
+        values = [number * 1e-12 for number in range(count + 1)]
+        with self.demo.parameter.subscribe(fast=False) as gain:
+            self.assertEqual(gain.wait(WATCHDOG), 0.0)
+            burst = threading.Thread(target=lambda: [publisher(value) for value in values])
+            with self.asleep() if stopped else contextlib.nullcontext():
+                burst.start()
+                # Until it is over, or held back: no longer than a network bears it.
+                burst.join(1.0)
+            while gain.wait(WATCHDOG) != values[-1]:
+                pass
+            burst.join(WATCHDOG)
+        activity.abort()
+
+    @contextlib.contextmanager
+    def asleep(self):
+        """The daemon's process is stopped, as by Ctrl-Z."""
+        process = self.g.about()["pid"]
+        os.kill(process, signal.SIGSTOP)
+        try:
+            # Its threads stop one after another.
+            while not all(map(is_stopped, glob.glob(f"/proc/{process}/task/*/stat"))):
+                time.sleep(0.001)
+            yield
+        finally:
+            os.kill(process, signal.SIGCONT)
 
     def moved(self, positions):
         """The positions that a follower is told of a motion at 2 m/s, from 0 to 0.2."""

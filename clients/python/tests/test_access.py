@@ -23,6 +23,13 @@ class Tokens(unittest.TestCase):
             with self.assertRaisesRegex(genom.RefusalError, "needs the right `call`"):
                 g.component("demo").set_speed(2.0)
 
+    def test_what_takes_long_is_waited_for(self):
+        with genom.connect(HOST, ca="ca.pem", token_file="admin", timeout=1.0) as g:
+            demo = g.component("demo")
+            demo.reset()
+            # Longer than that, and the daemon says nothing meanwhile.
+            self.assertEqual(demo.goto(1.2), {})
+
     def test_nothing_is_taken_on_trust(self):
         with self.assertRaisesRegex(ValueError, "whose certificate to trust"):
             genom.connect(HOST, token_file="read")

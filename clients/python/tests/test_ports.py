@@ -16,6 +16,10 @@ class Ports(DemoCase):
             self.assertEqual(self.demo.parameter.connected(), f"{self.demo.name}/parameter")
         self.assertIsNone(self.demo.parameter.connected())
 
+    def test_the_newest_value_of_a_burst_arrives(self):
+        with self.demo.parameter.publisher(fast=False) as p:
+            self.burst(p, 200)
+
     def test_following_a_port_gives_its_values_in_order(self):
         self.demo.set_speed(2.0)
         with self.demo.position.subscribe(fast=False) as positions:

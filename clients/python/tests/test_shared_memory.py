@@ -33,6 +33,10 @@ class SharedMemory(DemoCase):
         with self.demo.parameter.publisher(fast=True) as p:
             p(0.25)
 
+    def test_the_newest_value_of_a_burst_arrives_when_the_reader_was_held_up(self):
+        with self.demo.parameter.publisher(fast=True) as p:
+            self.burst(p, 50_000, stopped=True)
+
     def test_two_publishers_do_not_share_a_port(self):
         with self.demo.parameter.publisher(fast=True) as p:
             p(1.0)

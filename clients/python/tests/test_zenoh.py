@@ -63,6 +63,10 @@ class Zenoh(DemoCase):
             self.assertEqual(caught.exception.name, "taken")
         self.assertIsNone(self.demo.parameter.connected())
 
+    def test_the_newest_value_of_a_burst_arrives_when_the_reader_was_held_up(self):
+        with self.demo.parameter.publisher(fast=True) as p:
+            self.burst(p, 50_000, stopped=True)
+
     def test_samples_go_to_another_process_and_come_back_in_order(self):
         blocks, size = 10, 300
         count = blocks * size

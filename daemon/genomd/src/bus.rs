@@ -95,6 +95,31 @@ pub(crate) enum Change {
     Stopping {},
 }
 
+impl Change {
+    /// What `event` says of each.
+    pub(crate) const KINDS: [&'static str; 19] = [
+        "component_loaded",
+        "component_unloaded",
+        "component_left",
+        "codel_stuck",
+        "codel_returned",
+        "component_failed",
+        "activity_started",
+        "transition",
+        "activity_ended",
+        "overrun",
+        "connected",
+        "disconnected",
+        "backend_changed",
+        "remote_connected",
+        "remote_disconnected",
+        "event_fired",
+        "deployment_step",
+        "deployment_waits",
+        "stopping",
+    ];
+}
+
 /// How far a deployment is with a step.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "snake_case")]

@@ -59,6 +59,12 @@ pub trait Body: Send + Sync {
     /// Safe at any time: the body keeps a copy that it exchanges without blocking codels.
     fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value>;
 
+    /// The same as a CDR message; `None` also of what cannot be one.
+    fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
+        let _ = (port, element);
+        None
+    }
+
     /// Where codels wrote past the memory they were given, in words, once that was found.
     fn damage(&self) -> Option<String> {
         None

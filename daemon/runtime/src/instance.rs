@@ -167,6 +167,12 @@ impl Instance {
         self.engine.shared.body.port_value(port, element)
     }
 
+    /// The same as a CDR message.
+    #[must_use]
+    pub fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
+        self.engine.shared.body.port_message(port, element)
+    }
+
     /// Where codels wrote past the memory they were given, once that was found.
     #[must_use]
     pub fn damage(&self) -> Option<String> {

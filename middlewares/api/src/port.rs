@@ -207,6 +207,16 @@ pub trait Middleware: Send + Sync {
         at.to_string()
     }
 
+    /// Ends of ports at one address, as [`discover`](Middleware::discover) tells of all: for who
+    /// asks at many addresses, where telling all costs more.
+    ///
+    /// # Errors
+    /// As there.
+    fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
+        let wanted = self.spelled(at);
+        Ok(self.discover()?.into_iter().filter(|end| end.address == wanted).collect())
+    }
+
     /// What keeps our ends at an address and others from meeting, though both are there.
     fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
         let _ = at;

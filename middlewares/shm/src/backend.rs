@@ -150,4 +150,9 @@ impl Middleware for Shm {
         let _ = self.inner.ground.watcher.heal_dead();
         discover::list(&self.inner.ground.node)
     }
+
+    fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
+        let _busy = self.inner.ground.watcher.busy();
+        Ok(discover::at(&self.inner.ground.node, at))
+    }
 }

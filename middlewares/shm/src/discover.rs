@@ -1,6 +1,6 @@
 //! What is visible on shared memory, ours and others'.
 
-use genom_middleware::{DiscoverError, Endpoint, EndpointKind};
+use genom_middleware::{Address, DiscoverError, Endpoint, EndpointKind};
 use iceoryx2::prelude::*;
 use iceoryx2::service::static_config::StaticConfig;
 use iceoryx2::service::static_config::messaging_pattern::MessagingPattern as Pattern;
@@ -30,6 +30,20 @@ pub(crate) fn list(node: &Node<Ipc>) -> Result<Vec<Endpoint>, DiscoverError> {
     }
     catalog::listed(node, &mut seen);
     Ok(seen)
+}
+
+/// Those of them at one address, of which one service is opened at most.
+pub(crate) fn at(node: &Node<Ipc>, at: &Address) -> Vec<Endpoint> {
+    let mut seen = Vec::new();
+    let address = at.to_string();
+    let Ok(name) = ServiceName::new(&address) else { return seen };
+    let pattern = MessagingPattern::PublishSubscribe;
+    if let Ok(Some(service)) = <Ipc as Service>::details(&name, node.config(), pattern) {
+        ends(node, &service.static_details, &mut seen);
+    }
+    catalog::listed(node, &mut seen);
+    seen.retain(|end| end.address == address);
+    seen
 }
 
 /// The ends of one service; none when it is gone meanwhile.

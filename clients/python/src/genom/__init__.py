@@ -14,13 +14,14 @@
 ``help(demo.goto)`` tells what the component's description says of a service.
 """
 
+from . import event
 from ._ends import Publisher, Subscription
 from .activity import Activity, Status
-from .client import Client, connect
+from .client import Client, connect, update
 from .component import Component
 from .errors import DaemonError, GenoMError, InputError, RefusalError
 from .events import EventStream
-from .port import Port
+from .port import Port, Reading
 from .rate import Rate
 
 __all__ = [
@@ -34,9 +35,12 @@ __all__ = [
     "Port",
     "Publisher",
     "Rate",
+    "Reading",
     "RefusalError",
     "Status",
     "Subscription",
     "connect",
+    "event",
+    "update",
 ]
 __version__ = "0.1.0"

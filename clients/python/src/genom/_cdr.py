@@ -5,8 +5,12 @@ The daemon tells what a type is made of; values are as its JSON has them, as ove
 
 from __future__ import annotations
 
+import array
+import math
 import struct
 from typing import Any, Callable, Dict, List, Optional, Tuple
+
+from . import _numbers
 
 _NUMBERS = {
     "boolean": "?", "octet": "B", "short": "h", "unsigned short": "H", "long": "i",
@@ -22,8 +26,13 @@ Read = Callable[[bytes, int], Tuple[Any, int]]
 class Cdr:
     """Encodes and decodes values of one type."""
 
-    def __init__(self, layout: Dict[str, Any]) -> None:
+    def __init__(self, layout: Dict[str, Any], buffers: bool = False) -> None:
+        """With ``buffers``, many numbers come as a `memoryview`."""
+        self._buffers = buffers
         self._types: List[Dict[str, Any]] = layout["types"]
+        # Those of which many are one piece.
+        codes = ((at, _numbers.CODES.get(one["kind"])) for at, one in enumerate(self._types))
+        self._bulky: Dict[int, str] = {at: code for at, code in codes if code is not None}
         self._writers: Dict[int, Write] = {}
         self._readers: Dict[Tuple[int, str], Read] = {}
         self._write = self._writer(0)
@@ -71,9 +80,14 @@ class Cdr:
                 merged[name] = self.merge(old[name], inner, types[name])
             return merged
         if kind == "array":
-            numbers = self._types[one["element"]]["kind"] in _NUMBERS
-            if numbers and not isinstance(new, dict) and len(new) == one["length"] and None not in new:
-                return list(new)
+            if one["element"] in self._bulky and not isinstance(new, dict):
+                numbers = _numbers.kept(new)
+                view = _numbers.buffer(numbers)
+                if (len(numbers) if view is None else view.nbytes // view.itemsize) == one["length"]:
+                    return numbers
+                new = _numbers.flat(numbers)
+            elif _numbers.buffer(new) is not None:
+                new = new.tolist()
             given = new.items() if isinstance(new, dict) else enumerate(new)
             elements = list(old)
             for index, inner in given:
@@ -81,6 +95,8 @@ class Cdr:
                     raise ValueError(f"there is no element {index}, only {one['length']}")
                 elements[int(index)] = self.merge(elements[int(index)], inner, one["element"])
             return elements
+        if kind == "sequence":
+            return _numbers.kept(new)
         if kind == "float" or kind == "double":
             return float("nan") if new is None else new
         return new
@@ -159,19 +175,24 @@ class Cdr:
                     element_of(out, value)
 
             return optional
-        bulk = _put_all(_NUMBERS.get(self._types[one["element"]]["kind"]))
+        bulk = self._bulky.get(one["element"])
+        size = 0 if bulk is None else struct.calcsize("=" + bulk)
         counted, most = kind == "sequence", one.get("bound") if kind == "sequence" else one["length"]
 
         def items(out: bytearray, value: Any) -> None:
-            if (most is not None and len(value) > most) or (not counted and len(value) != most):
-                raise ValueError(f"{one['name']} takes {most} elements, {len(value)} were given")
+            packed = None if bulk is None else _numbers.packed(value, bulk)
+            count = len(value) if packed is None else len(packed) // size
+            if (most is not None and count > most) or (not counted and count != most):
+                raise ValueError(f"{one['name']} takes {most} elements, {count} were given")
             if counted:
-                length(out, len(value))
-            if bulk is not None:
-                bulk(out, value)
-                return
-            for inner in value:
-                element(out, inner)
+                length(out, count)
+            if packed is None:
+                for inner in value:
+                    element(out, inner)
+            elif packed:
+                # Aligned from the start of the payload, four bytes into the message.
+                out.extend(b"\0" * (-(len(out) - 4) % size))
+                out.extend(packed)
 
         return items
 
@@ -230,7 +251,7 @@ class Cdr:
             return union
         element = self._reader(one["element"], order)
         fixed = one.get("length")
-        bulk = _get_all(_NUMBERS.get(self._types[one["element"]]["kind"]), order)
+        bulk = _get_all(self._bulky.get(one["element"]), order, self._buffers)
 
         def items(data: bytes, pos: int) -> Tuple[Any, int]:
             count = fixed
@@ -261,7 +282,8 @@ def _put(code: str) -> Write:
     def put(out: bytearray, value: Any) -> None:
         # Aligned from the start of the payload, four bytes into the message.
         pad = -(len(out) - 4) % size
-        out.extend(b"\0" * pad + pack(value))
+        # JSON has no number for what is none.
+        out.extend(b"\0" * pad + pack(math.nan if value is None and code in "fd" else value))
 
     return put
 
@@ -276,28 +298,22 @@ def _get(code: str, order: str) -> Read:
     return get
 
 
-def _put_all(code: Optional[str]) -> Optional[Write]:
+def _get_all(
+    code: Optional[str], order: str, buffers: bool
+) -> "Optional[Callable[[bytes, int, int], Tuple[Any, int]]]":
     """Many numbers at once."""
     if code is None:
         return None
-    size = struct.calcsize("<" + code)
-
-    def put(out: bytearray, values: Any) -> None:
-        if len(values) > 0:
-            out.extend(b"\0" * (-(len(out) - 4) % size))
-            out.extend(struct.pack(f"<{len(values)}{code}", *values))
-
-    return put
-
-
-def _get_all(code: Optional[str], order: str) -> "Optional[Callable[[bytes, int, int], Tuple[Any, int]]]":
-    """Many numbers at once."""
-    if code is None:
-        return None
-    size = struct.calcsize("<" + code)
+    size = struct.calcsize("=" + code)
 
     def get(data: bytes, pos: int, count: int) -> Tuple[Any, int]:
         pos += -pos % size if count else 0
-        return list(struct.unpack_from(f"{order}{count}{code}", data, pos)), pos + count * size
+        end = pos + count * size
+        if end > len(data):
+            raise ValueError(f"{count} elements do not fit into the message")
+        if order == ">" and size > 1:
+            values = list(struct.unpack_from(f">{count}{code}", data, pos))
+            return (memoryview(array.array(code, values)) if buffers else values), end
+        return _numbers.unpacked(data[pos:end], code, buffers), end
 
     return get

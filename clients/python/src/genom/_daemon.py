@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Dict, List, Optional
 
-from ._http import Transport
+from ._http import Transport, url
+from ._watch import Watch
 from .errors import RefusalError
 
 
@@ -13,6 +15,9 @@ class Daemon:
 
     def __init__(self, transport: Transport) -> None:
         self._transport = transport
+        self._watch = Watch(transport)
+        # Names that programs gave what they publish, and the in ports it feeds.
+        self._named: Dict[str, str] = {}
         self._meet: Optional[Dict[str, Dict[str, str]]] = None
 
     def about(self) -> Dict[str, Any]:
@@ -30,12 +35,54 @@ class Daemon:
         ``policy`` is ``latest``, ``queue:N`` or ``ring:N``; ``wait=True`` connects to a port that
         comes later.
         """
+        if self._named.get(outport) == inport:
+            return {"in": inport, "out": inport}
         body = {"in": inport, "out": outport, **options}
         return dict(self._transport.request("POST", "/connections", body))
 
+    def step(self, seconds: float) -> float:
+        """Has time go on by so much, in a daemon with ``--clock virtual``; the time it is then."""
+        body = {"nanoseconds": round(seconds * 1e9)}
+        return float(self._transport.request("POST", "/clock", body)["now"]) / 1e9
+
+    def apply(
+        self,
+        file: str,
+        *,
+        daemon: Optional[str] = None,
+        dry_run: bool = False,
+        timeout: float = 10.0,
+    ) -> List[str]:
+        """Brings the daemon to what a deployment file says; the steps that this took.
+
+        ``timeout`` is for the other side of connections; ``dry_run`` only tells the steps.
+        """
+        with open(file, encoding="utf-8") as opened:
+            text = opened.read()
+        body: Dict[str, Any] = {"text": text, "file": os.path.abspath(file)}
+        body.update(dry_run=dry_run, timeout=timeout)
+        if daemon is not None:
+            body["daemon"] = daemon
+        return list(self._transport.request("POST", "/deployment", body)["steps"])
+
+    def dump(self) -> str:
+        """What runs, as the text of a deployment file."""
+        return str(self._transport.request("GET", "/deployment")["text"])
+
+    def why(self, address: str) -> List[Dict[str, Any]]:
+        """Why no data flows through ``component/port``, or why a remote calls nothing."""
+        component, _, port = address.partition("/")
+        path = url("components", component, "ports", port.split("/", 1)[0], "why")
+        return list(self._transport.request("GET", path)["findings"])
+
+    def stats(self, component: str) -> Dict[str, Any]:
+        """Figures on the tasks and codels of a component."""
+        return dict(self._transport.request("GET", url("components", component, "tasks")))
+
     def _meeting_point(self, backend: str) -> Dict[str, str]:
         """What a program must be told to meet the daemon on a middleware."""
-        if self._meet is None:
+        # A middleware that was not open yet when it was asked for tells nothing.
+        if self._meet is None or not self._meet.get(backend):
             listed = self._transport.request("GET", "/middlewares")["middlewares"]
             self._meet = {one["name"]: one.get("meet", {}) for one in listed}
         if backend not in self._meet:

@@ -2,26 +2,30 @@
 
 from __future__ import annotations
 
+import functools
 import http.client
+import io
 import json
 import math
 import os
-import select
 import socket
 import ssl
 import stat
 import threading
 import time
 import weakref
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple
 from urllib.parse import quote
 
+from . import _numbers, _silence
 from ._far import Far
 from ._target import Target
 from .errors import DaemonError, refusal
 
 # The daemon gives up a connection that sends no request for 10 s.
 _IDLE = 5.0
+# A stream that has nothing to say shows that often that the daemon is alive.
+_SIGN_OF_LIFE = 5.0
 
 
 def url(*segments: str) -> str:
@@ -29,7 +33,42 @@ def url(*segments: str) -> str:
     return "".join("/" + quote(segment, safe="") for segment in segments)
 
 
+class _Patient(io.RawIOBase):
+    """Reads of a socket, and asks what to do where nothing came in its time."""
+
+    def __init__(self, sock: Any, whole: Any, silent: Callable[[Any], None]) -> None:
+        self._sock = sock
+        # Keeps the socket open as long as it is read.
+        self._whole = whole
+        self._silent = silent
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, room: Any) -> int:
+        while True:
+            try:
+                return int(self._sock.recv_into(room))
+            except socket.timeout:
+                self._silent(self._sock)
+
+    def close(self) -> None:
+        if not self.closed:
+            super().close()
+            self._whole.close()
+
+
+class _Response(http.client.HTTPResponse):
+    def __init__(self, sock: Any, *args: Any, silent: Callable[[Any], None], **more: Any) -> None:
+        super().__init__(sock, *args, **more)
+        self.fp = io.BufferedReader(_Patient(sock, self.fp, silent))
+
+
 class _Connection(http.client.HTTPConnection):
+    def patient(self, silent: Callable[[Any], None]) -> None:
+        """What to do where nothing comes: `silent` raises, or has it wait on."""
+        self.response_class = functools.partial(_Response, silent=silent)  # type: ignore[assignment]
+
     def __del__(self) -> None:
         # Threads come and go; what they leave is closed.
         self.close()
@@ -40,15 +79,16 @@ class _TlsConnection(_Connection, http.client.HTTPSConnection):
 
 
 class _UnixConnection(_Connection):
-    def __init__(self, path: str) -> None:
-        super().__init__("genomd")
+    def __init__(self, path: str, timeout: Optional[float]) -> None:
+        super().__init__("genomd", timeout=timeout)
         self._path = path
 
     def connect(self) -> None:
         _trusted(self._path)
         sock = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        sock.settimeout(self.timeout)
         try:
-            sock.connect(self._path)
+            _silence.connect(sock, self._path)
         except BaseException:
             sock.close()
             raise
@@ -79,8 +119,9 @@ class _Idle(threading.local):
 class Transport:
     """Requests to one daemon; may be used from any thread."""
 
-    def __init__(self, target: Target) -> None:
+    def __init__(self, target: Target, timeout: Optional[float] = None) -> None:
         self._target = target
+        self._timeout = timeout
         self._headers = {"Content-Type": "application/json"}
         # A token for another daemon goes to none: it is proved.
         self._far: Optional[Far] = None
@@ -98,6 +139,10 @@ class Transport:
     def request(self, method: str, path: str, body: Any = None) -> Any:
         """Asks, and waits for the reply."""
         text = None if body is None else json.dumps(_plain(body), allow_nan=False).encode()
+        return self.send(method, path, text)
+
+    def send(self, method: str, path: str, text: Optional[bytes]) -> Any:
+        """The same with a body that is written already."""
         if self._far is not None:
             status, data = self._far.request(method, path, text or b"")
         else:
@@ -112,6 +157,10 @@ class Transport:
             raise refusal(reply, status)
         return reply
 
+    def options(self) -> List[str]:
+        """What names the daemon to genomctl."""
+        return self._target.options
+
     def _post(self, path: str, body: bytes) -> Tuple[int, bytes]:
         return self._whole("POST", path, body)
 
@@ -121,9 +170,9 @@ class Transport:
         try:
             response = self._send(connection, method, path, body, {})
             data = response.read()
-        except http.client.HTTPException as error:
+        except (OSError, http.client.HTTPException) as error:
             connection.close()
-            raise self._lost() from error
+            raise self._failed(error) from error
         except BaseException:
             # Half a reply may be on its way: this connection is of no use any more.
             connection.close()
@@ -141,6 +190,9 @@ class Transport:
         connection = self._connection()
         try:
             response = self._send(connection, "GET", path, None, headers or {})
+            if self._timeout is not None and connection.sock is not None:
+                # Such a stream is never silent for that long.
+                connection.sock.settimeout(_SIGN_OF_LIFE + self._timeout)
             if response.status >= 300:
                 raise refusal(json.loads(response.read() or b"null"), response.status)
         except BaseException:
@@ -153,15 +205,16 @@ class Transport:
         for connection in list(self._open):
             connection.close()
 
-    def _connection(self) -> http.client.HTTPConnection:
-        connection: http.client.HTTPConnection
+    def _connection(self) -> _Connection:
+        connection: _Connection
         to = self._target
         if to.socket is not None:
-            connection = _UnixConnection(to.socket)
+            connection = _UnixConnection(to.socket, self._timeout)
         elif to.tls is not None:
-            connection = _TlsConnection(to.name, to.port, context=to.tls)
+            connection = _TlsConnection(to.name, to.port, context=to.tls, timeout=self._timeout)
         else:
-            connection = _Connection(to.name, to.port)
+            connection = _Connection(to.name, to.port, timeout=self._timeout)
+        connection.patient(self._silent)
         self._open.add(connection)
         return connection
 
@@ -171,7 +224,7 @@ class Transport:
         if connection is not None and connection.sock is not None:
             fresh = time.monotonic() - self._idle.since < _IDLE
             # Nothing is due on an idle connection: what can be read is its end.
-            if fresh and not select.select([connection.sock], [], [], 0)[0]:
+            if fresh and not _silence.readable(connection.sock, 0.0):
                 return connection
             connection.close()
         return self._connection()
@@ -195,23 +248,40 @@ class Transport:
                 # The daemon may answer before it has read all: the answer says why.
                 pass
             return connection.getresponse()
-        except (ConnectionRefusedError, FileNotFoundError, PermissionError, socket.gaierror) as why:
-            raise DaemonError(
-                "unreachable",
-                None,
-                f"no genomd answers on {self.target}: {why.strerror}; start one with "
-                "`genomd LIBRARY...`, or name its socket: connect(socket=...)",
-            ) from why
-        except ssl.SSLError as why:
-            raise DaemonError(
-                "unreachable", None, f"{self.target}: {why}; is `ca` the root of its certificate, "
-                "and does it ask for a `cert`?"
-            ) from why
         except (OSError, http.client.HTTPException) as why:
-            raise self._lost() from why
+            raise self._failed(why) from why
 
-    def _lost(self) -> DaemonError:
-        return DaemonError("lost", None, f"genomd on {self.target} went away")
+    def _silent(self, sock: Any) -> None:
+        """Nothing came: a daemon that is alive may be at work on this very request."""
+        if _silence.is_stopped(sock):
+            raise socket.timeout()
+        probe = self._connection()
+        try:
+            probe.request("GET", "/", headers=self._headers)
+            if not _silence.readable(probe.sock, self._timeout or 0.0):
+                raise socket.timeout()
+        except (BrokenPipeError, ConnectionResetError, ConnectionRefusedError):
+            pass  # It has no room, or is gone: this connection tells.
+        finally:
+            probe.close()
+
+    def _failed(self, why: Exception) -> DaemonError:
+        """What an error of a connection comes to."""
+        at = self.target
+        if isinstance(why, socket.timeout):
+            return _silence.error(at, self._target.socket, self._timeout)
+        if isinstance(why, (ConnectionRefusedError, FileNotFoundError, PermissionError, socket.gaierror)):
+            name, told = "unreachable", (
+                f"no genomd answers on {at}: {why.strerror}; start one with "
+                "`genomd LIBRARY...`, or name its socket: connect(socket=...)"
+            )
+        elif isinstance(why, ssl.SSLError):
+            name, told = "unreachable", (
+                f"{at}: {why}; is `ca` the root of its certificate, and does it ask for a `cert`?"
+            )
+        else:
+            name, told = "lost", f"genomd on {at} went away"
+        return DaemonError(name, None, told)
 
 
 def _plain(value: Any) -> Any:
@@ -224,6 +294,8 @@ def _plain(value: Any) -> Any:
         return {str(key): _plain(inner) for key, inner in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(inner) for inner in value]
+    if _numbers.buffer(value) is not None:
+        return _plain(value.tolist() if hasattr(value, "tolist") else list(value))
     if hasattr(value, "tolist"):
         return _plain(value.tolist())
     return value

@@ -6,8 +6,9 @@ The daemon tells where everything lies; what ctypes makes of it must agree to th
 from __future__ import annotations
 
 import ctypes
-import struct
 from typing import Any, Callable, Dict, List, Optional, Tuple
+
+from . import _numbers
 
 _BASIC: Dict[str, Tuple[Any, str]] = {
     "boolean": (ctypes.c_bool, "bool"),
@@ -23,12 +24,6 @@ _BASIC: Dict[str, Tuple[Any, str]] = {
     "double": (ctypes.c_double, "f64"),
 }
 
-# As `struct` spells those that are only numbers.
-_CODES = {
-    "octet": "B", "short": "h", "unsigned short": "H", "long": "i", "unsigned long": "I",
-    "long long": "q", "unsigned long long": "Q", "float": "f", "double": "d",
-}
-
 Get = Callable[[int], Any]
 Put = Callable[[int, Any], None]
 
@@ -36,7 +31,9 @@ Put = Callable[[int, Any], None]
 class Codec:
     """Reads and writes values of one type at an address."""
 
-    def __init__(self, layout: Dict[str, Any]) -> None:
+    def __init__(self, layout: Dict[str, Any], buffers: bool = False) -> None:
+        """With ``buffers``, many numbers come as a `memoryview`."""
+        self._buffers = buffers
         self._types: List[Dict[str, Any]] = layout["types"]
         self._ctypes: Dict[int, Any] = {}
         self._ends: Dict[int, Tuple[Get, Put]] = {}
@@ -148,8 +145,6 @@ class Codec:
                 if isinstance(value, dict):
                     put(address, {int(key): inner for key, inner in value.items()}, length)
                     return
-                if len(value) > length:
-                    raise ValueError(f"{one['name']} has {length} elements, {len(value)} were given")
                 put(address, value, length)
 
             return lambda address: get(address, length), put_all
@@ -175,37 +170,40 @@ class Codec:
 
         return get, put
 
-    def _items(self, element: int) -> Tuple[Callable[[int, int], Any], Callable[[int, Any, int], None]]:
+    def _items(self, element: int) -> Tuple[Callable[[int, int], Any], Callable[[int, Any, int], int]]:
+        """How many of them are read, and written: how many were given."""
         size = self._types[element]["size"]
         get_one, put_one = self._end(element)
+        code = _numbers.CODES.get(self._types[element]["kind"])
 
-        kind = self._types[element]["kind"]
-        if kind in _BASIC and kind != "char":
-            made = self._ctype(element)
+        def get(address: int, length: int) -> Any:
+            if code is not None:
+                return _numbers.unpacked(ctypes.string_at(address, length * size), code, self._buffers)
+            return [get_one(address + index * size) for index in range(length)]
 
-            def get(address: int, length: int) -> Any:
-                return (made * length).from_address(address)[:]
-
-        else:
-
-            def get(address: int, length: int) -> Any:
-                return [get_one(address + index * size) for index in range(length)]
-
-        def put(address: int, values: Any, length: int) -> None:
+        def put(address: int, values: Any, most: int) -> int:
+            given = values
             if not isinstance(values, dict):
-                if kind in _CODES and None not in values:
+                if code is not None:
                     # All at once, checked for their ranges.
-                    try:
-                        packed = struct.pack(f"={len(values)}{_CODES[kind]}", *values)
-                    except (struct.error, OverflowError) as why:
-                        raise ValueError(f"{self._types[element]['name']}: {why}") from why
+                    packed = _numbers.packed(values, code)
+                    count = fits(len(packed) // size, most)
                     ctypes.memmove(address, packed, len(packed))
-                    return
+                    return count
+                if _numbers.buffer(values) is not None:
+                    values = given = values.tolist()
                 values = dict(enumerate(values))
+                fits(len(values), most)
             for index, value in values.items():
-                if not 0 <= index < length:
-                    raise ValueError(f"there is no element {index}, only {length}")
+                if not 0 <= index < most:
+                    raise ValueError(f"there is no element {index}, only {most}")
                 put_one(address + index * size, value)
+            return len(given)
+
+        def fits(count: int, most: int) -> int:
+            if count > most:
+                raise ValueError(f"{most} elements of {self._types[element]['name']} fit, {count} were given")
+            return count
 
         return get, put
 
@@ -218,11 +216,9 @@ class Codec:
             return get_items(address + at, min(length, maximum))
 
         def put(address: int, value: Any) -> None:
-            if len(value) > maximum:
-                raise ValueError(f"{one['name']} takes {maximum} elements, {len(value)} were given")
-            put_items(address + at, value, maximum)
+            count = put_items(address + at, value, maximum)
             ctypes.c_uint32.from_address(address).value = maximum
-            ctypes.c_uint32.from_address(address + 4).value = len(value)
+            ctypes.c_uint32.from_address(address + 4).value = count
 
         return get, put
 

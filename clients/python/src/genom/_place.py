@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Optional
+from dataclasses import dataclass
+from typing import Any, Dict, List, Optional
 
 from ._daemon import Daemon
 from ._http import url
 
 
+@dataclass(frozen=True)
+class Now:
+    """How a port is wired."""
+
+    backends: List[str]
+    """Its middlewares."""
+    source: Optional[str]
+    """What an in port reads, if it is connected."""
+    on: Optional[str]
+    """The middleware of that connection."""
+
+
 class Place:
     """A port of a component, read and written through the daemon."""
 
-    def __init__(
-        self, daemon: Daemon, component: str, description: Dict[str, Any], backend: str
-    ) -> None:
+    def __init__(self, daemon: Daemon, component: str, description: Dict[str, Any]) -> None:
         self._client = daemon
         self._component = component
         self._description = description
-        self._backend = backend
         self._layout: Optional[Dict[str, Any]] = None
         self.name: str = description["name"]
         self.direction: str = description["direction"]
@@ -32,15 +42,22 @@ class Place:
         found = self._get(element).get("connected")
         return None if found is None else str(found)
 
-    def connect(self, outport: str, **options: Any) -> Dict[str, Any]:
+    def connect(
+        self, outport: str, *, element: Optional[str] = None, **options: Any
+    ) -> Dict[str, Any]:
         """Connects this in port to ``component/port``; options as of `Client.connect_port`."""
-        return self._client.connect_port(self.address(), outport, **options)
+        return self._client.connect_port(self.address(element), outport, **options)
 
     def disconnect(self, element: Optional[str] = None) -> None:
         """Disconnects this in port."""
         path = ["connections", self._component, self.name]
         path += [] if element is None else [element]
         self._client._transport.request("DELETE", url(*path))
+
+    def why(self) -> List[Dict[str, Any]]:
+        """Why no data flows through it: each reason as ``what`` and ``fix``; none when it does."""
+        path = url("components", self._component, "ports", self.name, "why")
+        return list(self._client._transport.request("GET", path)["findings"])
 
     def publish(self, value: Any, element: Optional[str] = None) -> Any:
         """Publishes one value to this in port, through the daemon; returns the whole value."""
@@ -61,13 +78,25 @@ class Place:
     def _get(self, element: Optional[str]) -> Dict[str, Any]:
         return dict(self._client._transport.request("GET", self._path(element)))
 
-    def _source(self, element: Optional[str]) -> Optional[str]:
-        """Where the values come from: an out port's own address."""
-        return self.address(element) if self.direction == "out" else self.connected(element)
+    def now(self, element: Optional[str] = None) -> Now:
+        """How it is wired now."""
+        request = self._client._transport.request
+        listed = request("GET", url("components", self._component, "ports") + "?values=false")
+        here = self.address(element)
+        named = [one for one in listed["ports"] if one["name"] == self.name]
+        # An element that is not open yet is where its port is.
+        found = next((one for one in named if one["address"] == here), None)
+        backends = str((found or named[0])["backend"]).split("+") if named else []
+        source = None if found is None else found.get("connected")
+        on = None
+        if source is not None:
+            made = request("GET", "/connections")["connections"]
+            on = next((one.get("backend") for one in made if one["in"] == here), None)
+        return Now(backends, source, on)
 
-    def layout(self) -> Dict[str, Any]:
-        """The port's type as it lies in memory."""
-        if self._layout is None:
+    def layout(self, anew: bool = False) -> Dict[str, Any]:
+        """The port's type as it lies in memory; ``anew`` asks also if it is known."""
+        if self._layout is None or anew:
             path = url("components", self._component, "ports", self.name, "type")
             self._layout = dict(self._client._transport.request("GET", path))
         return self._layout

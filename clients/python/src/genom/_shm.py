@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import ctypes
+import os
+import struct
 import threading
-from typing import Any, Dict, Optional, Tuple
+import time
+from typing import Any, Callable, Dict, Optional, Tuple
 
 import iceoryx2 as iox2
 
-from ._ends import Publisher, Subscription, look_until
+from ._cdr import Cdr
 from ._layout import Codec
 from ._place import Place
 from .errors import GenoMError, InputError, RefusalError
 
+# Nobody is told when a sample lies in shared memory: it is looked for all the time at first, then
+# so often.
+_EAGER = 0.002
+_LOOK = 0.0002
+# Room for the first message; a larger one makes more.
+_FIRST_ROOM = 4096
+_BYTES = iox2.Slice[ctypes.c_uint8]
 _DIGEST = iox2.AttributeKey.new("genom.digest")
 _nodes: Dict[Tuple[Tuple[str, str], ...], Any] = {}
 _nodes_lock = threading.Lock()
@@ -35,95 +45,176 @@ def _node(meet: Dict[str, str]) -> Any:
     return node
 
 
-def _open(port: Place, address: str) -> Tuple[Any, Codec]:
-    """The service of a port, which the daemon has made, and its type."""
-    layout = port.layout()
-    codec = Codec(layout)
-    node = _node(port._client._meeting_point("shm"))
-    try:
-        builder = node.service_builder(iox2.ServiceName.new(address))
-        service = builder.publish_subscribe(codec.type).open()
-    except Exception as why:
-        raise RefusalError("not_fast", f"{address} cannot be opened in shared memory: {why}") from why
-    # Two types of one name and size may still differ: the digests tell.
-    theirs = [str(one.to_string()) for one in service.attributes.key_values(_DIGEST)]
-    if theirs and layout["digest"] not in theirs:
-        raise RefusalError("type_mismatch", f"{address} carries another type than {layout['type']}")
-    return service, codec
+class _End:
+    """What both ends of a port have: its service, which the daemon has made, and its type."""
+
+    def __init__(self, port: Place, address: str, buffers: bool = False) -> None:
+        layout = port.layout()
+        self.address = address
+        fixed = layout["types"][0]["fixed"]
+        # Types of fixed size lie there in C layout, others as messages.
+        self.codec: Optional[Codec] = Codec(layout, buffers) if fixed else None
+        self.cdr: Optional[Cdr] = None if fixed else Cdr(layout, buffers)
+        node = _node(port._client._meeting_point("shm"))
+        try:
+            builder = node.service_builder(iox2.ServiceName.new(address))
+            builder = builder.publish_subscribe(self.codec.type if self.codec else _BYTES)
+            self.service = builder.open()
+        except Exception as why:
+            raise RefusalError(
+                "not_fast", f"{address} cannot be opened in shared memory: {why}"
+            ) from why
+        # Two types of one name and size may still differ: the digests tell.
+        theirs = [str(one.to_string()) for one in self.service.attributes.key_values(_DIGEST)]
+        if theirs and layout["digest"] not in theirs:
+            raise RefusalError(
+                "type_mismatch", f"{address} carries another type than {layout['type']}"
+            )
 
 
-class ShmPublisher(Publisher):
+class Writer:
     """The writing end of an in port, straight through shared memory."""
 
-    fast = True
-
-    def __init__(self, port: Place, element: Optional[str]) -> None:
-        super().__init__(port, element)
-        self._service, self._codec = _open(port, port.address(element))
+    def __init__(self, port: Place, address: str) -> None:
+        self._end = end = _End(port, address)
+        self._publisher: Any = None
+        self._any = False
+        # What was published last; in the layout of the port when there is one.
+        self._value: Any = None if end.cdr is None else end.cdr.zero()
+        self._at = 0
+        if end.codec is not None:
+            self._value = end.codec.type()
+            self._at = ctypes.addressof(self._value)
         try:
-            self._publisher: Any = self._service.publisher_builder().create()
+            self._publisher = self._builder().create()
         except Exception as why:
             raise RefusalError(
                 "taken",
-                f"{port.address(element)} takes no publisher: {why}",
+                f"{address} takes no publisher: {why}",
                 help="another program publishes there: stop it first",
             ) from why
-        # What was published last, in the layout of the port.
-        self._value = self._codec.type()
-        self._at = ctypes.addressof(self._value)
 
     def publish(self, value: Any) -> None:
         """Publishes a value: one copy, no call of the daemon."""
+        end = self._end
         try:
-            self._codec.put(self._at, value)
-        except (TypeError, ValueError, AttributeError, KeyError) as why:
-            raise InputError("bad_input", f"{self.port.address(self._element)}: {why}") from why
+            if end.codec is not None:
+                end.codec.put(self._at, value)
+            elif end.cdr is not None:
+                self._value = end.cdr.merge(self._value, value)
+                message = end.cdr.encode(self._value)
+        except (TypeError, ValueError, AttributeError, KeyError, struct.error) as why:
+            raise InputError("bad_input", f"{end.address}: {why}") from why
         if self._publisher is None:
-            raise GenoMError("ended", None, f"{self.port.address(self._element)} is not fed any more")
-        self._publisher.send_copy(self._value)
+            raise GenoMError("ended", None, f"{end.address} is not fed any more")
+        self._any = True
+        try:
+            if end.codec is not None:
+                self._publisher.send_copy(self._value)
+            else:
+                self._send(message)
+        except Exception as why:
+            raise GenoMError(
+                "middleware_failed", None, f"{end.address} takes no value: {why}; is shared memory full?"
+            ) from why
+
+    def last(self) -> Any:
+        """The value published last; None when there was none."""
+        if not self._any:
+            return None
+        return self._value if self._end.codec is None else self._end.codec.get(self._at)
+
+    def repeat(self) -> None:
+        """Publishes the last value again: a reader that comes sees what is published from then."""
+        if not self._any or self._publisher is None:
+            return
+        if self._end.codec is not None:
+            self._publisher.send_copy(self._value)
+        elif self._end.cdr is not None:
+            self._send(self._end.cdr.encode(self._value))
 
     def close(self) -> None:
-        """Takes the connection away and lets go of the address."""
-        super().close()
+        """Lets go of the address."""
         if self._publisher is not None:
             self._publisher.delete()
             self._publisher = None
 
+    def _builder(self) -> Any:
+        builder = self._end.service.publisher_builder()
+        if self._end.codec is not None:
+            return builder
+        told = self._end.service.static_config
+        # One sample for each that a reader may hold or has not read, and the next one.
+        most = told.subscriber_max_buffer_size + told.max_subscribers + 4
+        return (
+            builder.initial_max_slice_len(_FIRST_ROOM)
+            .allocation_strategy(iox2.AllocationStrategy.PowerOfTwo)
+            .override_sample_preallocation(most)
+        )
 
-class ShmSubscription(Subscription):
+    def _send(self, message: bytes) -> None:
+        loan = self._publisher.loan_slice_uninit(len(message))
+        ctypes.memmove(loan.payload_ptr, message, len(message))
+        loan.assume_init().send()
+
+
+class Reader:
     """The reading end of a port, straight through shared memory."""
 
-    fast = True
+    ended = False
 
-    def __init__(self, port: Place, element: Optional[str], depth: int) -> None:
-        self.port = port
-        self._last = None
-        self._service, self._codec = _open(port, str(port._source(element)))
-        self._get = self._codec.get
+    def __init__(self, port: Place, address: str, depth: int, buffers: bool) -> None:
+        self._end = end = _End(port, address, buffers)
+        self._decode = self._from_message if end.codec is None else self._from_memory
         try:
-            self._subscriber: Any = self._service.subscriber_builder().buffer_size(depth).create()
+            builder = end.service.subscriber_builder().buffer_size(depth)
+            self._subscriber: Any = builder.create()
         except Exception as why:
-            raise RefusalError(
-                "not_fast", f"{port.address(element)} takes no reader: {why}"
-            ) from why
+            raise RefusalError("not_fast", f"{address} takes no reader: {why}") from why
 
     def take(self) -> Any:
         """The oldest value not taken yet; None when there is none."""
-        if self._subscriber is None:
-            raise GenoMError("ended", None, f"{self.port.address()} is not followed any more")
-        sample = self._subscriber.receive()
-        if sample is None:
-            return None
-        self._last = self._get(sample.payload_ptr)
-        sample.delete()
-        return self._last
+        while True:
+            if self._subscriber is None:
+                raise GenoMError("ended", None, f"{self._end.address} is not followed any more")
+            sample = self._subscriber.receive()
+            if sample is None:
+                return None
+            value = self._decode(sample)
+            sample.delete()
+            if value is not None:
+                return value
 
-    def wait(self, timeout: Optional[float] = None) -> Any:
-        """The oldest value not taken yet, as soon as there is one; TimeoutError if none comes."""
-        return look_until(self.take, timeout, self.port.address())
+    def wait(self, left: Optional[float], told: Callable[[], bool]) -> Any:
+        """The oldest value not taken yet; None when none came in time, or something changed."""
+        begin = time.monotonic()
+        while not told():
+            value = self.take()
+            waited = time.monotonic() - begin
+            if value is not None or (left is not None and waited >= left):
+                return value
+            if waited < _EAGER:
+                os.sched_yield()
+            else:
+                time.sleep(_LOOK)
+        return None
+
+    def wake(self) -> None:
+        """Who waits looks all the time what changed."""
 
     def close(self) -> None:
         """Stops following."""
         if self._subscriber is not None:
             self._subscriber.delete()
             self._subscriber = None
+
+    def _from_memory(self, sample: Any) -> Any:
+        return self._end.codec.get(sample.payload_ptr) if self._end.codec else None
+
+    def _from_message(self, sample: Any) -> Any:
+        """The value of a message; None for what is none of this port's type."""
+        message = ctypes.string_at(sample.payload_ptr, sample.header.number_of_elements)
+        try:
+            return self._end.cdr.decode(message) if self._end.cdr else None
+        except (ValueError, IndexError, struct.error):
+            return None

@@ -8,16 +8,6 @@ import json
 import keyword
 from typing import Any, Dict, Iterable, List, Tuple
 
-
-
-class _Kept:
-    """Stands for the value that an attribute keeps when an input is left out."""
-
-    def __repr__(self) -> str:
-        return "?"
-
-
-KEPT = _Kept()
 _FLAGS = ("ack", "send", "callback")
 _BASIC = {
     "boolean": bool,
@@ -29,6 +19,16 @@ _BASIC = {
     "float": float,
     "double": float,
 }
+
+
+class _Kept:
+    """In place of a default: what is left out of an attribute stays as it is."""
+
+    def __repr__(self) -> str:
+        return "?"
+
+
+KEPT: Any = _Kept()
 
 
 def annotation(idl: str) -> Any:

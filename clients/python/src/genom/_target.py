@@ -9,7 +9,7 @@ import re
 import ssl
 import sys
 from dataclasses import dataclass, field
-from typing import Any, Dict, Optional
+from typing import Any, Dict, List, Optional
 
 
 @dataclass
@@ -23,6 +23,8 @@ class Target:
     # Another daemon, which this one passes requests on to.
     daemon: Optional[str] = None
     token: Optional[str] = field(default=None, repr=False)
+    # The same for genomctl, but for a token that was given as such.
+    options: List[str] = field(default_factory=list)
 
     def __str__(self) -> str:
         if self.socket is None:
@@ -42,6 +44,9 @@ def resolve(
     context: Optional[str],
 ) -> Target:
     """What the arguments of `connect` come to, with those of a context under them."""
+    if target in ("localhost", "127.0.0.1", "::1"):
+        # This machine without a port: its socket, unless something says more.
+        target = None
     if target is not None:
         if "://" in target or target.startswith("zenoh:") or "/" not in target:
             host = target
@@ -60,12 +65,17 @@ def resolve(
         token_file = token_file or kept.get("token_file")
     if token is None and token_file is not None:
         token = _read_token(token_file)
+    at = os.fspath(socket or _default_socket())
     if host is None:
-        return Target(socket=os.fspath(socket or _default_socket()), token=token)
-    if host.startswith("zenoh:"):
-        at = os.fspath(socket or _default_socket())
-        return Target(socket=at, daemon=host[len("zenoh:") :], token=token)
-    return _by_tcp(host, token, ca, cert)
+        found = Target(socket=at, token=token)
+    elif host.startswith("zenoh:"):
+        found = Target(socket=at, daemon=host[len("zenoh:") :], token=token)
+    else:
+        found = _by_tcp(host, token, ca, cert)
+    named = (("--socket", found.socket), ("--host", host), ("--token-file", token_file),
+             ("--ca", ca), ("--cert", cert))
+    found.options = [word for name, value in named if value for word in (name, os.fspath(value))]
+    return found
 
 
 def _by_tcp(host: str, token: Optional[str], ca: Optional[str], cert: Optional[str]) -> Target:

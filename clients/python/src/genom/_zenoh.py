@@ -12,12 +12,11 @@ import queue
 import secrets
 import struct
 import time
-from typing import Any, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple
 
 import zenoh
 
 from ._cdr import Cdr
-from ._ends import Publisher, Subscription
 from ._helper import helper
 from ._meeting import MATCHING, session
 from ._place import Place
@@ -45,9 +44,9 @@ def _direct(callback: Any) -> Any:
 class _End:
     """What both ends of a port have."""
 
-    def __init__(self, port: Place, address: str) -> None:
+    def __init__(self, port: Place, address: str, buffers: bool = False) -> None:
         self.layout = port.layout()
-        self.cdr = Cdr(self.layout)
+        self.cdr = Cdr(self.layout, buffers)
         meet = port._client._meeting_point("zenoh")
         self.session = session(meet)
         self._client = port._client
@@ -87,14 +86,11 @@ class _End:
         return True
 
 
-class ZenohPublisher(Publisher):
+class Writer:
     """The writing end of an in port, straight over zenoh."""
 
-    fast = True
-
-    def __init__(self, port: Place, element: Optional[str]) -> None:
-        super().__init__(port, element)
-        self._end = end = _End(port, port.address(element))
+    def __init__(self, port: Place, address: str) -> None:
+        self._end = end = _End(port, address)
         if end.is_written():
             raise RefusalError(
                 "taken",
@@ -107,10 +103,15 @@ class ZenohPublisher(Publisher):
         self._writer = secrets.randbits(64) | 1
         self._number = 0
         self._queryable = end.session.declare_queryable(end.key, _direct(self._answer))
+        # Where a link is full, zenoh would drop what comes last, and the readers would never know:
+        # who publishes faster than readers take is held back instead.
+        block = zenoh.CongestionControl.BLOCK
+        self._publisher: Any = end.session.declare_publisher(
+            end.key, encoding=end.encoding, congestion_control=block
+        )
         # What goes out first must arrive, too.
-        self._publisher: Any = end.session.declare_publisher(end.key, encoding=end.encoding)
         if not end.match(self._publisher):
-            self._let_go()
+            self.close()
             raise RefusalError("not_fast", f"{end.address} is not read over zenoh")
 
     def publish(self, value: Any) -> None:
@@ -128,12 +129,15 @@ class ZenohPublisher(Publisher):
         self._value, self._message = merged, (message, mark)
         self._publisher.put(message, attachment=mark)
 
-    def close(self) -> None:
-        """Takes the connection away and lets go of the address."""
-        super().close()
-        self._let_go()
+    def last(self) -> Any:
+        """The value published last; None when there was none."""
+        return None if self._message is None else self._value
 
-    def _let_go(self) -> None:
+    def repeat(self) -> None:
+        """A reader that comes asks for the last value."""
+
+    def close(self) -> None:
+        """Lets go of the address."""
         if self._publisher is not None:
             for one in (self._publisher, self._queryable, self._token):
                 one.undeclare()
@@ -146,18 +150,16 @@ class ZenohPublisher(Publisher):
             query.reply(self._end.key, message, encoding=self._end.encoding, attachment=mark)
 
 
-class ZenohSubscription(Subscription):
+class Reader:
     """The reading end of a port, straight over zenoh.
 
     Samples wait in a ring of zenoh's, where its threads put them without Python's lock.
     """
 
-    fast = True
+    ended = False
 
-    def __init__(self, port: Place, element: Optional[str], depth: int) -> None:
-        self.port = port
-        self._last = None
-        self._end = end = _End(port, str(port._source(element)))
+    def __init__(self, port: Place, address: str, depth: int, buffers: bool) -> None:
+        self._end = end = _End(port, address, buffers)
         self._encoding = zenoh.Encoding(end.encoding)
         # What writers say that are asked for the last value.
         self._answers: "queue.SimpleQueue[Any]" = queue.SimpleQueue()
@@ -165,7 +167,7 @@ class ZenohSubscription(Subscription):
         self._known: Optional[Tuple[int, int]] = None
         self._before: Optional[Tuple[int, int]] = None
         session = end.session
-        ring = zenoh.handlers.RingChannel(depth + _WAKES)
+        ring: Any = zenoh.handlers.RingChannel(depth + _WAKES)
         self._subscriber = session.declare_subscriber(end.key, ring)
         self._ring: Any = self._subscriber.handler
         token = f"{end.prefix}@genom/pub/*/*/*/*/{end.address}"
@@ -177,6 +179,8 @@ class ZenohSubscription(Subscription):
             for reply in asked.get():
                 self._answers.put(reply)
         asked.undeclare()
+        # Others see who reads here.
+        self._token = end.declare("sub")
 
     def take(self) -> Any:
         """The oldest value not taken yet; None when there is none."""
@@ -191,28 +195,25 @@ class ZenohSubscription(Subscription):
             if value is not None:
                 return value
 
-    def wait(self, timeout: Optional[float] = None) -> Any:
-        """The oldest value not taken yet, as soon as there is one; TimeoutError if none comes."""
-        value = self.take()
-        if value is not None:
-            return value
-        end = math.inf if timeout is None else time.monotonic() + timeout
+    def wait(self, left: Optional[float], told: Callable[[], bool]) -> Any:
+        """The oldest value not taken yet; None when none came in time, or something changed."""
+        end = math.inf if left is None else time.monotonic() + left
         # It sleeps in zenoh, which knows no end of waiting: something else comes then.
-        with helper.after(timeout, self._wake):
-            while value is None:
+        with helper.after(left, self.wake):
+            while not told() and time.monotonic() < end:
                 value = self._news(self._next(True), False)
                 if value is None:
                     value = self.take()
-                if value is None and time.monotonic() >= end:
-                    raise TimeoutError(f"no value on {self.port.address()} for {timeout} s")
-        return value
+                if value is not None:
+                    return value
+        return None
 
     def close(self) -> None:
         """Stops following."""
         if self._ring is not None:
             self._ring = None
-            self._subscriber.undeclare()
-            self._watch.undeclare()
+            for one in (self._subscriber, self._watch, self._token):
+                one.undeclare()
 
     def _next(self, wait: bool) -> Any:
         ring = self._ring
@@ -222,9 +223,9 @@ class ZenohSubscription(Subscription):
         except zenoh.ZError:
             # Closed meanwhile, or the session was.
             self._ring = None
-        raise GenoMError("ended", None, f"{self.port.address()} is not followed any more")
+        raise GenoMError("ended", None, f"{self._end.address} is not followed any more")
 
-    def _wake(self) -> None:
+    def wake(self) -> None:
         """Puts something into this process's rings that is no sample."""
         here = zenoh.Locality.SESSION_LOCAL
         try:
@@ -242,16 +243,13 @@ class ZenohSubscription(Subscription):
                 self._answers.put(reply)
         except zenoh.ZError:
             return  # It has been closed.
-        self._wake()
+        self.wake()
 
     def _news(self, sample: Any, asked: bool) -> Any:
         """The value of a sample; None for one that tells nothing new, or is none."""
         if sample is None or not self._is_news(sample, asked):
             return None
-        value = self._decoded(sample)
-        if value is not None:
-            self._last = value
-        return value
+        return self._decoded(sample)
 
     def _is_news(self, sample: Any, asked: bool) -> bool:
         """Whether a sample is none that came before, or is older than one that did."""

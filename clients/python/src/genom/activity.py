@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import enum
 import threading
 import time
-from typing import Any, Callable, Dict, Optional
+from typing import Any, Callable, Dict, Generator, Optional
 
 from ._daemon import Part
 from ._http import url
@@ -21,6 +22,10 @@ class Status(str, enum.Enum):
     SENT = "sent"
     DONE = "done"
     ERROR = "error"
+    # The same, as other clients write them.
+    sent = "sent"
+    done = "done"
+    error = "error"
 
     def __str__(self) -> str:
         return self.value
@@ -38,6 +43,8 @@ class Activity:
         self._ended = False
         self._result: Optional[Dict[str, Any]] = None
         self._exception: Optional[GenoMError] = None
+        # Why it was not even accepted.
+        self._refused: Optional[GenoMError] = None
 
     @property
     def number(self) -> Optional[int]:
@@ -78,6 +85,31 @@ class Activity:
         if self._exception is not None:
             raise self._exception
         return self._result if self._result is not None else {}
+
+    def __await__(self) -> Generator[Any, None, Dict[str, Any]]:
+        """``await a``: its outputs, or its exception; other tasks of asyncio go on meanwhile.
+
+        A task that is cancelled waits no more; the activity goes on.
+        """
+        return self._waited().__await__()
+
+    async def _waited(self) -> Dict[str, Any]:
+        loop = asyncio.get_running_loop()
+        ended: "asyncio.Future[None]" = loop.create_future()
+
+        def over() -> None:
+            if not ended.done():
+                ended.set_result(None)
+
+        def tell(_: "Activity") -> None:
+            try:
+                loop.call_soon_threadsafe(over)
+            except RuntimeError:
+                pass  # The loop has ended: nobody listens.
+
+        self._call_back(tell)
+        await ended
+        return self.wait()
 
     def abort(self) -> None:
         """Asks it to stop; its stop codels run, and `wait` tells when it has ended."""
@@ -122,26 +154,18 @@ class Activity:
                 self._ended = True
         self._answered.set()
 
-    def _fail(self, error: GenoMError) -> None:
+    def _fail(self, error: GenoMError, refused: bool = False) -> None:
         with self._lock:
+            if refused:
+                self._refused = error
             if not self._ended:
                 self._exception, self._ended = error, True
         self._answered.set()
 
     def _send(self, inputs: Dict[str, Any]) -> None:
+        """Sends it, and waits until it is accepted; what is refused ends it, too."""
         path = url("components", self.component._name, "services", self.service)
         self._take(self.component._client._transport.request("POST", path, inputs))
-
-    def _send_behind(self, inputs: Dict[str, Any]) -> None:
-        """Sends from a thread of its own; what is refused ends it."""
-
-        def work() -> None:
-            try:
-                self._send(inputs)
-            except GenoMError as error:
-                self._fail(error)
-
-        threading.Thread(target=work, name="genom-send", daemon=True).start()
 
     def _call_back(self, callback: Callable[["Activity"], None]) -> None:
         def work() -> None:

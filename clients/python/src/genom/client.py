@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Any, Callable, Dict, List, Optional, Tuple, Union
 
 from ._daemon import Daemon
 from ._http import Transport, url
 from ._target import resolve
-from .component import Component
+from .component import Component, Described
 from .events import EventStream
+from .recorder import Recorder
 
 
 def connect(
@@ -22,6 +23,7 @@ def connect(
     ca: Optional[str] = None,
     cert: Optional[str] = None,
     context: Optional[str] = None,
+    timeout: Optional[float] = 10.0,
 ) -> "Client":
     """Connects to a daemon: by default that of this user, as genomctl does.
 
@@ -31,11 +33,19 @@ def connect(
     ``token_file``, says who asks. ``ca`` is the root of the daemon's certificate, ``cert`` your own
     certificate and its key, in PEM files. ``context`` is a name that ``genomctl context`` keeps such
     options under; the current one counts when nothing else says which daemon.
+
+    A daemon that says nothing for ``timeout`` seconds, to requests or on streams, and does not
+    answer when it is asked whether it is there, raises `DaemonError`; None waits for ever. How
+    long a service takes is another matter: that is waited for.
     """
     given = resolve(target, socket, host, token, token_file, ca, cert, context)
-    client = Client(Transport(given))
+    client = Client(Transport(given, timeout))
     client.about()
     return client
+
+
+def update() -> None:
+    """Does nothing: results come by themselves. Kept for scripts that call it."""
 
 
 class Client(Daemon):
@@ -74,6 +84,21 @@ class Client(Daemon):
         loaded = self._transport.request("POST", "/components", body)
         return self.component(loaded["name"])
 
+    def unload(self, component: Union[str, Described]) -> None:
+        """Stops a component and takes it out of the daemon: by its name, its library, or itself."""
+        if isinstance(component, Described):
+            Described.unload(component)
+            return
+        name = self._attached(os.fspath(component), None)
+        self._transport.request("DELETE", url("components", name or component))
+
+    def record(self, file: str, *ports: str, force: bool = False) -> Recorder:
+        """Records ports (by default everything) and services in an MCAP file, until it is closed.
+
+        It runs `genomctl record`, which has to be there: on ``PATH``, or named by ``$GENOMCTL``.
+        """
+        return Recorder(self._transport.options(), file, ports, force)
+
     def events(
         self,
         callback: Optional[Callable[[Dict[str, Any]], None]] = None,
@@ -99,6 +124,7 @@ class Client(Daemon):
 
     def disconnect(self) -> None:
         """Closes the connections; components and activities go on."""
+        self._watch.close()
         self._transport.close()
 
     def __enter__(self) -> "Client":

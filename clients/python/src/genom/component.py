@@ -2,30 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Mapping, Tuple
+from typing import Any, Callable, Dict, List, Mapping, Optional, Tuple
 
 from . import _signature
 from ._daemon import Daemon, Part
 from ._http import url
+from ._outbox import Outbox
 from .activity import Activity
 from .errors import exception_class
 from .port import Port, port_of
 
 
-class Component(Part):
-    """A component that runs. Its services, ports, events and exceptions are its attributes.
+_FLAGS = ("ack", "send", "oneway", "callback")
 
-    A service wins over a port of its name, both win over the methods below: these are then found
-    as ``genom.Component.unload(component)``, services in ``component('name')``.
-    """
+
+class Described(Part):
+    """A component by its description; `genom.stubs` tells type checkers its members."""
 
     def __init__(self, daemon: Daemon, description: Dict[str, Any]) -> None:
         super().__init__(daemon, description["name"])
         self._description = description
+        self._outbox = Outbox()
         self._services = {one["name"]: one for one in description["services"]}
         self._ports = {
-            one["name"]: port_of(daemon, self._name, one, description["backend"])
-            for one in description["ports"]
+            one["name"]: port_of(daemon, self._name, one) for one in description["ports"]
         }
         if description.get("doc"):
             self.__doc__ = description["doc"]
@@ -67,21 +67,22 @@ class Component(Part):
         """Figures on its tasks and codels."""
         return dict(self._client._transport.request("GET", url("components", self._name, "tasks")))
 
+    def stats(self) -> Dict[str, Any]:
+        """The same, under genomctl's word."""
+        return self.statistics()
+
     def fire(self, event: str) -> None:
         """Fires an external event."""
         self._client._transport.request("POST", url("components", self._name, "events", event))
 
+    def move(self, backend: str, port: Optional[str] = None) -> None:
+        """Moves it, or one of its ports, to other middlewares: ``shm``, ``zenoh+ros2``."""
+        path = url("components", self._name, "backend")
+        self._client._transport.request("PUT", path, {"backend": backend, "port": port})
+
     def unload(self) -> None:
         """Stops the component and takes it out of the daemon."""
         self._client._transport.request("DELETE", url("components", self._name))
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        names = [*self._services, *self._ports, *self._description.get("events", [])]
-        raise AttributeError(
-            f"{self._name} has no service or port `{name}`{_signature.meant(name, names)}"
-        )
 
     def __repr__(self) -> str:
         return f"<genom component {self._name}>"
@@ -106,19 +107,28 @@ class Component(Part):
 
     def _request(self, service: Dict[str, Any], args: Tuple[Any, ...], given: Dict[str, Any]) -> Any:
         names = {_signature.python_name(one["name"]) for one in _signature.inputs(service)}
-        flags = {flag: given.pop(flag, None) for flag in ("ack", "send", "callback") if flag not in names}
+        flags = {flag: given.pop(flag, None) for flag in _FLAGS if flag not in names}
         inputs = _signature.bind(service, args, given)
         activity = Activity(self, service["name"])
         callback = flags.get("callback")
-        if flags.get("send") or (callback is not None and not flags.get("ack")):
-            activity._send_behind(inputs)
+        # As other clients call it.
+        behind = flags.get("send") or flags.get("oneway")
+        if service["name"] == "connect_port" and self._is_named(inputs):
+            activity._take({"result": {}})
+        elif behind or (callback is not None and not flags.get("ack")):
+            self._outbox.put(activity, inputs)
         else:
-            activity._send(inputs)
+            self._outbox.send(activity, inputs)
         if callback is not None:
             activity._call_back(callback)
-        elif not flags.get("send") and not flags.get("ack"):
+        elif not behind and not flags.get("ack"):
             return self._finish(activity)
         return activity
+
+    def _is_named(self, inputs: Dict[str, Any]) -> bool:
+        """Whether a port is to be connected to a publisher of this program that feeds it."""
+        here = f"{self._name}/{inputs.get('local')}"
+        return self._client._named.get(str(inputs.get("remote"))) == here
 
     @staticmethod
     def _finish(activity: Activity) -> Dict[str, Any]:
@@ -128,3 +138,19 @@ class Component(Part):
         except KeyboardInterrupt:
             activity.abort()
             raise
+
+
+class Component(Described):
+    """A component that runs. Its services, ports, events and exceptions are its attributes.
+
+    A service wins over a port of its name, both win over the methods below: these are then found
+    as ``genom.Component.unload(component)``, services in ``component('name')``.
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        names = [*self._services, *self._ports, *self._description.get("events", [])]
+        raise AttributeError(
+            f"{self._name} has no service or port `{name}`{_signature.meant(name, names)}"
+        )

@@ -125,8 +125,13 @@ class EventStream:
             return
         try:
             self._connect()
-        except DaemonError:
+        except DaemonError as error:
             self._over = True
+            if error.name == "no_answer":
+                raise
+
+    def _read(self, kind: str, text: str) -> Any:
+        return json.loads(text)
 
     def _parse(self) -> Optional[Tuple[str, Any]]:
         """The next event: its kind and data; None at the end of the connection."""
@@ -142,7 +147,7 @@ class EventStream:
             text = line.decode("utf-8", "replace").rstrip("\r\n")
             if not text:
                 if data:
-                    return kind, json.loads("\n".join(data))
+                    return kind, self._read(kind, "\n".join(data))
                 kind = "message"
                 continue
             field, _, value = text.partition(":")

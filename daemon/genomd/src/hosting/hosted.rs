@@ -183,6 +183,11 @@ impl Hosted {
         self.instance.port_value(port, element)
     }
 
+    /// The same as a CDR message.
+    pub(crate) fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
+        self.instance.port_message(port, element)
+    }
+
     /// Sends a request; `progress` hears how it goes on, from the component's control threads.
     pub(crate) fn submit(
         &self,

@@ -7,17 +7,32 @@ use axum::extract::{Path, State};
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
 use axum::{Extension, Json};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use serde_json::json;
 use tokio_stream::Stream;
-use utoipa::ToSchema;
+use utoipa::{IntoParams, ToSchema};
 
 use crate::bus::{Change, Heard};
 use crate::daemon::Daemon;
+use crate::nearest::suggest;
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
+use crate::rpc::input::Parameters;
 use crate::rpc::stream;
+
+/// `?only=KIND,KIND`
+#[derive(Debug, Default, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct StreamParameters {
+    /// Changes of these kinds only, as `connected,disconnected`; that the daemon stops, and that
+    /// changes were missed, is told all the same.
+    only: Option<String>,
+}
+
+/// Which changes a listener wants to hear.
+struct Wanted(Option<Vec<String>>);
 
 /// An event was fired.
 #[derive(Debug, Serialize, ToSchema)]
@@ -59,29 +74,59 @@ pub(crate) async fn fire(
     path = "/events",
     tag = "events",
     security(("token" = ["read"])),
-    params(("Last-Event-ID" = Option<u64>, Header, description = "Number of the last event heard")),
-    responses((status = 200, content_type = "text/event-stream", body = String), (status = 503))
+    params(
+        StreamParameters,
+        ("Last-Event-ID" = Option<u64>, Header, description = "Number of the last event heard")
+    ),
+    responses(
+        (status = 200, content_type = "text/event-stream", body = String), (status = 422),
+        (status = 503)
+    )
 )]
 pub(crate) async fn stream(
     State(daemon): State<Arc<Daemon>>,
     Extension(holder): Extension<Holder>,
     headers: HeaderMap,
+    Parameters(parameters): Parameters<StreamParameters>,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
+    let wanted = Wanted::parse(parameters.only.as_deref())?;
     let after =
         headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.parse().ok());
     let mut listener = daemon.bus.listen(after);
-    stream::open(&daemon, &holder, |writer| async move {
+    stream::open(&daemon, &holder, move |writer| async move {
         loop {
             let heard = tokio::select! {
                 heard = listener.next() => heard,
                 () = writer.closed() => return,
             };
             let Some(heard) = heard else { return };
+            if !wanted.has(&heard) {
+                continue;
+            }
             if !writer.send(event(&heard)).await {
                 return;
             }
         }
     })
+}
+
+impl Wanted {
+    fn parse(only: Option<&str>) -> Result<Self, RpcError> {
+        let Some(only) = only else { return Ok(Self(None)) };
+        let kinds: Vec<_> = only.split(',').map(|kind| kind.trim().to_owned()).collect();
+        match kinds.iter().find(|kind| !Change::KINDS.contains(&kind.as_str())) {
+            None => Ok(Self(Some(kinds))),
+            Some(kind) => Err(RpcError::bad_input(format!("there is no change `{kind}`"))
+                .help(suggest(kind, Change::KINDS))
+                .place("only")),
+        }
+    }
+
+    fn has(&self, heard: &Heard) -> bool {
+        let (Some(kinds), Heard::Told(change)) = (&self.0, heard) else { return true };
+        let kind = change.data["event"].as_str().unwrap_or_default();
+        kind == "stopping" || kinds.iter().any(|wanted| wanted == kind)
+    }
 }
 
 fn event(heard: &Heard) -> Event {
@@ -92,4 +137,29 @@ fn event(heard: &Heard) -> Event {
         }
     };
     Event::default().event("change").id(id.to_string()).data(data)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::bus::Numbered;
+
+    fn told(change: &Change) -> Heard {
+        let data = Arc::new(serde_json::to_value(change).unwrap());
+        Heard::Told(Numbered { id: 1, moment: 0, data })
+    }
+
+    #[test]
+    fn a_listener_hears_the_changes_it_asked_for_and_the_end() {
+        let wanted = Wanted::parse(Some("connected, event_fired")).unwrap();
+        let fired = Change::EventFired { component: "demo".into(), name: "emergency".into() };
+        assert!(wanted.has(&told(&fired)));
+        assert!(!wanted.has(&told(&Change::Disconnected { inport: "demo/parameter".into() })));
+        assert!(wanted.has(&told(&Change::Stopping {})));
+        assert!(wanted.has(&Heard::Missed { count: 1, last: 1 }));
+        assert!(Wanted::parse(None).unwrap().has(&told(&fired)));
+        assert!(Wanted::parse(Some("conected")).is_err());
+    }
 }

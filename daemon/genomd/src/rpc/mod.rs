@@ -35,10 +35,12 @@ mod seldom;
 pub(crate) mod serve;
 mod services;
 mod stall;
+mod stranded;
 mod stream;
 mod tasks;
 pub(crate) mod tls;
 pub(crate) mod tokens;
+mod values;
 mod why;
 
 use std::sync::Arc;
@@ -73,7 +75,7 @@ fn routes() -> OpenApiRouter<Arc<Daemon>> {
         .routes(routes!(ports::of_component))
         .routes(routes!(ports::value, ports::publish))
         .routes(routes!(ports::layout))
-        .routes(routes!(ports::stream))
+        .routes(routes!(values::stream))
         .routes(routes!(ports::traffic))
         .routes(routes!(why::explain))
         .routes(routes!(events::fire))

@@ -1,37 +1,24 @@
-//! Ports: what they are connected to, their values, and values as they come.
+//! Ports: what they are connected to, and their values.
 
-use std::convert::Infallible;
 use std::sync::Arc;
-use std::time::Duration;
 
+use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use axum::response::sse::{Event, Sse};
-use axum::{Extension, Json};
 use genom_middleware::OpenError;
 use genom_types::Record;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
-use tokio::time::{MissedTickBehavior, interval};
-use tokio_stream::Stream;
+use serde_json::Value;
 use utoipa::{IntoParams, ToSchema};
 
 use crate::config::BackendNames;
 use crate::daemon::Daemon;
-use crate::dates::Dates;
 use crate::hosting::{self, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
-use crate::rpc::holder::Holder;
 use crate::rpc::input::{Body, Parameters};
-use crate::rpc::stream::{self, Writer};
 use crate::wires::gauge::{Counts, Traffic};
 use crate::wiring::feed::{self, FeedError};
-
-/// Values a second that a stream looks for when it is not told.
-const USUAL_RATE: f64 = 50.0;
-/// Values a second that a stream looks for at most.
-const GREATEST_RATE: f64 = 1000.0;
 
 /// `?element=ID`
 #[derive(Debug, Default, Deserialize, IntoParams)]
@@ -49,18 +36,6 @@ pub(crate) struct ValueParameters {
 pub(crate) struct ListParameters {
     /// Whether to tell last values, which may be large; as usual.
     values: Option<bool>,
-}
-
-/// `?rate=HERTZ&element=ID`
-#[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct StreamParameters {
-    /// Element of a multiple port.
-    element: Option<String>,
-    /// Values a second, at most.
-    #[param(exclusive_minimum = 0, maximum = 1000)]
-    rate: Option<f64>,
 }
 
 /// Ports, and elements of multiple ones.
@@ -203,7 +178,7 @@ pub(crate) async fn publish(
     let address = hosted.address(&port, element.as_deref()).to_string();
     let work = tokio::task::spawn_blocking(move || {
         let fill = |record: &mut Record| Ok::<_, FeedError>(record.merge_json(&value)?);
-        feed::publish(&daemon, &hosted, index, element.as_deref(), fill)
+        feed::publish(&daemon, &hosted, index, element.as_deref(), fill, Record::to_json)
     });
     match work.await {
         Ok(Ok(value)) => Ok(Json(Published { address, value })),
@@ -275,88 +250,6 @@ pub(crate) async fn traffic(
             .help(format!("`genomctl connect {address} COMPONENT/PORT`")));
     };
     Ok(Json(PortTraffic { traffic: gauge.traffic(), address: address.to_string() }))
-}
-
-/// `GET /components/{component}/ports/{port}/stream`
-/// Follow the values of a port.
-///
-/// Server-sent events `value` when the value is another than the last one sent, the first at
-/// once if there is one, each with the date of its sample as `id`, in nanoseconds since 1970 or on
-/// the virtual clock; event `end` when the component is unloaded. A reader that does not keep
-/// up misses values, and one that reads nothing for 10 s is dropped.
-#[utoipa::path(
-    get,
-    path = "/components/{component}/ports/{port}/stream",
-    tag = "ports",
-    security(("token" = ["read"])),
-    params(StreamParameters),
-    responses(
-        (status = 200, content_type = "text/event-stream", body = String), (status = 404),
-        (status = 422), (status = 503)
-    )
-)]
-pub(crate) async fn stream(
-    State(daemon): State<Arc<Daemon>>,
-    Extension(holder): Extension<Holder>,
-    Path((component, port)): Path<(String, String)>,
-    Parameters(parameters): Parameters<StreamParameters>,
-) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
-    let index = find(&hosted, &port)?;
-    let element = element(&hosted, index, parameters.element)?;
-    let rate = parameters.rate.unwrap_or(USUAL_RATE);
-    if !(rate > 0.0 && rate <= GREATEST_RATE) {
-        let message = format!("rate: {rate} is not between 0 and {GREATEST_RATE} values a second");
-        return Err(RpcError::bad_input(message).place("rate"));
-    }
-    let dates = Dates::of(&daemon.clock);
-    let watched = Watched { hosted, port: index, element, dates };
-    stream::open(&daemon, &holder, move |writer| follow(watched, rate, writer))
-}
-
-/// A port that is followed.
-struct Watched {
-    hosted: Arc<Hosted>,
-    port: usize,
-    element: Option<String>,
-    dates: Dates,
-}
-
-impl Watched {
-    /// Its value, and the date of the sample that it came with.
-    fn look(&self) -> Option<(Value, u64)> {
-        let element = self.element.as_deref();
-        let value = self.hosted.port_value(self.port, element)?;
-        let gauge = self.hosted.wires.gauge(self.port, element);
-        let age = gauge.and_then(|gauge| gauge.counts().age_ns).unwrap_or_default();
-        Some((value, self.dates.now().saturating_sub(age)))
-    }
-}
-
-async fn follow(watched: Watched, rate: f64, writer: Writer) {
-    let mut ticks = interval(Duration::from_secs_f64(1.0 / rate));
-    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
-    let mut last = None;
-    loop {
-        tokio::select! {
-            _ = ticks.tick() => {}
-            () = writer.closed() => return,
-            () = watched.hosted.gone.raised() => {
-                let why = json!({"why": "the component was unloaded"}).to_string();
-                writer.send(Event::default().event("end").data(why)).await;
-                return;
-            }
-        }
-        let Some((value, date)) = watched.look() else { continue };
-        if last.as_ref() == Some(&value) {
-            continue;
-        }
-        let event = Event::default().event("value").id(date.to_string());
-        if !writer.send(event.data(value.to_string())).await {
-            return;
-        }
-        last = Some(value);
-    }
 }
 
 /// The port of that name.

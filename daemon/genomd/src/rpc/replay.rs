@@ -67,8 +67,7 @@ fn one(daemon: &Arc<Daemon>, inport: &str, message: &[u8]) -> Result<(), RpcErro
     let index = ports::find(&hosted, port)?;
     let element = ports::element(&hosted, index, element.map(str::to_owned))?;
     let fill = |value: &mut genom_types::Record| Ok::<_, FeedError>(value.decode_message(message)?);
-    feed::publish(daemon, &hosted, index, element.as_deref(), fill)
-        .map(drop)
+    feed::publish(daemon, &hosted, index, element.as_deref(), fill, |_| ())
         .map_err(|error| ports::not_published(&error).place(inport))
 }
 

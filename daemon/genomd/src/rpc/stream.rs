@@ -21,6 +21,10 @@ pub(super) type Events = ReceiverStream<Result<Event, Infallible>>;
 /// A reader that takes nothing for so long is given up.
 const SLOWEST_READER: Duration = Duration::from_secs(10);
 
+/// A stream with nothing to say shows that often that the daemon is alive: a reader that hears
+/// nothing for longer knows that it is not.
+const SIGN_OF_LIFE: Duration = Duration::from_secs(5);
+
 /// The writing end of a stream.
 pub(super) struct Writer(mpsc::Sender<Result<Event, Infallible>>);
 
@@ -80,5 +84,5 @@ where
         drop(slot);
     });
     let events: Events = ReceiverStream::new(receiver);
-    Ok(Sse::new(events).keep_alive(KeepAlive::new()))
+    Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(SIGN_OF_LIFE)))
 }

@@ -15,6 +15,7 @@ use utoipa::ToSchema;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::rpc::error::RpcError;
+use crate::rpc::stranded::stranded;
 use crate::rpc::{components, ports};
 use crate::wiring::{connect, remote};
 
@@ -150,6 +151,8 @@ fn of_port(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
             _ => {}
         }
         out.extend(unmet(daemon, hosted, port, element.as_deref()));
+        let stranded = stranded(daemon, hosted, port, element.as_deref());
+        out.extend(stranded.into_iter().map(|one| finding(one.what, one.fix)));
         if let Some(failed) = counts.map(|counts| counts.failed).filter(|failed| *failed > 0) {
             let what = format!("{failed} writes or reads of {address} failed");
             out.push(finding(what, "look at the exceptions of its codels and at the log"));

@@ -10,7 +10,6 @@ use genom_description::model::PortDirection;
 use genom_middleware::{OpenError, Policy, PublishError};
 use genom_runtime::HeldUp;
 use genom_types::{CdrError, JsonError, Record};
-use serde_json::Value;
 
 use super::connect;
 use super::connect::{AttachError, Source};
@@ -58,17 +57,18 @@ impl From<AttachError> for FeedError {
 }
 
 /// Publishes what `fill` makes of the value published last, at first zero, and connects the port
-/// the first time. What the port has now.
+/// the first time. What `tell` makes of what the port has now.
 ///
 /// Blocks while codels are excluded. A port that something else feeds stays as it is: taking a
 /// robot's sensor away is done on purpose, by disconnecting it.
-pub(crate) fn publish(
+pub(crate) fn publish<T>(
     daemon: &Arc<Daemon>,
     hosted: &Arc<Hosted>,
     port: usize,
     element: Option<&str>,
     fill: impl FnOnce(&mut Record) -> Result<(), FeedError>,
-) -> Result<Value, FeedError> {
+    tell: impl FnOnce(&Record) -> T,
+) -> Result<T, FeedError> {
     let model = &hosted.model().ports[port];
     let inport = hosted.address(&model.name, element);
     let Some(ty) = hosted.port_type(port).filter(|_| model.direction == PortDirection::In) else {
@@ -95,7 +95,7 @@ pub(crate) fn publish(
             fill(&mut value)?;
             feed.publisher.publish(&value).map_err(refused)?;
             feed.value = value;
-            return Ok(feed.value.to_json());
+            return Ok(tell(&feed.value));
         }
         fill(&mut value)?;
         // Connected to itself before: on the middleware that was asked for then.
@@ -111,8 +111,8 @@ pub(crate) fn publish(
             let source = Source { outport: inport, policy: Policy::Latest, fixed: false };
             connect::attach(daemon, hosted, port, element, &middleware, source)?;
         }
-        let shown = value.to_json();
+        let told = tell(&value);
         feeds.insert(key, Feed { publisher, value });
-        Ok(shown)
+        Ok(told)
     })
 }

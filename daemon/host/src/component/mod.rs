@@ -476,7 +476,15 @@ impl Body for Component {
     }
 
     fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value> {
-        self.inner.ports.value(port, element)
+        self.inner.ports.look(port, element, Record::to_json)
+    }
+
+    fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
+        let message = |value: &Record| {
+            let mut out = Vec::with_capacity(value.message_size());
+            value.encode_message(&mut out).ok().map(|()| out)
+        };
+        self.inner.ports.look(port, element, message).flatten()
     }
 
     fn damage(&self) -> Option<String> {

@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
 use genom_types::{DataType, Record, Zones};
-use serde_json::Value;
 
 use super::snapshot::Snapshot;
 use crate::cxx::{CxxType, Object};
@@ -179,9 +178,9 @@ impl Element {
         }
     }
 
-    /// The value last read or written.
-    pub(super) fn value(&self) -> Option<Value> {
-        self.snapshot.latest()
+    /// What `look` makes of the value last read or written.
+    pub(super) fn look<T>(&self, look: impl FnOnce(&Record) -> T) -> Option<T> {
+        self.snapshot.look(look)
     }
 }
 

@@ -16,7 +16,6 @@ use genom_description::model::{Port, PortDirection};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::Opener;
 use genom_types::{DataType, Record, Zones};
-use serde_json::Value;
 
 use crate::cxx::{CxxType, Exceptions};
 use crate::ffi::NativeFunction;
@@ -167,11 +166,16 @@ impl Ports {
         }
     }
 
-    /// The value last read or written by codels.
-    pub(crate) fn value(&self, port: usize, element: Option<&str>) -> Option<Value> {
+    /// What `look` makes of the value last read or written by codels.
+    pub(crate) fn look<T>(
+        &self,
+        port: usize,
+        element: Option<&str>,
+        look: impl FnOnce(&Record) -> T,
+    ) -> Option<T> {
         match (&self.ports.get(port)?.buffers, element) {
-            (Buffers::Simple(buffer), None) => buffer.value(),
-            (Buffers::Multiple(elements), Some(name)) => elements.get(name.as_bytes())?.value(),
+            (Buffers::Simple(buffer), None) => buffer.look(look),
+            (Buffers::Multiple(elements), Some(name)) => elements.get(name.as_bytes())?.look(look),
             _ => None,
         }
     }

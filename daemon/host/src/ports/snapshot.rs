@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use genom_types::{DataType, Record};
-use serde_json::Value;
 
 /// Values of more bytes are copied only while somebody looks.
 const LARGE: usize = 1 << 16;
@@ -77,8 +76,8 @@ impl Snapshot {
         }
     }
 
-    /// The value kept last; `None` before the first.
-    pub(super) fn latest(&self) -> Option<Value> {
+    /// What `look` makes of the value kept last; `None` before the first.
+    pub(super) fn look<T>(&self, look: impl FnOnce(&Record) -> T) -> Option<T> {
         if self.large {
             self.watched.store(WATCHED, Ordering::Relaxed);
         }
@@ -89,13 +88,21 @@ impl Snapshot {
         }
         // SAFETY: the front slot is this reader's, the mutex is held.
         let slot = unsafe { &*self.slots[usize::from(reader.front)].get() };
-        reader.filled.then(|| slot.to_json())
+        reader.filled.then(|| look(slot))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::Value;
+
+    impl Snapshot {
+        fn latest(&self) -> Option<Value> {
+            self.look(Record::to_json)
+        }
+    }
+
     use genom_types::{Kind, TypeTable};
     use std::sync::Arc;
 

@@ -89,11 +89,18 @@ pub fn discovery_shows_what_is_open_only(world: &dyn World) {
     assert!(ty.as_ref().is_some_and(|ty| ty.contains("state")), "its type is named: {ty:?}");
     eventually("the in port shows", || shows(EndpointKind::Subscription, &position()).is_some());
     assert_eq!(shows(EndpointKind::Publisher, &position()), None);
+    // The same to who asks at their address.
+    let kinds = |address: &Address| -> Vec<EndpointKind> {
+        b.ends_at(address).expect("a list").iter().map(|end| end.kind).collect()
+    };
+    assert_eq!(kinds(&at), [EndpointKind::Publisher]);
+    assert_eq!(kinds(&position()), [EndpointKind::Subscription]);
     drop((writer, reader));
     eventually("all is gone", || {
         shows(EndpointKind::Publisher, &at).is_none()
             && shows(EndpointKind::Subscription, &position()).is_none()
     });
+    assert_eq!(kinds(&at), []);
 }
 
 /// Like a daemon that ends and starts again, while another one stays.

@@ -1,0 +1,78 @@
+//! Ends that somebody holds at a port on middlewares where the port is not, or is not any more.
+//!
+//! They see nothing of it themselves: the address is there, and quiet.
+
+use genom_description::model::PortDirection;
+use genom_middleware::{Address, EndpointKind, Middleware};
+
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use crate::registry;
+
+/// What is stranded, and what brings it back.
+pub(super) struct Stranded {
+    pub(super) what: String,
+    pub(super) fix: String,
+}
+
+/// Publishers under an in port's own address where it does not read, readers of an out port where
+/// it is not written.
+pub(super) fn stranded(
+    daemon: &Daemon,
+    hosted: &Hosted,
+    port: usize,
+    element: Option<&str>,
+) -> Vec<Stranded> {
+    let model = &hosted.model().ports[port];
+    let at = hosted.address(&model.name, element);
+    let open = registry::known().iter().filter_map(|known| daemon.backends.opened(known.name));
+    match model.direction {
+        PortDirection::In => {
+            let made = hosted.wires.connection(port, element);
+            let (reads, on) = made.map_or((None, None), |made| {
+                let itself = made.outport == at;
+                (Some(made.outport), itself.then_some(made.backend))
+            });
+            let elsewhere = open.filter(|open| on.as_deref() != Some(open.name()));
+            elsewhere
+                .filter(|open| shows(open.as_ref(), EndpointKind::Publisher, &at))
+                .map(|open| unread(&at, open.name(), reads.as_ref()))
+                .collect()
+        }
+        PortDirection::Out => {
+            let names = hosted.wires.bindings.port(&model.name);
+            let elsewhere = open.filter(|open| !names.has(open.name()));
+            elsewhere
+                .filter(|open| shows(open.as_ref(), EndpointKind::Subscription, &at))
+                .map(|open| {
+                    let on = open.name();
+                    Stranded {
+                        what: format!("somebody reads {at} on {on}, and it is on {names}"),
+                        fix: format!(
+                            "have them subscribe again, or `genomctl backend {}/{} {names}+{on}` \
+                             writes it there too",
+                            hosted.name, model.name
+                        ),
+                    }
+                })
+                .collect()
+        }
+    }
+}
+
+fn unread(at: &Address, on: &str, reads: Option<&Address>) -> Stranded {
+    let reads = match reads {
+        None => "it is not connected".to_owned(),
+        Some(reads) if reads == at => "it does not read there".to_owned(),
+        Some(reads) => format!("it reads {reads}"),
+    };
+    Stranded {
+        what: format!("somebody publishes {at} on {on}, and {reads}"),
+        fix: format!("`genomctl connect {at} {on}:{at}`, or have them begin again"),
+    }
+}
+
+/// Whether somebody has an end of that kind there.
+fn shows(open: &dyn Middleware, kind: EndpointKind, at: &Address) -> bool {
+    open.ends_at(at).is_ok_and(|ends| ends.iter().any(|end| end.kind == kind))
+}

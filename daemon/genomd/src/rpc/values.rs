@@ -1,0 +1,144 @@
+//! Values of a port as they come.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::time::Duration;
+
+use axum::Extension;
+use axum::extract::{Path, State};
+use axum::response::sse::{Event, Sse};
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use tokio::time::{MissedTickBehavior, interval};
+use tokio_stream::Stream;
+use utoipa::{IntoParams, ToSchema};
+
+use crate::daemon::Daemon;
+use crate::dates::Dates;
+use crate::hosting::Hosted;
+use crate::rpc::error::RpcError;
+use crate::rpc::holder::Holder;
+use crate::rpc::input::Parameters;
+use crate::rpc::stream::{self, Writer};
+use crate::rpc::{components, ports};
+
+/// Values a second that a stream looks for when it is not told.
+const USUAL_RATE: f64 = 50.0;
+/// Values a second that a stream looks for at most.
+const GREATEST_RATE: f64 = 1000.0;
+
+/// `?rate=HERTZ&element=ID&form=FORM`
+#[derive(Debug, Default, Deserialize, IntoParams)]
+#[serde(deny_unknown_fields)]
+#[into_params(parameter_in = Query)]
+pub(crate) struct StreamParameters {
+    /// Element of a multiple port.
+    element: Option<String>,
+    /// Values a second, at most.
+    #[param(exclusive_minimum = 0, maximum = 1000)]
+    rate: Option<f64>,
+    /// How values are sent: `json`, or `message` for CDR in base64, which for many numbers, such
+    /// as images, is written and read much faster.
+    #[param(inline)]
+    form: Option<Form>,
+}
+
+/// How a stream sends values.
+#[derive(Clone, Copy, Debug, Default, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Form {
+    /// As the control plane does everywhere.
+    #[default]
+    Json,
+    /// A CDR message, with its encapsulation header, in base64.
+    Message,
+}
+
+/// Follow the values of a port.
+///
+/// Server-sent events `value` when the value is another than the last one sent, the first at
+/// once if there is one, each with the date of its sample as `id`, in nanoseconds since 1970 or on
+/// the virtual clock; event `end` when the component is unloaded. A reader that does not keep
+/// up misses values, and one that reads nothing for 10 s is dropped.
+#[utoipa::path(
+    get,
+    path = "/components/{component}/ports/{port}/stream",
+    tag = "ports",
+    security(("token" = ["read"])),
+    params(StreamParameters),
+    responses(
+        (status = 200, content_type = "text/event-stream", body = String), (status = 404),
+        (status = 422), (status = 503)
+    )
+)]
+pub(crate) async fn stream(
+    State(daemon): State<Arc<Daemon>>,
+    Extension(holder): Extension<Holder>,
+    Path((component, port)): Path<(String, String)>,
+    Parameters(parameters): Parameters<StreamParameters>,
+) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
+    let hosted = components::find(&daemon, &component)?;
+    let index = ports::find(&hosted, &port)?;
+    let element = ports::element(&hosted, index, parameters.element)?;
+    let rate = parameters.rate.unwrap_or(USUAL_RATE);
+    if !(rate > 0.0 && rate <= GREATEST_RATE) {
+        let message = format!("rate: {rate} is not between 0 and {GREATEST_RATE} values a second");
+        return Err(RpcError::bad_input(message).place("rate"));
+    }
+    let form = parameters.form.unwrap_or_default();
+    let dates = Dates::of(&daemon.clock);
+    stream::open(&daemon, &holder, move |writer| async move {
+        let element = element.as_deref();
+        let date = || {
+            let gauge = hosted.wires.gauge(index, element);
+            let age = gauge.and_then(|gauge| gauge.counts().age_ns).unwrap_or_default();
+            dates.now().saturating_sub(age)
+        };
+        match form {
+            Form::Json => {
+                let look = || Some((hosted.port_value(index, element)?, date()));
+                follow(&hosted, rate, &writer, look, Value::to_string).await;
+            }
+            Form::Message => {
+                let look = || Some((hosted.port_message(index, element)?, date()));
+                let text = |message: &Vec<u8>| BASE64.encode(message);
+                follow(&hosted, rate, &writer, look, text).await;
+            }
+        }
+    })
+}
+
+/// Sends what `look` sees, with its date, when it is another than before, as `text` spells it.
+async fn follow<T: PartialEq>(
+    hosted: &Hosted,
+    rate: f64,
+    writer: &Writer,
+    look: impl Fn() -> Option<(T, u64)>,
+    text: impl Fn(&T) -> String,
+) {
+    let mut ticks = interval(Duration::from_secs_f64(1.0 / rate));
+    ticks.set_missed_tick_behavior(MissedTickBehavior::Skip);
+    let mut last = None;
+    loop {
+        tokio::select! {
+            _ = ticks.tick() => {}
+            () = writer.closed() => return,
+            () = hosted.gone.raised() => {
+                let why = json!({"why": "the component was unloaded"}).to_string();
+                writer.send(Event::default().event("end").data(why)).await;
+                return;
+            }
+        }
+        let Some((value, date)) = look() else { continue };
+        if last.as_ref() == Some(&value) {
+            continue;
+        }
+        let event = Event::default().event("value").id(date.to_string());
+        if !writer.send(event.data(text(&value))).await {
+            return;
+        }
+        last = Some(value);
+    }
+}
