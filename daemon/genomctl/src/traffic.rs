@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 use serde_json::{Value, json};
+use tokio::signal::unix::{SignalKind, signal};
 
 use crate::failure::Failure;
 use crate::names::{Path2, encode, url};
@@ -123,16 +124,15 @@ impl Watch {
             .ok_or_else(|| {
                 Failure::usage(format!("--window {}: no time to count in", self.window), "try 1")
             })?;
+        // Before anything is said: who reads a line may interrupt at once.
+        let mut interrupt = signal(SignalKind::interrupt())?;
         let mut ticks = tokio::time::interval(window);
         ticks.tick().await;
         let mut before = Reading::take(session, port).await?;
-        // One for all: a Ctrl-C that comes between two looks counts, too.
-        let interrupted = tokio::signal::ctrl_c();
-        tokio::pin!(interrupted);
         for _ in 0..self.count.unwrap_or(u64::MAX) {
             tokio::select! {
                 _ = ticks.tick() => {}
-                _ = &mut interrupted => return Ok(()),
+                _ = interrupt.recv() => return Ok(()),
             }
             let now = Reading::take(session, port).await?;
             show(&now.since(&before))?;

@@ -2,6 +2,7 @@
 
 use clap_complete::engine::ArgValueCompleter;
 use serde_json::{Map, Value};
+use tokio::signal::unix::{SignalKind, signal};
 
 use crate::complete::Names;
 use crate::escape;
@@ -44,17 +45,16 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         path.push_str(&query.join("&"));
     }
     let mut events = session.client.stream(&path).await?;
+    // Before anything is said: who reads a line may interrupt at once.
+    let mut interrupt = signal(SignalKind::interrupt())?;
     if let Some(element) = element {
         tell_absent(session, &args.port, port, element).await?;
     }
     let mut left = args.count.unwrap_or(u64::MAX);
-    // One for all: a Ctrl-C that comes between two events counts, too.
-    let interrupted = tokio::signal::ctrl_c();
-    tokio::pin!(interrupted);
     while left > 0 {
         let event = tokio::select! {
             event = events.next() => event?,
-            _ = &mut interrupted => return Ok(()),
+            _ = interrupt.recv() => return Ok(()),
         };
         let Some(event) = event else { return Err(session.client.lost()) };
         match event.kind.as_str() {

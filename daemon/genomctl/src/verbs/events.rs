@@ -1,6 +1,7 @@
 //! `genomctl events`: what changes in the daemon, as it happens.
 
 use serde_json::Value;
+use tokio::signal::unix::{SignalKind, signal};
 
 use crate::escape;
 use crate::failure::Failure;
@@ -20,16 +21,15 @@ const PATH: &str = "/events";
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut events = session.client.stream(PATH).await?;
+    // Before anything is said: who reads a line may interrupt at once.
+    let mut interrupt = signal(SignalKind::interrupt())?;
     let mut left = args.count.unwrap_or(u64::MAX);
     // Number of the last event, when the stream may be resumed after it.
     let mut last = None;
-    // One for all: a Ctrl-C that comes between two events counts, too.
-    let interrupted = tokio::signal::ctrl_c();
-    tokio::pin!(interrupted);
     while left > 0 {
         let event = tokio::select! {
             event = events.next() => event?,
-            _ = &mut interrupted => return Ok(()),
+            _ = interrupt.recv() => return Ok(()),
         };
         let Some(event) = event else {
             // The daemon gives up readers that stand still: whoever comes back hears the rest.

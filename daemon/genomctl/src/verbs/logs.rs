@@ -2,6 +2,7 @@
 
 use clap_complete::engine::ArgValueCompleter;
 use serde::Deserialize;
+use tokio::signal::unix::{SignalKind, signal};
 
 use crate::complete::Names;
 use crate::failure::Failure;
@@ -82,14 +83,13 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         // All that is kept, then what comes.
         query.push_str("&last=1024");
     }
+    // Before anything is said: who reads a line may interrupt at once.
+    let mut interrupt = signal(SignalKind::interrupt())?;
     let mut stream = session.client.stream(&format!("/logs/stream{query}")).await?;
-    // One for all: a Ctrl-C that comes between two events counts, too.
-    let interrupted = tokio::signal::ctrl_c();
-    tokio::pin!(interrupted);
     loop {
         let event = tokio::select! {
             event = stream.next() => event?,
-            _ = &mut interrupted => return Ok(()),
+            _ = interrupt.recv() => return Ok(()),
         };
         let Some(event) = event else { return Err(session.client.lost()) };
         if session.json {
