@@ -145,8 +145,7 @@ fn several_files_are_one_specification() {
         "check leg.gen --format short",
         &expect![[r#"
         ! leg.gen:1:10: error: cannot find `units.h` [E0121]
-        ! leg.gen:2:26: error: unknown type `METRE` [E0206]
-        ! error: 2 errors in the description
+        ! error: 1 error in the description
         exit 1
     "#]],
     );
