@@ -31,6 +31,9 @@ class Services(DemoCase):
         # Nothing given: an attribute keeps its value.
         demo.set_speed()
         self.assertEqual(demo.get_speed(), {"velocity": 0.25})
+        # Or takes its default, if that is asked for.
+        demo.set_speed(zero=True)
+        self.assertEqual(demo.get_speed(), {"velocity": 0.5})
         self.assertIn("velocity: float = ?", str(inspect.signature(demo.set_speed)))
 
     def test_an_activity_without_flags_returns_when_it_has_ended(self):

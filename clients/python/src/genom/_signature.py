@@ -8,7 +8,7 @@ import json
 import keyword
 from typing import Any, Dict, Iterable, List, Tuple
 
-_FLAGS = ("ack", "send", "callback")
+_FLAGS = ("ack", "send", "zero", "callback")
 _BASIC = {
     "boolean": bool,
     "char": str,
@@ -104,11 +104,13 @@ def document(service: Dict[str, Any]) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def bind(service: Dict[str, Any], args: Tuple[Any, ...], given: Dict[str, Any]) -> Dict[str, Any]:
+def bind(
+    service: Dict[str, Any], args: Tuple[Any, ...], given: Dict[str, Any], zero: bool = False
+) -> Dict[str, Any]:
     """The inputs of a call, by their names in the description.
 
     One dict alone holds all inputs by name, unless its keys are other ones: then it is the value
-    of the first input.
+    of the first input. With `zero` any may be left out.
     """
     parameters = inputs(service)
     names = [one["name"] for one in parameters]
@@ -127,7 +129,7 @@ def bind(service: Dict[str, Any], args: Tuple[Any, ...], given: Dict[str, Any]) 
             raise TypeError(f"{what} got input `{name}` twice")
         values[name] = value
     for one in parameters:
-        if one["name"] not in values and _default(service, one) is None:
+        if one["name"] not in values and _default(service, one) is None and not zero:
             raise TypeError(f"{what} wants input `{one['name']}`, a {one['type']}")
     return values
 

@@ -34,9 +34,11 @@ class Status(str, enum.Enum):
 class Activity:
     """A request of a service. Several threads may wait for it."""
 
-    def __init__(self, component: Part, service: str) -> None:
+    def __init__(self, component: Part, service: str, zero: bool = False) -> None:
         self.component = component
         self.service = service
+        # Whether inputs that are left out take their default, or zero, also of an attribute.
+        self._zero = zero
         self._lock = threading.Lock()
         self._answered = threading.Event()
         self._number: Optional[int] = None
@@ -165,6 +167,7 @@ class Activity:
     def _send(self, inputs: Dict[str, Any]) -> None:
         """Sends it, and waits until it is accepted; what is refused ends it, too."""
         path = url("components", self.component._name, "services", self.service)
+        path += "?zero=true" if self._zero else ""
         self._take(self.component._client._transport.request("POST", path, inputs))
 
     def _call_back(self, callback: Callable[["Activity"], None]) -> None:

@@ -13,7 +13,7 @@ from .errors import exception_class
 from .port import Port, port_of
 
 
-_FLAGS = ("ack", "send", "oneway", "callback")
+_FLAGS = ("ack", "send", "oneway", "zero", "callback")
 
 
 class Described(Part):
@@ -108,8 +108,9 @@ class Described(Part):
     def _request(self, service: Dict[str, Any], args: Tuple[Any, ...], given: Dict[str, Any]) -> Any:
         names = {_signature.python_name(one["name"]) for one in _signature.inputs(service)}
         flags = {flag: given.pop(flag, None) for flag in _FLAGS if flag not in names}
-        inputs = _signature.bind(service, args, given)
-        activity = Activity(self, service["name"])
+        zero = bool(flags.get("zero"))
+        inputs = _signature.bind(service, args, given, zero)
+        activity = Activity(self, service["name"], zero)
         callback = flags.get("callback")
         # As other clients call it.
         behind = flags.get("send") or flags.get("oneway")

@@ -66,7 +66,7 @@ class Stub:
         given = schema.get("input", {})
         inputs = []
         for parameter in _signature.signature(service).parameters.values():
-            if parameter.name in ("ack", "send", "callback") and parameter.default in (False, None):
+            if parameter.name in ("ack", "send", "zero", "callback") and parameter.default in (False, None):
                 continue
             name = next(
                 one["name"] for one in _signature.inputs(service)
@@ -88,7 +88,7 @@ class Stub:
             (["send: Literal[True]", "ack: bool = ...", f"{_CALLED} = ..."], "genom.Activity"),
             ([_CALLED, "ack: bool = ...", "send: bool = ..."], "genom.Activity"),
         ):
-            listed = ", ".join(["self", *inputs, *star_too, *flags])
+            listed = ", ".join(["self", *inputs, *star_too, *flags, "zero: bool = ..."])
             lines.append("    @overload")
             # The first one tells what it is for.
             doc = _doc(service.get("doc"), "        ") if not lines[1:] else []
