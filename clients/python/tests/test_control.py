@@ -151,7 +151,7 @@ class Activities(DemoCase):
 class Descriptions(DemoCase):
     def test_signatures_come_from_the_description(self):
         parameters = inspect.signature(self.demo.goto).parameters
-        self.assertEqual(list(parameters), ["goal", "ack", "send", "callback"])
+        self.assertEqual(list(parameters), ["goal", "ack", "send", "zero", "callback"])
         self.assertEqual((parameters["goal"].default, parameters["goal"].annotation), (1.0, float))
 
     def test_help_tells_what_the_description_says(self):
