@@ -97,12 +97,13 @@ pub(crate) enum Change {
 
 impl Change {
     /// What `event` says of each.
-    pub(crate) const KINDS: [&'static str; 19] = [
+    pub(crate) const KINDS: [&'static str; 20] = [
         "component_loaded",
         "component_unloaded",
         "component_left",
         "codel_stuck",
         "codel_returned",
+        "codel_spins",
         "component_failed",
         "activity_started",
         "transition",

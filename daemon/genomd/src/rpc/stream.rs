@@ -11,6 +11,7 @@ use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
 
 use crate::daemon::Daemon;
+use crate::flag::Flag;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::slots::{Full, Slot};
@@ -74,15 +75,80 @@ where
 {
     let slot = slot(daemon, holder)?;
     let (sender, receiver) = mpsc::channel(8);
-    let feeding = feed(Writer(sender));
+    let feeding = feed(Writer(sender.clone()));
     let closed = daemon.closed.clone();
     tokio::spawn(async move {
-        tokio::select! {
-            () = feeding => {}
-            () = closed.raised() => {}
-        }
+        feed_until(closed, feeding, &sender).await;
         drop(slot);
     });
     let events: Events = ReceiverStream::new(receiver);
     Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(SIGN_OF_LIFE)))
+}
+
+/// Feeds a stream until the daemon stops; what there was to say by then is still said.
+async fn feed_until<T>(closed: Flag, feeding: impl Future<Output = ()>, sent: &mpsc::Sender<T>) {
+    tokio::pin!(feeding);
+    tokio::select! {
+        () = feeding.as_mut() => return,
+        () = closed.raised() => {}
+    }
+    loop {
+        // It says what it has, as far as there is room.
+        tokio::select! {
+            biased;
+            () = feeding.as_mut() => return,
+            () = std::future::ready(()) => {}
+        }
+        if sent.capacity() == sent.max_capacity() {
+            return;
+        }
+        // The reader takes all of it, or is gone; whoever waits for connections does not wait long.
+        tokio::select! {
+            () = feeding.as_mut() => return,
+            () = sent.closed() => return,
+            room = sent.reserve_many(sent.max_capacity()) => drop(room),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a reader gets of a stream that has twenty numbers to say when the daemon has stopped,
+    /// and then nothing.
+    #[tokio::test]
+    async fn what_was_told_before_the_end_is_heard() {
+        let (sender, mut receiver) = mpsc::channel(8);
+        let writer = sender.clone();
+        let feeding = async move {
+            for number in 0..20 {
+                writer.send(number).await.unwrap();
+            }
+            std::future::pending::<()>().await;
+        };
+        let closed = Flag::new();
+        closed.raise();
+        let feeding = tokio::spawn(async move { feed_until(closed, feeding, &sender).await });
+        let mut heard = Vec::new();
+        while let Some(number) = receiver.recv().await {
+            heard.push(number);
+        }
+        assert_eq!(heard, (0..20).collect::<Vec<_>>());
+        feeding.await.unwrap();
+    }
+
+    #[tokio::test]
+    async fn a_stream_ends_with_its_reader() {
+        let (sender, receiver) = mpsc::channel(1);
+        let writer = sender.clone();
+        let feeding = async move {
+            while writer.send(0).await.is_ok() {}
+            std::future::pending::<()>().await;
+        };
+        drop(receiver);
+        let closed = Flag::new();
+        closed.raise();
+        feed_until(closed, feeding, &sender).await;
+    }
 }
