@@ -8,7 +8,8 @@ import json
 import keyword
 from typing import Any, Dict, Iterable, List, Tuple
 
-_FLAGS = ("ack", "send", "zero", "callback")
+# How a service is called, beside its inputs.
+FLAGS = ("ack", "send", "zero", "callback")
 _BASIC = {
     "boolean": bool,
     "char": str,
@@ -74,7 +75,7 @@ def signature(service: Dict[str, Any]) -> inspect.Signature:
         )
     listed.sort(key=lambda one: one.kind)
     taken = {one.name for one in listed}
-    for flag in _FLAGS:
+    for flag in FLAGS:
         if flag not in taken:
             default = None if flag == "callback" else False
             listed.append(inspect.Parameter(flag, inspect.Parameter.KEYWORD_ONLY, default=default))

@@ -13,7 +13,8 @@ from .errors import exception_class
 from .port import Port, port_of
 
 
-_FLAGS = ("ack", "send", "oneway", "zero", "callback")
+# `oneway` is what other clients call `send`.
+_FLAGS = (*_signature.FLAGS, "oneway")
 
 
 class Described(Part):
@@ -112,7 +113,6 @@ class Described(Part):
         inputs = _signature.bind(service, args, given, zero)
         activity = Activity(self, service["name"], zero)
         callback = flags.get("callback")
-        # As other clients call it.
         behind = flags.get("send") or flags.get("oneway")
         if service["name"] == "connect_port" and self._is_named(inputs):
             activity._take({"result": {}})

@@ -66,7 +66,7 @@ class Stub:
         given = schema.get("input", {})
         inputs = []
         for parameter in _signature.signature(service).parameters.values():
-            if parameter.name in ("ack", "send", "zero", "callback") and parameter.default in (False, None):
+            if parameter.name in _signature.FLAGS and parameter.default in (False, None):
                 continue
             name = next(
                 one["name"] for one in _signature.inputs(service)
