@@ -5,7 +5,7 @@
 
 use std::time::SystemTime;
 
-use genom_runtime::Clock;
+use genom_runtime::{Clock, nanos};
 
 /// Gives dates in nanoseconds.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +43,7 @@ impl Dates {
             Clock::Virtual(clock) => clock.now(),
             Clock::Monotonic => {
                 let since = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH);
-                since.map_or(0, |since| u64::try_from(since.as_nanos()).unwrap_or(u64::MAX))
+                since.map_or(0, nanos)
             }
         }
     }

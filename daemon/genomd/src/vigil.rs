@@ -6,7 +6,7 @@ use std::sync::{Arc, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use genom_runtime::{RunningCodel, Unpaused, seconds};
+use genom_runtime::{RunningCodel, Unpaused, nanos, seconds};
 
 use crate::bus::Change;
 use crate::daemon::Daemon;
@@ -86,7 +86,7 @@ impl Vigil {
             let time = began.elapsed();
             let RunningCodel { codel, owner, .. } = codel;
             if logged {
-                let time = seconds(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX));
+                let time = seconds(nanos(time));
                 tracing::info!(instance = name, "codel {codel} of {owner} returned after {time}");
             }
             let (component, seconds) = (name.to_owned(), time.as_secs_f64());

@@ -10,6 +10,7 @@ use serde_json::Value;
 
 use crate::api::{Inputs, Reply};
 use crate::body::Body;
+use crate::clock::nanos;
 use crate::engine::{ActivityStatus, Engine, NoSuchActivity};
 use crate::options::Options;
 use crate::plan::{Plan, owner_name};
@@ -200,7 +201,6 @@ impl Instance {
         };
         let codel = |(rank, codel): (usize, &genom_description::model::Codel)| {
             let figures = &shared.codels[rank];
-            let nanos = |d: Duration| u64::try_from(d.as_nanos()).unwrap_or(u64::MAX);
             CodelStatistics {
                 name: codel.name.clone(),
                 owner: owner_name(model, codel.owner).to_owned(),

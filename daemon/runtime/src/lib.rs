@@ -35,7 +35,7 @@ mod watcher;
 pub use api::{
     Exception, Inputs, Outcome, Partial, Progress, Reply, Wiring, WiringError, input_record,
 };
-pub use clock::{Clock, VirtualClock};
+pub use clock::{Clock, VirtualClock, nanos};
 pub use engine::{ActivityPhase, ActivityStatus, NoSuchActivity};
 pub use instance::{Instance, NoSuchEvent};
 pub use options::{ACTIVITY_LIMIT, GiveUp, Options, STUCK_AFTER, TaskOptions};

@@ -9,7 +9,7 @@ use rtrb::Producer;
 
 use crate::at_work::AtWork;
 use crate::body::Body;
-use crate::clock::Clock;
+use crate::clock::{Clock, nanos};
 use crate::exclusion::Exclusion;
 use crate::plan::Plan;
 use crate::statistics::{CodelFigures, Counter, TaskFigures};
@@ -75,7 +75,6 @@ impl Shared {
     ) -> Self {
         let model = plan.component();
         let sinks = model.sinks.len().div_ceil(64);
-        let nanos = |d: std::time::Duration| u64::try_from(d.as_nanos()).unwrap_or(u64::MAX);
         // One more context, for those who exclude everything.
         let contexts = plan.contexts() + 1;
         Self {

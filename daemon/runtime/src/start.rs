@@ -8,7 +8,7 @@ use rtrb::RingBuffer;
 
 use crate::api::Exception;
 use crate::body::Body;
-use crate::clock::Clock;
+use crate::clock::{Clock, nanos};
 use crate::control::{Control, Entry, Phase, Stage, TaskLink};
 use crate::engine::{Engine, lock};
 use crate::options::{GiveUp, Options, TaskOptions};
@@ -45,7 +45,7 @@ pub enum StartError {
     #[error(
         "codel {codel} of task {task} of {instance} has not returned after {}: \
          give it more time, or look at what it waits for",
-        told(*.after)
+        seconds(nanos(*.after))
     )]
     Hangs {
         /// The instance.
@@ -73,13 +73,8 @@ pub enum StartError {
     },
 }
 
-fn told(time: Duration) -> String {
-    seconds(u64::try_from(time.as_nanos()).unwrap_or(u64::MAX))
-}
-
 /// A period as the `.gen` or the configuration says.
 fn timing(task: &Task, options: &TaskOptions, epoch: u64) -> Option<Timing> {
-    let nanos = |d: Duration| u64::try_from(d.as_nanos()).unwrap_or(u64::MAX);
     let period = options.period.filter(|_| task.period.is_some()).or(task.period)?;
     Some(Timing::new(epoch, nanos(period), nanos(task.delay)))
 }

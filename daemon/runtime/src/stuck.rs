@@ -9,7 +9,7 @@ use genom_description::model::{Component, Owner};
 use serde::Serialize;
 
 use crate::body::Body;
-use crate::clock::monotonic;
+use crate::clock::{monotonic, nanos};
 use crate::engine::{Engine, lock};
 use crate::plan::owner_name;
 
@@ -76,10 +76,6 @@ pub struct HeldUp {
     pub instance: String,
     /// What holds it up; `None` when codels came and went all the time.
     pub by: Option<Box<RunningCodel>>,
-}
-
-fn nanos(time: Duration) -> u64 {
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
 }
 
 fn tell(by: Option<&RunningCodel>) -> String {

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use genom_runtime::{Clock, VirtualClock};
-use support::closures::{Closures, Codel, Keeper, LONG, gate, next, request};
+use support::closures::{Closures, Codel, Keeper, LONG, gate, next, request, until};
 
 fn codel(work: impl Fn() -> &'static str + Send + Sync + 'static) -> Codel {
     Arc::new(work)
@@ -23,15 +23,6 @@ fn waits(event: &'static str) -> (Codel, Keeper) {
         event
     });
     (codel, keeper)
-}
-
-#[track_caller]
-fn until(what: &str, so: impl Fn() -> bool) {
-    let end = Instant::now() + LONG;
-    while !so() {
-        assert!(Instant::now() < end, "{what}: this does not come to be");
-        std::thread::yield_now();
-    }
 }
 
 #[test]

@@ -6,10 +6,10 @@ mod support;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use genom_runtime::{Instance, Unpaused};
-use support::closures::{Closures, Codel, LONG, next, request};
+use support::closures::{Closures, Codel, LONG, next, request, until};
 
 /// A component whose activity `job` yields `main` without pause until it may end.
 struct Spinning {
@@ -43,15 +43,6 @@ impl Spinning {
 
     fn unpaused(&self) -> Option<Unpaused> {
         self.instance.statistics().tasks[0].unpaused.clone()
-    }
-}
-
-#[track_caller]
-fn until(what: &str, so: impl Fn() -> bool) {
-    let end = Instant::now() + LONG;
-    while !so() {
-        assert!(Instant::now() < end, "{what}: this does not come to be");
-        std::thread::yield_now();
     }
 }
 

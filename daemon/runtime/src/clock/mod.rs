@@ -3,11 +3,18 @@
 mod virtual_clock;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
 pub(crate) use virtual_clock::Driven;
 pub use virtual_clock::VirtualClock;
+
+/// Nanoseconds of a time; the most there are, of one of centuries.
+#[must_use]
+pub fn nanos(time: Duration) -> u64 {
+    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+}
 
 /// The clock of an instance. Dates are nanoseconds.
 #[derive(Clone, Debug, Default)]

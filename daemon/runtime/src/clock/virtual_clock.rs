@@ -55,7 +55,7 @@ impl VirtualClock {
     /// Must not be called by a codel.
     pub fn step(&self, duration: Duration) {
         let _one = self.stepping.lock().unwrap_or_else(PoisonError::into_inner);
-        let span = u64::try_from(duration.as_nanos()).unwrap_or(u64::MAX);
+        let span = super::nanos(duration);
         let target = self.now().saturating_add(span);
         self.settle();
         loop {

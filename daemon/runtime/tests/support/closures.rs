@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use genom_description::model::Owner;
 use genom_middleware::{Publisher, Subscription};
@@ -65,6 +65,16 @@ impl Closures {
     fn try_start_with(self: &Arc<Self>, options: Options) -> Result<Instance, StartError> {
         let body: Arc<dyn Body> = Arc::<Self>::clone(self);
         Instance::start(Arc::clone(&self.plan), body, options)
+    }
+}
+
+/// Waits until something is so.
+#[track_caller]
+pub(crate) fn until(what: &str, so: impl Fn() -> bool) {
+    let end = Instant::now() + LONG;
+    while !so() {
+        assert!(Instant::now() < end, "{what}: this does not come to be");
+        std::thread::yield_now();
     }
 }
 
