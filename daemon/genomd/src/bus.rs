@@ -7,14 +7,16 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use serde::Serialize;
 use serde_json::Value;
+use strum::VariantNames;
 use tokio::sync::broadcast;
 use tokio::sync::broadcast::error::RecvError;
 
 use crate::dates::Dates;
 
 /// Something that changed.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, VariantNames)]
 #[serde(tag = "event", rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub(crate) enum Change {
     /// A component runs.
     ComponentLoaded { component: String, backend: String },
@@ -93,32 +95,6 @@ pub(crate) enum Change {
     DeploymentWaits { step: String },
     /// The daemon stops.
     Stopping {},
-}
-
-impl Change {
-    /// What `event` says of each.
-    pub(crate) const KINDS: [&'static str; 20] = [
-        "component_loaded",
-        "component_unloaded",
-        "component_left",
-        "codel_stuck",
-        "codel_returned",
-        "codel_spins",
-        "component_failed",
-        "activity_started",
-        "transition",
-        "activity_ended",
-        "overrun",
-        "connected",
-        "disconnected",
-        "backend_changed",
-        "remote_connected",
-        "remote_disconnected",
-        "event_fired",
-        "deployment_step",
-        "deployment_waits",
-        "stopping",
-    ];
 }
 
 /// How far a deployment is with a step.

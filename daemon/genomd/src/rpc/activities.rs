@@ -1,7 +1,6 @@
 //! Activities: list, look, wait, abort.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::Json;
 use axum::extract::{Path, State};
@@ -13,10 +12,7 @@ use crate::daemon::Daemon;
 use crate::hosting::{Activity, Hosted, Look};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
-use crate::rpc::input::Parameters;
-
-/// Longest time one request is held.
-const LONGEST_WAIT: f64 = 3600.0;
+use crate::rpc::input::{self, Parameters};
 
 /// `?wait=SECONDS`
 #[derive(Debug, Default, Deserialize, IntoParams)]
@@ -101,9 +97,7 @@ pub(crate) async fn look(
         })?,
     };
     if let Some(seconds) = parameters.wait {
-        let wait = Duration::try_from_secs_f64(seconds.min(LONGEST_WAIT)).map_err(|_| {
-            RpcError::bad_input(format!("wait: {seconds} is no number of seconds")).place("wait")
-        })?;
+        let wait = input::wait(seconds)?;
         // Not ended in time: the reply says that it runs.
         let _ = tokio::time::timeout(wait, activity.ended()).await;
     }

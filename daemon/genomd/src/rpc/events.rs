@@ -9,6 +9,7 @@ use axum::response::sse::{Event, Sse};
 use axum::{Extension, Json};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
+use strum::VariantNames as _;
 use tokio_stream::Stream;
 use utoipa::{IntoParams, ToSchema};
 
@@ -90,8 +91,7 @@ pub(crate) async fn stream(
     Parameters(parameters): Parameters<StreamParameters>,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
     let wanted = Wanted::parse(parameters.only.as_deref())?;
-    let after =
-        headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.parse().ok());
+    let after = stream::last_heard(&headers);
     let mut listener = daemon.bus.listen(after);
     stream::open(&daemon, &holder, move |writer| async move {
         loop {
@@ -114,10 +114,10 @@ impl Wanted {
     fn parse(only: Option<&str>) -> Result<Self, RpcError> {
         let Some(only) = only else { return Ok(Self(None)) };
         let kinds: Vec<_> = only.split(',').map(|kind| kind.trim().to_owned()).collect();
-        match kinds.iter().find(|kind| !Change::KINDS.contains(&kind.as_str())) {
+        match kinds.iter().find(|kind| !Change::VARIANTS.contains(&kind.as_str())) {
             None => Ok(Self(Some(kinds))),
             Some(kind) => Err(RpcError::bad_input(format!("there is no change `{kind}`"))
-                .help(suggest(kind, Change::KINDS))
+                .help(suggest(kind, Change::VARIANTS.iter().copied()))
                 .place("only")),
         }
     }

@@ -18,6 +18,16 @@ use crate::rpc::error::RpcError;
 /// A peer that has not sent its body by then is given up.
 const SLOWEST_WRITER: Duration = Duration::from_secs(10);
 
+/// Longest time one request is held, in seconds.
+const LONGEST_WAIT: f64 = 3600.0;
+
+/// How long a request with `?wait=SECONDS` is held.
+pub(super) fn wait(seconds: f64) -> Result<Duration, RpcError> {
+    Duration::try_from_secs_f64(seconds.min(LONGEST_WAIT)).map_err(|_| {
+        RpcError::bad_input(format!("wait: {seconds} is no number of seconds")).place("wait")
+    })
+}
+
 /// A JSON body; an empty one is `{}`.
 #[derive(Debug)]
 pub(crate) struct Body<T>(pub(crate) T);

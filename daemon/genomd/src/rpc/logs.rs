@@ -131,8 +131,7 @@ pub(crate) async fn stream(
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
     let LogParameters { level, component, last } = parameters;
     let wanted = Wanted::new(level.as_deref(), component)?;
-    let after: Option<u64> =
-        headers.get("last-event-id").and_then(|id| id.to_str().ok()).and_then(|id| id.parse().ok());
+    let after = stream::last_heard(&headers);
     let mut listener = logs::past().listen(after.or(Some(0)));
     let past = match after {
         None => latest(listener.take_past(), &wanted, Some(last.unwrap_or(0))),

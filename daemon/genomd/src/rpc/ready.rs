@@ -1,7 +1,6 @@
 //! Whether the daemon has loaded what it was started with.
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use axum::Json;
 use axum::extract::State;
@@ -11,10 +10,7 @@ use utoipa::{IntoParams, ToSchema};
 
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
-use crate::rpc::input::Parameters;
-
-/// Longest time one request is held, in seconds.
-const LONGEST_WAIT: f64 = 3600.0;
+use crate::rpc::input::{self, Parameters};
 
 /// `?wait=SECONDS&deployed=true`
 #[derive(Debug, Default, Deserialize, IntoParams)]
@@ -55,9 +51,7 @@ pub(crate) async fn ready(
     let startup = &daemon.startup;
     let wanted = if parameters.deployed == Some(true) { &startup.deployed } else { &startup.ready };
     if let Some(seconds) = parameters.wait {
-        let wait = Duration::try_from_secs_f64(seconds.min(LONGEST_WAIT)).map_err(|_| {
-            RpcError::bad_input(format!("wait: {seconds} is no number of seconds")).place("wait")
-        })?;
+        let wait = input::wait(seconds)?;
         tokio::select! {
             () = wanted.raised() => {}
             () = daemon.asked_to_stop() => {}

@@ -4,7 +4,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::http::StatusCode;
+use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use tokio::sync::mpsc;
 use tokio_stream::Stream;
@@ -25,6 +25,11 @@ const SLOWEST_READER: Duration = Duration::from_secs(10);
 /// A stream with nothing to say shows that often that the daemon is alive: a reader that hears
 /// nothing for longer knows that it is not.
 const SIGN_OF_LIFE: Duration = Duration::from_secs(5);
+
+/// The number that a reader who comes back heard last (`Last-Event-ID`).
+pub(super) fn last_heard(headers: &HeaderMap) -> Option<u64> {
+    headers.get("last-event-id")?.to_str().ok()?.parse().ok()
+}
 
 /// The writing end of a stream.
 pub(super) struct Writer(mpsc::Sender<Result<Event, Infallible>>);
