@@ -27,7 +27,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use genom_local::Local;
-use genom_middleware::{Address, Middleware, Policy, Publisher, Subscription};
+use genom_middleware::{Address, Policy, PortSpec, Ports as _, Publisher, Subscription};
 use genom_runtime::Clock;
 use genom_types::{DataType, Kind, Record, TypeTable};
 
@@ -59,8 +59,9 @@ fn main() {
     });
     let at = Address::new("bench", "port");
     let ends = |local: &Local| {
-        let writer = local.publisher(&at, &ty).expect("an out port");
-        let reader = local.subscription(&at, &ty, Policy::Latest).expect("an in port");
+        let writer = local.publisher(&PortSpec::new(&at, &ty)).expect("an out port");
+        let reader =
+            local.subscription(&PortSpec::new(&at, &ty), Policy::Latest).expect("an in port");
         (writer, reader)
     };
     let mut hop =

@@ -116,7 +116,7 @@ impl Publisher for FanPublisher {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use genom_middleware::{Address, Middleware, Policy, Reading};
+    use genom_middleware::{Address, Middleware, Policy, PortSpec, Ports as _, Reading};
     use genom_types::{DataType, Kind, TypeTable};
 
     fn double() -> DataType {
@@ -129,7 +129,7 @@ mod tests {
     fn a_value_goes_to_all_ends_and_to_the_new_one_after_an_exchange() {
         let (one, two) = (genom_local::Local::new(), genom_local::Local::new());
         let (ty, at) = (double(), Address::new("demo", "position"));
-        let end = |on: &dyn Middleware| on.publisher(&at, &ty).unwrap();
+        let end = |on: &dyn Middleware| on.publisher(&PortSpec::new(&at, &ty)).unwrap();
         let ends = vec![("one".into(), end(&one)), ("two".into(), end(&two))];
         let fan = Fan::new(ends, &Clock::Monotonic, &ty);
         let mut publisher = fan.publisher();
@@ -137,7 +137,7 @@ mod tests {
         value.merge_json(&0.5.into()).unwrap();
         publisher.publish(&value).unwrap();
         for on in [&one, &two] {
-            let mut reader = on.subscription(&at, &ty, Policy::Latest).unwrap();
+            let mut reader = on.subscription(&PortSpec::new(&at, &ty), Policy::Latest).unwrap();
             let mut read = Record::new(&ty);
             assert_eq!(reader.read(&mut read), Ok(Reading::New));
             assert_eq!(read.to_json(), 0.5);
@@ -146,7 +146,7 @@ mod tests {
         assert_eq!(old[0].0, "one");
         drop(old);
         // The address is free on the middleware it left.
-        drop(one.publisher(&at, &ty).unwrap());
+        drop(one.publisher(&PortSpec::new(&at, &ty)).unwrap());
         publisher.publish(&value).unwrap();
         assert_eq!(fan.gauge().counts().samples, 2);
     }

@@ -116,7 +116,7 @@ impl Subscription for TapSubscription {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use genom_middleware::{Address, Middleware, Policy};
+    use genom_middleware::{Address, Middleware, Policy, PortSpec, Ports as _};
     use genom_types::{DataType, Kind, TypeTable};
 
     /// Finds nothing, but that so many samples were lost.
@@ -150,18 +150,20 @@ mod tests {
         let ty = DataType::new(&Arc::new(table), id).unwrap();
         let (one, two) = (genom_local::Local::new(), genom_local::Local::new());
         let at = Address::new("demo", "position");
-        let open = |on: &dyn Middleware| on.subscription(&at, &ty, Policy::Latest).unwrap();
+        let open = |on: &dyn Middleware| {
+            on.subscription(&PortSpec::new(&at, &ty), Policy::Latest).unwrap()
+        };
         let tap = Tap::new(open(&one), &Clock::Monotonic, &ty);
         let (mut reader, mut into) = (tap.subscription(), Record::new(&ty));
         assert_eq!(reader.read(&mut into), Ok(Reading::Never));
         let mut value = Record::new(&ty);
         value.merge_json(&0.5.into()).unwrap();
-        one.publisher(&at, &ty).unwrap().publish(&value).unwrap();
+        one.publisher(&PortSpec::new(&at, &ty)).unwrap().publish(&value).unwrap();
         assert_eq!(reader.read(&mut into), Ok(Reading::New));
         drop(tap.exchange(open(&two)));
         assert_eq!(reader.read(&mut into), Ok(Reading::Same));
         assert_eq!(into.to_json(), 0.5);
-        two.publisher(&at, &ty).unwrap().publish(&value).unwrap();
+        two.publisher(&PortSpec::new(&at, &ty)).unwrap().publish(&value).unwrap();
         assert_eq!(reader.read(&mut into), Ok(Reading::New));
         assert_eq!(tap.gauge().counts().samples, 2);
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use genom_description::model::PortDirection;
-use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy};
+use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy, PortSpec};
 use genom_runtime::HeldUp;
 
 use crate::bus::Change;
@@ -218,7 +218,7 @@ pub(super) fn attach(
         return Err(OpenError::Failed { backend, address: inport, why }.into());
     };
     let quality = hosted.wires.bindings.quality(&hosted.model().ports[port].name);
-    let subscription = middleware.subscription_of(&outport, ty, policy, &quality)?;
+    let subscription = middleware.subscription(&PortSpec::new(&outport, ty).of(quality), policy)?;
     let tap = Tap::new(subscription, &daemon.clock, ty);
     let backend = middleware.name().to_owned();
     let connection = Connection { inport: inport.clone(), outport, backend, policy, fixed };

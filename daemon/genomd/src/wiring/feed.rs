@@ -7,7 +7,7 @@
 use std::sync::Arc;
 
 use genom_description::model::PortDirection;
-use genom_middleware::{OpenError, Policy, PublishError};
+use genom_middleware::{OpenError, Policy, PortSpec, PublishError};
 use genom_runtime::HeldUp;
 use genom_types::{CdrError, JsonError, Record};
 
@@ -104,7 +104,8 @@ pub(crate) fn publish<T>(
             None => hosted.wires.bindings.port(&model.name).first().to_owned(),
         };
         let middleware = daemon.backends.get(&backend)?;
-        let mut publisher = middleware.publisher(&inport, ty)?;
+        let quality = hosted.wires.bindings.quality(&model.name);
+        let mut publisher = middleware.publisher(&PortSpec::new(&inport, ty).of(quality))?;
         // Before the port is connected: the first thing it reads is this value.
         publisher.publish(&value).map_err(refused)?;
         if connection.is_none() {

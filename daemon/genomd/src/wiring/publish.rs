@@ -3,7 +3,7 @@
 use std::sync::{Arc, Weak};
 
 use genom_description::model::PortDirection;
-use genom_middleware::{Address, OpenError, Publisher, Quality};
+use genom_middleware::{Address, OpenError, PortSpec, Publisher, Quality};
 use genom_runtime::HeldUp;
 use genom_runtime::body::{Body, Opener};
 use genom_runtime::plan::Plan;
@@ -51,7 +51,8 @@ pub(super) fn open(
     let mut ends = Vec::with_capacity(names.names().len());
     for name in names.names() {
         let middleware = daemon.backends.get(name)?;
-        let publisher = middleware.publisher_of(address, ty, quality).map_err(Box::new)?;
+        let publisher =
+            middleware.publisher(&PortSpec::new(address, ty).of(*quality)).map_err(Box::new)?;
         ends.push((name.clone(), publisher));
     }
     Ok(ends)

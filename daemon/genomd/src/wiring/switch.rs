@@ -6,7 +6,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use genom_middleware::{Address, EndpointKind, OpenError, Publisher, Quality, Subscription};
+use genom_middleware::{
+    Address, EndpointKind, OpenError, PortSpec, Publisher, Quality, Subscription,
+};
 use genom_runtime::HeldUp;
 use genom_types::Record;
 
@@ -160,7 +162,8 @@ fn follow(
             let Some(ty) = reader.port_type(key.0) else { continue };
             let middleware = daemon.backends.get(to.first())?;
             let quality = quality_of(&reader, key.0);
-            let end = middleware.subscription_of(address, ty, connection.policy, &quality);
+            let end =
+                middleware.subscription(&PortSpec::new(address, ty).of(quality), connection.policy);
             let end = end.map_err(boxed)?;
             let component = Some(Arc::clone(&reader));
             all.push(NewFeed { key, tap, backend: to.first().to_owned(), end, component });
@@ -192,7 +195,7 @@ fn own_feeds(
             continue;
         }
         let (from, quality) = (&connection.outport, quality_of(hosted, key.0));
-        let end = middleware.subscription_of(from, ty, connection.policy, &quality);
+        let end = middleware.subscription(&PortSpec::new(from, ty).of(quality), connection.policy);
         let end = end.map_err(boxed)?;
         all.push(NewFeed { key, tap, backend: to.first().to_owned(), end, component: None });
     }
@@ -229,7 +232,7 @@ pub(crate) fn catch_up(daemon: &Arc<Daemon>) {
             let opened = daemon.backends.get(to).map_err(|error| error.to_string());
             let quality = quality_of(&reader, key.0);
             let end = opened.and_then(|middleware| {
-                let end = middleware.subscription_of(&outport, ty, policy, &quality);
+                let end = middleware.subscription(&PortSpec::new(&outport, ty).of(quality), policy);
                 end.map_err(|error| error.to_string())
             });
             match end {

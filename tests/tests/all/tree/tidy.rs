@@ -13,10 +13,12 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-types", &[]),
     ("genom-description", &["genom-types"]),
     ("genom-middleware", &["genom-types"]),
-    ("genom-local", MIDDLEWARE),
-    ("genom-shm", MIDDLEWARE),
-    ("genom-zenoh", MIDDLEWARE),
-    ("genom-ros2", &["genom-middleware", "genom-rosidl", "genom-types"]),
+    ("genom-kit", MIDDLEWARE),
+    ("genom-conformance", MIDDLEWARE),
+    ("genom-local", BACKEND),
+    ("genom-shm", BACKEND),
+    ("genom-zenoh", BACKEND),
+    ("genom-ros2", &["genom-kit", "genom-middleware", "genom-rosidl", "genom-types"]),
     ("genom-rosidl", &["genom-types"]),
     ("genom-bench", MIDDLEWARE),
     ("genom-runtime", &["genom-description", "genom-middleware", "genom-types"]),
@@ -32,6 +34,7 @@ const ARROWS: &[(&str, &[&str])] = &[
 const HOST: &[&str] =
     &["genom", "genom-description", "genom-middleware", "genom-runtime", "genom-types"];
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
+const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
 /// Crates above all others: what they know is their own affair.
 const TOP: &[&str] = &["genomd", "genom-tests"];
 /// Crates outside which nothing is unsafe.
@@ -39,7 +42,7 @@ const UNSAFE: &[&str] = &[
     "genom-types",
     "genom-host",
     "genom-local",
-    "genom-middleware",
+    "genom-kit",
     "genom-ros2",
     "genom-shm",
     "genom",

@@ -1,11 +1,29 @@
 //! What every middleware must hold, stated once and run against each.
 //!
-//! A backend writes, in `tests/conformance.rs`:
-//! ```text
-//! genom_middleware::conformance! { shm: ShmWorld::new() }
+//! A backend has this crate as a development dependency, and says in `tests/conformance.rs` how
+//! its participants are made; it gets one test per property:
+//!
 //! ```
-//! and gets one test per property. The expression makes a fresh [`World`] for each test.
+//! use std::sync::Arc;
+//! use genom_middleware::Middleware;
+//! # use genom_conformance::World;
+//!
+//! /// Where one test runs, apart from all others. The participants of a world reach each other.
+//! struct Here;
+//!
+//! impl World for Here {
+//!     fn join(&self) -> Arc<dyn Middleware> {
+//!         unimplemented!("opens one more, as one more daemon would")
+//!     }
+//! }
+//!
+//! genom_conformance::conformance! { mine: Here }
+//! ```
+//!
+//! The expression after the name makes a fresh [`World`] for each test. What a backend does not
+//! have, services or discovery, it refuses: then the properties of these check that it says so.
 
+#![forbid(unsafe_code)]
 #![allow(
     clippy::expect_used,
     clippy::panic,
@@ -13,6 +31,7 @@
     reason = "this is test code: a property that does not hold panics"
 )]
 
+mod again;
 mod harness;
 pub mod life;
 pub mod ports;
@@ -20,6 +39,7 @@ pub mod samples;
 pub mod services;
 pub mod types;
 
+pub use again::again;
 pub use harness::{World, eventually, run};
 
 /// One test per property of this suite, in a module of the given name.
@@ -53,6 +73,7 @@ macro_rules! conformance {
                 types::growing_values_travel,
                 types::samples_of_4_mib_travel,
                 types::basic_types_travel,
+                life::what_a_backend_says_it_can_do_it_does,
                 life::a_second_writer_of_an_address_is_refused,
                 life::a_writer_may_go_and_come_back,
                 life::a_late_reader_sees_nothing_of_a_writer_that_left,
@@ -85,10 +106,10 @@ macro_rules! __conformance_tests {
         #[test]
         fn $property() {
             let world = $world;
-            $crate::conformance::run(
+            $crate::run(
                 stringify!($property),
                 ::std::sync::Arc::new(world),
-                $crate::conformance::$file::$property,
+                $crate::$file::$property,
             );
         }
     )+};

@@ -5,7 +5,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::Middleware;
+use genom_middleware::Middleware;
 
 /// A property that takes longer than this hangs.
 const WATCHDOG: Duration = Duration::from_secs(120);

@@ -9,9 +9,9 @@ use std::cell::UnsafeCell;
 use std::convert::Infallible;
 use std::time::Duration;
 
-use genom_middleware::bell::Bell;
-use genom_middleware::index_ring::IndexRing;
-use genom_middleware::mailbox::{Full, Mailbox};
+use genom_kit::bell::Bell;
+use genom_kit::index_ring::IndexRing;
+use genom_kit::mailbox::{Full, Mailbox};
 
 /// Messages sent; Miri is some thousand times slower.
 const LAST: u64 = if cfg!(miri) { 40 } else { 20_000 };

@@ -5,9 +5,9 @@ use std::thread;
 
 use genom_types::Record;
 
-use super::harness::{World, eventually};
-use super::samples::{number, numbered, set_number, state};
-use crate::{Address, Middleware, Policy, Publisher, Reading, Subscription};
+use crate::harness::{World, eventually};
+use crate::samples::{number, numbered, set_number, state};
+use genom_middleware::{Address, Middleware, Policy, PortSpec, Publisher, Reading, Subscription};
 
 /// The address most properties use.
 pub(super) fn position() -> Address {
@@ -15,11 +15,11 @@ pub(super) fn position() -> Address {
 }
 
 pub(super) fn writer(on: &Arc<dyn Middleware>) -> Box<dyn Publisher> {
-    on.publisher(&position(), &state()).expect("an out port")
+    on.publisher(&PortSpec::new(&position(), &state())).expect("an out port")
 }
 
 pub(super) fn reader(on: &Arc<dyn Middleware>, policy: Policy) -> Box<dyn Subscription> {
-    on.subscription(&position(), &state(), policy).expect("an in port")
+    on.subscription(&PortSpec::new(&position(), &state()), policy).expect("an in port")
 }
 
 /// What a record holds before it is read into.
@@ -189,8 +189,9 @@ pub fn every_sample_is_read_or_counted(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     for (port, policy) in [("ring", Policy::Ring(4)), ("queue", Policy::Queue(4))] {
         let at = Address::new("demo", port);
-        let mut writer = a.publisher(&at, &state()).expect("an out port");
-        let open = |policy| b.subscription(&at, &state(), policy).expect("an in port");
+        let mut writer = a.publisher(&PortSpec::new(&at, &state())).expect("an out port");
+        let open =
+            |policy| b.subscription(&PortSpec::new(&at, &state()), policy).expect("an in port");
         let (mut reader, mut witness) = (open(policy), open(Policy::Latest));
         connect(&mut *writer, &mut *reader);
         let (mut written, mut seen) = (0, 0);
@@ -313,8 +314,8 @@ pub fn many_ports_do_not_mix(world: &dyn World) {
     let at = |n: u64| Address::new(format!("robot{}", n % 8), format!("port{n}"));
     let mut ports: Vec<_> = (0..PORTS)
         .map(|n| {
-            let writer = a.publisher(&at(n), &state()).unwrap();
-            (n, writer, b.subscription(&at(n), &state(), Policy::Latest).unwrap())
+            let writer = a.publisher(&PortSpec::new(&at(n), &state())).unwrap();
+            (n, writer, b.subscription(&PortSpec::new(&at(n), &state()), Policy::Latest).unwrap())
         })
         .collect();
     for (n, writer, _) in &mut ports {
@@ -331,8 +332,8 @@ pub fn elements_of_a_multiple_port_are_apart(world: &dyn World) {
     let names = ["poses", "poses/left", "poses/right", "poses/far.left"];
     let mut ends = names.map(|name| {
         let at = Address::new("demo", name);
-        let writer = a.publisher(&at, &state()).unwrap();
-        (writer, b.subscription(&at, &state(), Policy::Latest).unwrap())
+        let writer = a.publisher(&PortSpec::new(&at, &state())).unwrap();
+        (writer, b.subscription(&PortSpec::new(&at, &state()), Policy::Latest).unwrap())
     });
     for (n, (writer, _)) in ends.iter_mut().enumerate() {
         writer.publish(&numbered(n as u64 + 10)).unwrap();

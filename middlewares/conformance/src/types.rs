@@ -5,10 +5,12 @@ use std::sync::Arc;
 use genom_types::{DataType, Kind, Record};
 use serde_json::{Value, json};
 
-use super::harness::{World, eventually};
-use super::ports::{position, reader, writer};
-use super::samples::{LARGE, basic, image, note, note_of, other_state, state, twin};
-use crate::{Address, Middleware, OpenError, Policy, Publisher, Reading, Subscription};
+use crate::harness::{World, eventually};
+use crate::ports::{position, reader, writer};
+use crate::samples::{LARGE, basic, image, note, note_of, other_state, state, twin};
+use genom_middleware::{
+    Address, Middleware, OpenError, Policy, PortSpec, Publisher, Reading, Subscription,
+};
 
 /// Opens an end until it is refused for its type, and checks that both types are named.
 #[track_caller]
@@ -32,9 +34,12 @@ pub fn another_type_is_refused_with_both_named(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let _writer = writer(&a);
     for ty in [basic(Kind::Double), basic(Kind::Octet)] {
-        refused(&ty, &state(), || b.subscription(&position(), &ty, Policy::Latest));
+        refused(&ty, &state(), || b.subscription(&PortSpec::new(&position(), &ty), Policy::Latest));
     }
-    drop(b.subscription(&position(), &state(), Policy::Latest).expect("the right type"));
+    drop(
+        b.subscription(&PortSpec::new(&position(), &state()), Policy::Latest)
+            .expect("the right type"),
+    );
 }
 
 /// Another writer's type is refused too, when the reader came first.
@@ -42,8 +47,8 @@ pub fn a_writer_of_another_type_is_refused_with_both_named(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let _reader = reader(&b, Policy::Latest);
     let ty = basic(Kind::Double);
-    refused(&ty, &state(), || a.publisher(&position(), &ty));
-    drop(a.publisher(&position(), &state()).expect("the right type"));
+    refused(&ty, &state(), || a.publisher(&PortSpec::new(&position(), &ty)));
+    drop(a.publisher(&PortSpec::new(&position(), &state())).expect("the right type"));
 }
 
 /// The name and the size say too little: the digest decides (genom3.md 4.9).
@@ -52,7 +57,7 @@ pub fn types_of_one_name_and_other_members_are_refused(world: &dyn World) {
     assert_eq!((state().name(), state().size()), (other_state().name(), other_state().size()));
     let _writer = writer(&a);
     refused(&other_state(), &state(), || {
-        b.subscription(&position(), &other_state(), Policy::Latest)
+        b.subscription(&PortSpec::new(&position(), &other_state()), Policy::Latest)
     });
 }
 
@@ -64,9 +69,10 @@ pub fn types_of_other_names_and_equal_members_connect(world: &dyn World) {
         let at = Address::new("demo", format!("position{n}"));
         let policies = [Policy::Latest, Policy::Queue(4)];
         // Once the reader is there first, once the writer.
-        let early = b.subscription(&at, &first, policies[n]).expect("an in port");
-        let mut writer = a.publisher(&at, &second).expect("an out port");
-        let late = b.subscription(&at, &first, policies[1 - n]).expect("an in port");
+        let early = b.subscription(&PortSpec::new(&at, &first), policies[n]).expect("an in port");
+        let mut writer = a.publisher(&PortSpec::new(&at, &second)).expect("an out port");
+        let late =
+            b.subscription(&PortSpec::new(&at, &first), policies[1 - n]).expect("an in port");
         let mut sent = Record::new(&second);
         sent.merge_json(&json!({"count": 7, "values": [1, 2, 3, 4, 5, 6, 7]})).expect("a value");
         writer.publish(&sent).expect("published");
@@ -85,7 +91,10 @@ fn open(world: &dyn World, ty: &DataType) -> Option<(Vec<Arc<dyn Middleware>>, E
     let (a, b) = (world.join(), world.join());
     let at = Address::new("demo", "value");
     if !ty.is_fixed_size() && !a.capabilities().variable_size {
-        for error in [a.publisher(&at, ty).err(), b.subscription(&at, ty, Policy::Latest).err()] {
+        for error in [
+            a.publisher(&PortSpec::new(&at, ty)).err(),
+            b.subscription(&PortSpec::new(&at, ty), Policy::Latest).err(),
+        ] {
             match error {
                 Some(OpenError::Unsupported { ty: named, why, .. }) => {
                     assert!(named.contains(ty.name()) && !why.is_empty());
@@ -96,8 +105,8 @@ fn open(world: &dyn World, ty: &DataType) -> Option<(Vec<Arc<dyn Middleware>>, E
         return None;
     }
     let ends = (
-        a.publisher(&at, ty).expect("an out port"),
-        b.subscription(&at, ty, Policy::Latest).expect("an in port"),
+        a.publisher(&PortSpec::new(&at, ty)).expect("an out port"),
+        b.subscription(&PortSpec::new(&at, ty), Policy::Latest).expect("an in port"),
     );
     Some((vec![a, b], ends))
 }
