@@ -1,0 +1,128 @@
+//! What is recorded besides samples: calls, activities, exceptions, and what else changes.
+
+use std::collections::VecDeque;
+use std::sync::{Mutex, PoisonError};
+
+use serde_json::{Value, json};
+
+/// Notes that wait at most.
+const MOST: usize = 8192;
+
+/// A channel of notes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    Calls,
+    Activities,
+    Exceptions,
+    Changes,
+}
+
+/// All, by channel number.
+pub(super) const SUBJECTS: [Subject; 4] =
+    [Subject::Calls, Subject::Activities, Subject::Exceptions, Subject::Changes];
+
+impl Subject {
+    pub(super) fn channel(self) -> u16 {
+        self as u16
+    }
+
+    /// The channel as it is told: JSON, since each service has other inputs.
+    pub(super) fn head(self) -> Value {
+        let (topic, name, members) = match self {
+            Subject::Calls => (
+                "/genom/calls",
+                "genom.Call",
+                json!({
+                    "component": {"type": "string"},
+                    "service": {"type": "string"},
+                    "call": {"type": "integer", "description": "the same in request and reply"},
+                    "phase": {"enum": ["request", "reply"]},
+                    "inputs": {"type": "object"},
+                    "activity": {"type": "integer"},
+                    "result": {"type": "object"},
+                    "exception": {"type": "string"},
+                    "detail": {},
+                    "duration_ns": {"type": "integer"},
+                }),
+            ),
+            Subject::Activities => (
+                "/genom/activities",
+                "genom.Activity",
+                json!({
+                    "event": {"enum": ["activity_started", "transition", "activity_ended"]},
+                    "component": {"type": "string"},
+                    "service": {"type": "string"},
+                    "activity": {"type": "integer"},
+                    "state": {"type": "string"},
+                    "paused": {"type": "boolean"},
+                    "exception": {"type": "string"},
+                }),
+            ),
+            Subject::Exceptions => (
+                "/genom/exceptions",
+                "genom.Exception",
+                json!({
+                    "component": {"type": "string"},
+                    "service": {"type": "string"},
+                    "activity": {"type": "integer"},
+                    "exception": {"type": "string"},
+                    "detail": {},
+                }),
+            ),
+            Subject::Changes => {
+                ("/genom/changes", "genom.Change", json!({"event": {"type": "string"}}))
+            }
+        };
+        json!({
+            "channel": self.channel(), "topic": topic, "encoding": "json", "schema": name,
+            "definition": json!({"type": "object", "properties": members}).to_string(),
+            "metadata": {},
+        })
+    }
+}
+
+/// A note that waits.
+pub(super) struct Note {
+    pub(super) subject: Subject,
+    pub(super) number: u32,
+    pub(super) moment: u64,
+    pub(super) text: String,
+}
+
+/// The notes of one recording.
+#[derive(Default)]
+pub(super) struct Notes(Mutex<State>);
+
+#[derive(Default)]
+struct State {
+    waiting: VecDeque<Note>,
+    numbers: [u32; SUBJECTS.len()],
+    lost: [u64; SUBJECTS.len()],
+}
+
+impl Notes {
+    pub(super) fn add(&self, subject: Subject, moment: u64, content: &Value) {
+        let text = content.to_string();
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let at = usize::from(subject.channel());
+        let number = state.numbers[at];
+        state.numbers[at] = number.wrapping_add(1);
+        if state.waiting.len() < MOST {
+            state.waiting.push_back(Note { subject, number, moment, text });
+        } else {
+            state.lost[at] += 1;
+        }
+    }
+
+    /// `count` notes were lost elsewhere.
+    pub(super) fn lose(&self, subject: Subject, count: u64) {
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        state.lost[usize::from(subject.channel())] += count;
+    }
+
+    /// All that wait, and how many of each subject were lost so far.
+    pub(super) fn take(&self) -> (VecDeque<Note>, [u64; SUBJECTS.len()]) {
+        let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        (std::mem::take(&mut state.waiting), state.lost)
+    }
+}
