@@ -1,0 +1,7 @@
+//! Daemons beside programs of others on the same middleware.
+
+mod cold_starts;
+mod forged;
+mod ros2_peers;
+mod stalled;
+mod typed_iceoryx2;

@@ -1,0 +1,116 @@
+//! Genuine ROS 2 Jazzy nodes and a daemon with the demo: with the demo's own types, as ROS users
+//! build them, and ROS's generators of code.
+//!
+//! A peer replies to what it is told once ROS says that the other end is there: nothing here
+//! counts on discovery being done.
+
+use genom_components::peer::Peer;
+use genom_components::ros2;
+use genom_tests::{Daemon, Home, component, path, repository};
+use serde_json::{Value, json};
+
+/// The demo on ROS 2, in a namespace of its own, and a ROS node.
+struct World {
+    daemon: Daemon,
+    peer: Peer,
+    namespace: String,
+}
+
+impl World {
+    fn new() -> Self {
+        let home = Home::new();
+        let memory = home.memory();
+        let namespace = format!("/{}", memory.prefix().trim_end_matches('_'));
+        let types = ros2::types(&repository().join("tests/fixtures/ros2/demo")).unwrap();
+        let mut node = ros2::node(memory.domain(), Some(&types)).unwrap();
+        let demo = component("demo");
+        let daemon = home.start(&["--backend", "ros2", path(&demo.library)]);
+        Self { daemon, peer: Peer::start(&mut node), namespace }
+    }
+}
+
+#[test]
+fn a_ros_node_reads_calls_and_sets_the_demo() {
+    let World { daemon, mut peer, namespace } = World::new();
+    let name = |of: &str| format!("{namespace}/demo/{of}");
+    peer.ask(&json!(["read", name("position"), "demo/msg/State"]));
+    let rest = json!({"position": 0.0, "velocity": 0.0});
+    assert_eq!(peer.ask(&json!(["sample", name("position")])), rest);
+
+    // A service, and its exception.
+    peer.ask(&json!(["client", name("set_speed"), "demo/srv/SetSpeed"]));
+    let set = |velocity: f64| json!(["call", name("set_speed"), {"velocity": velocity}]);
+    let done = json!({"genom_exception": "", "genom_detail": ""});
+    assert_eq!(peer.ask(&set(2.0)), done);
+    daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 2.0\n");
+    let refused = peer.ask(&set(9.0));
+    assert_eq!(refused["genom_exception"], "::demo::OUT_OF_RANGE");
+    let detail: Value = serde_json::from_str(refused["genom_detail"].as_str().unwrap()).unwrap();
+    assert_eq!(detail["value"], 9.0);
+
+    // The same attribute as a parameter.
+    let node = format!("{namespace}/demo");
+    peer.ask(&json!(["parameters", node]));
+    assert_eq!(peer.ask(&json!(["list", node]))["names"], json!(["velocity"]));
+    assert_eq!(peer.ask(&json!(["get", node, ["velocity"]])), json!([2.0]));
+    let results = peer.ask(&json!(["set", node, [["velocity", 1.5], ["velocity", 9.0]]]));
+    assert_eq!(results[0]["successful"], true);
+    assert_eq!(results[1]["successful"], false);
+    let reason = results[1]["reason"].as_str().unwrap();
+    assert!(reason.starts_with("::demo::OUT_OF_RANGE {"), "{reason}");
+    daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 1.5\n");
+
+    // What ROS knows of the node.
+    let types = peer.ask(&json!(["service", name("set_speed"), "demo", namespace]));
+    assert_eq!(types, json!(["demo/srv/SetSpeed"]));
+    let topics = peer.ask(&json!(["topics"]));
+    assert_eq!(topics[name("position")], json!(["demo/msg/State"]));
+    assert_eq!(topics[name("goto/_action/feedback")], json!(["demo/action/Goto_FeedbackMessage"]));
+
+    // A topic of a ROS node feeds a port.
+    daemon.ctl(&["connect", "demo/parameter", "ros2:/hand/gain"]).expect_code(0);
+    peer.ask(&json!(["write", "/hand/gain", "std_msgs/msg/Float64"]));
+    peer.ask(&json!(["put", "/hand/gain", {"data": 0.25}]));
+    // It is read while the axis moves: slowly, so that it moves all the time.
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=0.01"]).expect_code(0);
+    daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
+    let echo = daemon.spawn(&["echo", "demo/parameter"]);
+    echo.line_where(|line| line == "0.25");
+}
+
+#[test]
+fn a_ros_node_sends_the_demo_goals_and_gives_them_up() {
+    let World { daemon, mut peer, namespace } = World::new();
+    let goto = format!("{namespace}/demo/goto");
+    let goal = |goal: f64| json!(["goal", goto, {"goal": goal}]);
+    let feed = json!(["feedback", goto]);
+    let result = json!(["result", goto]);
+    let ended = |status: &str, exception: &str, detail: &str| {
+        let result = json!({"genom_exception": exception, "genom_detail": detail});
+        json!({"status": status, "result": result})
+    };
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=2"]).expect_code(0);
+    peer.ask(&json!(["action", goto, "demo/action/Goto"]));
+    assert_eq!(peer.ask(&goal(0.01)), json!(true));
+    assert_eq!(peer.ask(&result), ended("SUCCEEDED", "", ""));
+    assert_eq!(daemon.port("demo", "position")["value"]["position"], 0.01);
+
+    // Standing still it never arrives.
+    daemon.ctl(&["pub", "demo/parameter", "0"]).expect_code(0);
+    assert_eq!(peer.ask(&goal(1.0)), json!(true));
+    // States of a moment may go by untold, this one lasts.
+    while peer.ask(&feed) != json!({"genom_state": "main"}) {}
+    peer.ask(&json!(["status", goto, "EXECUTING"]));
+    assert_eq!(peer.ask(&json!(["cancel", goto])), json!({"code": 0, "goals": 1}));
+    // It braked and stopped, as its description says.
+    assert_eq!(peer.ask(&result), ended("CANCELED", "", ""));
+    peer.ask(&json!(["status", goto, "CANCELED"]));
+    // It has ended: there is nothing to give up any more.
+    assert_eq!(peer.ask(&json!(["cancel", goto])), json!({"code": 3, "goals": 0}));
+
+    // What the component refuses ends with its exception.
+    assert_eq!(peer.ask(&goal(99.0)), json!(true));
+    let refused = peer.ask(&result);
+    assert_eq!(refused["status"], "ABORTED");
+    assert_eq!(refused["result"]["genom_exception"], "::demo::OUT_OF_RANGE");
+}

@@ -1,0 +1,8 @@
+//! genomctl as a program: what it prints, asks and refuses.
+
+mod check_library;
+mod descriptions;
+mod hostile_daemon;
+mod refusals;
+mod terminal;
+mod transcripts;

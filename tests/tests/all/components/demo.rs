@@ -1,0 +1,199 @@
+//! The demo as a supervisor drives it: `genomd --backend B demo.so` and `genomctl`.
+
+use genom_tests::Daemon;
+use serde_json::{Value, json};
+
+/// Activity numbers as genomctl prints them: `activity 3`.
+fn number(line: &str) -> String {
+    line.trim().strip_prefix("activity ").expect("an activity number").to_owned()
+}
+
+fn position(daemon: &Daemon) -> Value {
+    daemon.port("demo", "position")["value"]["position"].clone()
+}
+
+/// Waits until the axis is so fast that it takes some periods to stop.
+fn wait_until_fast(daemon: &Daemon) {
+    let echo = daemon.spawn(&["echo", "demo/position", "--rate", "200"]);
+    echo.line_where(|line| {
+        let sample: Value = serde_json::from_str(line).unwrap();
+        sample["velocity"].as_f64().unwrap().abs() > 0.2
+    });
+}
+
+#[track_caller]
+fn the_demo_moves_to_its_goal(backend: &str) {
+    let daemon = Daemon::demo(backend);
+    daemon.ctl(&["call", "demo", "set_speed", r#"{"velocity":2.0}"#]).expect_code(0);
+    daemon.ctl(&["call", "demo", "get_speed"]).expect_code(0).expect_out("velocity = 2.0\n");
+    daemon.ctl(&["start", "--wait", "demo", "goto", r#"{"goal":0.5}"#]).expect_code(0);
+    assert_eq!(position(&daemon), 0.5);
+    // The next one starts from there; inputs as words; `call` waits for activities too.
+    daemon.ctl(&["call", "demo", "goto", "goal=0.25"]).expect_code(0).expect_out("done\n");
+    assert_eq!(position(&daemon), 0.25);
+}
+
+#[test]
+fn the_demo_moves_to_its_goal_on_local() {
+    the_demo_moves_to_its_goal("local");
+}
+
+#[test]
+fn the_demo_moves_to_its_goal_on_shared_memory() {
+    the_demo_moves_to_its_goal("shm");
+}
+
+#[test]
+fn the_demo_moves_to_its_goal_on_zenoh() {
+    the_demo_moves_to_its_goal("zenoh");
+}
+
+#[test]
+fn the_demo_moves_to_its_goal_on_ros2() {
+    the_demo_moves_to_its_goal("ros2");
+}
+
+#[test]
+fn echo_follows_the_motion() {
+    let daemon = Daemon::demo("shm");
+    let echo = daemon.spawn(&["echo", "demo/position", "--rate", "200"]);
+    let first: Value = serde_json::from_str(&echo.line()).unwrap();
+    assert_eq!(first, json!({"position": 0.0, "velocity": 0.0}));
+    daemon.ctl(&["start", "demo", "goto", "goal=0.3"]).expect_code(0);
+    let mut last = 0.0;
+    let mut between = 0;
+    loop {
+        let sample: Value = serde_json::from_str(&echo.line()).unwrap();
+        let position = sample["position"].as_f64().unwrap();
+        assert!(position >= last, "{position} after {last}");
+        last = position;
+        if position == 0.3 && sample["velocity"] == 0.0 {
+            break;
+        }
+        between += 1;
+    }
+    assert!(between > 3, "{between} samples on the way");
+}
+
+#[test]
+fn echo_ends_after_the_count_asked() {
+    let daemon = Daemon::demo("local");
+    let finished = daemon.ctl(&["echo", "-n", "1", "demo/position"]);
+    finished.expect_code(0).expect_out("{\"position\":0.0,\"velocity\":0.0}\n");
+}
+
+#[test]
+fn a_second_goto_stops_the_first_and_each_caller_is_told() {
+    let daemon = Daemon::demo("shm");
+    let mut events = daemon.events();
+    let first = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=10"]);
+    let moving = events.wait_for(|e| e["event"] == "transition" && e["state"] == "main");
+    let one = moving["activity"].clone();
+    wait_until_fast(&daemon);
+    let second = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=0.1"]);
+
+    // genom3.md 7.6: the first runs its stop codel and ends before the second starts.
+    let told = events.until(|e| e["event"] == "activity_ended" && e["activity"] != one);
+    let at = |wanted: &dyn Fn(&Value) -> bool| told.iter().position(wanted).expect("told");
+    let stops = at(&|e| e["activity"] == one && e["state"] == "stop");
+    let ends = at(&|e| e["activity"] == one && e["event"] == "activity_ended");
+    let starts = at(&|e| e["activity"] != one && e["event"] == "transition");
+    assert!(stops < ends && ends < starts, "{told:#?}");
+
+    // genom3.md 7.5: a stop codel that yields ether ends the activity well.
+    first.finish().expect_code(0).expect_out("done\n");
+    second.finish().expect_code(0).expect_out("done\n");
+    assert_eq!(position(&daemon), 0.1);
+}
+
+#[test]
+fn abort_runs_the_stop_codel() {
+    let daemon = Daemon::demo("shm");
+    let mut events = daemon.events();
+    let started = daemon.ctl(&["start", "demo", "goto", "goal=10"]);
+    let activity = number(&started.out);
+    wait_until_fast(&daemon);
+    let list = daemon.json(&["activities", "demo"]);
+    assert_eq!(list["activities"][0]["status"], "running", "{list}");
+    let told = format!("activity {activity} told to stop\n");
+    daemon.ctl(&["abort", "demo", &activity]).expect_code(0).expect_out(&told);
+    events.wait_for(|e| e["event"] == "transition" && e["state"] == "stop");
+    daemon.ctl(&["wait", "demo", &activity]).expect_code(0).expect_out("done\n");
+    // The result stays readable, and a second abort is told that it is over.
+    daemon.ctl(&["wait", "demo", &activity]).expect_code(0);
+    daemon.ctl(&["abort", "demo", &activity]).expect_code(1).expect_err("already ended");
+    assert!(position(&daemon).as_f64().unwrap() < 10.0);
+}
+
+#[test]
+fn abort_by_service_stops_all_its_activities() {
+    let daemon = Daemon::demo("local");
+    let mut events = daemon.events();
+    let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=-10"]);
+    events.wait_for(|e| e["state"] == "main");
+    daemon.ctl(&["abort", "demo", "goto"]).expect_code(0);
+    waiting.finish().expect_code(0);
+}
+
+#[test]
+fn ctrl_c_on_a_waiting_start_aborts_the_activity() {
+    let daemon = Daemon::demo("local");
+    let mut events = daemon.events();
+    let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=10"]);
+    events.wait_for(|e| e["state"] == "main" && e["paused"] == true);
+    waiting.signal("INT");
+    events.wait_for(|e| e["event"] == "activity_ended");
+    waiting.finish().expect_code(0);
+}
+
+#[test]
+fn a_goal_out_of_range_is_an_exception_with_its_detail() {
+    let daemon = Daemon::demo("local");
+    let finished = daemon.ctl(&["start", "demo", "goto", "goal=50"]);
+    finished.expect_code(1).expect_out("");
+    finished.expect_err("demo/goto ended with ::demo::OUT_OF_RANGE");
+    finished.expect_err(r#"{"value":50.0,"lower":-10.0,"upper":10.0,"what":"goal, m"}"#);
+    let finished = daemon.ctl(&["--json", "call", "demo", "set_speed", "velocity=9"]);
+    finished.expect_code(1);
+    let reply: Value = serde_json::from_str(&finished.out).unwrap();
+    assert_eq!(reply["exception"], "::demo::OUT_OF_RANGE");
+    assert_eq!(reply["detail"]["upper"], 2.0);
+    // Nothing was changed.
+    daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 0.5\n");
+}
+
+#[test]
+fn an_emergency_stands_the_axis_still() {
+    let daemon = Daemon::demo("local");
+    let mut events = daemon.events();
+    let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=10"]);
+    events.wait_for(|e| e["state"] == "main" && e["paused"] == true);
+    daemon.ctl(&["fire", "demo", "emergency"]).expect_code(0);
+    waiting.finish().expect_code(1).expect_err("::demo::HALTED");
+}
+
+#[test]
+fn rust_codels_do_the_same() {
+    let demo = genom_tests::component("demo-rs");
+    let daemon = Daemon::start(&["--backend", "shm", demo.library.to_str().expect("UTF-8")]);
+    daemon.ctl(&["call", "demo", "set_speed", "velocity=2"]).expect_code(0);
+    daemon.ctl(&["call", "demo", "goto", "goal=0.2"]).expect_code(0).expect_out("done\n");
+    assert_eq!(position(&daemon), 0.2);
+    daemon.ctl(&["call", "demo", "goto", "goal=11"]).expect_code(1).expect_err("OUT_OF_RANGE");
+}
+
+#[test]
+fn info_reads_like_the_description() {
+    let daemon = Daemon::demo("local");
+    let shown = daemon.ctl(&["info", "demo", "goto"]);
+    shown.expect_code(0);
+    for wanted in ["activity goto(in double goal = 1.0)", "goal: Position to reach, m", "task main"]
+    {
+        assert!(shown.out.contains(wanted), "expected `{wanted}` in:\n{}", shown.out);
+    }
+    let listed = daemon.ctl(&["list"]);
+    assert!(listed.out.starts_with("NAME  COMPONENT  STATE"), "{}", listed.out);
+    let stats = daemon.json(&["stats", "demo"]);
+    assert_eq!(stats["tasks"][0]["name"], "main");
+    assert_eq!(stats["tasks"][0]["period_ns"], 5_000_000);
+}

@@ -1,0 +1,13 @@
+//! What components are, and what they may do to a daemon.
+
+mod bounds;
+mod crashes;
+mod cxx;
+mod demo;
+mod faults;
+mod hangs;
+mod others;
+mod papers;
+mod spins;
+mod table;
+mod trials;

@@ -1,0 +1,153 @@
+//! The Python client drives a daemon: its own tests (clients/python/tests) run here, each file
+//! against a daemon of its own.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use genom_components::python;
+use genom_tests::{Daemon, Finished, Running, component, fixture, path, program, repository};
+
+/// Runs one file of the client's tests, with components of others at hand for those that want them.
+#[track_caller]
+fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: &str) -> Finished {
+    the_client_passes_with(interpreter, options, file, &["--backend", backend])
+}
+
+#[track_caller]
+fn the_client_passes_with(
+    interpreter: &Path,
+    options: &[&str],
+    file: &str,
+    daemon: &[&str],
+) -> Finished {
+    let fixtures = tempfile::tempdir().expect("a directory can be made");
+    if ["tests.test_images", "tests.test_names"].contains(&file) {
+        let _ = fixture("others", "viewer", fixtures.path());
+    }
+    let demo = component("demo");
+    let daemon = Daemon::start(daemon);
+    let package = repository().join("clients/python");
+    let mut command = Command::new(interpreter);
+    command
+        .current_dir(&package)
+        .env_clear()
+        .env("PATH", std::env::var_os("PATH").unwrap_or_default())
+        .env("PYTHONPATH", package.join("src"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("GENOMD_SOCKET", daemon.home().socket())
+        .env("GENOM_DEMO", path(&demo.library))
+        .env("GENOM_FIXTURES", fixtures.path())
+        .env("GENOMCTL", program("genomctl"))
+        // A forgotten socket or thread is an error too.
+        .args(["-W", "error"])
+        .args(options)
+        .args(["-m", "unittest", "--verbose", file]);
+    let finished = Running::start(&mut command).finish();
+    finished.expect_code(0);
+    // Python counts: no file of tests may be empty, or skip some.
+    assert!(!finished.err.contains("Ran 0 tests"), "{}", finished.err);
+    assert!(!finished.err.contains("skipped"), "{}", finished.err);
+    finished
+}
+
+/// `-S`: without installed packages, so that the standard library alone is what is needed.
+#[track_caller]
+fn the_standard_library_is_enough(file: &str, backend: &str) {
+    the_client_passes(&python(), &["-S"], file, backend);
+}
+
+fn python() -> PathBuf {
+    std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()).into()
+}
+
+#[test]
+fn scripts_for_the_fields_python_client_find_their_names() {
+    the_standard_library_is_enough("tests.test_names", "local");
+}
+
+#[test]
+fn python_steps_time() {
+    the_client_passes_with(&python(), &["-S"], "tests.test_stepped", &["--clock", "virtual"]);
+}
+
+#[test]
+fn python_calls_services_and_follows_activities_and_events() {
+    the_standard_library_is_enough("tests.test_control", "local");
+}
+
+#[test]
+fn python_proves_tokens_as_genomctl_does() {
+    the_standard_library_is_enough("tests.test_proof", "local");
+}
+
+#[test]
+fn python_reads_and_feeds_ports_through_the_daemon() {
+    the_standard_library_is_enough("tests.test_ports", "local");
+}
+
+#[test]
+fn python_is_told_when_the_daemon_goes_away() {
+    the_standard_library_is_enough("tests.test_gone", "local");
+}
+
+#[test]
+fn python_is_told_when_the_daemon_stands_still() {
+    the_standard_library_is_enough("tests.test_stopped", "local");
+}
+
+/// Shows what the tests measured: as many lines.
+#[track_caller]
+#[allow(clippy::print_stdout, reason = "figures are for whoever runs the test")]
+fn figures(finished: &Finished, count: usize) {
+    let told = ["round trips", "1 kHz", "two images"];
+    let figure = |line: &&str| told.iter().any(|told| line.contains(told));
+    let found: Vec<_> = finished.err.lines().filter(figure).collect();
+    assert_eq!(found.len(), count, "{}", finished.err);
+    found.iter().for_each(|figure| println!("{figure}"));
+}
+
+#[test]
+fn python_shares_the_memory_of_ports() {
+    let python =
+        python::environment(&["iceoryx2==0.10.0"]).unwrap_or_else(|error| panic!("{error}"));
+    figures(&the_client_passes(&python, &[], "tests.test_shared_memory", "shm"), 3);
+}
+
+#[test]
+fn python_speaks_zenoh_with_ports() {
+    let python =
+        python::environment(&["eclipse-zenoh==1.10.2"]).unwrap_or_else(|error| panic!("{error}"));
+    figures(&the_client_passes(&python, &[], "tests.test_zenoh", "zenoh"), 2);
+}
+
+/// Both packages: what moves from one middleware to another.
+const STRAIGHT: [&str; 2] = ["iceoryx2==0.10.0", "eclipse-zenoh==1.10.2"];
+
+#[test]
+fn python_goes_where_ports_go() {
+    let python = python::environment(&STRAIGHT).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes(&python, &[], "tests.test_moves", "shm");
+}
+
+#[test]
+fn python_passes_images_the_same_on_every_way() {
+    let python = python::environment(&STRAIGHT).unwrap_or_else(|error| panic!("{error}"));
+    figures(&the_client_passes(&python, &[], "tests.test_images", "shm"), 1);
+}
+
+#[test]
+fn type_checkers_know_components_by_their_stubs() {
+    let python = python::environment(&["mypy==2.4.1"]).unwrap_or_else(|error| panic!("{error}"));
+    the_client_passes(&python, &[], "tests.test_stubs", "local");
+}
+
+#[test]
+fn the_python_client_is_typed() {
+    let python = python::environment(&["mypy==2.4.1"]).unwrap_or_else(|error| panic!("{error}"));
+    let scratch = tempfile::tempdir().expect("a directory can be made");
+    let mut command = Command::new(python);
+    command.current_dir(repository().join("clients/python"));
+    command.args(["-m", "mypy", "--cache-dir"]).arg(scratch.path());
+    let finished = Running::start(&mut command).finish();
+    assert_eq!(finished.code, Some(0), "{}", finished.out);
+}

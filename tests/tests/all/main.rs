@@ -1,0 +1,21 @@
+//! The black-box tests: real daemons and commands, run as users run them.
+//!
+//! One program, so that it is linked once; folders name what they cover. One folder, one file or
+//! one test: `cargo test --workspace --test all -- wiring::moves`.
+
+#![forbid(unsafe_code)]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    reason = "helpers of tests fail them, and the message names the step"
+)]
+
+mod backends;
+mod cli;
+mod components;
+mod control_plane;
+mod deployment;
+mod process;
+mod tree;
+mod wiring;

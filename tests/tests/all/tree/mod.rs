@@ -1,0 +1,7 @@
+//! What holds for the files of this repository.
+
+mod citations;
+mod printed;
+mod readme;
+mod reference;
+mod tidy;

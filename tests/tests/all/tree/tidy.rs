@@ -1,0 +1,281 @@
+//! What holds for the whole tree: arrows between crates, size and shape of files, words that
+//! must not leak, configurations that parse.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+use genom_tests::{files, repository};
+
+/// Crates that hold real code, with the crates of ours that each may know (design: arrows point
+/// down only). The daemon is the one place where all of them meet.
+const ARROWS: &[(&str, &[&str])] = &[
+    ("genom-types", &[]),
+    ("genom-description", &["genom-types"]),
+    ("genom-middleware", &["genom-types"]),
+    ("genom-local", MIDDLEWARE),
+    ("genom-shm", MIDDLEWARE),
+    ("genom-zenoh", MIDDLEWARE),
+    ("genom-ros2", &["genom-middleware", "genom-rosidl", "genom-types"]),
+    ("genom-rosidl", &["genom-types"]),
+    ("genom-bench", MIDDLEWARE),
+    ("genom-runtime", &["genom-description", "genom-middleware", "genom-types"]),
+    ("genom-host", HOST),
+    ("genom-ports", &["genom-middleware", "genom-runtime", "genom-types"]),
+    ("genom-registry", BACKENDS),
+    ("genom-configuration", &["genom-middleware", "genom-registry", "genom-runtime"]),
+    ("genom-supervisor", SUPERVISOR),
+    ("genom-proof", &[]),
+    ("genomctl", &["genom-description", "genom-proof", "genom-rosidl", "genom-types"]),
+    ("genom-derive", &[]),
+    ("genom", &["genom-derive"]),
+    ("genom-components", &[]),
+    ("genom-allocations", &[]),
+];
+/// `genom`: the table that libraries of Rust codels export, which the host reads.
+const HOST: &[&str] =
+    &["genom", "genom-description", "genom-middleware", "genom-runtime", "genom-types"];
+/// The one crate that knows which middlewares there are.
+const BACKENDS: &[&str] =
+    &["genom-local", "genom-middleware", "genom-ros2", "genom-shm", "genom-zenoh"];
+const SUPERVISOR: &[&str] = &[
+    "genom-configuration",
+    "genom-description",
+    "genom-host",
+    "genom-middleware",
+    "genom-ports",
+    "genom-registry",
+    "genom-runtime",
+    "genom-types",
+];
+const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
+/// Crates above all others: what they know is their own affair.
+const TOP: &[&str] = &["genomd", "genom-tests"];
+/// Crates outside which nothing is unsafe.
+const UNSAFE: &[&str] = &[
+    "genom-types",
+    "genom-host",
+    "genom-local",
+    "genom-middleware",
+    "genom-ros2",
+    "genom-shm",
+    "genom",
+    "genom-allocations",
+    // It traces daemons, in one module.
+    "genom-tests",
+];
+
+/// Modules of crates, each above all that it knows. A crate's first names may be those of crates
+/// below it.
+const FLOORS: &[(&str, &str)] = &[
+    ("registry", "nearest lib"),
+    (
+        "configuration",
+        "backends clock error levels place policy qos right component deployment offers rpc spot \
+         overrides file lib",
+    ),
+    ("ports", "dates gauge key tape fan feeds tap lib"),
+    (
+        "supervisor",
+        "ending flag known limits settings bus spans recording wires hosting daemon vigil wiring \
+         loading deploy lib",
+    ),
+    (
+        "genomd",
+        "config dates nearest registry bus deploy ending flag hosting limits loading recording \
+         spans vigil wires wiring cli memory shown slots startup telemetry settings daemon logs \
+         rpc signals run check main",
+    ),
+];
+
+fn relative(path: &Path) -> String {
+    path.strip_prefix(repository()).unwrap_or(path).display().to_string()
+}
+
+#[test]
+fn crates_know_only_those_below() {
+    let metadata = cargo_metadata::MetadataCommand::new()
+        .manifest_path(repository().join("Cargo.toml"))
+        .no_deps()
+        .exec()
+        .unwrap();
+    let allowed: BTreeMap<&str, &[&str]> = ARROWS.iter().copied().collect();
+    let ours: BTreeSet<&str> = metadata.packages.iter().map(|p| p.name.as_str()).collect();
+    let mut wrong = Vec::new();
+    for package in &metadata.packages {
+        let name = package.name.as_str();
+        if TOP.contains(&name) {
+            continue;
+        }
+        // Components are their authors': they know the SDK and nothing else.
+        let component = relative(package.manifest_path.as_std_path()).starts_with("components/");
+        let known = allowed.get(name).copied().or(component.then_some(&["genom"][..]));
+        let Some(known) = known else {
+            wrong.push(format!("{name} has no line in ARROWS"));
+            continue;
+        };
+        for dependency in &package.dependencies {
+            let below = dependency.name.as_str();
+            // Tests of a crate may use its neighbours; the product may not.
+            let product = dependency.kind != cargo_metadata::DependencyKind::Development;
+            if product && ours.contains(below) && !known.contains(&below) {
+                wrong.push(format!("{name} -> {below}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "arrows that point elsewhere: {wrong:#?}");
+}
+
+#[test]
+fn modules_of_the_daemon_know_only_those_below() {
+    let mut wrong = Vec::new();
+    FLOORS.iter().for_each(|(of, floors)| check_floors(of, floors, &mut wrong));
+    assert!(wrong.is_empty(), "arrows that point up: {wrong:#?}");
+}
+
+fn check_floors(of: &str, floors: &str, wrong: &mut Vec<String>) {
+    let floor = |module: &str| floors.split_whitespace().position(|known| known == module);
+    let root = repository().join("daemon").join(of).join("src");
+    for path in files("rs").into_iter().filter(|path| path.starts_with(&root)) {
+        let within = path.strip_prefix(&root).unwrap().with_extension("");
+        let module = within.iter().next().unwrap().to_str().unwrap();
+        let Some(own) = floor(module) else {
+            wrong.push(format!("{module} of {of} has no place in FLOORS"));
+            continue;
+        };
+        let text = fs::read_to_string(&path).unwrap();
+        for (at, line) in text.lines().enumerate() {
+            for rest in line.split("crate::").skip(1) {
+                let used = rest.split(|c: char| !c.is_ascii_alphanumeric() && c != '_').next();
+                if floor(used.unwrap()).is_none_or(|used| used > own) {
+                    wrong.push(format!("{}:{}: {}", relative(&path), at + 1, line.trim()));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn files_are_short_and_say_what_they_are() {
+    let mut lengths = Vec::new();
+    let mut wrong = Vec::new();
+    for path in files("rs") {
+        let text = fs::read_to_string(&path).unwrap();
+        let length = text.lines().count();
+        lengths.push(length);
+        if length > 700 {
+            wrong.push(format!("{}: {length} lines, 700 at most", relative(&path)));
+        }
+        if !text.starts_with("//!") {
+            wrong.push(format!("{}: does not begin with what it is (//!)", relative(&path)));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    lengths.sort_unstable();
+    let median = lengths[lengths.len() / 2];
+    assert!(median <= 180, "median of {} files is {median} lines", lengths.len());
+}
+
+#[test]
+fn unsafe_code_stays_where_it_belongs() {
+    let metadata = cargo_metadata::MetadataCommand::new()
+        .manifest_path(repository().join("Cargo.toml"))
+        .no_deps()
+        .exec()
+        .unwrap();
+    let mut wrong = Vec::new();
+    for package in &metadata.packages {
+        let component = relative(package.manifest_path.as_std_path()).starts_with("components/");
+        let exempt = UNSAFE.contains(&package.name.as_str())
+            // Rust codels are C functions: their export is an unsafe attribute.
+            || component && package.name.as_str() != "genom-components";
+        for target in &package.targets {
+            let root = fs::read_to_string(&target.src_path).unwrap();
+            // Tests and benchmarks may do what the product may not.
+            if target.is_test() || target.is_bench() {
+                continue;
+            }
+            if !exempt && !target.is_custom_build() && !root.contains("#![forbid(unsafe_code)]") {
+                wrong.push(relative(target.src_path.as_std_path()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "roots without #![forbid(unsafe_code)]: {wrong:#?}");
+}
+
+#[test]
+fn every_unsafe_block_says_why_it_is_sound() {
+    // Clippy checks blocks; this catches `unsafe impl` and files that switch the lint off.
+    let mut wrong = Vec::new();
+    for path in files("rs") {
+        let text = fs::read_to_string(&path).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        for (at, line) in lines.iter().enumerate() {
+            let said = lines[at.saturating_sub(6)..at].iter().any(|line| line.contains("SAFETY"));
+            if line.trim_start().starts_with("unsafe impl") && !said {
+                wrong.push(format!("{}:{}", relative(&path), at + 1));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn the_runtime_speaks_no_middleware() {
+    let words = ["topic", "topics", "qos", "iceoryx", "iceoryx2", "zenoh", "dds", "ros", "ros2"];
+    let mut wrong = Vec::new();
+    for path in files("rs") {
+        if !relative(&path).starts_with("daemon/runtime/") {
+            continue;
+        }
+        let text = fs::read_to_string(&path).unwrap().to_lowercase();
+        for (at, line) in text.lines().enumerate() {
+            let mut spoken = line.split(|c: char| !c.is_ascii_alphanumeric());
+            if spoken.any(|word| words.contains(&word)) {
+                wrong.push(format!("{}:{}: {}", relative(&path), at + 1, line.trim()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn every_crate_follows_the_workspace() {
+    let mut wrong = Vec::new();
+    for path in files("toml") {
+        if !path.ends_with("Cargo.toml") || path == repository().join("Cargo.toml") {
+            continue;
+        }
+        let manifest: toml::Table = fs::read_to_string(&path).unwrap().parse().unwrap();
+        let workspace = |value: Option<&toml::Value>| {
+            value.and_then(|value| value.get("workspace")).and_then(toml::Value::as_bool)
+                == Some(true)
+        };
+        if !workspace(manifest.get("lints")) {
+            wrong.push(format!("{}: lints.workspace = true is missing", relative(&path)));
+        }
+        for section in ["dependencies", "dev-dependencies", "build-dependencies"] {
+            for (name, wanted) in
+                manifest.get(section).and_then(|s| s.as_table()).into_iter().flatten()
+            {
+                if !workspace(Some(wanted)) {
+                    let place = relative(&path);
+                    wrong.push(format!("{place}: {name} has a version of its own"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn the_changelog_has_a_place_for_what_is_new_and_tells_the_version_that_is_out() {
+    let text = fs::read_to_string(repository().join("CHANGELOG.md")).unwrap();
+    let titles: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("## ")).collect();
+    let manifest: toml::Table =
+        fs::read_to_string(repository().join("Cargo.toml")).unwrap().parse().unwrap();
+    let version = manifest["workspace"]["package"]["version"].as_str().unwrap();
+    let [new, out, ..] = titles[..] else { panic!("no versions in CHANGELOG.md: {titles:?}") };
+    assert_eq!(new, "Unreleased");
+    assert!(out.starts_with(&format!("{version} (")), "{out}, but the workspace is {version}");
+}
