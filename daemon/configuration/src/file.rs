@@ -218,9 +218,7 @@ impl Config {
                 return Err(ConfigError::Mistake { path, line, message, nearest: None });
             }
         }
-        toml::from_str::<Sections>(text)
-            .map_err(|error| mistake(path, text, &error))
-            .map(drop)
+        toml::from_str::<Sections>(text).map_err(|error| mistake(path, text, &error)).map(drop)
     }
 }
 

@@ -23,9 +23,8 @@ pub(crate) fn set<Config: DeserializeOwned + Default>(
         put(&mut table, key.trim(), parse(value.trim())).map_err(|why| refuse(word, why))?;
         // After each, so that the mistaken one is named.
         let read = table.clone().try_into();
-        let read = read.and_then(|config: Config| {
-            table.clone().try_into::<Sections>().map(|_| config)
-        });
+        let read =
+            read.and_then(|config: Config| table.clone().try_into::<Sections>().map(|_| config));
         config = read.map_err(|error: toml::de::Error| {
             let message = error.message().trim().replace('\n', ", ");
             let near = nearest_key(&message);
@@ -64,7 +63,7 @@ mod tests {
     use super::*;
     use crate::rpc::Rpc;
 
-    #[derive(Default, Deserialize)]
+    #[derive(Debug, Default, Deserialize)]
     #[serde(default, deny_unknown_fields)]
     struct Config {
         backend: String,

@@ -100,8 +100,9 @@ pub(crate) struct Cli {
 fn clock() -> impl TypedValueParser<Value = ClockKind> {
     let words = [
         PossibleValue::new("monotonic").help("The machine's monotonic clock"),
-        PossibleValue::new("virtual")
-            .help("One that stands still until a supervisor steps it: same inputs, same codel calls"),
+        PossibleValue::new("virtual").help(
+            "One that stands still until a supervisor steps it: same inputs, same codel calls",
+        ),
     ];
     PossibleValuesParser::new(words).map(|word| match word.as_str() {
         "virtual" => ClockKind::Virtual,

@@ -12,8 +12,8 @@ mod fan;
 mod feeds;
 pub mod gauge;
 mod key;
-pub mod tape;
 mod tap;
+pub mod tape;
 
 pub use fan::{Ends, Fan};
 pub use feeds::{Feed, Feeds};

@@ -415,12 +415,7 @@ impl Backends {
     }
 
     /// Shows a type or service as a foreign one on a middleware, if that is one of this daemon's.
-    pub fn masquerade(
-        &self,
-        on: &str,
-        ours: &str,
-        foreign: &str,
-    ) -> Result<(), BackendError> {
+    pub fn masquerade(&self, on: &str, ours: &str, foreign: &str) -> Result<(), BackendError> {
         if !known().iter().any(|known| known.name == on) {
             // `#pragma masquerade ros ...` is for GenoM3's own templates.
             return Ok(());

@@ -10,11 +10,11 @@ use super::Step;
 use super::link::{self, Link};
 use super::undo::{Gone, Requested, Running, Undo, move_to, take_back};
 use crate::bus::{Change, StepStatus};
-use genom_configuration::{CallEntry, ConnectionEntry, Spot};
 use crate::daemon::Daemon;
 use crate::ending::Ending;
 use crate::hosting::request;
 use crate::loading;
+use genom_configuration::{CallEntry, ConnectionEntry, Spot};
 
 /// How often the other side of a connection is looked for: discovery tells nobody.
 const LOOK: Duration = Duration::from_millis(20);

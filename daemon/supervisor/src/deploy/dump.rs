@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use genom_description::model::ServiceKind;
 
 use super::link;
-use genom_configuration::{BackendNames, CallEntry, Deployment, LoadRequest};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
+use genom_configuration::{BackendNames, CallEntry, Deployment, LoadRequest};
 
 /// What runs and how it is wired; applied on a fresh daemon it gives the same.
 pub fn dump(daemon: &Daemon) -> Deployment {

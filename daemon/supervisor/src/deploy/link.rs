@@ -5,13 +5,13 @@ use std::sync::Arc;
 
 use genom_middleware::Address;
 
-use genom_configuration::place::Place;
-use genom_configuration::{ConnectionEntry, policy};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::wires::{Connection, RemoteConnection};
 use crate::wiring::connect::{self, ConnectError, ConnectRequest, Patience};
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
+use genom_configuration::place::Place;
+use genom_configuration::{ConnectionEntry, policy};
 
 /// A connection that is there.
 pub(super) enum Link {

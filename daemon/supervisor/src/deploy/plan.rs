@@ -4,9 +4,11 @@ use serde_json::Value;
 
 use super::Step;
 use super::link::{self, Link};
-use genom_configuration::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
+use genom_configuration::{
+    BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot,
+};
 use genom_registry::nearest::suggest;
 
 /// The deployment contradicts itself or what runs; nothing was changed.

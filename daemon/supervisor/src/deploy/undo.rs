@@ -8,11 +8,11 @@ use serde_json::Value;
 
 use super::dump;
 use super::link::{self, Link};
-use genom_configuration::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
 use crate::daemon::Daemon;
 use crate::hosting::{Hosted, request};
 use crate::loading;
 use crate::wiring::switch::switch;
+use genom_configuration::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
 
 /// How to take a step back.
 pub(super) enum Undo {

@@ -47,12 +47,7 @@ pub(super) type Completion = Arc<Mutex<Completed>>;
 
 impl Hosted {
     /// Reads the inputs of a service.
-    pub fn asked(
-        &self,
-        service: usize,
-        given: &Value,
-        rest: Rest,
-    ) -> Result<Asked, InputError> {
+    pub fn asked(&self, service: usize, given: &Value, rest: Rest) -> Result<Asked, InputError> {
         let model = &self.model().services[service];
         let filled = self.filled(service, given);
         if rest == Rest::Zero {

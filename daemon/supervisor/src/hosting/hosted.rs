@@ -23,12 +23,12 @@ use super::input::InputError;
 use super::spins::Spins;
 use super::watch::{BusWatcher, Follower};
 use crate::bus::Bus;
-use genom_configuration::{BackendNames, LoadRequest};
 use crate::ending::Ending;
 use crate::flag::Flag;
 use crate::recording::{Call, Recordings};
 use crate::spans;
 use crate::wires::Wires;
+use genom_configuration::{BackendNames, LoadRequest};
 
 /// What a request gets first.
 #[derive(Debug)]

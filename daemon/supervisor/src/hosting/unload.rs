@@ -19,7 +19,7 @@ const HELPERS: usize = 8;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Hears of each component as it is gone, or cannot go.
-pub type Told<'a> = &'a (dyn Fn(&str, &Result<(), UnloadError>) + Sync);
+pub(crate) type Told<'a> = &'a (dyn Fn(&str, &Result<(), UnloadError>) + Sync);
 
 /// Where one of them is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

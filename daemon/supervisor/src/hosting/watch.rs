@@ -9,10 +9,10 @@ use genom_runtime::{Change as Inner, Watcher};
 use crate::bus::{Bus, Change};
 
 /// Hears the states an activity enters.
-pub type Follower = Box<dyn FnMut(&str) + Send>;
+pub(crate) type Follower = Box<dyn FnMut(&str) + Send>;
 
 /// Watches one instance.
-pub struct BusWatcher {
+pub(crate) struct BusWatcher {
     bus: Arc<Bus>,
     component: String,
     plan: Arc<Plan>,
@@ -37,7 +37,7 @@ struct Known {
 
 impl BusWatcher {
     /// Tells what happens inside a component of this plan.
-    pub fn new(bus: &Arc<Bus>, component: &str, plan: &Arc<Plan>) -> Self {
+    pub(crate) fn new(bus: &Arc<Bus>, component: &str, plan: &Arc<Plan>) -> Self {
         Self {
             bus: Arc::clone(bus),
             component: component.to_owned(),
@@ -49,7 +49,7 @@ impl BusWatcher {
 
     /// Tells somebody the states of an activity from now on. It moves only after all who asked
     /// for it know that it was accepted: asked for until then, no state is missed.
-    pub fn follow(&self, activity: u32, follower: Follower) {
+    pub(crate) fn follow(&self, activity: u32, follower: Follower) {
         let following = Arc::new(Mutex::new(Following { last: None, follower }));
         self.followers().insert(activity, following);
     }

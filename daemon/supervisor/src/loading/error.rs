@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use super::locate::LocateError;
 use crate::known::ReadError;
-use genom_registry::BackendError;
 use crate::wiring::publish::BindError;
+use genom_registry::BackendError;
 
 /// A component could not be loaded; nothing of it stays.
 #[derive(Debug, thiserror::Error)]

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use genom_host::{Contents, EmbeddedDescription};
 
-use genom_configuration::LoadRequest;
 use crate::known::Description;
+use genom_configuration::LoadRequest;
 
 /// Where both halves are.
 #[derive(Debug)]
-pub struct Located {
+pub(crate) struct Located {
     /// The library.
     pub library: PathBuf,
     /// The description.
@@ -52,7 +52,7 @@ fn list(paths: &[PathBuf]) -> String {
 }
 
 /// Finds library and description of a request; `path` is the component path.
-pub fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located, LocateError> {
+pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located, LocateError> {
     let wanted = &request.library;
     let named_gen = wanted.extension().is_some_and(|extension| extension == "gen");
     let library = if named_gen {

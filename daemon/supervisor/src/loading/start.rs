@@ -11,7 +11,6 @@ use genom_runtime::plan::Plan;
 
 use super::built;
 use super::error::LoadError;
-use genom_configuration::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
 use crate::flag::Flag;
 use crate::hosting::{Hosted, Starting};
@@ -19,6 +18,7 @@ use crate::wires::Wires;
 use crate::wires::bindings::Bindings;
 use crate::wiring::requests::SupervisorWiring;
 use crate::wiring::{publish, serve};
+use genom_configuration::{BackendNames, LoadRequest};
 
 /// Binds the ports, then starts the tasks and waits for their start codels.
 pub(super) fn start(

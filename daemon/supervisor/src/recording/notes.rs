@@ -10,7 +10,7 @@ const MOST: usize = 8192;
 
 /// A channel of notes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
+pub(crate) enum Subject {
     Calls,
     Activities,
     Exceptions,

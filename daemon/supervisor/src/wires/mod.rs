@@ -133,12 +133,7 @@ impl Wires {
     }
 
     /// It was not, after all: it has what it had.
-    pub fn put_back(
-        &self,
-        port: usize,
-        element: Option<&str>,
-        had: Option<(Connection, Tap)>,
-    ) {
+    pub fn put_back(&self, port: usize, element: Option<&str>, had: Option<(Connection, Tap)>) {
         let key = key(port, element);
         self.with(|state| match had {
             Some(had) => drop(state.connections.insert(key, had)),
@@ -167,11 +162,7 @@ impl Wires {
     }
 
     /// An in port was disconnected; what it was connected to.
-    pub fn disconnected(
-        &self,
-        port: usize,
-        element: Option<&str>,
-    ) -> Option<(Connection, Tap)> {
+    pub fn disconnected(&self, port: usize, element: Option<&str>) -> Option<(Connection, Tap)> {
         let key = key(port, element);
         self.with(|state| state.connections.remove(&key))
     }

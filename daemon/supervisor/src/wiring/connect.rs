@@ -10,13 +10,13 @@ use genom_ports::{Tap, key};
 use genom_runtime::HeldUp;
 
 use crate::bus::Change;
-use genom_configuration::place::{Place, PlaceError};
-use genom_configuration::policy;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
-use genom_registry::nearest::suggest;
-use genom_registry::BackendError;
 use crate::wires::Connection;
+use genom_configuration::place::{Place, PlaceError};
+use genom_configuration::policy;
+use genom_registry::BackendError;
+use genom_registry::nearest::suggest;
 
 /// On a network others become visible a while after they, or we, came up.
 const NETWORK: Duration = Duration::from_secs(2);
@@ -129,10 +129,7 @@ impl ConnectError {
 }
 
 /// Makes a connection, in place of the one the in port had. Blocks while codels are excluded.
-pub fn connect(
-    daemon: &Arc<Daemon>,
-    request: &ConnectRequest,
-) -> Result<Connection, ConnectError> {
+pub fn connect(daemon: &Arc<Daemon>, request: &ConnectRequest) -> Result<Connection, ConnectError> {
     let (hosted, port, element) = reader(daemon, &request.inport)?;
     let made = connect_port(daemon, request, &hosted, port, element.as_deref());
     if let Err(error @ ConnectError::Type { .. }) = &made {

@@ -16,8 +16,8 @@ use super::connect;
 use super::connect::{AttachError, Source};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
-use genom_registry::BackendError;
 use crate::wires::Connection;
+use genom_registry::BackendError;
 
 /// A value could not be published; the port keeps the one it had.
 #[derive(Debug, thiserror::Error)]

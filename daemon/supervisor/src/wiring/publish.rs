@@ -10,11 +10,11 @@ use genom_runtime::body::{Body, Opener};
 use genom_runtime::plan::Plan;
 use genom_types::DataType;
 
-use genom_configuration::BackendNames;
 use crate::daemon::Daemon;
 use crate::limits;
-use genom_registry::BackendError;
 use crate::wires::Wires;
+use genom_configuration::BackendNames;
+use genom_registry::BackendError;
 
 /// A port could not be opened on one of its middlewares.
 #[derive(Debug, thiserror::Error)]

@@ -14,12 +14,12 @@ use super::calls::{DirectCall, FarCall};
 use super::connect::{LOOK_AGAIN, Patience};
 use super::serve::kind_of;
 use crate::bus::Change;
-use genom_configuration::place::{Place, PlaceError};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
-use genom_registry::nearest::suggest;
-use genom_registry::BackendError;
 use crate::wires::RemoteConnection;
+use genom_configuration::place::{Place, PlaceError};
+use genom_registry::BackendError;
+use genom_registry::nearest::suggest;
 
 /// A remote to connect.
 #[derive(Clone, Debug)]

@@ -15,10 +15,10 @@ use super::publish::{self, BindError};
 use super::remote::{self, RemoteRequest};
 use super::{connect, serve};
 use crate::bus::Change;
-use genom_configuration::BackendNames;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::wires::{Connection, RemoteConnection};
+use genom_configuration::BackendNames;
 
 /// What is to be exchanged for an out port.
 struct NewEnds {
