@@ -1,9 +1,12 @@
-//! What is typed on genomd's command line; `config::Settings` is what it means.
+//! What is typed on genomd's command line; `settings::Settings` is what it means.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, ValueHint};
+
+use crate::config::{ClockKind, Config};
 
 /// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
 /// here.
@@ -68,7 +71,7 @@ pub(crate) struct Cli {
     pub(crate) token_file: Option<PathBuf>,
     /// Time of the components: that of the machine, or one that `genomctl step` advances
     /// [default: monotonic].
-    #[arg(long, value_name = "CLOCK")]
+    #[arg(long, value_name = "CLOCK", value_parser = clock())]
     pub(crate) clock: Option<ClockKind>,
     /// What to log on standard error: error, warn, info, debug, trace, or a filter such as
     /// info,genomd=debug [default: info].
@@ -93,23 +96,31 @@ pub(crate) struct Cli {
     pub(crate) version: bool,
 }
 
-/// Which time components live in.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Deserialize,
-    serde::Serialize,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum ClockKind {
-    /// The machine's monotonic clock.
-    #[default]
-    Monotonic,
-    /// One that stands still until a supervisor steps it: same inputs, same codel calls.
-    Virtual,
+/// `--clock`: its words are those of the configuration.
+fn clock() -> impl TypedValueParser<Value = ClockKind> {
+    let words = [
+        PossibleValue::new("monotonic").help("The machine's monotonic clock"),
+        PossibleValue::new("virtual").help(
+            "One that stands still until a supervisor steps it: same inputs, same codel calls",
+        ),
+    ];
+    PossibleValuesParser::new(words).map(|word| match word.as_str() {
+        "virtual" => ClockKind::Virtual,
+        _ => ClockKind::Monotonic,
+    })
+}
+
+impl Cli {
+    /// A configuration with what the command line says instead.
+    pub(crate) fn over(&self, mut config: Config) -> Config {
+        config.backend = self.backend.clone().unwrap_or(config.backend);
+        config.log = self.log.clone().unwrap_or(config.log);
+        config.clock = self.clock.unwrap_or(config.clock);
+        config.path = [self.path.clone(), self.genom_path.clone(), config.path].concat();
+        config.include = [self.include.clone(), config.include].concat();
+        config.rpc.socket = self.socket.clone().or(config.rpc.socket);
+        config.rpc.listen = self.listen.or(config.rpc.listen);
+        config.rpc.token_file = self.token_file.clone().or(config.rpc.token_file);
+        config
+    }
 }
