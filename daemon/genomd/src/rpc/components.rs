@@ -7,7 +7,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use genom_description::tools;
+use genom_description_tools as tools;
 use genom_runtime::{RunningCodel, seconds};
 use serde::Serialize;
 use serde_json::Value;

@@ -58,7 +58,7 @@ pub enum OpenError {
     Truncated {
         /// The file asked for.
         path: PathBuf,
-        /// Its size.
+        /// Bytes that the file has.
         bytes: u64,
         /// The size its headers announce.
         wanted: u64,
@@ -79,7 +79,7 @@ pub enum OpenError {
     UndefinedSymbol {
         /// The file asked for.
         path: PathBuf,
-        /// The symbol.
+        /// Symbol that nothing defines.
         symbol: String,
     },
     /// A library it needs is not found.
@@ -109,9 +109,18 @@ pub enum OpenError {
     },
 }
 
+/// The dynamic linker did not open a file.
+#[derive(Debug, thiserror::Error)]
+#[error("{said}")]
+pub(super) struct LinkError {
+    /// Its message, without the name of the file.
+    pub(super) said: String,
+}
+
 impl OpenError {
-    /// Reads the dynamic linker's message `said` about the copy of `path`.
-    pub(super) fn from_linker(path: PathBuf, said: &str) -> Self {
+    /// Reads what the dynamic linker says of the copy of `path`.
+    pub(super) fn from_linker(path: PathBuf, error: &LinkError) -> Self {
+        let said = error.said.as_str();
         if let Some((_, symbol)) = said.split_once("undefined symbol: ") {
             let symbol = symbol.split([',', ' ']).next().unwrap_or(symbol).to_owned();
             return Self::UndefinedSymbol { path, symbol };

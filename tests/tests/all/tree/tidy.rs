@@ -11,7 +11,9 @@ use genom_tests::{files, repository};
 /// down only). The daemon is the one place where all of them meet.
 const ARROWS: &[(&str, &[&str])] = &[
     ("genom-types", &[]),
-    ("genom-description", &["genom-types"]),
+    ("genom-text", &[]),
+    ("genom-description", &["genom-text", "genom-types"]),
+    ("genom-description-tools", &["genom-description", "genom-text", "genom-types"]),
     ("genom-middleware", &["genom-types"]),
     ("genom-kit", MIDDLEWARE),
     ("genom-conformance", MIDDLEWARE),
@@ -28,15 +30,30 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-configuration", &["genom-middleware", "genom-registry", "genom-runtime"]),
     ("genom-supervisor", SUPERVISOR),
     ("genom-proof", &[]),
-    ("genomctl", &["genom-description", "genom-proof", "genom-rosidl", "genom-types"]),
+    (
+        "genomctl",
+        &[
+            "genom-description",
+            "genom-description-tools",
+            "genom-proof",
+            "genom-rosidl",
+            "genom-types",
+        ],
+    ),
     ("genom-derive", &[]),
     ("genom", &["genom-derive"]),
     ("genom-components", &[]),
     ("genom-allocations", &[]),
 ];
 /// `genom`: the table that libraries of Rust codels export, which the host reads.
-const HOST: &[&str] =
-    &["genom", "genom-description", "genom-middleware", "genom-runtime", "genom-types"];
+const HOST: &[&str] = &[
+    "genom",
+    "genom-description",
+    "genom-description-tools",
+    "genom-middleware",
+    "genom-runtime",
+    "genom-types",
+];
 /// The one crate that knows which middlewares there are.
 const BACKENDS: &[&str] =
     &["genom-local", "genom-middleware", "genom-ros2", "genom-shm", "genom-zenoh"];
