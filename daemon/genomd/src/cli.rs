@@ -4,6 +4,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Parser, ValueHint};
+use genom_protocol::ClockKind;
 
 /// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
 /// here.
@@ -91,25 +92,4 @@ pub(crate) struct Cli {
     /// Print the version, the middlewares this daemon knows and their versions.
     #[arg(long, short = 'V')]
     pub(crate) version: bool,
-}
-
-/// Which time components live in.
-#[derive(
-    Clone,
-    Copy,
-    Debug,
-    Default,
-    PartialEq,
-    Eq,
-    serde::Deserialize,
-    serde::Serialize,
-    clap::ValueEnum,
-)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum ClockKind {
-    /// The machine's monotonic clock.
-    #[default]
-    Monotonic,
-    /// One that stands still until a supervisor steps it: same inputs, same codel calls.
-    Virtual,
 }

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use genom_runtime::{Clock, VirtualClock};
 
 use crate::bus::{Bus, Change};
-use crate::cli::ClockKind;
+use crate::config::ClockKind;
 use crate::config::Settings;
 use crate::dates::Dates;
 use crate::flag::Flag;

@@ -19,7 +19,6 @@ mod limits;
 mod loading;
 mod logs;
 mod memory;
-mod nearest;
 mod recording;
 mod registry;
 mod rpc;

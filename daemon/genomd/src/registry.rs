@@ -6,9 +6,8 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 use genom_middleware::Middleware;
+use genom_protocol::nearest::{nearest, nearest_key};
 use serde::Deserialize;
-
-use crate::nearest::{nearest, nearest_key};
 
 /// A middleware this daemon was built with.
 #[derive(Clone, Copy, Debug)]

@@ -3,16 +3,18 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use genom_protocol::nearest::nearest_key;
 use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
 use serde::{Deserialize, Serialize};
 
 use super::error::{ConfigError, WhichDaemon};
 use super::offers::Offers;
 use super::rpc::Rpc;
-use super::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, overrides, spot};
-use crate::cli::{Cli, ClockKind};
+use super::{
+    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, overrides, spot,
+};
+use crate::cli::Cli;
 use crate::logs;
-use crate::nearest::nearest_key;
 use crate::registry;
 
 /// A configuration file; `configs/default.toml` shows every key with its default.
@@ -228,9 +230,14 @@ impl Config {
             let named = component.backend.iter().chain(component.ports.values());
             named.flat_map(BackendNames::names)
         });
-        let of_connections = self.connection.iter().filter_map(|one| one.backend.as_ref());
+        let of_connections = self.connection.iter().filter_map(|one| one.backend.clone());
+        let before_names = self.connection.iter().filter_map(|one| {
+            one.outport.parse::<genom_protocol::Place>().ok().and_then(|place| place.backend)
+        });
         let all = std::iter::once(&self.backend).chain(self.backends.keys());
-        for name in all.chain(of_components).chain(of_connections) {
+        let all = all.chain(of_components).cloned().chain(of_connections).chain(before_names);
+        for name in all {
+            let name = name.as_str();
             if let Err(error) = registry::check(name) {
                 let line =
                     text.lines().position(|line| holds_word(line, name)).map_or(1, |at| at + 1);

@@ -1,36 +1,29 @@
 //! What the daemon shall do: the configuration file, and the command line over it.
 
-mod backends;
-mod component;
-mod deployment;
 mod error;
 mod file;
 mod offers;
 mod overrides;
 pub(crate) mod place;
-pub(crate) mod policy;
-mod qos;
-mod right;
 mod rpc;
 mod spot;
+pub(crate) mod terms;
 
 use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
-pub(crate) use backends::BackendNames;
-pub(crate) use component::LoadRequest;
-pub(crate) use deployment::{CallEntry, ConnectionEntry, Deployment};
 pub(crate) use error::{ConfigError, WhichDaemon};
 pub(crate) use file::Config;
+pub(crate) use genom_protocol::{
+    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, QosEntry, Right,
+};
 pub(crate) use offers::Offers;
-pub(crate) use qos::QosEntry;
-pub(crate) use right::Right;
 pub(crate) use rpc::{RpcSettings, Tls};
 pub(crate) use spot::Spot;
 
-use crate::cli::{Cli, ClockKind};
+use crate::cli::Cli;
 use crate::logs;
 use crate::telemetry::Collector;
 

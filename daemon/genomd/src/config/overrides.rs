@@ -1,10 +1,10 @@
 //! What the command line sets of the configuration: `--set rpc.max_body=1024`.
 
+use genom_protocol::nearest::nearest_key;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
 use super::error::ConfigError;
-use crate::nearest::nearest_key;
 
 /// Puts `key=value` words over a configuration's text.
 pub(super) fn set<Config: DeserializeOwned + Default>(

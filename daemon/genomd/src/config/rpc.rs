@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use super::Right;
 use super::UsageError;
-use super::right::Right;
 
 /// Section `[rpc]`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -113,7 +113,7 @@ impl RpcSettings {
             return Err(UsageError::NoConnections);
         }
         Ok(Self {
-            socket: config.socket.unwrap_or_else(default_socket),
+            socket: config.socket.unwrap_or_else(genom_protocol::socket::default_path),
             listen: config.listen,
             token_file: config.token_file,
             tls: config.tls,
@@ -124,17 +124,6 @@ impl RpcSettings {
             max_streams_per_token: config.max_streams_per_token,
             keep_results: Duration::from_secs(config.keep_results),
         })
-    }
-}
-
-/// Where a daemon of this user listens when nothing else is said; `genomctl` has the same rule.
-fn default_socket() -> PathBuf {
-    match std::env::var_os("XDG_RUNTIME_DIR").filter(|dir| !dir.is_empty()) {
-        Some(dir) => PathBuf::from(dir).join("genomd.sock"),
-        None => {
-            let user = rustix::process::getuid().as_raw();
-            PathBuf::from(format!("/tmp/genomd-{user}/genomd.sock"))
-        }
     }
 }
 

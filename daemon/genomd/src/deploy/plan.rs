@@ -1,5 +1,6 @@
 //! From a deployment and what runs to the steps between the two.
 
+use genom_protocol::nearest::suggest;
 use serde_json::Value;
 
 use super::Step;
@@ -7,7 +8,6 @@ use super::link::{self, Link};
 use crate::config::{BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
-use crate::nearest::suggest;
 
 /// The deployment contradicts itself or what runs; nothing was changed.
 #[derive(Debug, thiserror::Error)]

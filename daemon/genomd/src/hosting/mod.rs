@@ -22,7 +22,7 @@ use indexmap::IndexMap;
 
 use self::remnants::Remnants;
 
-pub(crate) use activities::{Activity, Look};
+pub(crate) use activities::Activity;
 pub(crate) use asked::{Asked, Rest};
 pub(crate) use hosted::{Answer, Heard, Hosted, ServedOn, ServedServices, Starting};
 pub(crate) use input::InputError;

@@ -1,8 +1,9 @@
 //! A request of a deployment to a service, and its first answer.
 
+use genom_protocol::nearest::suggest;
+
 use super::{Answer, Components, Hosted, InputError, Rest};
 use crate::config::CallEntry;
-use crate::nearest::suggest;
 
 /// A request was refused.
 #[derive(Debug)]

@@ -10,6 +10,7 @@ use std::sync::Arc;
 
 use genom_description::model::{Component as Model, PortDirection, ServiceKind};
 use genom_host::{Component, Contents, OpenError};
+use genom_protocol::nearest::suggest;
 
 use self::locate::Located;
 use crate::config::{BackendNames, CallEntry, LoadRequest, Settings};
@@ -17,7 +18,6 @@ use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::hosting::request::{self, RequestError};
 use crate::known::Reading;
-use crate::nearest::suggest;
 use crate::wiring::requests::unload_killed;
 pub(crate) use error::LoadError;
 

@@ -11,7 +11,7 @@ use genom_runtime::plan::Plan;
 
 use super::built;
 use super::error::LoadError;
-use crate::config::{BackendNames, LoadRequest};
+use crate::config::{BackendNames, LoadRequest, terms};
 use crate::daemon::Daemon;
 use crate::flag::Flag;
 use crate::hosting::{Hosted, Starting};
@@ -47,7 +47,7 @@ pub(super) fn start(
     options.stuck_after = daemon.settings.stuck_after;
     for (task, entry) in &request.tasks {
         let refused = |why| LoadError::Override { name: name.clone(), why };
-        options.tasks.insert(task.clone(), entry.options().map_err(refused)?);
+        options.tasks.insert(task.clone(), terms::task_options(entry).map_err(refused)?);
     }
     let starting = Starting {
         name: name.clone(),

@@ -6,14 +6,15 @@ use std::time::{Duration, Instant};
 
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy};
+use genom_protocol::address::NoAddress;
+use genom_protocol::nearest::suggest;
 use genom_runtime::HeldUp;
 
 use crate::bus::Change;
 use crate::config::place::{Place, PlaceError};
-use crate::config::policy;
+use crate::config::terms;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
-use crate::nearest::suggest;
 use crate::registry::BackendError;
 use crate::wires::{Connection, Tap, key};
 
@@ -234,7 +235,7 @@ pub(super) fn attach(
         inport: connection.inport.to_string(),
         outport: connection.outport.to_string(),
         backend: connection.backend.clone(),
-        policy: policy::text(connection.policy),
+        policy: terms::told_policy(connection.policy).to_string(),
     });
     Ok(connection)
 }
@@ -305,17 +306,16 @@ pub(crate) fn reader(
     daemon: &Daemon,
     text: &str,
 ) -> Result<(Arc<Hosted>, usize, Option<String>), ConnectError> {
-    let Some(address) = Address::parse(text) else {
-        let message = format!("`{text}` is no COMPONENT/PORT");
-        return Err(ConnectError::inport(message, "write for instance demo/parameter"));
-    };
-    let Some(hosted) = daemon.components.get(&address.instance) else {
+    let address: genom_protocol::Address = text.parse().map_err(|error: NoAddress| {
+        ConnectError::inport(error.to_string(), "write for instance demo/parameter")
+    })?;
+    let Some(hosted) = daemon.components.get(&address.component) else {
         let components = daemon.components.all();
         let names = components.iter().map(|hosted| hosted.name.as_str());
-        let message = format!("no component `{}` in this daemon", address.instance);
-        return Err(ConnectError::inport(message, suggest(&address.instance, names)));
+        let message = format!("no component `{}` in this daemon", address.component);
+        return Err(ConnectError::inport(message, suggest(&address.component, names)));
     };
-    let (name, element) = split(&address);
+    let (name, element) = (address.port.as_str(), address.element.as_deref());
     let ports = &hosted.model().ports;
     let found = ports.iter().position(|port| port.name == name);
     let Some(index) = found.filter(|&index| ports[index].direction == PortDirection::In) else {
@@ -336,14 +336,6 @@ pub(crate) fn reader(
         }
     };
     Err(ConnectError::inport(format!("`{text}` names no in port"), help))
-}
-
-/// Port and element of an address.
-pub(crate) fn split(address: &Address) -> (&str, Option<&str>) {
-    match address.name.split_once('/') {
-        Some((port, element)) => (port, Some(element)),
-        None => (&address.name, None),
-    }
 }
 
 /// The writer is in this daemon: everything about it is known.
@@ -443,4 +435,12 @@ fn publishers(
     })?;
     let publishers = endpoints.into_iter().filter(|found| found.kind == EndpointKind::Publisher);
     Ok(publishers.map(|found| found.address).collect())
+}
+
+/// Port and element of an address.
+fn split(address: &Address) -> (&str, Option<&str>) {
+    match address.name.split_once('/') {
+        Some((port, element)) => (port, Some(element)),
+        None => (&address.name, None),
+    }
 }

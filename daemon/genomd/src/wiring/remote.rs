@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use genom_middleware::describe::types_of_service;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, ServiceType};
+use genom_protocol::nearest::suggest;
 use genom_runtime::HeldUp;
 use genom_runtime::body::RemoteCall;
 use genom_types::DataType;
@@ -17,7 +18,6 @@ use crate::bus::Change;
 use crate::config::place::{Place, PlaceError};
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
-use crate::nearest::suggest;
 use crate::registry::BackendError;
 use crate::wires::RemoteConnection;
 
@@ -287,16 +287,15 @@ pub(crate) fn named(daemon: &Daemon, address: &str) -> Option<(Arc<Hosted>, usiz
 fn find_remote(daemon: &Daemon, typed: &str) -> Result<(Arc<Hosted>, usize), RemoteError> {
     let refuse = |help| RemoteError::NoSuchRemote { typed: typed.to_owned(), help };
     let write = || refuse("write COMPONENT/REMOTE".to_owned());
-    let address = Address::parse(typed).ok_or_else(write)?;
-    let caller = daemon.components.get(&address.instance).ok_or_else(|| {
+    let address: genom_protocol::Address = typed.parse().map_err(|_| write())?;
+    let name = address.name();
+    let caller = daemon.components.get(&address.component).ok_or_else(|| {
         let all = daemon.components.all();
-        refuse(suggest(&address.instance, all.iter().map(|hosted| hosted.name.as_str())))
+        refuse(suggest(&address.component, all.iter().map(|hosted| hosted.name.as_str())))
     })?;
     let remotes = &caller.model().remotes;
-    match remotes.iter().position(|remote| remote.name == address.name) {
+    match remotes.iter().position(|remote| remote.name == name) {
         Some(index) => Ok((caller, index)),
-        None => {
-            Err(refuse(suggest(&address.name, remotes.iter().map(|remote| remote.name.as_str()))))
-        }
+        None => Err(refuse(suggest(&name, remotes.iter().map(|remote| remote.name.as_str())))),
     }
 }

@@ -22,7 +22,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-runtime", &["genom-description", "genom-middleware", "genom-types"]),
     ("genom-host", HOST),
     ("genom-proof", &[]),
-    ("genomctl", &["genom-description", "genom-proof", "genom-rosidl", "genom-types"]),
+    ("genom-protocol", &["genom-types"]),
+    ("genomctl", GENOMCTL),
     ("genom-derive", &[]),
     ("genom", &["genom-derive"]),
     ("genom-components", &[]),
@@ -31,6 +32,8 @@ const ARROWS: &[(&str, &[&str])] = &[
 /// `genom`: the table that libraries of Rust codels export, which the host reads.
 const HOST: &[&str] =
     &["genom", "genom-description", "genom-middleware", "genom-runtime", "genom-types"];
+const GENOMCTL: &[&str] =
+    &["genom-description", "genom-proof", "genom-protocol", "genom-rosidl", "genom-types"];
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
 /// Crates above all others: what they know is their own affair.
 const TOP: &[&str] = &["genomd", "genom-tests"];
@@ -49,7 +52,7 @@ const UNSAFE: &[&str] = &[
 ];
 
 /// Modules of the daemon, each above all that it knows.
-const FLOORS: &str = "dates flag known limits nearest memory shown slots startup ending cli bus registry telemetry logs \
+const FLOORS: &str = "dates flag known limits memory shown slots startup ending cli bus registry telemetry logs \
     config recording wires hosting daemon vigil wiring loading deploy rpc signals run check main";
 
 fn relative(path: &Path) -> String {

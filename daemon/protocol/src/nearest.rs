@@ -1,10 +1,8 @@
 //! The nearest of some names, for suggestions.
 
 /// The candidate nearest to what was typed, if one is near enough to be meant.
-pub(crate) fn nearest<'a>(
-    typed: &str,
-    candidates: impl IntoIterator<Item = &'a str>,
-) -> Option<&'a str> {
+#[must_use]
+pub fn nearest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()
         .map(|candidate| (strsim::osa_distance(typed, candidate), candidate))
@@ -14,14 +12,16 @@ pub(crate) fn nearest<'a>(
 }
 
 /// Serde says ``unknown field `x`, expected one of `a`, `b` ``: the nearest of what it expects.
-pub(crate) fn nearest_key(message: &str) -> Option<String> {
+#[must_use]
+pub fn nearest_key(message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = message.starts_with("unknown field").then(|| quoted.next()).flatten()?;
     nearest(unknown, quoted).map(str::to_owned)
 }
 
 /// ``did you mean `x`? ``, or the whole list when nothing is near and the list is short.
-pub(crate) fn suggest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
+#[must_use]
+pub fn suggest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     let candidates: Vec<&str> = candidates.into_iter().collect();
     match nearest(typed, candidates.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
