@@ -85,8 +85,9 @@ pub(crate) async fn describe(
     for (index, service) in reply["services"].as_array_mut().into_iter().flatten().enumerate() {
         service["served"] = hosted.served_on(index).into();
     }
-    // There by name only: what each calls stands here.
-    reply["uses"] = reply["remotes"].take();
+    // `remotes` has their names alone; what each calls is told here.
+    let remotes = reply.as_object_mut().and_then(|reply| reply.shift_remove("remotes"));
+    reply["uses"] = remotes.unwrap_or_default();
     let own = serde_json::to_value(summary(&hosted));
     if let (Value::Object(reply), Ok(Value::Object(own))) = (&mut reply, own) {
         reply.extend(own);
