@@ -4,9 +4,9 @@
 
 use std::io::Write as _;
 
-use crate::config::Settings;
 use crate::loading::{self, LoadError};
 use crate::run::Refusal;
+use crate::settings::Settings;
 
 /// Checks every component asked for; says what is wrong with each that is refused.
 pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
@@ -14,7 +14,7 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
         return Err(Refusal::usage("--check goes with the libraries to check"));
     }
     let refused = settings.deployment.component.iter().filter_map(|request| {
-        match loading::fit(&settings, request) {
+        match loading::fit(&settings.supervisor, request) {
             Ok(line) => {
                 // A closed pipe is the reader's choice, not a failure.
                 let _ = writeln!(std::io::stdout().lock(), "{line}");

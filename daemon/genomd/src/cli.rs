@@ -1,10 +1,11 @@
-//! What is typed on genomd's command line; `config::Settings` is what it means.
+//! What is typed on genomd's command line; `settings::Settings` is what it means.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Parser, ValueHint};
-use genom_protocol::ClockKind;
+
+use crate::config::{ClockKind, Config};
 
 /// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
 /// here.
@@ -92,4 +93,19 @@ pub(crate) struct Cli {
     /// Print the version, the middlewares this daemon knows and their versions.
     #[arg(long, short = 'V')]
     pub(crate) version: bool,
+}
+
+impl Cli {
+    /// A configuration with what the command line says instead.
+    pub(crate) fn over(&self, mut config: Config) -> Config {
+        config.backend = self.backend.clone().unwrap_or(config.backend);
+        config.log = self.log.clone().unwrap_or(config.log);
+        config.clock = self.clock.unwrap_or(config.clock);
+        config.path = [self.path.clone(), self.genom_path.clone(), config.path].concat();
+        config.include = [self.include.clone(), config.include].concat();
+        config.rpc.socket = self.socket.clone().or(config.rpc.socket);
+        config.rpc.listen = self.listen.or(config.rpc.listen);
+        config.rpc.token_file = self.token_file.clone().or(config.rpc.token_file);
+        config
+    }
 }

@@ -1,186 +1,57 @@
-//! What the parts of the daemon share.
+//! A supervisor of components, and what the control plane before it keeps.
 
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
-use std::time::{Duration, Instant};
+use std::ops::Deref;
+use std::sync::Arc;
 
-use genom_runtime::{Clock, VirtualClock};
+use genom_supervisor::daemon::Daemon as Supervisor;
 
-use crate::bus::{Bus, Change};
-use crate::config::ClockKind;
-use crate::config::Settings;
-use crate::dates::Dates;
-use crate::flag::Flag;
-use crate::hosting::{Components, Hosted, UnloadError};
-use crate::known::Known;
-use crate::recording::{Recordings, Session};
-use crate::registry::Backends;
+use crate::config::RpcSettings;
+use crate::settings::Settings;
 use crate::shown::Shown;
 use crate::slots::Slots;
 use crate::startup::Startup;
-use crate::wires::declared::Declared;
 
 /// Questions to other daemons under way at a time, each of which holds a thread.
 const QUESTIONS: usize = 64;
 
-/// The daemon.
+/// The daemon: a supervisor with a control plane.
 pub(crate) struct Daemon {
-    pub(crate) settings: Settings,
-    /// The middlewares in use.
-    pub(crate) backends: Backends,
+    supervisor: Arc<Supervisor>,
+    /// Which daemon of a file that describes several this one is.
+    pub(crate) name: Option<String>,
+    /// Where the control plane listens, and its limits.
+    pub(crate) rpc: RpcSettings,
     /// What others see of this daemon.
     pub(crate) shown: Shown,
-    /// Descriptions and libraries that were read and compared already.
-    pub(crate) known: Known,
-    /// The components that run, or are about to.
-    pub(crate) components: Components,
-    /// Time of all components: they live in one world.
-    pub(crate) clock: Clock,
-    /// Where changes are told.
-    pub(crate) bus: Arc<Bus>,
-    /// The recordings under way.
-    pub(crate) recordings: Arc<Recordings>,
-    /// Connections to keep.
-    pub(crate) declared: Declared,
     /// How far it is with what it was started with.
     pub(crate) startup: Startup,
-    /// Held while a deployment is applied: one at a time.
-    deploying: Mutex<()>,
     /// Slots for open streams.
     pub(crate) streams: Arc<Slots>,
     /// Slots for questions to other daemons under way.
     pub(crate) questions: Arc<Slots>,
-    /// Somebody asked to stop: nothing is loaded any more.
-    stop: Flag,
-    /// When that was.
-    stop_asked: OnceLock<Instant>,
-    /// Somebody asked again: what hangs is left behind.
-    pub(crate) forced: Flag,
-    /// Everything stopped: streams and connections end.
-    pub(crate) closed: Flag,
 }
 
 impl Daemon {
     /// A daemon without components.
-    pub(crate) fn new(settings: Settings) -> Arc<Self> {
-        let clock = match settings.clock {
-            ClockKind::Monotonic => Clock::Monotonic,
-            ClockKind::Virtual => Clock::Virtual(Arc::new(VirtualClock::new())),
-        };
-        let dates = Dates::of(&clock);
+    pub(crate) fn new(settings: &Settings) -> Arc<Self> {
+        let rpc = settings.rpc.clone();
         Arc::new(Self {
-            backends: Backends::new(settings.backends.clone()),
+            supervisor: Supervisor::new(settings.supervisor.clone()),
+            name: settings.name.clone(),
             shown: Shown::default(),
-            known: Known::default(),
-            components: Components::default(),
-            clock,
-            bus: Arc::new(Bus::new(dates.clone())),
-            recordings: Arc::new(Recordings::new(dates)),
-            declared: Declared::default(),
             startup: Startup::new(),
-            deploying: Mutex::default(),
-            streams: Slots::new(settings.rpc.max_streams, settings.rpc.max_streams_per_token),
+            streams: Slots::new(rpc.max_streams, rpc.max_streams_per_token),
             questions: Slots::new(QUESTIONS, QUESTIONS / 4),
-            stop: Flag::new(),
-            stop_asked: OnceLock::new(),
-            forced: Flag::new(),
-            closed: Flag::new(),
-            settings,
+            rpc,
         })
     }
+}
 
-    /// Tells that a component runs, and records what it has.
-    pub(crate) fn runs(&self, hosted: &Hosted) {
-        hosted.record();
-        let backend = hosted.wires.bindings.component();
-        tracing::info!(instance = hosted.name, "runs on {backend}");
-        self.bus.tell(&Change::ComponentLoaded {
-            component: hosted.name.clone(),
-            backend: backend.to_string(),
-        });
-    }
+/// Whatever has to do with components is the supervisor's.
+impl Deref for Daemon {
+    type Target = Arc<Supervisor>;
 
-    /// Starts a recording of these ports and components, of all when there are none; samples
-    /// are taken from now on. Blocks while codels are excluded.
-    pub(crate) fn record(&self, wanted: Vec<String>) -> Arc<Session> {
-        let session = self.recordings.start(wanted);
-        self.components.all().iter().for_each(|hosted| hosted.record());
-        session
-    }
-
-    /// A recording is over: nothing is taken for it any more. Blocks while codels are excluded.
-    pub(crate) fn recording_ended(&self, session: &Session) {
-        self.recordings.forget(session);
-        self.components.all().iter().for_each(|hosted| hosted.recording_ended(session.number));
-    }
-
-    /// Stops a component and closes its library. Blocks until its codels have ended.
-    pub(crate) fn unload(&self, name: &str) -> Result<(), UnloadError> {
-        self.unload_these(&[name.to_owned()]).pop().map_or(Ok(()), |(_, error)| Err(error))
-    }
-
-    /// Stops components side by side, given in the order they were loaded; those that could not
-    /// be stopped. Blocks.
-    pub(crate) fn unload_these(&self, names: &[String]) -> Vec<(String, UnloadError)> {
-        let failed = Mutex::new(Vec::new());
-        self.components.remove(names, self.settings.stop_timeout, &|name, stopped| {
-            let component = name.to_owned();
-            match stopped {
-                Ok(()) => {
-                    tracing::info!(instance = name, "unloaded");
-                    self.bus.tell(&Change::ComponentUnloaded { component });
-                }
-                Err(error) => {
-                    if let UnloadError::Stuck { why, .. } = error {
-                        self.bus.tell(&Change::ComponentLeft { component, why: why.to_string() });
-                    }
-                    let mut failed = failed.lock().unwrap_or_else(PoisonError::into_inner);
-                    failed.push((name.to_owned(), error.clone()));
-                }
-            }
-        });
-        failed.into_inner().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Waits for the deployment under way, if there is one.
-    pub(crate) fn deploying(&self) -> MutexGuard<'_, ()> {
-        self.deploying.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// Unloads everything; those that could not be stopped.
-    pub(crate) fn unload_all(&self) -> Vec<(String, UnloadError)> {
-        let all = self.components.all();
-        let names: Vec<String> = all.iter().map(|hosted| hosted.name.clone()).collect();
-        // Nobody but the threads that stop it holds a component.
-        drop(all);
-        self.unload_these(&names)
-    }
-
-    /// Asks for the end; asking again changes nothing.
-    pub(crate) fn ask_to_stop(&self, why: &str) {
-        self.stop_asked.get_or_init(Instant::now);
-        if self.stop.raise() {
-            tracing::info!("stopping: {why}");
-            self.bus.tell(&Change::Stopping {});
-        }
-    }
-
-    /// How long ago the end was asked for.
-    pub(crate) fn stopping_for(&self) -> Option<Duration> {
-        self.stop_asked.get().map(Instant::elapsed)
-    }
-
-    /// Whether a start codel had its time since the end was asked for: nothing waits for it then.
-    pub(crate) fn start_is_given_up(&self) -> bool {
-        self.stopping_for().is_some_and(|time| time >= self.settings.stop_timeout)
-    }
-
-    /// Whether the end was asked for.
-    pub(crate) fn stopping(&self) -> bool {
-        self.stop.is_up()
-    }
-
-    /// Waits until the end is asked for.
-    pub(crate) async fn asked_to_stop(&self) {
-        self.stop.raised().await;
+    fn deref(&self) -> &Arc<Supervisor> {
+        &self.supervisor
     }
 }

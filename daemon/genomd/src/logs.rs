@@ -6,7 +6,6 @@ use std::sync::LazyLock;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use genom_host::StandardError;
-use genom_protocol::nearest::nearest;
 use genom_protocol::{Level as Grade, LogEntry};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
@@ -18,6 +17,10 @@ use tracing_subscriber::{EnvFilter, Layer};
 use crate::bus::Numbers;
 use crate::dates::Dates;
 use crate::telemetry;
+
+/// The crates that a filter calls `genomd`: users see one program.
+const PARTS: [&str; 5] =
+    ["genomd", "genom_supervisor", "genom_ports", "genom_registry", "genom_configuration"];
 
 /// What was logged: one process has one log.
 static PAST: LazyLock<Numbers> = LazyLock::new(|| Numbers::new(Dates::default()));
@@ -34,34 +37,11 @@ pub(crate) fn past() -> &'static Numbers {
 const QUIET: &str = "rustdds=off,zenoh_link_unixsock_stream=error,\
                      zenoh::net::routing::hat::peer=error,genom::service=off";
 
-/// Whether a filter says what to log: a level, or levels of parts (`info,genomd=debug`). A word that
-/// is neither would be taken for a part that nothing is of, and silence all.
-pub(crate) fn understood(filter: &str) -> Result<(), String> {
-    const LEVELS: [&str; 6] = ["off", "error", "warn", "info", "debug", "trace"];
-    let is_level = |word: &str| {
-        LEVELS.contains(&word.to_ascii_lowercase().as_str())
-            || word.parse::<u8>().is_ok_and(|n| n < 6)
-    };
-    for word in filter.split(',').map(str::trim).filter(|word| !word.is_empty()) {
-        let level = word.rsplit_once('=').map_or(word, |(_, level)| level);
-        // A span or a field may stand in brackets, and hold anything.
-        if !is_level(level) && !word.contains(['[', ']']) {
-            let near = nearest(level, LEVELS);
-            let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
-            return Err(format!(
-                "`{level}` is no level of logs: error, warn, info, debug or trace, or for a part \
-                 such as info,genomd=debug{near}"
-            ));
-        }
-    }
-    Ok(())
-}
-
 /// Starts logging; the filter was wrong when this gives an error.
 /// With `spans`, those of services are exported, whatever is logged.
 pub(crate) fn start(filter: &str, spans: bool) -> Result<(), String> {
     let passes = || {
-        EnvFilter::try_new(format!("{QUIET},{filter}")).map_err(|error| {
+        EnvFilter::try_new(format!("{QUIET},{}", of_all_parts(filter))).map_err(|error| {
             format!("--log {filter}: {error}; write for instance info,genomd=debug")
         })
     };
@@ -77,6 +57,18 @@ pub(crate) fn start(filter: &str, spans: bool) -> Result<(), String> {
         .with(spans.then(|| telemetry::Exported.with_filter(ours)))
         .try_init()
         .map_err(|error| error.to_string())
+}
+
+/// A filter in which what is said of `genomd` is said of all its crates.
+fn of_all_parts(filter: &str) -> String {
+    let words = filter.split(',').flat_map(|word| match word.trim().strip_prefix("genomd") {
+        // Of a span or a field, whose brackets may hold commas, only what is written.
+        Some(rest) if rest.starts_with(['=', ':']) || rest.is_empty() => {
+            PARTS.iter().map(|part| format!("{part}{rest}")).collect()
+        }
+        _ => vec![word.to_owned()],
+    });
+    words.collect::<Vec<_>>().join(",")
 }
 
 /// Keeps what passes the filter.
@@ -151,6 +143,18 @@ impl Visit for Words {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_filter_says_of_the_daemon_holds_for_all_its_crates() {
+        let all = of_all_parts("info,genomd=debug");
+        for part in PARTS {
+            assert!(all.split(',').any(|word| word == format!("{part}=debug")), "{all}");
+        }
+        assert!(of_all_parts("genomd::loading=trace").contains("genom_supervisor::loading=trace"));
+        for other in ["info", "genom_ros2=debug", "genomd[span{a=1,b=2}]=info", "genomdx=info"] {
+            assert_eq!(of_all_parts(other), other);
+        }
+    }
 
     #[test]
     fn an_entry_names_its_component_and_level() {

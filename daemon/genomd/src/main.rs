@@ -4,43 +4,36 @@
 
 #![forbid(unsafe_code)]
 
-mod bus;
 mod check;
 mod cli;
-mod config;
 mod daemon;
-mod dates;
-mod deploy;
-mod ending;
-mod flag;
-mod hosting;
-mod known;
-mod limits;
-mod loading;
 mod logs;
 mod memory;
-mod recording;
-mod registry;
 mod rpc;
 mod run;
+mod settings;
 mod shown;
 mod signals;
 mod slots;
 mod startup;
 mod telemetry;
-mod vigil;
-mod wires;
-mod wiring;
 
 use std::io::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser as _};
+use genom_configuration as config;
+use genom_ports::dates;
+use genom_registry as registry;
+use genom_supervisor::{
+    bus, deploy, ending, flag, hosting, limits, loading, recording, spans, vigil, wires, wiring,
+};
 
 use crate::cli::Cli;
-use crate::config::{Config, Settings};
+use crate::config::Config;
 use crate::run::Refusal;
+use crate::settings::Settings;
 
 fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
@@ -85,8 +78,8 @@ fn settings(cli: Cli) -> Result<Settings, Refusal> {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage)?;
     let settings = Settings::new(cli, config).map_err(Refusal::usage)?;
     logs::start(&settings.log, settings.collector.is_some()).map_err(Refusal::usage)?;
-    registry::check(&settings.backend).map_err(Refusal::usage)?;
-    registry::check_options(&settings.backends).map_err(Refusal::usage)?;
+    registry::check(&settings.supervisor.backend).map_err(Refusal::usage)?;
+    registry::check_options(&settings.supervisor.backends).map_err(Refusal::usage)?;
     Ok(settings)
 }
 
@@ -103,7 +96,7 @@ fn write_manual(directory: &Path) -> ExitCode {
 /// Prints the configuration as it is understood.
 fn dump_config(cli: &Cli) -> ExitCode {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage);
-    let text = config.and_then(|config| config.over(cli).text().map_err(Refusal::usage));
+    let text = config.and_then(|config| cli.over(config).text().map_err(Refusal::usage));
     match text {
         Ok(text) => {
             let _ = std::io::stdout().lock().write_all(text.as_bytes());

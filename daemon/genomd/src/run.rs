@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use genom_host::{KeptProcess, StandardError};
 
-use crate::config::{RpcSettings, Settings, Spot};
+use crate::config::{RpcSettings, Spot};
 use crate::daemon::Daemon;
 use crate::deploy::apply::{ApplyError, apply};
 use crate::deploy::plan::plan;
@@ -22,6 +22,7 @@ use crate::rpc::listen::{self, Socket};
 use crate::rpc::serve::{Entrance, Listener, Most, serve};
 use crate::rpc::tls;
 use crate::rpc::tokens::Tokens;
+use crate::settings::Settings;
 use crate::signals::Signals;
 use crate::telemetry;
 use crate::vigil;
@@ -112,8 +113,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         }
         None => None,
     };
-    let backend = settings.backend.clone();
-    let daemon = Daemon::new(settings);
+    let daemon = Daemon::new(&settings);
     tokio::spawn(signals.obey(Arc::clone(&daemon), Arc::clone(&tokens)));
     let (weak, runtime) = (Arc::downgrade(&daemon), tokio::runtime::Handle::current());
     let (known, told) = (Arc::clone(&tokens), Arc::clone(&log));
@@ -125,23 +125,23 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
             rpc::relay::announce(&daemon, &router, &known, &runtime, middleware);
         }
     });
-    open_backend(&daemon, backend).await?;
+    open_backend(&daemon).await?;
     keep::watch(&daemon).map_err(Refusal::own)?;
     vigil::watch(&daemon).map_err(Refusal::own)?;
-    let exporter = daemon.settings.collector.clone().map(|collector| {
-        let name = daemon.settings.name.clone();
+    let exporter = settings.collector.clone().map(|collector| {
+        let name = daemon.name.clone();
         tokio::spawn(telemetry::export(collector, name, daemon.closed.clone()))
     });
     tokio::spawn(keep_process(KeptProcess::remember()));
 
     // Requests are served while components load: a slow start codel holds up nobody.
-    let RpcSettings { max_connections, max_connections_per_token, .. } = daemon.settings.rpc;
+    let RpcSettings { max_connections, max_connections_per_token, .. } = daemon.rpc;
     let most = Most { connections: max_connections, per_token: max_connections_per_token };
     let (listener, socket) = socket.split();
     let router = rpc::router(Arc::clone(&daemon), &tokens, Door::Own);
     let mut entrances = vec![Entrance { listener: Listener::Unix(listener), router }];
     if let Some(listener) = tcp {
-        let tls = daemon.settings.rpc.tls.iter().filter(|tls| tls.client_ca.is_some());
+        let tls = daemon.rpc.tls.iter().filter(|tls| tls.client_ca.is_some());
         let certified = tls.flat_map(|tls| tls.client_rights.clone()).collect();
         let door = Door::Guarded { tokens: Arc::clone(&tokens), log, certified };
         let router = rpc::router(Arc::clone(&daemon), &tokens, door);
@@ -149,7 +149,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     }
     let server = tokio::spawn(serve(entrances, most, daemon.closed.clone()));
     let outcome = tokio::select! {
-        outcome = work(&daemon) => outcome,
+        outcome = work(&daemon, &settings) => outcome,
         () = daemon.forced.raised() => {
             let left = daemon.components.stopping().join(", ");
             Err(Refusal::left_behind(format!("stopped before all codels had ended: {left}")))
@@ -169,7 +169,8 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
 }
 
 /// Opens the default middleware. It may take a while: some look for others first.
-async fn open_backend(daemon: &Arc<Daemon>, backend: String) -> Result<(), Refusal> {
+async fn open_backend(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
+    let backend = daemon.settings.backend.clone();
     let (worker, name) = (Arc::clone(daemon), backend.clone());
     let opening = tokio::task::spawn_blocking(move || worker.backends.get(&name).map(drop));
     let too_long = async {
@@ -187,14 +188,14 @@ async fn open_backend(daemon: &Arc<Daemon>, backend: String) -> Result<(), Refus
 }
 
 /// Loads, runs until asked to stop, unloads.
-async fn work(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
+async fn work(daemon: &Arc<Daemon>, settings: &Settings) -> Result<(), Refusal> {
     let mut outcome = Ok(());
-    match load_all(daemon).await {
+    match load_all(daemon, settings).await {
         Ok(rest) => {
             daemon.startup.ready.raise();
-            tracing::info!("ready on {}", daemon.settings.rpc.socket.display());
+            tracing::info!("ready on {}", daemon.rpc.socket.display());
             tokio::select! {
-                refusal = deploy(daemon, rest) => outcome = Err(refusal),
+                refusal = deploy(daemon, settings, rest) => outcome = Err(refusal),
                 () = daemon.asked_to_stop() => {}
             }
         }
@@ -205,10 +206,10 @@ async fn work(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
 
 /// Loads the components asked for, in order; stops at the first that is refused. What else the
 /// deployment asks for is given back.
-async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
-    let steps = plan(daemon, &daemon.settings.deployment, false)
+async fn load_all(daemon: &Arc<Daemon>, settings: &Settings) -> Result<Vec<Step>, Refusal> {
+    let steps = plan(daemon, &settings.deployment, false)
         .map(|plan| plan.steps)
-        .map_err(|error| Refusal::usage(told(&daemon.settings, &error.place(), &error)))?;
+        .map_err(|error| Refusal::usage(told(settings, &error.place(), &error)))?;
     let (loads, rest): (Vec<_>, Vec<_>) =
         steps.into_iter().partition(|step| matches!(step, Step::Load(_)));
     let names = loads.iter().filter_map(|step| match step {
@@ -232,7 +233,7 @@ async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
             Ok(Ok(_) | Err(LoadError::Stopping)) => daemon.startup.one_is_loaded(),
             Ok(Err(error)) => {
                 let place = Spot::component(&asked).key(error.key());
-                let message = told(&daemon.settings, &place, &error);
+                let message = told(settings, &place, &error);
                 let given_up = daemon.start_is_given_up();
                 let refuse = if given_up { Refusal::left_behind } else { Refusal::component };
                 return Err(refuse(message));
@@ -245,12 +246,12 @@ async fn load_all(daemon: &Arc<Daemon>) -> Result<Vec<Step>, Refusal> {
 
 /// Connects, calls and starts what the configuration says; waits for other daemons as long as
 /// it takes. Returns only when a step is refused.
-async fn deploy(daemon: &Arc<Daemon>, steps: Vec<Step>) -> Refusal {
-    let worker = Arc::clone(daemon);
+async fn deploy(daemon: &Arc<Daemon>, settings: &Settings, steps: Vec<Step>) -> Refusal {
+    let (worker, connections) = (Arc::clone(daemon), settings.deployment.connection.clone());
     let work = move || {
         let _turn = worker.deploying();
         apply(&worker, &steps, None)?;
-        worker.declared.keep(&worker.settings.deployment.connection);
+        worker.declared.keep(&connections);
         if !steps.is_empty() {
             tracing::info!("deployed: everything is wired and started");
         }
@@ -262,7 +263,7 @@ async fn deploy(daemon: &Arc<Daemon>, steps: Vec<Step>) -> Refusal {
             std::future::pending().await
         }
         Ok(Err(_)) if daemon.stopping() => std::future::pending().await,
-        Ok(Err(error)) => Refusal::component(told(&daemon.settings, &error.place, &error)),
+        Ok(Err(error)) => Refusal::component(told(settings, &error.place, &error)),
         Err(error) => Refusal::own(error),
     }
 }

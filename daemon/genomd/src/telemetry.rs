@@ -18,16 +18,14 @@ use tokio::net::TcpStream;
 use tokio::sync::Notify;
 use tracing::field::{Field, Visit};
 use tracing::span::{Attributes, Id, Record};
-use tracing::{Metadata, Span, Subscriber};
+use tracing::{Metadata, Subscriber};
 use tracing_subscriber::Layer;
 use tracing_subscriber::layer::Context;
 use tracing_subscriber::registry::LookupSpan;
 
-use crate::ending::Ending;
 use crate::flag::Flag;
+use crate::spans::TARGET;
 
-/// Target of the spans that are exported.
-const TARGET: &str = "genom::service";
 /// Spans that wait for the collector at most.
 const MOST: usize = 4096;
 /// Spans in one request.
@@ -65,24 +63,6 @@ impl Queue {
         let (spans, lost) = &mut *waiting;
         let count = spans.len().min(BATCH);
         (spans.drain(..count).collect(), std::mem::take(lost))
-    }
-}
-
-/// The span of a request to a service; [`ended`] completes it.
-pub(crate) fn service(component: &str, service: &str) -> Span {
-    tracing::info_span!(
-        target: "genom::service", "service", component, service,
-        activity = tracing::field::Empty, exception = tracing::field::Empty,
-    )
-}
-
-/// Tells a span how its service ended; it lasts until it is dropped.
-pub(crate) fn ended(span: &Span, activity: Option<u64>, ending: &Ending) {
-    if let Some(number) = activity {
-        span.record("activity", number);
-    }
-    if let Some(name) = ending.exception() {
-        span.record("exception", name);
     }
 }
 

@@ -10,13 +10,3 @@ pub struct Quality {
     /// Late readers are served in the middleware's own way, so that foreign ones may count on it.
     pub transient_local: Option<bool>,
 }
-
-/// Why an end and another one do not meet, though both are there, or do not get from each other what
-/// they could.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Obstacle {
-    /// What is in the way, as a sentence without a stop.
-    pub what: String,
-    /// What to do.
-    pub fix: String,
-}

@@ -5,12 +5,13 @@
 //! and can be cancelled. Served and calling side use the same trait, so that a backend within
 //! one process hands it straight through.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use genom_types::{DataType, Record};
 
-use crate::CallError;
 use crate::reply::{self, ActivityId, Outcome, Replies};
+use crate::{Address, CallError, OpenError};
 
 /// What kind of service an address names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
@@ -57,6 +58,26 @@ impl ServiceType {
         let types = format!("{}-{}", self.input.digest(), self.output.digest());
         if self.described.is_empty() { types } else { format!("{types}-{}", self.described) }
     }
+}
+
+/// Serves and calls services.
+pub trait Services {
+    /// Serves a service until the result is dropped.
+    ///
+    /// # Errors
+    /// When the address is served already, or the middleware cannot serve.
+    fn serve(
+        &self,
+        at: &Address,
+        service: &ServiceType,
+        handler: Arc<dyn ServiceHandler>,
+    ) -> Result<Box<dyn Served>, OpenError>;
+
+    /// Opens the calling end of a service. The service may come later, go and come back.
+    ///
+    /// # Errors
+    /// When the middleware cannot call.
+    fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError>;
 }
 
 /// What serves a service.

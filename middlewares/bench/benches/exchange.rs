@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use genom_bench::{SIZES, octets};
 use genom_local::Local;
-use genom_middleware::{Address, Middleware, Policy};
+use genom_middleware::{Address, Policy, PortSpec, Ports};
 
 const ROUNDS: usize = 200_000;
 
@@ -43,9 +43,10 @@ fn main() {
         let mut hop = |policy: Policy, readers: usize| {
             let local = Local::new();
             let at = Address::new("bench", "port");
-            let mut writer = local.publisher(&at, ty).expect("an out port");
-            let mut readers: Vec<_> =
-                (0..readers).filter_map(|_| local.subscription(&at, ty, policy).ok()).collect();
+            let mut writer = local.publisher(&PortSpec::new(&at, ty)).expect("an out port");
+            let mut readers: Vec<_> = (0..readers)
+                .filter_map(|_| local.subscription(&PortSpec::new(&at, ty), policy).ok())
+                .collect();
             per_round(rounds, || {
                 let _ = writer.publish(black_box(&sent));
                 for reader in &mut readers {

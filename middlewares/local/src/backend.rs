@@ -2,25 +2,27 @@
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::convert::Infallible;
 use std::sync::{Arc, Mutex};
 
 use genom_middleware::describe::{type_of_port, types_of_service};
 use genom_middleware::{
-    Address, Capabilities, Client, DiscoverError, Endpoint, EndpointKind, Middleware, OpenError,
-    Policy, Publisher, Served, ServiceHandler, ServiceType, Subscription,
+    Address, Backend, Capabilities, Client, DiscoverError, Discovery, Endpoint, EndpointKind,
+    Middleware, OpenError, Policy, PortSpec, Ports, Publisher, Served, ServiceHandler, ServiceType,
+    Services, Subscription,
 };
-use genom_types::DataType;
 
 use crate::exchange::{Exchange, MAX_DEPTH};
 use crate::opened::{Opened, Port, lock};
+use crate::options::Options;
 use crate::ports::{LocalPublisher, LocalSubscription};
-use crate::services::{LocalClient, LocalServed, Services};
+use crate::services::{LocalClient, LocalServed, Table};
 
 /// Ports and services within this process. Clones share the same addresses.
 #[derive(Clone, Default)]
 pub struct Local {
     ports: Arc<Mutex<HashMap<Address, Port>>>,
-    services: Arc<Services>,
+    services: Arc<Table>,
 }
 
 impl Local {
@@ -33,11 +35,11 @@ impl Local {
     /// Opens an end: `end` makes it from the exchange and says so in the port's counts.
     fn open<E>(
         &self,
-        at: &Address,
-        ty: &DataType,
+        port: &PortSpec<'_>,
         kind: EndpointKind,
         end: impl FnOnce(&mut Port) -> Option<E>,
     ) -> Result<(E, Opened), OpenError> {
+        let PortSpec { address: at, ty, .. } = *port;
         let mut ports = lock(&self.ports);
         let port = match ports.entry(at.clone()) {
             Entry::Occupied(known) => known.into_mut(),
@@ -58,9 +60,20 @@ impl Local {
     }
 }
 
+impl Backend for Local {
+    const NAME: &'static str = "local";
+    const VERSION: &'static str = env!("CARGO_PKG_VERSION");
+    type Options = Options;
+    type Error = Infallible;
+
+    fn open(_: Options) -> Result<Arc<dyn Middleware>, Infallible> {
+        Ok(Arc::new(Self::new()))
+    }
+}
+
 impl Middleware for Local {
     fn name(&self) -> &'static str {
-        "local"
+        Self::NAME
     }
 
     fn capabilities(&self) -> Capabilities {
@@ -74,8 +87,18 @@ impl Middleware for Local {
         }
     }
 
-    fn publisher(&self, at: &Address, ty: &DataType) -> Result<Box<dyn Publisher>, OpenError> {
-        let (writer, opened) = self.open(at, ty, EndpointKind::Publisher, |port| {
+    fn services(&self) -> Option<&dyn Services> {
+        Some(self)
+    }
+
+    fn discovery(&self) -> Option<&dyn Discovery> {
+        Some(self)
+    }
+}
+
+impl Ports for Local {
+    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
+        let (writer, opened) = self.open(port, EndpointKind::Publisher, |port| {
             let writer = port.exchange.writer()?;
             port.writers += 1;
             Some(writer)
@@ -85,26 +108,27 @@ impl Middleware for Local {
 
     fn subscription(
         &self,
-        at: &Address,
-        ty: &DataType,
+        port: &PortSpec<'_>,
         policy: Policy,
     ) -> Result<Box<dyn Subscription>, OpenError> {
         if let Policy::Queue(depth) | Policy::Ring(depth) = policy
             && depth > MAX_DEPTH
         {
             return Err(OpenError::Unsupported {
-                backend: self.name().to_owned(),
-                ty: ty.name().to_owned(),
+                backend: Self::NAME.to_owned(),
+                ty: port.ty.name().to_owned(),
                 why: format!("a reader holds at most {MAX_DEPTH} samples, not {depth}"),
             });
         }
-        let (reader, opened) = self.open(at, ty, EndpointKind::Subscription, |port| {
+        let (reader, opened) = self.open(port, EndpointKind::Subscription, |port| {
             port.readers += 1;
             Some(port.exchange.reader(policy))
         })?;
         Ok(Box::new(LocalSubscription { reader, _opened: opened }))
     }
+}
 
+impl Services for Local {
     fn serve(
         &self,
         at: &Address,
@@ -117,7 +141,9 @@ impl Middleware for Local {
     fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
         Ok(Box::new(LocalClient::open(&self.services, at, service)?))
     }
+}
 
+impl Discovery for Local {
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
         let mut seen = Vec::new();
         for (address, port) in &*lock(&self.ports) {

@@ -15,7 +15,7 @@ use std::cell::UnsafeCell;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use genom_middleware::index_ring::MAX_INDEX;
+use genom_kit::index_ring::MAX_INDEX;
 use genom_middleware::{Policy, Reading};
 use genom_types::{DataType, Record};
 

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
-use genom_middleware::index_ring::IndexRing;
+use genom_kit::index_ring::IndexRing;
 
 /// One reader's unread samples. Lanes are never freed before the exchange, so that the writer
 /// walks their list without locks; a closed one is used again.

@@ -9,7 +9,9 @@ mod backend;
 mod exchange;
 mod lane;
 mod opened;
+mod options;
 mod ports;
 mod services;
 
 pub use backend::Local;
+pub use options::Options;

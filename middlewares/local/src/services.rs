@@ -12,7 +12,7 @@ use genom_types::Record;
 
 /// All services of a process.
 #[derive(Default)]
-pub(crate) struct Services(Mutex<HashMap<Address, Service>>);
+pub(crate) struct Table(Mutex<HashMap<Address, Service>>);
 
 struct Service {
     ty: ServiceType,
@@ -38,7 +38,7 @@ fn same(ours: &ServiceType, theirs: &ServiceType) -> bool {
     types && ours.described == theirs.described
 }
 
-impl Services {
+impl Table {
     pub(crate) fn for_each(&self, mut see: impl FnMut(&Address, &ServiceType)) {
         for (address, service) in &*lock(&self.0) {
             see(address, &service.ty);
@@ -48,13 +48,13 @@ impl Services {
 
 /// Keeps a service in the list.
 pub(crate) struct LocalServed {
-    services: Arc<Services>,
+    services: Arc<Table>,
     at: Address,
 }
 
 impl LocalServed {
     pub(crate) fn open(
-        services: &Arc<Services>,
+        services: &Arc<Table>,
         at: &Address,
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
@@ -82,14 +82,14 @@ impl Drop for LocalServed {
 
 /// The calling end.
 pub(crate) struct LocalClient {
-    services: Arc<Services>,
+    services: Arc<Table>,
     at: Address,
     ty: ServiceType,
 }
 
 impl LocalClient {
     pub(crate) fn open(
-        services: &Arc<Services>,
+        services: &Arc<Table>,
         at: &Address,
         ty: &ServiceType,
     ) -> Result<Self, OpenError> {

@@ -7,9 +7,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use genom_conformance::samples::note;
 use genom_local::Local;
-use genom_middleware::conformance::samples::note;
-use genom_middleware::{Address, Middleware, Policy, Reading};
+use genom_middleware::{Address, Policy, PortSpec, Ports, Reading};
 use genom_types::Record;
 use serde_json::{Value, json};
 
@@ -35,7 +35,7 @@ fn number(record: &Record) -> u64 {
 fn readers_that_come_and_go_see_whole_values_in_order() {
     let local = Local::new();
     let at = Address::new("demo", "notes");
-    let mut writer = local.publisher(&at, &note()).unwrap();
+    let mut writer = local.publisher(&PortSpec::new(&at, &note())).unwrap();
     let ended = AtomicBool::new(false);
     std::thread::scope(|scope| {
         for policy in [Policy::Latest, Policy::Queue(3), Policy::Ring(3)] {
@@ -44,7 +44,8 @@ fn readers_that_come_and_go_see_whole_values_in_order() {
                 let mut record = Record::new(&note());
                 let mut newest = 0;
                 while !ended.load(Ordering::Acquire) {
-                    let mut reader = local.subscription(at, &note(), policy).unwrap();
+                    let mut reader =
+                        local.subscription(&PortSpec::new(at, &note()), policy).unwrap();
                     let mut previous = 0;
                     for _ in 0..8 {
                         if reader.read(&mut record).unwrap() == Reading::New {
@@ -57,7 +58,7 @@ fn readers_that_come_and_go_see_whole_values_in_order() {
                     std::thread::yield_now();
                 }
                 // One that comes after the last sample finds it.
-                let mut reader = local.subscription(at, &note(), policy).unwrap();
+                let mut reader = local.subscription(&PortSpec::new(at, &note()), policy).unwrap();
                 assert_eq!(reader.read(&mut record), Ok(Reading::New));
                 assert!(number(&record) == LAST && newest <= LAST);
             });

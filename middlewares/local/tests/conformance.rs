@@ -5,7 +5,7 @@ use std::sync::Arc;
 use genom_local::Local;
 use genom_middleware::Middleware;
 
-genom_middleware::conformance! {
+genom_conformance::conformance! {
     local: {
         let shared = Local::new();
         move || -> Arc<dyn Middleware> { Arc::new(shared.clone()) }

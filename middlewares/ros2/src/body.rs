@@ -7,6 +7,9 @@ use serde_json::Value;
 
 use crate::wire::HEADER;
 
+/// Id of a goal, made by who sends it.
+pub(crate) type GoalId = [u8; 16];
+
 /// Stands for the end of a service before it answered.
 pub(crate) const GONE: &str = "::genom::gone";
 

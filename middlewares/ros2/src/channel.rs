@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::Duration;
 
 use genom_middleware::CallError;
 use rustdds::bytes::Bytes;
@@ -9,9 +10,9 @@ use rustdds::mio1::Token;
 use rustdds::rpc::SampleIdentity;
 use rustdds::{GUID, RTPSEntity, SequenceNumber, Timestamp, WriteOptions, WriteOptionsBuilder};
 
-use crate::backend::Dds;
 use crate::body::Fields;
 use crate::complaints::Complaints;
+use crate::dds::Dds;
 use crate::options::ServiceMapping;
 use crate::post::{Matches, Post, Prefix, Target, prefix};
 use crate::receiver::{Inlet, Sample, Sink};
@@ -20,6 +21,9 @@ use crate::wire::{self, HEADER, Payload, Reader};
 
 /// Requests or replies of one service that wait for the receiving thread.
 const CACHED: i32 = 1024;
+
+/// Longest time the last replies of a service that closes may take to arrive.
+const FAREWELL: Duration = Duration::from_millis(100);
 
 /// Bytes that the Cyclone mapping puts before a body.
 const CYCLONE: usize = 16;
@@ -380,4 +384,9 @@ impl Drop for ClientEnd {
     fn drop(&mut self) {
         self.maker.inlet.remove(self.token);
     }
+}
+
+/// Has the last messages arrive.
+pub(crate) fn close(orders: &Orders, posts: Vec<Arc<Post>>) {
+    orders.finish(move || posts.iter().for_each(|post| post.settle(FAREWELL)));
 }

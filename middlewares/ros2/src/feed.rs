@@ -5,23 +5,18 @@
 //! The reader is made anew when writers come that offer something else (`quality`).
 
 use std::collections::HashMap;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
-use genom_middleware::Policy;
-use genom_middleware::mailbox::{Full, Mailbox};
-use rustdds::mio1::Token;
-use rustdds::{GUID, QosPolicies, Timestamp};
+use rustdds::{GUID, Timestamp};
 
-use crate::backend::Dds;
 use crate::complaints::Complaints;
 use crate::graph::{Graph, Verdict, Wanted};
+use crate::inbox::{Inbox, Message};
 use crate::numbering::Place;
 use crate::quality::{Asks, Wish};
-use crate::receiver::{Inlet, Sample, Sink};
-use crate::sender::Orders;
-use crate::wire;
+use crate::receiver::{Sample, Sink};
 
 /// A reader starts with the last value; but DDS brings at first what was written while it
 /// connected. Of what arrives together within this time, only the newest counts.
@@ -30,71 +25,17 @@ const ACQUAINTANCE: Duration = Duration::from_millis(100);
 /// Writers that are remembered, though they may be gone.
 const MANY: usize = 64;
 
-/// A message that all in ports of a topic share: none of them copies it.
-pub(crate) type Message = Arc<Vec<u8>>;
-
 /// Messages that nobody holds any more and that are kept, for their memory.
 const SPARES: usize = 4;
-
-/// Samples of one in port that wait to be read.
-#[derive(Debug)]
-pub(crate) struct Inbox {
-    pub(crate) mailbox: Mailbox<Message>,
-    /// Whether samples that gave way are losses: not for `latest`.
-    counts_lost: bool,
-    /// Samples that could not be decoded.
-    pub(crate) undecodable: AtomicU64,
-    /// Samples of another type.
-    refused: AtomicU64,
-    /// Samples that never came.
-    missing: AtomicU64,
-}
-
-impl Inbox {
-    pub(crate) fn new(policy: Policy) -> Self {
-        let (depth, full, counts_lost) = match policy {
-            Policy::Latest => (1, Full::Oldest, false),
-            Policy::Queue(depth) => (depth, Full::Newest, true),
-            Policy::Ring(depth) => (depth, Full::Oldest, true),
-        };
-        Self {
-            mailbox: Mailbox::with(depth, full, Message::default),
-            counts_lost,
-            undecodable: AtomicU64::new(0),
-            refused: AtomicU64::new(0),
-            missing: AtomicU64::new(0),
-        }
-    }
-
-    /// Samples lost to the reader.
-    pub(crate) fn lost(&self) -> u64 {
-        let count = |lost: &AtomicU64| lost.load(Ordering::Relaxed);
-        let given_up =
-            if self.counts_lost { self.mailbox.lost() + count(&self.missing) } else { 0 };
-        given_up + count(&self.undecodable) + count(&self.refused)
-    }
-
-    /// Adds a message; gives the one back whose place it takes.
-    fn put(&self, message: &Message) -> Option<Message> {
-        let exchange = |place: &mut Message| {
-            Ok::<_, std::convert::Infallible>(std::mem::replace(place, Arc::clone(message)))
-        };
-        let old = self.mailbox.put_by(exchange).ok();
-        if old.is_none() {
-            self.undecodable.fetch_add(1, Ordering::Relaxed);
-        }
-        old
-    }
-}
 
 /// The samples of a topic.
 pub(crate) struct Feed {
     pub(crate) topic: String,
-    dds_type: String,
+    pub(crate) dds_type: String,
     /// By which ROS nodes know the type.
     pub(crate) hash: Option<String>,
     digest: String,
-    graph: Arc<Graph>,
+    pub(crate) graph: Arc<Graph>,
     /// This daemon: its own samples come another way.
     ourselves: GUID,
     /// What was received before is of an earlier reader of the topic.
@@ -141,93 +82,6 @@ impl Known {
     }
 }
 
-/// Keeps a topic read. The last one to go ends the DDS reader.
-pub(crate) struct FeedHandle {
-    pub(crate) feed: Arc<Feed>,
-    wish: Wish,
-    /// Samples that may wait for the receiving thread.
-    cached: i32,
-    token: Token,
-    reader: Mutex<Present>,
-    inlet: Arc<Inlet>,
-    orders: Orders,
-    dds: Arc<Dds>,
-}
-
-/// The DDS reader there is now.
-#[derive(Clone, Copy, Debug)]
-struct Present {
-    guid: GUID,
-    asks: Asks,
-}
-
-impl FeedHandle {
-    pub(crate) fn open(
-        feed: Feed,
-        (wish, cached): (Wish, i32),
-        (inlet, orders, dds): (&Arc<Inlet>, &Orders, &Arc<Dds>),
-    ) -> Result<Self, String> {
-        let asks = feed.asks(wish);
-        let qos = wire::qos(asks.reliable, asks.transient_local, cached);
-        let reader = dds.reader(&feed.topic, &feed.dds_type, &qos)?;
-        let guid = reader.guid();
-        let feed = Arc::new(feed);
-        Ok(Self {
-            token: inlet.add(reader, Box::new(FeedSink(Arc::clone(&feed)))),
-            feed,
-            wish,
-            cached,
-            reader: Mutex::new(Present { guid, asks }),
-            inlet: Arc::clone(inlet),
-            orders: orders.clone(),
-            dds: Arc::clone(dds),
-        })
-    }
-
-    fn present(&self) -> MutexGuard<'_, Present> {
-        self.reader.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// What the reader asks for.
-    pub(crate) fn qos(&self) -> QosPolicies {
-        let Asks { reliable, transient_local } = self.present().asks;
-        wire::qos(reliable, transient_local, self.cached)
-    }
-
-    /// Tells the id of the reader, which stays until `told` returns.
-    pub(crate) fn guid(&self, told: impl FnOnce(GUID)) {
-        told(self.present().guid);
-    }
-
-    /// Asks for what the writers offer that are there now. What comes meanwhile on the old reader
-    /// is not lost: the new one finds it, too.
-    fn follow(&self) {
-        let asks = self.feed.asks(self.wish);
-        let mut present = self.present();
-        if present.asks == asks {
-            return;
-        }
-        let (topic, ty) = (&self.feed.topic, &self.feed.dds_type);
-        let qos = wire::qos(asks.reliable, asks.transient_local, self.cached);
-        match self.dds.reader(topic, ty, &qos) {
-            Ok(reader) => {
-                let old = std::mem::replace(&mut *present, Present { guid: reader.guid(), asks });
-                self.feed.graph.renamed(old.guid, reader.guid());
-                self.inlet.exchange(self.token, reader);
-                self.orders.announce();
-                tracing::info!(%topic, ?asks, "the in port follows the quality of its writers");
-            }
-            Err(why) => tracing::warn!(%topic, %why, "a reader cannot be made anew"),
-        }
-    }
-}
-
-impl Drop for FeedHandle {
-    fn drop(&mut self) {
-        self.inlet.remove(self.token);
-    }
-}
-
 impl Feed {
     pub(crate) fn new(wanted: &Wanted, graph: Arc<Graph>, ourselves: GUID) -> Self {
         Self {
@@ -243,7 +97,8 @@ impl Feed {
         }
     }
 
-    fn asks(&self, wish: Wish) -> Asks {
+    /// What a reader asks for, with the writers there are.
+    pub(crate) fn asks(&self, wish: Wish) -> Asks {
         wish.asks(&self.ourselves, &self.graph.others(&self.topic, true))
     }
 
@@ -442,63 +297,5 @@ impl Sink for FeedSink {
     fn garbled(&mut self) {
         // Nothing can be decoded from nothing: the reader is told.
         self.0.lock().live().for_each(|inbox| _ = inbox.put(&Message::default()));
-    }
-}
-
-/// The topics this daemon reads, each with what is wished of the reader.
-#[derive(Default)]
-pub(crate) struct Feeds(Mutex<HashMap<String, Vec<Weak<FeedHandle>>>>);
-
-impl Feeds {
-    fn lock(&self) -> MutexGuard<'_, HashMap<String, Vec<Weak<FeedHandle>>>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The feed of a topic, made unless there is one.
-    pub(crate) fn get(
-        &self,
-        topic: &str,
-        wish: Wish,
-        make: impl FnOnce() -> Result<FeedHandle, String>,
-    ) -> Result<Arc<FeedHandle>, String> {
-        let mut feeds = self.lock();
-        // Kept until the lock is gone: the last one to let go of a feed may be this.
-        let there: Vec<_> =
-            feeds.get(topic).into_iter().flatten().filter_map(Weak::upgrade).collect();
-        if let Some(feed) = there.iter().find(|feed| feed.wish == wish) {
-            let feed = Arc::clone(feed);
-            drop(feeds);
-            return Ok(feed);
-        }
-        feeds.retain(|_, all| {
-            all.retain(|feed| feed.strong_count() > 0);
-            !all.is_empty()
-        });
-        let handle = Arc::new(make()?);
-        feeds.entry(topic.to_owned()).or_default().push(Arc::downgrade(&handle));
-        drop(feeds);
-        Ok(handle)
-    }
-
-    /// The feeds of a topic: none if it is not read.
-    pub(crate) fn of(&self, topic: &str) -> Vec<Arc<FeedHandle>> {
-        self.lock().get(topic).into_iter().flatten().filter_map(Weak::upgrade).collect()
-    }
-
-    /// Writers of a topic have come.
-    pub(crate) fn follow(&self, topic: &str) {
-        self.of(topic).iter().for_each(|handle| handle.follow());
-    }
-
-    /// Readers could not decode something.
-    pub(crate) fn complain(&self) {
-        let feeds: Vec<_> = self.lock().values().flatten().filter_map(Weak::upgrade).collect();
-        feeds.iter().for_each(|handle| handle.feed.complain());
-    }
-
-    /// There is news of writers.
-    pub(crate) fn settle(&self) {
-        let feeds: Vec<_> = self.lock().values().flatten().filter_map(Weak::upgrade).collect();
-        feeds.iter().for_each(|handle| handle.feed.settle());
     }
 }

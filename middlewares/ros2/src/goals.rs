@@ -9,21 +9,18 @@ use genom_middleware::{
 };
 use rustdds::bytes::Bytes;
 
-use crate::backend::Core;
-use crate::body::{self, CANCELED, Fields, INTERRUPTED, SUCCEEDED, Style};
-use crate::channel::{RequestId, ServerEnd};
+use crate::body::{self, CANCELED, Fields, GoalId, INTERRUPTED, SUCCEEDED, Style};
+use crate::channel::{RequestId, ServerEnd, close};
 use crate::complaints::Complaints;
+use crate::core::Core;
 use crate::graph::Claim;
+use crate::lock::lock;
 use crate::post::{Post, Prefix, Target};
 use crate::sender::Orders;
-use crate::server::{close, lock};
 use crate::wire::{Payload, Writer};
 
 /// Goals that ended are remembered, for those who ask late; so many of them.
 const REMEMBERED: usize = 64;
-
-/// Id of a goal, made by who sends it.
-pub(crate) type GoalId = [u8; 16];
 
 /// `action_msgs/msg/GoalStatus`.
 const ACCEPTED: u8 = 1;

@@ -1,30 +1,70 @@
-//! What the user may choose, and what the environment of ROS says.
+//! What the user may choose.
 
 use std::collections::BTreeMap;
-use std::net::{IpAddr, Ipv4Addr};
+use std::fmt;
+use std::net::IpAddr;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use genom_rosidl::TypeName;
+use serde::de::{Error as _, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer};
 
 use crate::guard::Limits;
+use crate::names;
 
 /// Greatest domain whose ports fit (RTPS 9.6.1.1).
-const LAST_DOMAIN: u16 = 232;
+pub(crate) const LAST_DOMAIN: u16 = 232;
 
 /// Which network interfaces may be used.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Networks {
-    /// This machine only.
+    /// This machine only: `"loopback"`.
     #[default]
     Loopback,
-    /// All of them.
+    /// All of them: `"all"`.
     All,
-    /// Those with these addresses.
+    /// Those with these addresses: `["192.168.1.7"]`.
     Only(Vec<IpAddr>),
 }
 
+impl<'de> Deserialize<'de> for Networks {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Ways;
+
+        impl<'de> Visitor<'de> for Ways {
+            type Value = Networks;
+
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("\"loopback\", \"all\" or a list of addresses")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, word: &str) -> Result<Networks, E> {
+                match word {
+                    "loopback" => Ok(Networks::Loopback),
+                    "all" => Ok(Networks::All),
+                    other => Err(E::invalid_value(serde::de::Unexpected::Str(other), &self)),
+                }
+            }
+
+            fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Networks, A::Error> {
+                let mut addresses = Vec::new();
+                while let Some(address) = list.next_element::<String>()? {
+                    addresses.push(address.parse().map_err(|_| {
+                        A::Error::custom(format!("`{address}` is no address: write 192.168.1.7"))
+                    })?);
+                }
+                Ok(Networks::Only(addresses))
+            }
+        }
+
+        from.deserialize_any(Ways)
+    }
+}
+
 /// How requests and replies are told apart on the wire.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
 pub enum ServiceMapping {
     /// As `rmw_fastrtps` does, the default of ROS 2: beside the message.
     #[default]
@@ -33,8 +73,9 @@ pub enum ServiceMapping {
     Cyclone,
 }
 
-/// Quality of service of ports.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// `[backends.ros2.qos]`: quality of service of ports.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(default, deny_unknown_fields)]
 pub struct Qos {
     /// Lost packets are sent again. Otherwise readers that ask for this do not connect.
     pub reliable: bool,
@@ -53,13 +94,15 @@ impl Default for Qos {
     }
 }
 
-/// How to open the middleware. The default stays within this machine.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// `[backends.ros2]`; `configs/ros2.toml` explains it. The default stays within this machine.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq)]
+#[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Participants of other domains are not seen.
-    pub domain: u16,
-    /// Which network interfaces may be used.
-    pub networks: Networks,
+    /// Participants of other domains are not seen. None: what `ROS_DOMAIN_ID` says, else 0.
+    pub domain: Option<u16>,
+    /// Which network interfaces may be used. None: what `ROS_LOCALHOST_ONLY` and
+    /// `ROS_AUTOMATIC_DISCOVERY_RANGE` say, else this machine only, unlike ROS.
+    pub networks: Option<Networks>,
     /// Put before all names: `lab/arm` makes `/lab/arm/demo/position`.
     pub namespace: String,
     /// How requests and replies are told apart.
@@ -74,22 +117,31 @@ pub struct Options {
     /// Folders of packages that define such types, `FOLDER/geometry_msgs/msg/Pose.msg`, besides
     /// those of `AMENT_PREFIX_PATH`; ROS's common types are known without.
     pub interfaces: Vec<PathBuf>,
-    /// What peers may have this daemon hold.
-    pub limits: Limits,
+    /// Bytes of the greatest sample that is put together of fragments.
+    pub greatest_sample: u32,
+    /// Participants that are known at a time; one address may have half of them.
+    pub participants: usize,
+    /// A participant that is silent for so long is gone, however long it asks to be waited for:
+    /// by default as long as others wait for this daemon, so that both give up. No key.
+    #[serde(skip)]
+    pub silence: Duration,
 }
 
 impl Default for Options {
     fn default() -> Self {
+        let Limits { sample, participants, silence } = Limits::default();
         Self {
-            domain: 0,
-            networks: Networks::default(),
+            domain: None,
+            networks: None,
             namespace: String::new(),
             services: ServiceMapping::default(),
             qos: Qos::default(),
             parameters: true,
             masquerade: BTreeMap::new(),
             interfaces: Vec::new(),
-            limits: Limits::default(),
+            greatest_sample: sample,
+            participants,
+            silence,
         }
     }
 }
@@ -99,8 +151,13 @@ impl Default for Options {
 #[non_exhaustive]
 pub enum OptionsError {
     /// No such domain.
-    #[error("{0} is no domain: ROS_DOMAIN_ID is a number from 0 to {LAST_DOMAIN}")]
-    Domain(String),
+    #[error("{key} = {value}: a domain is a number from 0 to {LAST_DOMAIN}")]
+    Domain {
+        /// The key of the configuration, or the variable.
+        key: &'static str,
+        /// As given.
+        value: String,
+    },
     /// Not one of the values.
     #[error("ROS_LOCALHOST_ONLY is 0 or 1, not {0}")]
     LocalhostOnly(String),
@@ -111,10 +168,10 @@ pub enum OptionsError {
     )]
     Range(String),
     /// A namespace that ROS does not allow.
-    #[error("`{0}` is no namespace: write names of letters, digits and _ with / between them")]
+    #[error("namespace = `{0}`: ROS wants names of letters, digits and _ with / between them")]
     Namespace(String),
     /// The type to masquerade as is none.
-    #[error("{ty} cannot masquerade as `{name}`: write package/msg/Type")]
+    #[error("masquerade: {ty} cannot go as `{name}`: write package/msg/Type")]
     Masquerade {
         /// The IDL type.
         ty: String,
@@ -124,51 +181,13 @@ pub enum OptionsError {
 }
 
 impl Options {
-    /// The defaults, with what ROS's variables say: `ROS_DOMAIN_ID`, `ROS_LOCALHOST_ONLY` and
-    /// `ROS_AUTOMATIC_DISCOVERY_RANGE`. Without the latter two this machine only: unlike ROS.
-    ///
-    /// # Errors
-    /// A variable has a value that ROS does not know.
-    pub fn from_env() -> Result<Self, OptionsError> {
-        Self::from_variables(|name| std::env::var(name).ok())
-    }
-
-    /// As [`from_env`](Options::from_env), of an environment of the caller's.
-    ///
-    /// # Errors
-    /// A variable has a value that ROS does not know.
-    pub fn from_variables(variable: impl Fn(&str) -> Option<String>) -> Result<Self, OptionsError> {
-        let set = |name: &str| variable(name).filter(|value| !value.is_empty());
-        let mut options = Self::default();
-        if let Some(domain) = set("ROS_DOMAIN_ID") {
-            options.domain = domain
-                .parse()
-                .ok()
-                .filter(|&domain| domain <= LAST_DOMAIN)
-                .ok_or(OptionsError::Domain(domain))?;
-        }
-        let range = set("ROS_AUTOMATIC_DISCOVERY_RANGE");
-        match range.as_deref() {
-            None | Some("LOCALHOST") => {}
-            Some("SUBNET" | "SYSTEM_DEFAULT") => options.networks = Networks::All,
-            Some(_) => return Err(OptionsError::Range(range.unwrap_or_default())),
-        }
-        // The older variable wins where both are set, as in ROS.
-        match set("ROS_LOCALHOST_ONLY").as_deref() {
-            None | Some("0") => {}
-            Some("1") => options.networks = Networks::Loopback,
-            Some(other) => return Err(OptionsError::LocalhostOnly(other.to_owned())),
-        }
-        Ok(options)
-    }
-
     /// Whether all options make sense.
     pub(crate) fn check(&self) -> Result<(), OptionsError> {
-        if self.domain > LAST_DOMAIN {
-            return Err(OptionsError::Domain(self.domain.to_string()));
+        if let Some(domain) = self.domain.filter(|domain| *domain > LAST_DOMAIN) {
+            return Err(OptionsError::Domain { key: "domain", value: domain.to_string() });
         }
         let parts = self.namespace.trim_matches('/');
-        let legal = |part: &str| !part.is_empty() && crate::names::token(part) == part;
+        let legal = |part: &str| !part.is_empty() && names::token(part) == part;
         if !parts.is_empty() && !parts.split('/').all(legal) {
             return Err(OptionsError::Namespace(self.namespace.clone()));
         }
@@ -178,13 +197,10 @@ impl Options {
         })
     }
 
-    /// Addresses of the interfaces that may be used; none: all.
-    pub(crate) fn addresses(&self) -> Option<Vec<IpAddr>> {
-        match &self.networks {
-            Networks::Loopback => Some(vec![Ipv4Addr::LOCALHOST.into()]),
-            Networks::Only(addresses) => Some(addresses.clone()),
-            Networks::All => None,
-        }
+    /// What peers may have this daemon hold.
+    pub(crate) fn limits(&self) -> Limits {
+        let Self { greatest_sample, participants, silence, .. } = *self;
+        Limits { sample: greatest_sample, participants, silence }
     }
 }
 
@@ -192,34 +208,8 @@ impl Options {
 mod tests {
     use super::*;
 
-    fn from(variables: &[(&str, &str)]) -> Result<Options, OptionsError> {
-        Options::from_variables(|name| {
-            variables.iter().find(|(other, _)| *other == name).map(|(_, value)| (*value).to_owned())
-        })
-    }
-
     #[test]
-    fn the_environment_of_ros_is_honoured() {
-        let networks = |variables: &[(&str, &str)]| from(variables).unwrap().networks;
-        assert_eq!(from(&[]).unwrap(), Options::default());
-        assert_eq!(from(&[("ROS_DOMAIN_ID", "42")]).unwrap().domain, 42);
-        assert_eq!(networks(&[("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET")]), Networks::All);
-        assert_eq!(networks(&[("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")]), Networks::Loopback);
-        let both = [("ROS_AUTOMATIC_DISCOVERY_RANGE", "SUBNET"), ("ROS_LOCALHOST_ONLY", "1")];
-        assert_eq!(networks(&both), Networks::Loopback);
-    }
-
-    #[test]
-    fn wrong_values_are_named() {
-        for (name, value) in [
-            ("ROS_DOMAIN_ID", "233"),
-            ("ROS_DOMAIN_ID", "x"),
-            ("ROS_LOCALHOST_ONLY", "yes"),
-            ("ROS_AUTOMATIC_DISCOVERY_RANGE", "OFF"),
-        ] {
-            let error = from(&[(name, value)]).unwrap_err().to_string();
-            assert!(error.contains(name) && error.contains(value), "{error}");
-        }
+    fn wrong_options_are_named() {
         let options =
             |namespace: &str| Options { namespace: namespace.into(), ..Default::default() };
         assert!(options("lab/arm_2").check().is_ok());
@@ -227,5 +217,33 @@ mod tests {
         assert!(options("2lab").check().is_err());
         let masquerade = [("::demo::pose".to_owned(), "Pose".to_owned())].into();
         assert!(Options { masquerade, ..Default::default() }.check().is_err());
+        let error = Options { domain: Some(233), ..Default::default() }.check().unwrap_err();
+        assert_eq!(error.to_string(), "domain = 233: a domain is a number from 0 to 232");
+    }
+
+    #[test]
+    fn options_are_read_and_unknown_ones_are_named() {
+        let given = "domain = 7\nnetworks = [\"192.168.1.7\"]\ngreatest_sample = 4096\n\
+                     services = \"cyclone\"\n[qos]\ndepth = 4\n\
+                     [masquerade]\n\"::demo::pose\" = \"geometry_msgs/msg/Pose\"\n";
+        let options: Options = toml::from_str(given).unwrap();
+        assert_eq!(options.domain, Some(7));
+        assert_eq!((options.qos.depth, options.qos.reliable), (4, true));
+        assert_eq!(options.services, ServiceMapping::Cyclone);
+        assert_eq!(options.networks, Some(Networks::Only(vec![[192, 168, 1, 7].into()])));
+        assert_eq!(options.limits(), Limits { sample: 4096, ..Limits::default() });
+        assert_eq!(options.masquerade["::demo::pose"], "geometry_msgs/msg/Pose");
+        assert_eq!(toml::from_str::<Options>("").unwrap(), Options::default());
+        let all: Options = toml::from_str("networks = \"all\"").unwrap();
+        assert_eq!(all.networks, Some(Networks::All));
+        for (given, told) in [
+            ("domian = 7", "`domain`"),
+            ("[qos]\ndept = 7", "`depth`"),
+            ("networks = \"lo\"", "\"loopback\", \"all\" or a list of addresses"),
+            ("networks = [\"robot\"]", "`robot` is no address"),
+        ] {
+            let error = toml::from_str::<Options>(given).unwrap_err().to_string();
+            assert!(error.contains(told), "{error}");
+        }
     }
 }

@@ -1,50 +1,124 @@
-//! The ends of ports, as the runtime sees them.
+//! Ports: how they are opened, and their ends as the runtime sees them.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use genom_middleware::mailbox::PutError;
-use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
+use genom_kit::intake::{Intake, Keeping};
+use genom_kit::outlet::Outlet;
+use genom_middleware::{
+    EndpointKind, OpenError, Policy, PortSpec, Ports, PublishError, Publisher, ReadError, Reading,
+    Subscription,
+};
 use genom_types::{DataType, Record};
-use rustdds::GUID;
+use rustdds::{GUID, RTPSEntity};
 
-use crate::backend::Core;
-use crate::feed::{FeedHandle, Inbox};
-use crate::graph::Claim;
-use crate::sender::Outlet;
+use crate::backend::Ros2;
+use crate::core::{Core, samples_of};
+use crate::error::BACKEND;
+use crate::feeds::FeedHandle;
+use crate::graph::{Claim, Made, Wanted};
+use crate::inbox::Inbox;
+use crate::meetings;
+use crate::quality;
+use crate::sender::Line;
+use crate::wire;
+
+/// The samples of an out port that wait to be sent may take that much memory.
+const WAITING: usize = 4 << 20;
+
+/// Bytes to make ready for a message of a type.
+fn room_for(ty: &DataType) -> usize {
+    if ty.is_fixed_size() { ty.size() + ty.size() / 8 + 64 } else { 256 }
+}
+
+/// Samples that may wait to be sent: fewer of large ones, whose buffers are made beforehand.
+fn depth_of(ty: &DataType, wanted: usize) -> usize {
+    wanted.min((WAITING / room_for(ty)).max(1))
+}
+
+impl Ports for Ros2 {
+    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
+        let PortSpec { address: at, ty, ref quality, .. } = *port;
+        let core = &self.core;
+        let wanted = core.port(EndpointKind::Publisher, at, ty)?;
+        let claim = core.graph.claim(at, wanted, core.announcer())?;
+        let Wanted { topic, dds_type, .. } = claim.wanted();
+        let qos = quality::offered(quality, &core.options.qos);
+        let of_writer = wire::qos(qos.reliable, qos.transient_local, samples_of(ty));
+        let writer = core.dds.writer(topic, dds_type, &of_writer);
+        let writer = writer.map_err(|why| core.failed(at, why))?;
+        if !qos.transient_local {
+            meetings::prime(&writer);
+        }
+        let guid = writer.guid();
+        let outlet = Arc::new(Outlet::new(ty, depth_of(ty, qos.depth), room_for(ty)));
+        let feeds = Arc::clone(&core.feeds);
+        let line = core.orders().add(Line::new(writer, topic.clone(), &outlet, feeds));
+        let (writers, readers) = (vec![guid.to_bytes()], Vec::new());
+        claim.made(Made { writers, readers, offers: Some(of_writer) });
+        Ok(Box::new(Ros2Publisher {
+            outlet,
+            line,
+            writer: guid,
+            claim: Some(claim),
+            core: Arc::clone(core),
+        }))
+    }
+
+    fn subscription(
+        &self,
+        port: &PortSpec<'_>,
+        policy: Policy,
+    ) -> Result<Box<dyn Subscription>, OpenError> {
+        let PortSpec { address: at, ty, ref quality, .. } = *port;
+        let core = &self.core;
+        let keeping = Keeping::of(policy, BACKEND, ty)?;
+        let wanted = core.port(EndpointKind::Subscription, at, ty)?;
+        let claim = core.graph.claim(at, wanted, core.announcer())?;
+        let feed = core.feed(claim.wanted(), ty, quality).map_err(|why| core.failed(at, why))?;
+        let inbox = Arc::new(Inbox::new(keeping));
+        feed.feed.add(&inbox);
+        core.orders().offer(Arc::clone(&feed.feed));
+        feed.guid(|guid| {
+            let (writers, readers) = (Vec::new(), vec![guid.to_bytes()]);
+            claim.made(Made { writers, readers, offers: None });
+        });
+        Ok(Box::new(Ros2Subscription {
+            intake: Intake::new(ty),
+            inbox,
+            _feed: feed,
+            _claim: claim,
+            core: Arc::clone(core),
+        }))
+    }
+}
 
 /// An out port.
 pub(crate) struct Ros2Publisher {
-    pub(crate) ty: DataType,
-    pub(crate) outlet: Arc<Outlet>,
-    pub(crate) writer: GUID,
+    outlet: Arc<Outlet>,
+    /// Its number with the sending thread.
+    line: usize,
+    writer: GUID,
     /// What shows it to others; goes after the last sample went out.
-    pub(crate) claim: Option<Claim>,
-    pub(crate) core: Arc<Core>,
+    claim: Option<Claim>,
+    core: Arc<Core>,
 }
 
 impl Publisher for Ros2Publisher {
     fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
-        if !value.ty().same_as(&self.ty) {
-            return Err(PublishError::Refused);
-        }
-        let put = self.outlet.mailbox.put(|message| value.encode_message(message));
-        put.map_err(|error| match error {
-            PutError::Fill(_) => PublishError::Serialization,
-            PutError::Busy => PublishError::Refused,
-        })?;
-        self.core.orders().mark(&self.outlet);
+        self.outlet.put(value)?;
+        self.core.orders().mark(self.line);
         Ok(())
     }
 
     fn dropped(&self) -> u64 {
-        self.outlet.mailbox.lost() + self.outlet.refused.load(Ordering::Relaxed)
+        self.outlet.dropped()
     }
 }
 
 impl Drop for Ros2Publisher {
     fn drop(&mut self) {
-        self.core.orders().remove(self.writer);
+        self.core.orders().remove(self.line);
         self.core.matches.forget(&self.writer);
         self.claim = None;
     }
@@ -52,37 +126,24 @@ impl Drop for Ros2Publisher {
 
 /// An in port. Fields are dropped in order.
 pub(crate) struct Ros2Subscription {
-    /// Samples are decoded here first: one that fails leaves the reader's record alone.
-    pub(crate) scratch: Record,
-    pub(crate) inbox: Arc<Inbox>,
-    /// Whether anything was read yet.
-    pub(crate) read: bool,
-    pub(crate) _feed: Arc<FeedHandle>,
-    pub(crate) _claim: Claim,
-    pub(crate) core: Arc<Core>,
+    intake: Intake,
+    inbox: Arc<Inbox>,
+    _feed: Arc<FeedHandle>,
+    _claim: Claim,
+    core: Arc<Core>,
 }
 
 impl Subscription for Ros2Subscription {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
-        if !into.ty().same_as(self.scratch.ty()) {
-            return Err(ReadError::Broken);
+        let inbox = &self.inbox;
+        let next =
+            |decode: &mut dyn FnMut(&[u8]) -> bool| inbox.mailbox.take(|message| decode(message));
+        let reading = self.intake.read(into, next);
+        if reading == Err(ReadError::Serialization) {
+            inbox.undecodable.fetch_add(1, Ordering::Relaxed);
+            self.core.orders().complain();
         }
-        let scratch = &mut self.scratch;
-        let decoded =
-            self.inbox.mailbox.take(|message| into.replace_from_message(message, scratch).is_ok());
-        match decoded {
-            None if self.read => Ok(Reading::Same),
-            None => Ok(Reading::Never),
-            Some(false) => {
-                self.inbox.undecodable.fetch_add(1, Ordering::Relaxed);
-                self.core.orders().complain();
-                Err(ReadError::Serialization)
-            }
-            Some(true) => {
-                self.read = true;
-                Ok(Reading::New)
-            }
-        }
+        reading
     }
 
     fn dropped(&self) -> u64 {

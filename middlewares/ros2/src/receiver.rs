@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{self, JoinHandle, ThreadId};
 
-use genom_middleware::prompt::be_prompt;
+use genom_kit::prompt::be_prompt;
 use rustdds::mio1::{Events, Interest, Poll, Token, Waker};
 use rustdds::rpc::SampleIdentity;
 use rustdds::{

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use rustdds::{GUID, RTPSEntity};
 
-use crate::backend::{Dds, Direction};
+use crate::dds::{Dds, Direction};
 use crate::graph::Found;
 use crate::wire::{self, Reader, Writer};
 

@@ -1,30 +1,25 @@
-//! The one thread that sends: samples of out ports, what the daemon tells of itself, replies.
-//!
-//! Real-time threads fill a mailbox and ring; what DDS's calls cost or wait for is paid here.
+//! What the sending thread does: samples of out ports, what the daemon tells of itself, replies.
 
 use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, Sender, channel};
-use std::thread::{self, JoinHandle, ThreadId};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
-use genom_middleware::bell::Bell;
-use genom_middleware::mailbox::Mailbox;
-use genom_middleware::spares::Spares;
+use genom_kit::lines::Lines;
+use genom_kit::outlet::Outlet;
+use genom_kit::sender::{self, Duty};
 use rustdds::bytes::Bytes;
 use rustdds::{GUID, RTPSEntity, Timestamp};
 
 use crate::complaints::BETWEEN_LINES;
-use crate::feed::{Feed, Feeds};
+use crate::feed::Feed;
+use crate::feeds::Feeds;
 use crate::meetings::{self, Meetings};
 use crate::numbering::Numbering;
 use crate::post::Matches;
 use crate::wire::{HEADER, Payload, Writer};
-
-/// Messages of one port sent in a row, before others have their turn.
-const TURN: usize = 8;
 
 /// Longest time the last samples of a port that closes may take to arrive.
 const FAREWELL: Duration = Duration::from_millis(100);
@@ -44,78 +39,39 @@ pub(crate) trait Announce: Send {
     fn complain(&self);
 }
 
-/// Something to do on the thread.
-pub(crate) type Job = Box<dyn FnOnce() + Send>;
-
-/// Whether a reader is gone.
-pub(crate) type Gone = Box<dyn Fn(&GUID) -> bool + Send>;
-
-enum Order {
-    Run(Job),
-    Add(Box<Line>),
-    Remove(GUID, Sender<()>),
-    /// Others shall know of a change before anything else happens.
-    Announce(Sender<()>),
-    /// DDS has connected a writer of ours and a reader.
-    Meet(GUID, GUID),
-    /// Readers are gone: those the function tells.
-    Part(Gone),
-    /// This daemon begins to read a topic.
-    Offer(Arc<Feed>),
-    Stop,
-}
-
-/// What the real-time end of an out port and the thread share.
-#[derive(Debug)]
-pub(crate) struct Outlet {
-    pub(crate) mailbox: Mailbox,
-    /// Bytes to make ready for a message.
-    pub(crate) room: usize,
-    pub(crate) waits: AtomicBool,
-    /// Samples DDS refused.
-    pub(crate) refused: AtomicU64,
-}
-
 /// An out port as the thread sees it.
-struct Line {
+pub(crate) struct Line {
     writer: Writer,
     numbering: Numbering,
     topic: String,
     /// In ports of this daemon: DDS shows a participant to itself only over multicast.
     feeds: Arc<Feeds>,
     outlet: Arc<Outlet>,
-    spares: Spares,
     /// For readers that come later.
     last: Option<Bytes>,
+}
+
+/// Owns the thread.
+pub(crate) struct Sending {
+    _sender: sender::Sender<Work>,
+    orders: Orders,
 }
 
 /// Gives orders to the thread; clones give them to the same one.
 #[derive(Clone)]
 pub(crate) struct Orders {
-    sender: Sender<Order>,
-    bell: Arc<Bell>,
+    thread: sender::Orders<Work>,
     /// Whether there is something to announce.
     news: Arc<AtomicBool>,
     /// Whether in ports could not decode something.
     complaints: Arc<AtomicBool>,
-    thread: ThreadId,
 }
 
-/// Owns the thread.
-pub(crate) struct Worker {
-    pub(crate) orders: Orders,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Worker {
+impl Sending {
     pub(crate) fn start(announce: Box<dyn Announce>, matches: Arc<Matches>) -> io::Result<Self> {
-        let (sender, receiver) = channel();
-        let bell = Arc::new(Bell::default());
         let news = Arc::new(AtomicBool::new(false));
         let complaints = Arc::new(AtomicBool::new(false));
-        let mut work = Work {
-            receiver,
-            bell: Arc::clone(&bell),
+        let work = Work {
             lines: HashMap::new(),
             meetings: Meetings::default(),
             matches,
@@ -125,136 +81,127 @@ impl Worker {
             complaints: Arc::clone(&complaints),
             complained: None,
         };
-        let thread =
-            thread::Builder::new().name("ros2-sender".to_owned()).spawn(move || work.go_on())?;
-        let orders = Orders { sender, bell, news, complaints, thread: thread.thread().id() };
-        Ok(Self { orders, thread: Some(thread) })
+        // Not prompt: its first act is to wake the threads of DDS.
+        let sender = sender::Sender::start("ros2", false, work)?;
+        let thread = sender.orders().clone();
+        Ok(Self { _sender: sender, orders: Orders { thread, news, complaints } })
     }
-}
 
-impl Drop for Worker {
-    fn drop(&mut self) {
-        self.orders.order(Order::Stop);
-        let thread = self.thread.take().filter(|_| !self.orders.on_thread());
-        // A thread that panicked has been reported by its panic.
-        let _ = thread.map(JoinHandle::join);
+    pub(crate) fn orders(&self) -> &Orders {
+        &self.orders
     }
 }
 
 impl Orders {
-    fn on_thread(&self) -> bool {
-        thread::current().id() == self.thread
-    }
-
-    fn order(&self, order: Order) {
-        // After the end there is nothing left to do it with.
-        let _ = self.sender.send(order);
-        self.bell.ring();
-    }
-
     /// Has others told of a change, soon.
     pub(crate) fn announce(&self) {
         self.news.store(true, Ordering::Release);
-        self.bell.ring();
+        self.thread.ring();
     }
 
     /// Has it told that an in port could not decode something. Wait-free.
     pub(crate) fn complain(&self) {
         self.complaints.store(true, Ordering::Release);
-        self.bell.ring();
+        self.thread.ring();
     }
 
     /// Has others told of a change, and waits a while until they know.
     pub(crate) fn announce_now(&self) {
-        let (done, finished) = channel();
-        self.order(Order::Announce(done));
-        if !self.on_thread() {
-            // Ends when the order was carried out, or dropped with the thread.
-            let _ = finished.recv();
-        }
+        self.thread.finish(|work, _| {
+            if work.announce.tell() {
+                work.announce.settle(FAREWELL);
+            }
+        });
     }
 
     /// Has a job done soon, after all that was ordered before.
     pub(crate) fn submit(&self, job: impl FnOnce() + Send + 'static) {
-        self.order(Order::Run(Box::new(job)));
+        self.thread.submit(|_, _| job());
     }
 
     /// Has a job done and waits for it, except on the thread itself.
     pub(crate) fn finish(&self, job: impl FnOnce() + Send + 'static) {
-        let (done, finished) = channel();
-        self.submit(move || {
-            job();
-            let _ = done.send(());
-        });
-        if !self.on_thread() {
-            // Ends when the job did, or was dropped with the thread.
-            let _ = finished.recv();
-        }
+        self.thread.finish(|_, _| job());
     }
 
-    /// Adds an out port.
-    pub(crate) fn add(
-        &self,
-        writer: Writer,
-        topic: String,
-        outlet: Arc<Outlet>,
-        feeds: Arc<Feeds>,
-    ) {
-        let spares = Spares::new(outlet.room);
-        let numbering = Numbering::default();
-        let line = Line { writer, numbering, topic, feeds, outlet, spares, last: None };
-        self.order(Order::Add(Box::new(line)));
+    /// Adds an out port; its number.
+    pub(crate) fn add(&self, line: Line) -> usize {
+        let writer = line.writer.guid();
+        let number = self.thread.add(line);
+        self.thread.submit(move |work, _| _ = work.lines.insert(writer, number));
+        number
     }
 
     /// Gives a topic that is read from now on the last value of this daemon's own out port.
     pub(crate) fn offer(&self, feed: Arc<Feed>) {
-        self.order(Order::Offer(feed));
+        self.thread.submit(move |_, lines| {
+            let last = lines.find(|line| {
+                let of_topic = line.topic == feed.topic;
+                of_topic.then(|| Some((line.writer.guid(), line.last.clone()?)))
+            });
+            if let Some((writer, payload)) = last.flatten() {
+                let message = [&genom_types::cdr::HEADER[..], &payload].concat();
+                feed.hear_first(writer, &message);
+            }
+        });
     }
 
     /// Sends what an out port still has, and takes it away.
-    pub(crate) fn remove(&self, writer: GUID) {
-        let (done, finished) = channel();
-        self.order(Order::Remove(writer, done));
-        if !self.on_thread() {
-            // Ends when the order was carried out, or dropped with the thread.
-            let _ = finished.recv();
-        }
+    pub(crate) fn remove(&self, line: usize) {
+        self.thread.remove(line, |work, line| {
+            work.lines.remove(&line.writer.guid());
+            // Readers that are gone without a word are not waited for any longer.
+            let _ = line.writer.wait_for_acknowledgments(FAREWELL);
+        });
     }
 
     /// DDS has connected a writer of ours and a reader.
     pub(crate) fn meet(&self, writer: GUID, reader: GUID) {
-        self.order(Order::Meet(writer, reader));
+        self.thread.submit(move |work, lines| {
+            if work.meetings.begin(writer, reader) {
+                work.met(lines, writer, reader);
+            }
+        });
     }
 
     /// DDS has lost readers.
     pub(crate) fn part(&self, gone: impl Fn(&GUID) -> bool + Send + 'static) {
-        self.order(Order::Part(Box::new(gone)));
+        self.thread.submit(move |work, _| {
+            work.meetings.lost(&gone);
+            work.matches.lost(&gone);
+        });
     }
 
     /// Says that an out port has something to send. Wait-free.
-    pub(crate) fn mark(&self, outlet: &Outlet) {
-        outlet.waits.store(true, Ordering::Release);
-        self.bell.ring();
+    pub(crate) fn mark(&self, line: usize) {
+        self.thread.mark(line);
+    }
+
+    /// Keeps the first out port from sending until the result is dropped.
+    pub(crate) fn stall(&self) -> impl Send + use<> {
+        let (release, held) = channel::<()>();
+        let (begun, begins) = channel();
+        self.thread.submit(move |_, lines| {
+            lines.find(|_| {
+                let _ = begun.send(());
+                let _ = held.recv();
+                Some(())
+            });
+        });
+        let _ = begins.recv();
+        release
     }
 }
 
 impl Line {
-    /// Sends one message, if there is one.
-    fn send(&mut self) -> bool {
-        let writer = self.writer.guid();
-        let Some(message) = self.spares.take(&self.outlet.mailbox) else { return false };
-        for handle in self.feeds.of(&self.topic) {
-            handle.feed.hear(writer, message.as_ref());
-        }
-        let message = Bytes::from_owner(message);
-        let payload = message.slice(HEADER.min(message.len())..);
-        self.last = Some(payload.clone());
-        let options = self.numbering.next(Timestamp::now());
-        if let Err(error) = self.writer.write_with_options(Payload(payload), options) {
-            self.outlet.refused.fetch_add(1, Ordering::Relaxed);
-            tracing::debug!(%error, "DDS refused a sample");
-        }
-        true
+    pub(crate) fn new(
+        writer: Writer,
+        topic: String,
+        outlet: &Arc<Outlet>,
+        feeds: Arc<Feeds>,
+    ) -> Self {
+        let (numbering, outlet) = (Numbering::default(), Arc::clone(outlet));
+        Self { writer, numbering, topic, feeds, outlet, last: None }
     }
 
     fn greet(&mut self, reader: GUID) {
@@ -269,10 +216,29 @@ impl Line {
     }
 }
 
+impl sender::Line for Line {
+    fn send(&mut self) -> bool {
+        let writer = self.writer.guid();
+        let Some(message) = self.outlet.take() else { return false };
+        for handle in self.feeds.of(&self.topic) {
+            handle.feed.hear(writer, message.as_ref());
+        }
+        let message = Bytes::from_owner(message);
+        let payload = message.slice(HEADER.min(message.len())..);
+        self.last = Some(payload.clone());
+        let options = self.numbering.next(Timestamp::now());
+        if let Err(error) = self.writer.write_with_options(Payload(payload), options) {
+            self.outlet.refuse();
+            tracing::debug!(%error, "DDS refused a sample");
+        }
+        true
+    }
+}
+
+/// What jobs work with.
 struct Work {
-    receiver: Receiver<Order>,
-    bell: Arc<Bell>,
-    lines: HashMap<GUID, Line>,
+    /// Numbers of out ports.
+    lines: HashMap<GUID, usize>,
     meetings: Meetings,
     matches: Arc<Matches>,
     announce: Box<dyn Announce>,
@@ -280,6 +246,16 @@ struct Work {
     announced: Option<Instant>,
     complaints: Arc<AtomicBool>,
     complained: Option<Instant>,
+}
+
+impl Duty for Work {
+    type Line = Line;
+
+    fn due(&mut self, lines: &Lines<Line>) -> Option<Duration> {
+        self.look_at_meetings(lines);
+        let pauses = [self.until_announcement(), self.until_complaint(), self.meetings.pause()];
+        pauses.into_iter().flatten().min()
+    }
 }
 
 impl Work {
@@ -317,75 +293,31 @@ impl Work {
     }
 
     /// A reader is ready: it gets what waits for it, or the last value of the port.
-    fn met(&mut self, writer: GUID, reader: GUID) {
+    fn met(&self, lines: &Lines<Line>, writer: GUID, reader: GUID) {
         match self.matches.matched(writer, reader) {
             Some(post) => post.go_on(),
-            None => _ = self.lines.get_mut(&writer).map(|line| line.greet(reader)),
+            None => _ = self.with(lines, &writer, |line| line.greet(reader)),
         }
     }
 
-    fn look_at_meetings(&mut self) {
-        let ready = self.meetings.ready(|writer| match self.lines.get(writer) {
-            Some(line) => meetings::acknowledged(&line.writer),
+    fn with<R>(
+        &self,
+        lines: &Lines<Line>,
+        writer: &GUID,
+        work: impl FnOnce(&mut Line) -> R,
+    ) -> Option<R> {
+        lines.with(*self.lines.get(writer)?, work)
+    }
+
+    fn look_at_meetings(&mut self, lines: &Lines<Line>) {
+        let mut meetings = std::mem::take(&mut self.meetings);
+        let ready = meetings.ready(|writer| {
+            let line = self.with(lines, writer, |line| meetings::acknowledged(&line.writer));
             // One that is not known is being made.
-            None => self.matches.post(writer).is_some_and(|post| post.is_acknowledged()),
+            let post = || self.matches.post(writer).is_some_and(|post| post.is_acknowledged());
+            line.unwrap_or_else(post)
         });
-        ready.into_iter().for_each(|(writer, reader)| self.met(writer, reader));
-    }
-
-    fn go_on(&mut self) {
-        loop {
-            let pauses = [self.until_announcement(), self.until_complaint(), self.meetings.pause()];
-            self.bell.wait(pauses.into_iter().flatten().min());
-            while let Ok(order) = self.receiver.try_recv() {
-                match order {
-                    Order::Run(job) => job(),
-                    Order::Add(line) => _ = self.lines.insert(line.writer.guid(), *line),
-                    Order::Remove(writer, done) => {
-                        if let Some(mut line) = self.lines.remove(&writer) {
-                            while line.send() {}
-                            // Readers that are gone without a word are not waited for any longer.
-                            let _ = line.writer.wait_for_acknowledgments(FAREWELL);
-                        }
-                        let _ = done.send(());
-                    }
-                    Order::Meet(writer, reader) => {
-                        if self.meetings.begin(writer, reader) {
-                            self.met(writer, reader);
-                        }
-                    }
-                    Order::Part(gone) => {
-                        self.meetings.lost(&gone);
-                        self.matches.lost(&gone);
-                    }
-                    Order::Announce(done) => {
-                        if self.announce.tell() {
-                            self.announce.settle(FAREWELL);
-                        }
-                        let _ = done.send(());
-                    }
-                    Order::Offer(feed) => {
-                        let line = self.lines.values().find(|line| line.topic == feed.topic);
-                        if let Some((line, payload)) =
-                            line.and_then(|line| Some((line, line.last.as_ref()?)))
-                        {
-                            let message = [&genom_types::cdr::HEADER[..], payload].concat();
-                            feed.hear_first(line.writer.guid(), &message);
-                        }
-                    }
-                    Order::Stop => return,
-                }
-            }
-            self.look_at_meetings();
-            for line in self.lines.values_mut() {
-                if !line.outlet.waits.swap(false, Ordering::Acquire) {
-                    continue;
-                }
-                if (0..TURN).all(|_| line.send()) {
-                    line.outlet.waits.store(true, Ordering::Relaxed);
-                    self.bell.ring();
-                }
-            }
-        }
+        self.meetings = meetings;
+        ready.into_iter().for_each(|(writer, reader)| self.met(lines, writer, reader));
     }
 }

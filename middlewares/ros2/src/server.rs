@@ -1,27 +1,18 @@
 //! Attributes and functions, served: a ROS service each.
 
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, OnceLock, Weak};
 
 use genom_middleware::{
     ActivityId, CallError, Outcome, Replies, Served, ServiceHandler, ServiceType,
 };
 
-use crate::backend::Core;
 use crate::body::{self, Fields, Style};
-use crate::channel::{RequestId, ServerEnd};
+use crate::channel::{RequestId, ServerEnd, close};
 use crate::complaints::Complaints;
+use crate::core::Core;
 use crate::graph::Claim;
+use crate::lock::lock;
 use crate::parameters::Part;
-use crate::post::Post;
-use crate::sender::Orders;
-
-/// Longest time the last replies of a service that closes may take to arrive.
-const FAREWELL: Duration = Duration::from_millis(100);
-
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// A service without activities.
 pub(crate) struct Server {
@@ -130,18 +121,11 @@ impl Served for Ros2Served {}
 impl Drop for Ros2Served {
     fn drop(&mut self) {
         // First of all nobody calls any more.
-        if let Some(part) = &self.parameter {
-            self.core.remove_parameter(part);
-        }
+        self.parameter = None;
         self.claim = None;
         self.core.orders().announce_now();
         self.server.leave();
         let posts = self.server.end.get().map(ServerEnd::post);
         close(self.core.orders(), posts.into_iter().collect());
     }
-}
-
-/// Has the last messages arrive.
-pub(crate) fn close(orders: &Orders, posts: Vec<Arc<Post>>) {
-    orders.finish(move || posts.iter().for_each(|post| post.settle(FAREWELL)));
 }

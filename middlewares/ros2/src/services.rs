@@ -11,28 +11,30 @@ use genom_middleware::{
 use genom_rosidl::TypeName;
 use rustdds::{GUID, RTPSEntity, Timestamp};
 
-use crate::backend::Core;
 use crate::body::Style;
-use crate::channel::{ClientEnd, Maker, Names, ServerEnd};
-use crate::client::{ACQUAINTANCE, ActionEnd, Feedback, Ros2Client, Runs, Way};
+use crate::channel::{ClientEnd, Names, ServerEnd};
+use crate::client::{ACQUAINTANCE, Ros2Client, Way};
+use crate::core::Core;
 use crate::goals::{ActionServer, Ends, Ros2Action};
 use crate::graph::{Claim, Made, Service, Wanted};
 use crate::names;
 use crate::parameters::Parameters;
 use crate::post::Post;
-use crate::server::{Ros2Served, Server, lock};
+use crate::runs::{ActionEnd, Feedback, Runs};
+use crate::server::{Ros2Served, Server};
 use crate::wire;
+use crate::within::Own;
 
 /// Messages of feedback that wait for the receiving thread.
 const CACHED: i32 = 1024;
 
 /// What this daemon serves and calls, by topic of requests.
-#[derive(Default)]
-pub(crate) struct Services {
-    own: Mutex<HashMap<String, Weak<dyn ServiceHandler>>>,
+pub(crate) struct ServiceEnds {
+    core: Arc<Core>,
+    own: Arc<Own>,
     clients: Mutex<HashMap<String, Weak<ClientEnd>>>,
     actions: Mutex<HashMap<String, Weak<ActionEnd>>>,
-    pub(crate) parameters: Parameters,
+    parameters: Arc<Parameters>,
 }
 
 /// All names of one service.
@@ -70,11 +72,21 @@ fn gids(guids: &[GUID]) -> Vec<[u8; 16]> {
     guids.iter().map(|guid| guid.to_bytes()).collect()
 }
 
-impl Core {
+impl ServiceEnds {
+    pub(crate) fn new(core: Arc<Core>) -> Arc<Self> {
+        Arc::new(Self {
+            core,
+            own: Arc::default(),
+            clients: Mutex::default(),
+            actions: Mutex::default(),
+            parameters: Arc::default(),
+        })
+    }
+
     fn plan(&self, at: &Address, ty: &ServiceType) -> Result<Plan, OpenError> {
-        let path = self.path(at);
+        let path = self.core.path(at);
         let activity = ty.kind == ServiceKind::Activity;
-        let foreign = self.masquerades.service(ty).map_err(|why| self.failed(at, why))?;
+        let foreign = self.core.masquerades.service(ty).map_err(|why| self.core.failed(at, why))?;
         let (ros, style) = match foreign {
             Some((name, manner)) => (name, Style::Foreign(manner)),
             None => {
@@ -85,7 +97,7 @@ impl Core {
         let (suffix, part) = if activity { ("/_action/send_goal", "_SendGoal") } else { ("", "") };
         let wanted = Wanted {
             kind: EndpointKind::Service,
-            address: self.full(at),
+            address: self.core.full(at),
             types: types_of_service(ty),
             digest: ty.digest(),
             topic: format!("rq/{path}{suffix}Request"),
@@ -96,49 +108,33 @@ impl Core {
         Ok(Plan { wanted, path, ty: ros, style })
     }
 
-    pub(crate) fn maker(&self) -> Maker {
-        Maker {
-            inlet: Arc::clone(&self.inlet),
-            orders: self.orders().clone(),
-            matches: Arc::clone(&self.matches),
-            mapping: self.options.services,
-        }
-    }
-
-    /// A service of this daemon itself.
-    pub(crate) fn own_service(&self, topic: &str) -> Option<Arc<dyn ServiceHandler>> {
-        lock(&self.services.own).get(topic).and_then(Weak::upgrade)
-    }
-
     pub(crate) fn serve(
-        self: &Arc<Self>,
+        &self,
         at: &Address,
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
     ) -> Result<Box<dyn Served>, OpenError> {
         let plan = self.plan(at, ty)?;
-        let claim = self.graph.claim(at, plan.wanted.clone(), self.announcer())?;
+        let claim = self.core.graph.claim(at, plan.wanted.clone(), self.core.announcer())?;
         let weak = Arc::downgrade(&handler);
         let served = match ty.kind {
             ServiceKind::Activity => self.serve_action(&plan, ty, handler, claim),
             _ => self.serve_function(&plan, at, ty, handler, claim),
         };
-        let served = served.map_err(|why| self.failed(at, why))?;
-        let mut own = lock(&self.services.own);
-        own.retain(|_, handler| handler.strong_count() > 0);
-        own.insert(plan.wanted.topic, weak);
+        let served = served.map_err(|why| self.core.failed(at, why))?;
+        self.own.add(plan.wanted.topic, weak);
         Ok(served)
     }
 
     fn serve_function(
-        self: &Arc<Self>,
+        &self,
         plan: &Plan,
         at: &Address,
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
         claim: Claim,
     ) -> Result<Box<dyn Served>, String> {
-        let parameter = self.add_parameter(at, ty, &handler);
+        let parameter = self.parameters.add(&self.core, at, ty, &handler);
         let server = Server::new(ty.clone(), plan.style, handler);
         let weak = Arc::downgrade(&server);
         let on_request = move |id, _, message: &[u8]| {
@@ -147,26 +143,27 @@ impl Core {
             }
         };
         let names = plan.names("", "");
-        let end = ServerEnd::open(&self.dds, &self.maker(), &names, Box::new(on_request))?;
+        let end =
+            ServerEnd::open(&self.core.dds, &self.core.maker(), &names, Box::new(on_request))?;
         claim.made(Made {
             writers: gids(&[end.writer()]),
             readers: gids(&[end.reader]),
             offers: None,
         });
         let _ = server.end.set(end);
-        let core = Arc::clone(self);
+        let core = Arc::clone(&self.core);
         Ok(Box::new(Ros2Served { server, claim: Some(claim), parameter, core }))
     }
 
     fn serve_action(
-        self: &Arc<Self>,
+        &self,
         plan: &Plan,
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
         claim: Claim,
     ) -> Result<Box<dyn Served>, String> {
-        let server = ActionServer::new(ty.clone(), plan.style, handler, self.orders().clone());
-        let (maker, dds) = (self.maker(), &self.dds);
+        let server = ActionServer::new(ty.clone(), plan.style, handler, self.core.orders().clone());
+        let (maker, dds) = (self.core.maker(), &self.core.dds);
         let open = |names: &Names, on: fn(&Arc<ActionServer>, _, _, &[u8])| {
             let weak = Arc::downgrade(&server);
             let on_request = move |id, asker, message: &[u8]| {
@@ -185,7 +182,7 @@ impl Core {
         })?;
         let (topic, name) = plan.feedback();
         let writer = dds.writer(&topic, &name, &wire::qos(true, false, CACHED))?;
-        let feedback = Post::new(writer, &self.matches, Box::new(|_| {}));
+        let feedback = Post::new(writer, &self.core.matches, Box::new(|_| {}));
         let topic = format!("rt/{}/_action/status", plan.path);
         let name = TypeName::new("action_msgs", "msg", "GoalStatusArray").to_dds("");
         let status = dds.writer(&topic, &name, &wire::qos(true, true, CACHED))?;
@@ -203,38 +200,47 @@ impl Core {
         let status = Arc::new(Mutex::new(status));
         let ends = Ends { send_goal, get_result, cancel_goal, feedback, status };
         let _ = server.ends.set(ends);
-        let core = Arc::clone(self);
+        let core = Arc::clone(&self.core);
         Ok(Box::new(Ros2Action { server, claim: Some(claim), core }))
     }
 
     pub(crate) fn client(
-        self: &Arc<Self>,
+        &self,
         at: &Address,
         ty: &ServiceType,
     ) -> Result<Box<dyn Client>, OpenError> {
         let plan = self.plan(at, ty)?;
-        if let Service::Differs(theirs) = self.graph.service(&plan.wanted, Instant::now()) {
+        if let Service::Differs(theirs) = self.core.graph.service(&plan.wanted, Instant::now()) {
             let ours = types_of_service(ty);
             return Err(OpenError::TypeMismatch { address: at.clone(), ours, theirs });
         }
         let topic = plan.wanted.topic.clone();
         let way = match ty.kind {
             ServiceKind::Activity => {
-                shared(&self.services.actions, topic, || self.action(&plan)).map(Way::Action)
+                shared(&self.actions, topic, || self.action(&plan)).map(Way::Action)
             }
-            _ => shared(&self.services.clients, topic, || {
-                ClientEnd::open(&self.dds, &self.maker(), &plan.names("", ""))
+            _ => shared(&self.clients, topic, || {
+                ClientEnd::open(&self.core.dds, &self.core.maker(), &plan.names("", ""))
             })
             .map(Way::Service),
         };
-        let way = way.map_err(|why| self.failed(at, why))?;
-        let (at, ty, style, core) = (at.clone(), ty.clone(), plan.style, Arc::clone(self));
+        let way = way.map_err(|why| self.core.failed(at, why))?;
+        let (at, ty, style, core) = (at.clone(), ty.clone(), plan.style, Arc::clone(&self.core));
         let acquainted = Instant::now() + ACQUAINTANCE;
-        Ok(Box::new(Ros2Client { at, ty, style, wanted: plan.wanted, way, acquainted, core }))
+        Ok(Box::new(Ros2Client {
+            at,
+            ty,
+            style,
+            wanted: plan.wanted,
+            way,
+            acquainted,
+            own: Arc::clone(&self.own),
+            core,
+        }))
     }
 
     fn action(&self, plan: &Plan) -> Result<ActionEnd, String> {
-        let (maker, dds) = (self.maker(), &self.dds);
+        let (maker, dds) = (self.core.maker(), &self.core.dds);
         let runs = Arc::new(Runs::default());
         let (topic, name) = plan.feedback();
         let since = Timestamp::now();
@@ -243,7 +249,7 @@ impl Core {
         let of = reader.guid().to_bytes();
         mark.iter_mut().zip(of.iter().skip(4)).for_each(|(to, byte)| *to = *byte);
         let sink = Feedback { runs: Arc::clone(&runs), since };
-        let feedback = self.inlet.add(reader, Box::new(sink));
+        let feedback = self.core.inlet.add(reader, Box::new(sink));
         let get_result = plan.names("/_action/get_result", "_GetResult");
         Ok(ActionEnd {
             send_goal: ClientEnd::open(
@@ -255,7 +261,7 @@ impl Core {
             cancel_goal: ClientEnd::open(dds, &maker, &plan.cancel_goal())?,
             runs,
             feedback,
-            inlet: Arc::clone(&self.inlet),
+            inlet: Arc::clone(&self.core.inlet),
             mark,
         })
     }

@@ -7,16 +7,17 @@ mod world;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{number, numbered, state};
-use genom_middleware::{Address, EndpointKind, Middleware, Policy, Publisher, Subscription};
-use genom_ros2::{Limits, Options, Ros2, ServiceMapping};
+use genom_conformance::eventually;
+use genom_conformance::samples::{number, numbered, state};
+use genom_middleware::{
+    Address, Discovery, EndpointKind, Policy, PortSpec, Ports, Publisher, Subscription,
+};
+use genom_ros2::{Options, Ros2, ServiceMapping};
 use world::Domain;
 
 /// Joins as one that gives others up after three seconds: they announce themselves every ten.
 fn impatient(domain: &Domain) -> Arc<Ros2> {
-    let limits = Limits { silence: Duration::from_secs(3), ..Limits::default() };
-    Ros2::open(&Options { limits, ..domain.options() }).unwrap()
+    Ros2::open(&Options { silence: Duration::from_secs(3), ..domain.options() }).unwrap()
 }
 
 /// Has everybody say now that they are there: they do so for each that is new.
@@ -44,8 +45,8 @@ impl Pair {
         let (ty, [first, second]) = (state(), &daemons);
         let end = |from: &Ros2, to: &Ros2, name: &str| {
             let at = Address::new(name, "it");
-            let publisher = from.publisher(&at, &ty).unwrap();
-            (publisher, to.subscription(&at, &ty, Policy::Latest).unwrap())
+            let publisher = from.publisher(&PortSpec::new(&at, &ty)).unwrap();
+            (publisher, to.subscription(&PortSpec::new(&at, &ty), Policy::Latest).unwrap())
         };
         let ends = [end(first, second, "first"), end(second, first, "second")];
         let mut pair = Self { domain, daemons, ends, written: 0 };
@@ -82,7 +83,8 @@ impl Pair {
 
     /// What one opens from now on is seen by the other.
     fn finds(&self, by: usize, of: usize) {
-        let _publisher = self.daemons[of].publisher(&Address::new("later", "it"), &state());
+        let _publisher =
+            self.daemons[of].publisher(&PortSpec::new(&Address::new("later", "it"), &state()));
         eventually("an end that is new is seen", || {
             wake(&self.domain);
             sees(&self.daemons[by], "later/it")

@@ -4,12 +4,12 @@
 
 mod world;
 
-use genom_middleware::conformance::{World, eventually, samples};
+use genom_conformance::{World, eventually, samples};
 use std::sync::Arc;
 use std::time::Duration;
 
 use genom_middleware::{
-    ActivityId, Address, Outcome, Policy, Reading, Replies, ServiceHandler, ServiceKind,
+    ActivityId, Address, Outcome, Policy, PortSpec, Reading, Replies, ServiceHandler, ServiceKind,
     ServiceType,
 };
 use genom_ros2::ServiceMapping;
@@ -21,8 +21,8 @@ fn both_ends_of_a_port_may_be_in_one_daemon() {
     let world = Domain::new(ServiceMapping::Cyclone);
     let alone = world.join();
     let (at, ty) = (Address::new("demo", "position"), samples::state());
-    let mut reader = alone.subscription(&at, &ty, Policy::Latest).unwrap();
-    let mut writer = alone.publisher(&at, &ty).unwrap();
+    let mut reader = alone.subscription(&PortSpec::new(&at, &ty), Policy::Latest).unwrap();
+    let mut writer = alone.publisher(&PortSpec::new(&at, &ty)).unwrap();
     let mut late = None;
     for n in 1..20 {
         writer.publish(&samples::numbered(n)).unwrap();
@@ -31,8 +31,9 @@ fn both_ends_of_a_port_may_be_in_one_daemon() {
             reader.read(&mut got).unwrap() == Reading::New
         });
         assert_eq!(samples::number(&got), n);
-        let late =
-            late.get_or_insert_with(|| alone.subscription(&at, &ty, Policy::Ring(4)).unwrap());
+        let late = late.get_or_insert_with(|| {
+            alone.subscription(&PortSpec::new(&at, &ty), Policy::Ring(4)).unwrap()
+        });
         eventually("a late reader has it too", || late.read(&mut got).unwrap() == Reading::New);
         assert_eq!(samples::number(&got), n);
         assert_eq!(late.read(&mut got).unwrap(), Reading::Same);

@@ -5,7 +5,7 @@ mod world;
 use genom_ros2::ServiceMapping;
 use world::Domain;
 
-genom_middleware::conformance! {
+genom_conformance::conformance! {
     ros2: Domain::new(ServiceMapping::Enhanced),
     cyclone: Domain::new(ServiceMapping::Cyclone),
 }

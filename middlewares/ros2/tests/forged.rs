@@ -14,10 +14,10 @@ use forger::{
     Forger, USER, WRITERS, acknack, announcement_ports, data, fragment, gap, heartbeat,
     nack_fragments, ports, submessage,
 };
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{number, numbered, state};
-use genom_middleware::{Address, Middleware, Policy, Publisher, Subscription};
-use genom_ros2::{Limits, Options, Ros2, ServiceMapping};
+use genom_conformance::eventually;
+use genom_conformance::samples::{number, numbered, state};
+use genom_middleware::{Address, Policy, PortSpec, Ports, Publisher, Subscription};
+use genom_ros2::{Options, Ros2, ServiceMapping};
 use genom_types::Record;
 use world::Domain;
 
@@ -39,12 +39,12 @@ impl World {
     fn new() -> Self {
         let domain = Domain::new(ServiceMapping::Enhanced);
         // Half of eight samples of this size is what each holds of fragments of one participant.
-        let limits = Limits { sample: 1 << 20, ..Limits::default() };
-        let options = Options { limits, ..domain.options() };
+        let options = Options { greatest_sample: 1 << 20, ..domain.options() };
         let daemons = [(); 2].map(|()| Ros2::open(&options).unwrap());
         let (ty, at) = (state(), Address::new("demo", "state"));
-        let publisher = daemons[0].publisher(&at, &ty).unwrap();
-        let subscription = daemons[1].subscription(&at, &ty, Policy::Latest).unwrap();
+        let publisher = daemons[0].publisher(&PortSpec::new(&at, &ty)).unwrap();
+        let subscription =
+            daemons[1].subscription(&PortSpec::new(&at, &ty), Policy::Latest).unwrap();
         let socket = UdpSocket::bind(("127.0.0.1", 0)).unwrap();
         socket.set_read_timeout(Some(Duration::from_millis(20))).unwrap();
         let mut world = Self {
@@ -62,7 +62,7 @@ impl World {
     }
 
     fn number(&self) -> u16 {
-        self.domain.options().domain
+        self.domain.number()
     }
 
     fn send(&self, message: &[u8]) {

@@ -12,11 +12,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{note, note_of, number, numbered, small, state};
+use genom_conformance::eventually;
+use genom_conformance::samples::{note, note_of, number, numbered, small, state};
 use genom_middleware::{
-    ActivityId, Address, Middleware, Outcome, Policy, ReadError, Reading, Replies, ServiceHandler,
-    ServiceKind, ServiceType, Subscription,
+    ActivityId, Address, Middleware, Outcome, Policy, PortSpec, ReadError, Reading, Replies,
+    ServiceHandler, ServiceKind, ServiceType, Services, Subscription,
 };
 use genom_ros2::ServiceMapping;
 use genom_types::{DataType, Kind, Label, Member, Record, ScopedName, TypeTable, UnionMember};
@@ -83,7 +83,7 @@ struct Writer<E: Encoding>(DataWriter<Raw<E>, AsIs<E>>);
 
 impl Peer {
     fn new(domain: &Domain) -> Self {
-        let participant = DomainParticipantBuilder::new(domain.options().domain)
+        let participant = DomainParticipantBuilder::new(domain.number())
             .with_only_networks([IpAddr::from([127, 0, 0, 1])])
             .build()
             .unwrap();
@@ -114,7 +114,7 @@ impl Peer {
         let message = [header, prefix, &data, &length, &reader, entity, &number, sample].concat();
         let socket = UdpSocket::bind(("127.0.0.1", 0)).unwrap();
         // 9.6.2.3: where a domain's participants hear samples for them.
-        let first = 7400 + 250 * domain.options().domain + 11;
+        let first = 7400 + 250 * domain.number() + 11;
         for participant in 0..8 {
             socket.send_to(&message, ("127.0.0.1", first + 2 * participant)).unwrap();
         }
@@ -211,7 +211,7 @@ impl Victim {
     fn at(ros2: &dyn Middleware, at: &Address, value: &Record) -> Self {
         let ty = value.ty();
         Self {
-            reader: ros2.subscription(at, ty, Policy::Queue(4)).unwrap(),
+            reader: ros2.subscription(&PortSpec::new(at, ty), Policy::Queue(4)).unwrap(),
             got: Record::new(ty),
             good: payload(value),
             refused: 0,

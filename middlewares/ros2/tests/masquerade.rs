@@ -10,7 +10,7 @@ use std::time::Duration;
 use genom_components::peer::Peer;
 use genom_middleware::{
     ActivityId, Address, Client, Middleware, OpenError, Outcome, Replies, ServiceHandler,
-    ServiceKind, ServiceType,
+    ServiceKind, ServiceType, Services,
 };
 use genom_ros2::{Options, Ros2, ServiceMapping};
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use world::Domain;
 
 fn peer(domain: &Domain) -> Peer {
-    let node = genom_components::ros2::node(domain.options().domain.into(), None);
+    let node = genom_components::ros2::node(domain.number().into(), None);
     Peer::start(&mut node.unwrap_or_else(|error| panic!("there is no ROS 2: {error}")))
 }
 

@@ -12,11 +12,11 @@ mod world;
 use std::sync::Arc;
 
 use genom_components::peer::Lines;
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{number, numbered, small, state};
+use genom_conformance::eventually;
+use genom_conformance::samples::{number, numbered, small, state};
 use genom_middleware::{
-    ActivityId, Address, EndpointKind, Middleware, Outcome, Policy, ReadError, Reading, Replies,
-    ServiceHandler, ServiceKind, ServiceType,
+    ActivityId, Address, Discovery, EndpointKind, Outcome, Policy, PortSpec, Ports, ReadError,
+    Reading, Replies, ServiceHandler, ServiceKind, ServiceType, Services,
 };
 use genom_ros2::ServiceMapping;
 use genom_types::Record;
@@ -36,7 +36,7 @@ fn position() -> Address {
 fn a_dds_peer_reads_a_port_though_it_comes_late() {
     let domain = Domain::new(ServiceMapping::Cyclone);
     let ros2 = domain.open();
-    let mut writer = ros2.publisher(&position(), &state()).unwrap();
+    let mut writer = ros2.publisher(&PortSpec::new(&position(), &state())).unwrap();
     writer.publish(&numbered(41)).unwrap();
     let peer = start(&domain, "read");
     peer.says("sample 41");
@@ -50,7 +50,8 @@ fn a_dds_peer_reads_a_port_though_it_comes_late() {
 fn a_dds_peer_writes_a_port_and_what_it_breaks_is_counted() {
     let domain = Domain::new(ServiceMapping::Cyclone);
     let ros2 = domain.open();
-    let mut reader = ros2.subscription(&position(), &state(), Policy::Queue(8)).unwrap();
+    let mut reader =
+        ros2.subscription(&PortSpec::new(&position(), &state()), Policy::Queue(8)).unwrap();
     let mut peer = start(&domain, "write");
     let mut got = Record::new(&state());
     for n in 5..9 {
@@ -115,8 +116,9 @@ fn types_of_less_than_a_word_come_back_from_a_dds_peer_as_they_were_sent() {
     let mut ends = small().map(|(ty, values)| {
         let name = ty.name().trim_start_matches("::demo::").to_owned();
         let at = |instance| Address::new(instance, &name);
-        let writer = ros2.publisher(&at("demo"), &ty).unwrap();
-        let reader = ros2.subscription(&at("mirror"), &ty, Policy::Queue(8)).unwrap();
+        let writer = ros2.publisher(&PortSpec::new(&at("demo"), &ty)).unwrap();
+        let reader =
+            ros2.subscription(&PortSpec::new(&at("mirror"), &ty), Policy::Queue(8)).unwrap();
         (ty, values, writer, reader)
     });
     let _peer = start(&domain, "mirror");

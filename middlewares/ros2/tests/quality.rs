@@ -5,10 +5,11 @@
 mod world;
 
 use genom_components::peer::Lines;
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{number, numbered, state};
+use genom_conformance::eventually;
+use genom_conformance::samples::{number, numbered, state};
 use genom_middleware::{
-    Address, Middleware, Obstacle, Policy, Publisher, Quality, Reading, Subscription,
+    Address, Discovery, Obstacle, Policy, PortSpec, Ports, Publisher, Quality, Reading,
+    Subscription,
 };
 use genom_ros2::{Ros2, ServiceMapping};
 use genom_types::Record;
@@ -23,11 +24,11 @@ fn position() -> Address {
 }
 
 fn reader(ros2: &Ros2, quality: &Quality) -> Box<dyn Subscription> {
-    ros2.subscription_of(&position(), &state(), Policy::Ring(64), quality).unwrap()
+    ros2.subscription(&PortSpec::new(&position(), &state()).of(*quality), Policy::Ring(64)).unwrap()
 }
 
 fn writer(ros2: &Ros2, quality: &Quality) -> Box<dyn Publisher> {
-    ros2.publisher_of(&position(), &state(), quality).unwrap()
+    ros2.publisher(&PortSpec::new(&position(), &state()).of(*quality)).unwrap()
 }
 
 /// The next sample, if there is one.

@@ -10,10 +10,10 @@ mod world;
 use std::sync::{Arc, Mutex};
 
 use genom_components::peer::Peer;
-use genom_middleware::conformance::eventually;
+use genom_conformance::eventually;
 use genom_middleware::{
-    ActivityId, Address, EndpointKind, Middleware, Outcome, Policy, Reading, Replies, Served,
-    ServiceHandler, ServiceKind, ServiceType,
+    ActivityId, Address, Discovery, EndpointKind, Outcome, Policy, PortSpec, Ports, Reading,
+    Replies, Served, ServiceHandler, ServiceKind, ServiceType, Services,
 };
 use genom_ros2::{Options, Ros2, ServiceMapping};
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeTable};
@@ -22,7 +22,7 @@ use world::Domain;
 
 /// A node named `peer`.
 fn peer(domain: &Domain) -> Peer {
-    let node = genom_components::ros2::node(domain.options().domain.into(), None);
+    let node = genom_components::ros2::node(domain.number().into(), None);
     Peer::start(&mut node.unwrap_or_else(|error| panic!("there is no ROS 2: {error}")))
 }
 
@@ -64,7 +64,7 @@ fn a_ros_node_reads_a_port_as_a_message_of_its_own() {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let ros2 = with_poses(&domain);
     let at = Address::new("demo", "pose");
-    let mut writer = ros2.publisher(&at, &pose()).unwrap();
+    let mut writer = ros2.publisher(&PortSpec::new(&at, &pose())).unwrap();
     let mut value = Record::new(&pose());
     value.merge_json(&nth_pose(1.0)).unwrap();
     writer.publish(&value).unwrap();
@@ -97,7 +97,7 @@ fn a_node_that_means_another_structure_by_the_name_of_a_type_is_told_of() {
     let id = table.add(Kind::Struct { name, members: vec![member] });
     let ty = DataType::new(&Arc::new(table), id).unwrap();
     let at = Address::new("demo", "pose");
-    let _writer = ros2.publisher(&at, &ty).unwrap();
+    let _writer = ros2.publisher(&PortSpec::new(&at, &ty)).unwrap();
     let mut peer = peer(&domain);
     peer.ask(&json!(["read", "/demo/pose", "geometry_msgs/msg/Pose"]));
     let mut told = Vec::new();
@@ -121,7 +121,7 @@ fn a_port_reads_what_a_ros_node_writes() {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let ros2 = with_poses(&domain);
     let at = Address::new("robot", "goal_pose");
-    let mut reader = ros2.subscription(&at, &pose(), Policy::Queue(8)).unwrap();
+    let mut reader = ros2.subscription(&PortSpec::new(&at, &pose()), Policy::Queue(8)).unwrap();
     let mut peer = peer(&domain);
     peer.ask(&json!(["write", "/robot/goal_pose", "geometry_msgs/msg/Pose"]));
     let mut got = Record::new(&pose());

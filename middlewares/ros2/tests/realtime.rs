@@ -3,9 +3,9 @@
 mod world;
 
 use genom_allocations as allocations;
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{number, numbered, set_number, state};
-use genom_middleware::{Address, Middleware, Policy, Reading};
+use genom_conformance::eventually;
+use genom_conformance::samples::{number, numbered, set_number, state};
+use genom_middleware::{Address, Policy, PortSpec, Ports, Reading};
 use genom_ros2::ServiceMapping;
 use genom_types::Record;
 use world::Domain;
@@ -18,8 +18,8 @@ fn position() -> Address {
 fn writing_and_reading_fixed_types_allocates_nothing() {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let (a, b) = (domain.open(), domain.open());
-    let mut writer = a.publisher(&position(), &state()).unwrap();
-    let mut reader = b.subscription(&position(), &state(), Policy::Latest).unwrap();
+    let mut writer = a.publisher(&PortSpec::new(&position(), &state())).unwrap();
+    let mut reader = b.subscription(&PortSpec::new(&position(), &state()), Policy::Latest).unwrap();
     let (mut sent, mut got) = (numbered(0), Record::new(&state()));
     let mut counted = 0;
     for n in 1..200 {
@@ -45,8 +45,9 @@ fn writing_and_reading_fixed_types_allocates_nothing() {
 fn a_stalled_network_holds_up_no_writer_and_the_newest_sample_arrives() {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let (a, b) = (domain.open(), domain.open());
-    let mut writer = a.publisher(&position(), &state()).unwrap();
-    let mut reader = b.subscription(&position(), &state(), Policy::Ring(64)).unwrap();
+    let mut writer = a.publisher(&PortSpec::new(&position(), &state())).unwrap();
+    let mut reader =
+        b.subscription(&PortSpec::new(&position(), &state()), Policy::Ring(64)).unwrap();
     let mut got = Record::new(&state());
     writer.publish(&numbered(1)).unwrap();
     eventually("they are connected", || reader.read(&mut got).unwrap() == Reading::New);

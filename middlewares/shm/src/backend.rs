@@ -5,10 +5,10 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use genom_middleware::{
-    Address, Capabilities, Client, DiscoverError, Endpoint, Middleware, OpenError, Policy,
-    Publisher, Served, ServiceHandler, ServiceType, Subscription,
+    Address, Backend, Capabilities, Client, DiscoverError, Discovery, Endpoint, Middleware,
+    OpenError, Policy, PortSpec, Ports, Publisher, Served, ServiceHandler, ServiceType, Services,
+    Subscription,
 };
-use genom_types::DataType;
 use iceoryx2::prelude::*;
 
 use crate::error::{BACKEND, ShmError};
@@ -39,6 +39,7 @@ impl Shm {
     /// # Errors
     /// A name is not legal, or the folder of iceoryx2 cannot be used.
     pub fn open(options: Options) -> Result<Self, ShmError> {
+        options.check()?;
         // Refusals come back as errors and are told by who asked; logging them too says it twice.
         iceoryx2::prelude::set_log_level(LogLevel::Fatal);
         let mut config = Config::global_config().clone();
@@ -94,6 +95,21 @@ impl Shm {
     }
 }
 
+impl Backend for Shm {
+    const NAME: &'static str = BACKEND;
+    const VERSION: &'static str = "iceoryx2 0.10";
+    type Options = Options;
+    type Error = ShmError;
+
+    fn check(options: &Options) -> Result<(), ShmError> {
+        options.check()
+    }
+
+    fn open(options: Options) -> Result<Arc<dyn Middleware>, ShmError> {
+        Ok(Arc::new(Self::open(options)?))
+    }
+}
+
 impl Middleware for Shm {
     fn name(&self) -> &'static str {
         BACKEND
@@ -115,21 +131,32 @@ impl Middleware for Shm {
         vec![("prefix", config.prefix.to_string()), ("root", config.root_path().to_string())]
     }
 
-    fn publisher(&self, at: &Address, ty: &DataType) -> Result<Box<dyn Publisher>, OpenError> {
+    fn services(&self) -> Option<&dyn Services> {
+        Some(self)
+    }
+
+    fn discovery(&self) -> Option<&dyn Discovery> {
+        Some(self)
+    }
+}
+
+impl Ports for Shm {
+    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
         let _busy = self.inner.ground.watcher.busy();
-        Ok(Box::new(publisher::open(&self.inner, at, ty)?))
+        Ok(Box::new(publisher::open(&self.inner, port.address, port.ty)?))
     }
 
     fn subscription(
         &self,
-        at: &Address,
-        ty: &DataType,
+        port: &PortSpec<'_>,
         policy: Policy,
     ) -> Result<Box<dyn Subscription>, OpenError> {
         let _busy = self.inner.ground.watcher.busy();
-        Ok(Box::new(subscription::open(&self.inner, at, ty, policy)?))
+        Ok(Box::new(subscription::open(&self.inner, port.address, port.ty, policy)?))
     }
+}
 
+impl Services for Shm {
     fn serve(
         &self,
         at: &Address,
@@ -144,7 +171,9 @@ impl Middleware for Shm {
         let _busy = self.inner.ground.watcher.busy();
         Ok(Box::new(calls::client(&self.inner, at, service)?))
     }
+}
 
+impl Discovery for Shm {
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
         let _busy = self.inner.ground.watcher.busy();
         let _ = self.inner.ground.watcher.heal_dead();

@@ -6,13 +6,25 @@ use genom_middleware::{Address, OpenError};
 
 use crate::limits;
 
-/// What errors call this middleware.
+/// What configurations and errors call this middleware.
 pub(crate) const BACKEND: &str = "shm";
 
 /// Opening the middleware failed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ShmError {
+    /// A number out of range.
+    #[error("{key} = {value}: give {least} to {most}")]
+    Range {
+        /// Key of the configuration.
+        key: &'static str,
+        /// What it is set to.
+        value: usize,
+        /// The least that it may be.
+        least: usize,
+        /// And the most.
+        most: usize,
+    },
     /// A name that iceoryx2 cannot use.
     #[error("{0:?} is no legal start of file names: use letters, digits, `_` and `-`")]
     Prefix(String),

@@ -78,7 +78,7 @@ pub fn type_name(ty: &DataType) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use genom_middleware::conformance::samples::{basic, image, note, state};
+    use genom_conformance::samples::{basic, image, note, state};
 
     #[test]
     fn basic_types_have_the_names_rust_gives_them() {

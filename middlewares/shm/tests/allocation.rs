@@ -3,8 +3,8 @@
 mod world;
 
 use genom_allocations as allocations;
-use genom_middleware::conformance::samples::{number, numbered, set_number, state};
-use genom_middleware::{Address, Middleware, Policy, Reading};
+use genom_conformance::samples::{number, numbered, set_number, state};
+use genom_middleware::{Address, Policy, PortSpec, Ports, Reading};
 use genom_types::Record;
 
 use world::ShmWorld;
@@ -15,9 +15,10 @@ fn reading_allocates_nothing_and_writing_only_what_iceoryx2_does_per_loan() {
     let world = ShmWorld::new();
     let shm = world.open();
     let at = Address::new("demo", "position");
-    let mut writer = shm.publisher(&at, &state()).unwrap();
+    let mut writer = shm.publisher(&PortSpec::new(&at, &state())).unwrap();
     let policies = [Policy::Latest, Policy::Ring(4)];
-    let mut readers = policies.map(|policy| shm.subscription(&at, &state(), policy).unwrap());
+    let mut readers =
+        policies.map(|policy| shm.subscription(&PortSpec::new(&at, &state()), policy).unwrap());
     let (mut sent, mut got) = (numbered(0), Record::new(&state()));
     let (mut writing, mut reading) = (0, 0);
     for n in 0..=ROUNDS {

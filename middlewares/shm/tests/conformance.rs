@@ -4,4 +4,4 @@ mod world;
 
 use world::ShmWorld;
 
-genom_middleware::conformance! { shm: ShmWorld::new() }
+genom_conformance::conformance! { shm: ShmWorld::new() }

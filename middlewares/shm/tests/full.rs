@@ -2,8 +2,8 @@
 
 mod world;
 
-use genom_middleware::conformance::samples::state;
-use genom_middleware::{Address, Middleware as _, OpenError};
+use genom_conformance::samples::state;
+use genom_middleware::{Address, OpenError, PortSpec, Ports};
 use genom_shm::{Options, Shm};
 
 use world::ShmWorld;
@@ -13,10 +13,12 @@ fn no_port_is_opened_where_nothing_is_left() {
     let world = ShmWorld::new();
     let full = Shm::open(Options { keep_free: u64::MAX, ..world.options() }).unwrap();
     let at = Address::new("demo", "position");
-    let Err(OpenError::Failed { why, .. }) = full.publisher(&at, &state()).map(drop) else {
+    let Err(OpenError::Failed { why, .. }) =
+        full.publisher(&PortSpec::new(&at, &state())).map(drop)
+    else {
         panic!("it was opened");
     };
     assert!(why.contains("of shared memory are left: enlarge /dev/shm"), "{why}");
     // With what is left in truth there is room.
-    world.open().publisher(&at, &state()).unwrap();
+    world.open().publisher(&PortSpec::new(&at, &state())).unwrap();
 }

@@ -16,9 +16,9 @@ use std::sync::mpsc::channel;
 use std::thread;
 use std::time::Duration;
 
-use genom_middleware::conformance::World;
-use genom_middleware::conformance::samples::{number, numbered, state};
-use genom_middleware::{Address, Middleware, Policy, Reading};
+use genom_conformance::World;
+use genom_conformance::samples::{number, numbered, state};
+use genom_middleware::{Address, Discovery, Policy, PortSpec, Ports, Reading};
 use genom_types::Record;
 
 use world::ShmWorld;
@@ -26,8 +26,6 @@ use world::process::Process;
 
 /// Only a failing test waits this long.
 const WATCHDOG: Duration = Duration::from_secs(60);
-
-const WRITER: &str = env!("CARGO_BIN_EXE_shm-writer");
 
 /// Mode of a file that iceoryx2 has not finished.
 const UNFINISHED: u32 = 0o200;
@@ -45,7 +43,7 @@ fn bounded<T: Send + 'static>(what: &str, work: impl FnOnce() -> T + Send + 'sta
 }
 
 fn started(world: &ShmWorld) -> Process {
-    let process = Process::start(WRITER, world, &[]);
+    let process = Process::writer(world);
     assert_eq!(process.says(), "ready");
     process
 }
@@ -76,8 +74,9 @@ fn cut(file: &Path) {
 fn works(world: ShmWorld) {
     let world = bounded("it starts and its port works", move || {
         let shm = world.open();
-        let mut reader = shm.subscription(&position(), &state(), Policy::Latest).unwrap();
-        let mut writer = shm.publisher(&position(), &state()).unwrap();
+        let mut reader =
+            shm.subscription(&PortSpec::new(&position(), &state()), Policy::Latest).unwrap();
+        let mut writer = shm.publisher(&PortSpec::new(&position(), &state())).unwrap();
         writer.publish(&numbered(7)).unwrap();
         let mut got = Record::new(&state());
         assert_eq!(reader.read(&mut got), Ok(Reading::New));
@@ -90,13 +89,20 @@ fn works(world: ShmWorld) {
 }
 
 #[test]
+#[ignore = "is another process, which the other tests start"]
+fn writes_until_it_is_killed() {
+    world::writer::run();
+}
+
+#[test]
 fn segments_that_a_killed_process_did_not_finish_are_removed_by_the_next_start() {
     for end in [".dynamic", ".data", ".connection"] {
         let world = ShmWorld::new();
         let process = started(&world);
         // A second one, so that there are connections.
         let shm = world.open();
-        let reader = shm.subscription(&position(), &state(), Policy::Latest).unwrap();
+        let reader =
+            shm.subscription(&PortSpec::new(&position(), &state()), Policy::Latest).unwrap();
         drop((reader, shm));
         process.kill();
         segments(&world, end).iter().for_each(|file| cut(file));
@@ -192,7 +198,7 @@ fn who_waits_for_a_segment_of_a_living_process_that_was_cut_waits_no_longer_than
     let shm = bounded("it looks around", move || {
         let _ = shm.discover();
         let at = Address::new("demo", "parameter");
-        let _ = shm.publisher(&at, &state()).map(drop);
+        let _ = shm.publisher(&PortSpec::new(&at, &state())).map(drop);
         shm
     });
     process.kill();

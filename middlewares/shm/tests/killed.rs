@@ -4,11 +4,12 @@ mod world;
 
 use std::time::Duration;
 
-use genom_middleware::conformance::samples::{note, number, numbered, other_state, state};
-use genom_middleware::conformance::{World, eventually};
+use genom_conformance::samples::{note, number, numbered, other_state, state};
+use genom_conformance::{World, eventually};
 use genom_middleware::reply::{Reply, pair};
 use genom_middleware::{
-    Address, CallError, Middleware, Policy, Reading, ServiceKind, ServiceType, Subscription,
+    Address, CallError, Policy, PortSpec, Ports, Reading, ServiceKind, ServiceType, Services,
+    Subscription,
 };
 use genom_types::Record;
 
@@ -17,8 +18,6 @@ use world::process::Process;
 
 /// Only a failing test waits this long.
 const WATCHDOG: Duration = Duration::from_secs(60);
-
-const WRITER: &str = env!("CARGO_BIN_EXE_shm-writer");
 
 fn position() -> Address {
     Address::new("demo", "position")
@@ -33,9 +32,15 @@ fn read_until(reader: &mut dyn Subscription, wanted: u64) {
 }
 
 fn start(world: &ShmWorld) -> Process {
-    let process = Process::start(WRITER, world, &[]);
+    let process = Process::writer(world);
     assert_eq!(process.says(), "ready");
     process
+}
+
+#[test]
+#[ignore = "is another process, which the other tests start"]
+fn writes_until_it_is_killed() {
+    world::writer::run();
 }
 
 #[test]
@@ -43,8 +48,8 @@ fn a_killed_writer_comes_back_and_its_readers_go_on() {
     let world = ShmWorld::new();
     let shm = world.open();
     let policies = [Policy::Latest, Policy::Queue(3), Policy::Ring(3)];
-    let mut readers =
-        policies.map(|policy| shm.subscription(&position(), &state(), policy).unwrap());
+    let mut readers = policies
+        .map(|policy| shm.subscription(&PortSpec::new(&position(), &state()), policy).unwrap());
     for round in 1..4 {
         let mut process = start(&world);
         process.tell(&round.to_string());
@@ -61,10 +66,13 @@ fn the_address_of_a_killed_writer_is_free_for_another_process_and_another_type()
     let world = ShmWorld::new();
     let shm = world.open();
     let process = start(&world);
-    assert!(shm.publisher(&position(), &state()).is_err());
+    assert!(shm.publisher(&PortSpec::new(&position(), &state())).is_err());
     process.kill();
-    drop(shm.publisher(&position(), &other_state()).expect("free, also for another type"));
-    drop(shm.publisher(&Address::new("demo", "note"), &state()).expect("free"));
+    drop(
+        shm.publisher(&PortSpec::new(&position(), &other_state()))
+            .expect("free, also for another type"),
+    );
+    drop(shm.publisher(&PortSpec::new(&Address::new("demo", "note"), &state())).expect("free"));
 }
 
 #[test]
@@ -72,10 +80,11 @@ fn a_killed_reader_takes_nothing_from_the_writer() {
     let world = ShmWorld::new();
     let shm = world.open();
     let parameter = Address::new("demo", "parameter");
-    let mut writer = shm.publisher(&parameter, &state()).unwrap();
+    let mut writer = shm.publisher(&PortSpec::new(&parameter, &state())).unwrap();
     for round in 0..3 {
         let process = start(&world);
-        let mut reader = shm.subscription(&parameter, &state(), Policy::Latest).unwrap();
+        let mut reader =
+            shm.subscription(&PortSpec::new(&parameter, &state()), Policy::Latest).unwrap();
         for n in 1..200 {
             writer.publish(&numbered(round * 1000 + n)).unwrap();
             read_until(&mut *reader, round * 1000 + n);
@@ -107,9 +116,12 @@ fn another_process_sees_the_last_value_of_every_kind() {
     process.tell("77");
     assert_eq!(process.says(), "sent");
     let shm = world.open();
-    read_until(&mut *shm.subscription(&position(), &state(), Policy::Queue(2)).unwrap(), 77);
+    read_until(
+        &mut *shm.subscription(&PortSpec::new(&position(), &state()), Policy::Queue(2)).unwrap(),
+        77,
+    );
     let at = Address::new("demo", "note");
-    let mut notes = shm.subscription(&at, &note(), Policy::Latest).unwrap();
+    let mut notes = shm.subscription(&PortSpec::new(&at, &note()), Policy::Latest).unwrap();
     let mut got = Record::new(&note());
     eventually("the note arrives", || notes.read(&mut got) == Ok(Reading::New));
     assert_eq!(got.to_json()["rows"].as_array().map(Vec::len), Some(5));

@@ -3,9 +3,9 @@
 
 mod world;
 
-use genom_middleware::conformance::World as _;
-use genom_middleware::conformance::samples::{numbered, state};
-use genom_middleware::{Address, Middleware, OpenError, Policy};
+use genom_conformance::World as _;
+use genom_conformance::samples::{numbered, state};
+use genom_middleware::{Address, OpenError, Policy, PortSpec, Ports};
 use genom_shm::{Options, Shm};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
@@ -15,11 +15,11 @@ use world::ShmWorld;
 fn limits_of_a_port_are_named_with_the_way_out_and_those_of_the_process_break_nothing() {
     let world = ShmWorld::new();
     let at = Address::new("demo", "position");
-    let read = |shm: &Shm, policy| shm.subscription(&at, &state(), policy);
+    let read = |shm: &Shm, policy| shm.subscription(&PortSpec::new(&at, &state()), policy);
 
     // Those of a port, as they are configured.
     let small = Shm::open(Options { readers: 2, depth: 4, ..world.options() }).unwrap();
-    let mut writer = small.publisher(&at, &state()).unwrap();
+    let mut writer = small.publisher(&PortSpec::new(&at, &state())).unwrap();
     let refused = read(&small, Policy::Queue(5)).err().unwrap().to_string();
     let told = "at most 4 unread samples a reader (of large types, for 16 MiB of them), not 5: \
                 ask for 4, or set backends.shm.depth";
@@ -37,7 +37,10 @@ fn limits_of_a_port_are_named_with_the_way_out_and_those_of_the_process_break_no
     setrlimit(Resource::Nofile, Rlimit { current: Some(held + 30), ..before }).unwrap();
     let mut ports = Vec::new();
     let refused = loop {
-        match shm.publisher(&Address::new("demo", format!("port{}", ports.len())), &state()) {
+        match shm.publisher(&PortSpec::new(
+            &Address::new("demo", format!("port{}", ports.len())),
+            &state(),
+        )) {
             Ok(port) => ports.push(port),
             Err(error) => break error,
         }
@@ -49,7 +52,7 @@ fn limits_of_a_port_are_named_with_the_way_out_and_those_of_the_process_break_no
     assert!(ports.len() >= 8, "a port that nobody reads holds few files: {}", ports.len());
     // With more files the port that was refused opens.
     let again = Address::new("demo", format!("port{}", ports.len()));
-    shm.publisher(&again, &state()).unwrap();
+    shm.publisher(&PortSpec::new(&again, &state())).unwrap();
     drop((ports, shm));
     assert_eq!(world.leftovers(), Vec::<String>::new());
 }

@@ -4,9 +4,9 @@
 
 mod world;
 
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{numbered, state};
-use genom_middleware::{Address, Middleware, Policy, Publisher, Reading, Subscription};
+use genom_conformance::eventually;
+use genom_conformance::samples::{numbered, state};
+use genom_middleware::{Address, Policy, PortSpec, Ports, Publisher, Reading, Subscription};
 use genom_shm::Shm;
 use genom_types::Record;
 
@@ -19,11 +19,11 @@ fn position() -> Address {
 }
 
 fn writer(on: &Shm) -> Box<dyn Publisher> {
-    on.publisher(&position(), &state()).unwrap()
+    on.publisher(&PortSpec::new(&position(), &state())).unwrap()
 }
 
 fn reader(on: &Shm, policy: Policy) -> Box<dyn Subscription> {
-    on.subscription(&position(), &state(), policy).unwrap()
+    on.subscription(&PortSpec::new(&position(), &state()), policy).unwrap()
 }
 
 fn burst(writer: &mut dyn Publisher, from: u64, to: u64) {

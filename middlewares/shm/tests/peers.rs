@@ -2,9 +2,9 @@
 
 mod world;
 
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{basic, note, number, numbered, state};
-use genom_middleware::{Address, Middleware, OpenError, Policy, ReadError, Reading};
+use genom_conformance::eventually;
+use genom_conformance::samples::{basic, note, number, numbered, state};
+use genom_middleware::{Address, OpenError, Policy, PortSpec, Ports, ReadError, Reading};
 use genom_types::{Kind, Record};
 use serde_json::json;
 
@@ -21,7 +21,7 @@ fn position() -> Address {
 fn a_typed_peer_reads_an_out_port_and_its_last_value() {
     let world = ShmWorld::new();
     let shm = world.open();
-    let mut writer = shm.publisher(&position(), &state()).unwrap();
+    let mut writer = shm.publisher(&PortSpec::new(&position(), &state())).unwrap();
     writer.publish(&numbered(41)).unwrap();
     let mut peer = Process::start(PEER, &world, &["read", "demo/position"]);
     assert_eq!(peer.says(), "ready");
@@ -41,7 +41,7 @@ fn a_port_of_a_basic_type_has_the_name_rust_gives_it() {
     let world = ShmWorld::new();
     let shm = world.open();
     let ty = basic(Kind::Double);
-    let mut writer = shm.publisher(&position(), &ty).unwrap();
+    let mut writer = shm.publisher(&PortSpec::new(&position(), &ty)).unwrap();
     let mut value = Record::new(&ty);
     value.merge_json(&json!(-0.25)).unwrap();
     writer.publish(&value).unwrap();
@@ -57,8 +57,8 @@ fn a_typed_peer_writes_an_in_port_of_any_policy() {
     let world = ShmWorld::new();
     let shm = world.open();
     let policies = [Policy::Latest, Policy::Ring(4), Policy::Queue(4)];
-    let mut readers =
-        policies.map(|policy| shm.subscription(&position(), &state(), policy).unwrap());
+    let mut readers = policies
+        .map(|policy| shm.subscription(&PortSpec::new(&position(), &state()), policy).unwrap());
     let mut peer = Process::start(PEER, &world, &["write", "demo/position"]);
     assert_eq!(peer.says(), "ready");
     let mut got = Record::new(&state());
@@ -79,19 +79,21 @@ fn a_port_that_a_peer_made_first_can_be_read() {
     let mut peer = Process::start(PEER, &world, &["create", "demo/position"]);
     assert_eq!(peer.says(), "ready");
     let shm = world.open();
-    let mut reader = shm.subscription(&position(), &state(), Policy::Latest).unwrap();
+    let mut reader =
+        shm.subscription(&PortSpec::new(&position(), &state()), Policy::Latest).unwrap();
     peer.tell("12");
     assert_eq!(peer.says(), "sent");
     let mut got = Record::new(&state());
     eventually("the sample arrives", || reader.read(&mut got) == Ok(Reading::New));
     assert_eq!(number(&got), 12);
     // What the peer's service cannot hold is refused, with the reason.
-    let deep = shm.subscription(&position(), &state(), Policy::Ring(10)).err();
+    let deep = shm.subscription(&PortSpec::new(&position(), &state()), Policy::Ring(10)).err();
     assert!(matches!(deep, Some(OpenError::Unsupported { .. })), "{deep:?}");
-    let taken = shm.publisher(&position(), &state()).err();
+    let taken = shm.publisher(&PortSpec::new(&position(), &state())).err();
     assert_eq!(taken, Some(OpenError::Taken { address: position() }));
     // The peer's type is named, though it knows nothing of ours.
-    match shm.subscription(&position(), &basic(Kind::Double), Policy::Latest).err() {
+    match shm.subscription(&PortSpec::new(&position(), &basic(Kind::Double)), Policy::Latest).err()
+    {
         Some(OpenError::TypeMismatch { ours, theirs, .. }) => {
             assert!(ours.contains("double") && theirs.contains("demo::state"), "{ours}; {theirs}");
         }
@@ -104,7 +106,7 @@ fn a_port_that_a_peer_made_first_can_be_read() {
 fn a_typed_peer_with_another_type_is_refused_by_iceoryx2() {
     let world = ShmWorld::new();
     let shm = world.open();
-    let _writer = shm.publisher(&position(), &state()).unwrap();
+    let _writer = shm.publisher(&PortSpec::new(&position(), &state())).unwrap();
     let peer = Process::start(PEER, &world, &["wrong", "demo/position"]);
     assert_eq!(peer.says(), "IncompatibleTypes");
     peer.end();
@@ -114,7 +116,8 @@ fn a_typed_peer_with_another_type_is_refused_by_iceoryx2() {
 fn what_a_peer_writes_wrong_is_refused_and_counted_and_the_value_stays() {
     let world = ShmWorld::new();
     let shm = world.open();
-    let mut reader = shm.subscription(&position(), &note(), Policy::Latest).unwrap();
+    let mut reader =
+        shm.subscription(&PortSpec::new(&position(), &note()), Policy::Latest).unwrap();
     let mut peer = Process::start(PEER, &world, &["write-bytes", "demo/position"]);
     assert_eq!(peer.says(), "ready");
     let mut good = Vec::new();

@@ -13,9 +13,9 @@ use std::fs::{self, Permissions};
 use std::os::unix::fs::{MetadataExt as _, PermissionsExt as _, chown};
 use std::path::{Path, PathBuf};
 
-use genom_middleware::conformance::World;
-use genom_middleware::conformance::samples::state;
-use genom_middleware::{Address, Middleware};
+use genom_conformance::World;
+use genom_conformance::samples::state;
+use genom_middleware::{Address, PortSpec, Ports};
 use genom_shm::{Options, Shm, ShmError};
 
 use world::ShmWorld;
@@ -38,7 +38,7 @@ fn all(world: &ShmWorld) -> Vec<PathBuf> {
 fn no_other_user_can_read_or_write_anything() {
     let world = ShmWorld::new();
     let shm = world.open();
-    let _port = shm.publisher(&Address::new("demo", "position"), &state()).unwrap();
+    let _port = shm.publisher(&PortSpec::new(&Address::new("demo", "position"), &state())).unwrap();
     assert_eq!(fs::metadata(world.root()).unwrap().mode() & 0o777, 0o700);
     for path in all(&world).iter().filter(|path| path.starts_with("/dev/shm")) {
         let mode = fs::metadata(path).unwrap().mode();

@@ -14,9 +14,10 @@ use zenoh::key_expr::OwnedKeyExpr;
 use zenoh::query::{ConsolidationMode, Reply, ReplyError};
 use zenoh::sample::Sample;
 
-use crate::backend::{BACKEND, Core};
+use crate::core::Core;
+use crate::error::BACKEND;
+use crate::sending::Orders;
 use crate::wire::{self, ErrorReply, Expected, Refusal};
-use crate::worker::Orders;
 
 /// An answer that comes later than this is lost. zenoh keeps a timer per query for as long,
 /// answered or not: short for what is called often.
@@ -204,7 +205,7 @@ impl Call {
 
     fn ask_to_cancel(&self, id: ActivityId) {
         let key = self.cancel.clone();
-        self.orders.submit(move |outgoing| {
+        self.orders.submit(move |outgoing, _| {
             let asked = outgoing.session.get(&key).payload(id.to_string()).callback(|_| {}).wait();
             if let Err(error) = asked {
                 tracing::warn!(%key, %error, "an activity could not be cancelled");

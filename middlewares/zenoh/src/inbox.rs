@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use genom_middleware::mailbox::{Full, Mailbox};
+use genom_kit::intake::Keeping;
+use genom_kit::mailbox::Mailbox;
 use zenoh::sample::{Sample, SampleKind};
 
 use crate::arrival::Arrival;
@@ -54,15 +55,14 @@ impl Inbox {
     pub(crate) fn new(
         address: String,
         expected: Expected,
-        (depth, full): (usize, Full),
+        Keeping { depth, full, counts }: Keeping,
         size: usize,
-        latest: bool,
     ) -> Self {
         Self {
             address,
             expected,
             mailbox: Mailbox::with(depth, full, || Arrival::with_room(size)),
-            latest,
+            latest: !counts,
             undecodable: AtomicU64::new(0),
             gate: Mutex::default(),
         }

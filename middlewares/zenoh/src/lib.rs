@@ -32,6 +32,9 @@
 mod arrival;
 mod backend;
 mod client;
+mod core;
+mod daemons;
+mod error;
 mod graph;
 mod inbox;
 mod keys;
@@ -40,11 +43,14 @@ mod ports;
 mod reach;
 mod relay;
 mod rendezvous;
+mod sending;
 mod service;
+mod services;
+mod settings;
 mod strangers;
 mod wire;
-mod worker;
 
 pub use backend::Zenoh;
-pub use options::{Mode, Options, SessionError, Tls};
+pub use error::SessionError;
+pub use options::{Mode, Options, Tls};
 pub use rendezvous::default_directory;

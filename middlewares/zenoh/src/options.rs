@@ -3,13 +3,17 @@
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
+use serde::Deserialize;
 use zenoh::Config;
 
+use crate::error::SessionError;
 use crate::reach;
 use crate::rendezvous;
+use crate::settings;
 
 /// What the session is among others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
 pub enum Mode {
     /// Talks to other peers directly.
     #[default]
@@ -20,13 +24,18 @@ pub enum Mode {
     Router,
 }
 
-/// How to open a session. The default stays within this machine: it listens on a Unix socket of
-/// this user only, looks for nobody on a network, and finds all others that do the same.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// `[backends.zenoh]`; `configs/zenoh.toml` explains it.
+///
+/// The default stays within this machine: the session listens on a Unix socket of this user only,
+/// looks for nobody on a network, and finds all others that do the same.
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq)]
+#[serde(default, deny_unknown_fields)]
 pub struct Options {
     /// Peer, client or router. Ignored with a `config_file`, which says it.
     pub mode: Mode,
-    /// Folder in which sessions of this machine find each other; none: they do not.
+    /// Folder in which sessions of this machine find each other; none (in a configuration: an
+    /// empty string): they do not.
+    #[serde(deserialize_with = "settings::folder")]
     pub rendezvous: Option<PathBuf>,
     /// Endpoints to listen on besides: `tcp/127.0.0.1:7447`, `tcp/0.0.0.0:7447`.
     pub listen: Vec<String>,
@@ -34,19 +43,22 @@ pub struct Options {
     pub connect: Vec<String>,
     /// Put before all keys, to keep groups of robots apart.
     pub prefix: String,
-    /// A zenoh configuration (JSON5 or YAML) instead of the local defaults.
+    /// A zenoh configuration (JSON5 or YAML) instead of the local defaults. Key: `config`.
+    #[serde(rename = "config")]
     pub config_file: Option<PathBuf>,
-    /// Keys of zenoh's configuration with JSON5 values, applied last:
-    /// `("scouting/multicast/enabled", "true")`.
-    pub set: Vec<(String, String)>,
     /// For endpoints `tls/HOST:PORT`.
     pub tls: Tls,
     /// Whether anybody may come in from other machines: who reaches a session calls services.
     pub insecure: bool,
+    /// Keys of zenoh's configuration with JSON5 values, applied last:
+    /// `("scouting/multicast/enabled", "true")`. In a configuration a table.
+    #[serde(deserialize_with = "settings::of_zenoh")]
+    pub set: Vec<(String, String)>,
 }
 
-/// Certificates of a session, in PEM files.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// `[backends.zenoh.tls]`: certificates of a session, in PEM files.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Eq)]
+#[serde(default, deny_unknown_fields)]
 pub struct Tls {
     /// Whoever shows a certificate that this one signed is trusted. None: who has one of the
     /// authorities known to the web.
@@ -68,81 +80,11 @@ impl Default for Options {
             connect: Vec::new(),
             prefix: String::new(),
             config_file: None,
-            set: Vec::new(),
             tls: Tls::default(),
             insecure: false,
+            set: Vec::new(),
         }
     }
-}
-
-/// A session could not be opened.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SessionError {
-    /// zenoh does not understand its configuration file.
-    #[error("{path} is no zenoh configuration: {why}")]
-    ConfigFile {
-        /// Which file.
-        path: PathBuf,
-        /// zenoh's own words.
-        why: String,
-    },
-    /// A key is unknown to zenoh, or its value is wrong.
-    #[error("zenoh refuses {key} = {value}: {why}; see zenoh's DEFAULT_CONFIG.json5 for its keys")]
-    Setting {
-        /// The key.
-        key: String,
-        /// The value as given.
-        value: String,
-        /// zenoh's own words.
-        why: String,
-    },
-    /// A certificate or key cannot be read.
-    #[error("the {what} for TLS, {path}, cannot be read: {source}")]
-    Tls {
-        /// Which one.
-        what: &'static str,
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// Others could read the private key.
-    #[error("others may read the key for TLS, {0}: `chmod 600 {0}`")]
-    OpenKey(PathBuf),
-    /// Anybody on the network could come in.
-    #[error(
-        "{0}, who may then call services and write ports: listen on tls/ with `mutual = true` and \
-         certificates ([backends.zenoh.tls]), or on 127.0.0.1; or write `insecure = true` where \
-         the network is yours alone"
-    )]
-    Insecure(String),
-    /// A certificate without its key, or the other way round.
-    #[error("TLS needs `certificate` and `key` together")]
-    HalfTls,
-    /// The prefix is no beginning of a key.
-    #[error("`{0}` is no prefix: write names with / between them, without wild cards")]
-    Prefix(String),
-    /// A client has nothing to connect to.
-    #[error("a zenoh client needs an endpoint to connect to, like `tcp/127.0.0.1:7447`")]
-    NoEndpoint,
-    /// The folder where sessions meet cannot be used.
-    #[error("daemons cannot meet in {path}: {source}; name another folder, or none")]
-    Rendezvous {
-        /// Which folder.
-        path: PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// zenoh did not open.
-    #[error("zenoh does not open: {0}")]
-    Open(String),
-    /// A client reached nobody by TLS: zenoh does not say why.
-    #[error(
-        "zenoh does not open: {0}: is somebody there, did `authority` sign their certificate, and \
-         do they ask for a `certificate` of this side? `log = \"info,zenoh=debug\"` says which"
-    )]
-    Refused(String),
 }
 
 impl Options {
@@ -311,5 +253,23 @@ mod tests {
         std::fs::write(&path, "{ mode: ").unwrap();
         let error = options.to_zenoh(None, &[]).unwrap_err().to_string();
         assert!(error.contains("zenoh.json5"), "{error}");
+    }
+
+    #[test]
+    fn options_are_read_and_wrong_ones_are_named() {
+        let given = "mode = \"client\"\nconnect = [\"tcp/127.0.0.1:7447\"]\nrendezvous = \"\"\n\
+                     config = \"/z.json5\"\n[tls]\nauthority = \"/ca.pem\"\nmutual = true\n\
+                     [set]\n\"transport/link/tx/queue/size/data\" = 4\n";
+        let options: Options = toml::from_str(given).unwrap();
+        assert_eq!((options.mode, &options.rendezvous), (Mode::Client, &None));
+        assert_eq!(options.config_file, Some("/z.json5".into()));
+        assert!(options.tls.mutual);
+        assert_eq!(options.tls.authority, Some("/ca.pem".into()));
+        assert_eq!(options.set, [("transport/link/tx/queue/size/data".into(), "4".into())]);
+        assert_eq!(toml::from_str::<Options>("").unwrap(), Options::default());
+        for (given, known) in [("lisen = []", "`listen`"), ("[tls]\nkee = 1", "`key`")] {
+            let error = toml::from_str::<Options>(given).unwrap_err().to_string();
+            assert!(error.contains("unknown field") && error.contains(known), "{error}");
+        }
     }
 }

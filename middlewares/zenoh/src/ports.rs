@@ -1,86 +1,177 @@
-//! The ends of ports, as the runtime sees them.
+//! Ports: how they are opened, and their ends as the runtime sees them.
 
+use std::collections::hash_map::RandomState;
+use std::hash::BuildHasher;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::Ordering;
+use std::thread;
 
-use genom_middleware::mailbox::{Mailbox, PutError};
-use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
+use genom_kit::intake::{Intake, Keeping};
+use genom_kit::outlet::Outlet;
+use genom_middleware::{
+    EndpointKind, OpenError, Policy, PortSpec, Ports, PublishError, Publisher, ReadError, Reading,
+    Subscription,
+};
 use genom_types::{DataType, Record};
+use zenoh::Wait;
+use zenoh::qos::CongestionControl;
 use zenoh::query::Queryable;
 
-use crate::backend::Core;
+use crate::backend::Zenoh;
+use crate::core::{Core, ask};
+use crate::error::BACKEND;
 use crate::graph::Claim;
 use crate::inbox::Inbox;
+use crate::sending::{LastValue, Line};
+use crate::wire::{self, Expected, Mark};
+
+/// Unsent samples kept per out port, and the bytes they may take: then fewer are.
+const UNSENT: usize = 16;
+const UNSENT_BYTES: usize = 1 << 20;
+
+/// Room for a message of the type, without allocation later as far as it can be told: CDR is
+/// seldom larger than the C layout, and never four times as large.
+fn room(ty: &DataType) -> usize {
+    let size = ty.size();
+    if size <= 1 << 16 { size * 4 + 64 } else { size + size / 4 }
+}
+
+/// Differs between any two writers of a session, and as good as surely between all.
+fn new_writer() -> u64 {
+    RandomState::new().hash_one(thread::current().id())
+}
+
+impl Ports for Zenoh {
+    fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError> {
+        let PortSpec { address: at, ty, .. } = *port;
+        let core = &self.core;
+        let key = core.key(at)?;
+        let claim = core.claim_port(at, EndpointKind::Publisher, ty)?;
+        let failed = |error| core.failed(at, error);
+        let encoding = wire::encoding_of(ty);
+        let last = Arc::new(LastValue::default());
+        let offered = {
+            let (last, key, encoding) = (Arc::clone(&last), key.clone(), encoding.clone());
+            move |query: zenoh::query::Query| {
+                let Some((payload, mark)) = last.get() else { return };
+                let reply = query.reply(key.clone(), payload).encoding(encoding.clone());
+                if let Err(error) = reply.attachment(&mark.to_bytes()[..]).wait() {
+                    tracing::debug!(%key, %error, "the last value was not sent");
+                }
+            }
+        };
+        let queryable = core.session().declare_queryable(key.clone()).callback(offered);
+        let queryable = queryable.wait().map_err(failed)?;
+        let publisher = core
+            .session()
+            .declare_publisher(key)
+            .encoding(encoding)
+            // A reader that does not keep up holds back the sending thread, not the writers:
+            // they lose old samples, and the last one arrives.
+            .congestion_control(CongestionControl::Block)
+            .wait()
+            .map_err(failed)?;
+        let room = room(ty);
+        let depth = (UNSENT_BYTES / room.max(1)).clamp(1, UNSENT);
+        let outlet = Arc::new(Outlet::new(ty, depth, room));
+        // The token comes last: who sees it can ask for the last value.
+        let claim = core.show(at, claim)?;
+        let line = core.orders().add(Line {
+            publisher,
+            outlet: Arc::clone(&outlet),
+            last,
+            mark: Mark { writer: new_writer(), number: 0 },
+        });
+        Ok(Box::new(ZenohPublisher {
+            outlet,
+            line,
+            shown: Some((queryable, claim)),
+            core: Arc::clone(core),
+        }))
+    }
+
+    fn subscription(
+        &self,
+        port: &PortSpec<'_>,
+        policy: Policy,
+    ) -> Result<Box<dyn Subscription>, OpenError> {
+        let PortSpec { address: at, ty, .. } = *port;
+        let core = &self.core;
+        let keeping = Keeping::of(policy, BACKEND, ty)?;
+        let key = core.key(at)?;
+        let claim = core.claim_port(at, EndpointKind::Subscription, ty)?;
+        let expected = Expected::of(ty);
+        let inbox = Arc::new(Inbox::new(at.to_string(), expected, keeping, ty.size() + 64));
+        let arriving = Arc::clone(&inbox);
+        let subscriber = core.session().declare_subscriber(key.clone());
+        let subscriber = subscriber.callback(move |sample| arriving.arrive(&sample, None));
+        let subscriber = subscriber.wait().map_err(|error| core.failed(at, error))?;
+        let claim = core.show(at, claim)?;
+        // Writers that come later are asked when they do.
+        core.graph().add_reader(at, &inbox);
+        ask(core.session(), &key, Arc::clone(&inbox));
+        Ok(Box::new(ZenohSubscription {
+            intake: Intake::new(ty),
+            inbox,
+            _subscriber: subscriber,
+            _claim: claim,
+            _core: Arc::clone(core),
+        }))
+    }
+}
 
 /// An out port.
 pub(crate) struct ZenohPublisher {
-    pub(crate) ty: DataType,
-    pub(crate) mailbox: Arc<Mailbox>,
-    pub(crate) refused: Arc<AtomicU64>,
+    outlet: Arc<Outlet>,
     /// Its number with the sending thread.
-    pub(crate) line: usize,
+    line: usize,
     /// What shows it to others; goes after the last sample went out.
-    pub(crate) shown: Option<(Queryable<()>, Claim)>,
-    pub(crate) core: Arc<Core>,
+    shown: Option<(Queryable<()>, Claim)>,
+    core: Arc<Core>,
 }
 
 impl Publisher for ZenohPublisher {
     fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
-        if !value.ty().same_as(&self.ty) {
-            return Err(PublishError::Refused);
-        }
-        self.mailbox.put(|message| value.encode_message(message)).map_err(|error| match error {
-            PutError::Fill(_) => PublishError::Serialization,
-            PutError::Busy => PublishError::Refused,
-        })?;
+        self.outlet.put(value)?;
         self.core.orders().mark(self.line);
         Ok(())
     }
 
     fn dropped(&self) -> u64 {
-        self.mailbox.lost() + self.refused.load(Ordering::Relaxed)
+        self.outlet.dropped()
     }
 }
 
 impl Drop for ZenohPublisher {
     fn drop(&mut self) {
-        self.core.orders().remove(self.line, self.shown.take());
+        let shown = self.shown.take();
+        self.core.orders().remove(self.line, |_, line| {
+            drop(line);
+            drop(shown);
+        });
     }
 }
 
 /// An in port. Fields are dropped in order.
 pub(crate) struct ZenohSubscription {
-    /// Samples are decoded here first: one that fails leaves the reader's record alone.
-    pub(crate) scratch: Record,
-    pub(crate) inbox: Arc<Inbox>,
-    /// Whether anything was read yet.
-    pub(crate) read: bool,
-    pub(crate) _subscriber: zenoh::pubsub::Subscriber<()>,
-    pub(crate) _claim: Claim,
-    pub(crate) _core: Arc<Core>,
+    intake: Intake,
+    inbox: Arc<Inbox>,
+    _subscriber: zenoh::pubsub::Subscriber<()>,
+    _claim: Claim,
+    _core: Arc<Core>,
 }
 
 impl Subscription for ZenohSubscription {
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
-        if !into.ty().same_as(self.scratch.ty()) {
-            return Err(ReadError::Broken);
+        let inbox = &self.inbox;
+        let next = |decode: &mut dyn FnMut(&[u8]) -> bool| {
+            inbox.mailbox.take(|arrival| arrival.read(decode))
+        };
+        let reading = self.intake.read(into, next);
+        if reading == Err(ReadError::Serialization) {
+            inbox.undecodable.fetch_add(1, Ordering::Relaxed);
         }
-        let scratch = &mut self.scratch;
-        let decoded = self.inbox.mailbox.take(|arrival| {
-            arrival.read(|message| into.replace_from_message(message, scratch).is_ok())
-        });
-        match decoded {
-            None if self.read => Ok(Reading::Same),
-            None => Ok(Reading::Never),
-            Some(false) => {
-                self.inbox.undecodable.fetch_add(1, Ordering::Relaxed);
-                Err(ReadError::Serialization)
-            }
-            Some(true) => {
-                self.read = true;
-                Ok(Reading::New)
-            }
-        }
+        reading
     }
 
     fn dropped(&self) -> u64 {

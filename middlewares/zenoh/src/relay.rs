@@ -1,8 +1,7 @@
 //! Requests to daemons, as queries on a key of each; who is there, by liveliness tokens.
 
-use std::collections::BTreeSet;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use genom_middleware::DiscoverError;
@@ -12,69 +11,13 @@ use zenoh::bytes::ZBytes;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::query::{ConsolidationMode, Query, QueryTarget, Queryable, Reply};
 
-use crate::backend::{BACKEND, Core, Zenoh};
-use crate::worker::Orders;
-
-/// How long a daemon that does not show yet is waited for.
-const TO_SHOW: Duration = Duration::from_secs(3);
+use crate::backend::Zenoh;
+use crate::core::Core;
+use crate::error::BACKEND;
+use crate::sending::Orders;
 
 /// Answers to one name that are gathered; there is meant to be one.
 const MOST_ANSWERS: usize = 16;
-
-/// The daemons that show, as session and name.
-#[derive(Default)]
-pub(crate) struct Daemons {
-    there: Mutex<BTreeSet<(String, String)>>,
-    changed: Condvar,
-}
-
-impl Daemons {
-    /// A daemon came, or went. `own` is this session.
-    pub(crate) fn heard(&self, session: String, name: String, came: bool, own: &str) {
-        let mut there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
-        // Both came at once, or the network was apart: neither was there to be seen.
-        if came && session != own && there.contains(&(own.to_owned(), name.clone())) {
-            tracing::warn!("{}; until then requests may reach either", taken(&name));
-        }
-        if came {
-            there.insert((session, name));
-        } else {
-            there.remove(&(session, name));
-        }
-        self.changed.notify_all();
-    }
-
-    /// Whether a daemon shows in that session.
-    pub(crate) fn has(&self, wanted: &str) -> bool {
-        let there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
-        there.iter().any(|(session, _)| session == wanted)
-    }
-
-    fn names(&self) -> Vec<String> {
-        let there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
-        let names: BTreeSet<_> = there.iter().map(|(_, name)| name.clone()).collect();
-        names.into_iter().collect()
-    }
-
-    /// Waits until a daemon of that name shows; whether it does.
-    fn wait_for(&self, wanted: &str) -> bool {
-        let there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
-        let absent =
-            |there: &mut BTreeSet<(String, String)>| !there.iter().any(|(_, name)| name == wanted);
-        let waited = self.changed.wait_timeout_while(there, TO_SHOW, absent);
-        !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
-    }
-
-    /// Whether another session shows a daemon of that name.
-    fn taken(&self, wanted: &str, own: &str) -> bool {
-        let there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
-        there.iter().any(|(session, name)| name == wanted && session != own)
-    }
-}
-
-fn taken(name: &str) -> AnnounceError {
-    AnnounceError::Taken { name: name.to_owned(), backend: BACKEND.to_owned() }
-}
 
 /// A daemon that shows; gone with this.
 struct Announced {
@@ -102,7 +45,10 @@ impl Relay for Zenoh {
     ) -> Result<Box<dyn Send + Sync>, AnnounceError> {
         let core = &self.core;
         if core.daemons().taken(name, core.name()) {
-            return Err(taken(name));
+            return Err(AnnounceError::Taken {
+                name: name.to_owned(),
+                backend: BACKEND.to_owned(),
+            });
         }
         let failed = |error: zenoh::Error| AnnounceError::Failed {
             name: name.to_owned(),
@@ -191,7 +137,7 @@ impl Relay for Zenoh {
 fn take(query: Query, requests: &OnRequest, orders: Orders) {
     let request = query.payload().map(ZBytes::to_bytes).unwrap_or_default().into_owned();
     let answer = move |answer: Vec<u8>| {
-        orders.submit(move |_| {
+        orders.submit(move |_, _| {
             if let Err(error) = query.reply(query.key_expr().clone(), answer).wait() {
                 tracing::debug!("an answer to a supervisor was not sent: {error}");
             }

@@ -12,10 +12,10 @@ use zenoh::Wait;
 use zenoh::bytes::{Encoding, ZBytes};
 use zenoh::query::{Query, Queryable};
 
-use crate::backend::Core;
+use crate::core::Core;
 use crate::graph::Claim;
+use crate::sending::Orders;
 use crate::wire::{self, Expected, Refusal};
-use crate::worker::Orders;
 
 /// What the queryable's callback needs.
 pub(crate) struct Server {
@@ -58,7 +58,7 @@ impl Server {
             Ok(input) => self.start(query, input),
             Err(refusal) => {
                 tracing::warn!(key = %query.key_expr(), "refused a request: {refusal:?}");
-                self.orders.submit(move |_| refuse(&query, &refusal));
+                self.orders.submit(move |_, _| refuse(&query, &refusal));
             }
         }
     }
@@ -93,7 +93,7 @@ impl Server {
                 pending.push(Arc::downgrade(&request));
             }
             None => {
-                return self.orders.submit(move |_| {
+                return self.orders.submit(move |_, _| {
                     request.end(|query| {
                         refuse(query, &Refusal::Gone);
                     })
@@ -111,7 +111,7 @@ impl Server {
         if let Some(id) = id {
             self.handler.cancel(ActivityId(id));
         }
-        self.orders.submit(move |_| match id {
+        self.orders.submit(move |_, _| match id {
             Some(_) => reported(query.reply(query.key_expr().clone(), "").wait()),
             None => {
                 let why = "the payload is no number of a run in decimal".to_owned();
@@ -188,17 +188,17 @@ struct ToCaller {
 impl Replies for ToCaller {
     fn accepted(&mut self, id: ActivityId) {
         let request = Arc::clone(&self.request);
-        self.orders.submit(move |_| request.tell(wire::ACCEPTED, id.to_string()));
+        self.orders.submit(move |_, _| request.tell(wire::ACCEPTED, id.to_string()));
     }
 
     fn feedback(&mut self, state: &str) {
         let (request, state) = (Arc::clone(&self.request), state.to_owned());
-        self.orders.submit(move |_| request.tell(wire::FEEDBACK, state));
+        self.orders.submit(move |_, _| request.tell(wire::FEEDBACK, state));
     }
 
     fn finish(self: Box<Self>, outcome: Outcome) {
         let request = Arc::clone(&self.request);
-        self.orders.submit(move |_| request.finish(outcome));
+        self.orders.submit(move |_, _| request.finish(outcome));
     }
 }
 
@@ -206,7 +206,7 @@ impl Drop for ToCaller {
     // After `finish` this comes second and changes nothing.
     fn drop(&mut self) {
         let request = Arc::clone(&self.request);
-        self.orders.submit(move |_| request.finish(Outcome::Lost(CallError::Gone)));
+        self.orders.submit(move |_, _| request.finish(Outcome::Lost(CallError::Gone)));
     }
 }
 
@@ -217,6 +217,6 @@ impl Drop for ZenohServed {
         self.shown = None;
         let server = Arc::clone(&self.server);
         // On the session's thread: replies given before go out before.
-        self.core.orders().finish(move |_| server.leave());
+        self.core.orders().finish(move |_, _| server.leave());
     }
 }

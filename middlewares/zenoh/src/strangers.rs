@@ -8,7 +8,7 @@ use genom_middleware::{Address, Stranger};
 use zenoh::Wait;
 use zenoh::sample::Locality;
 
-use crate::backend::Core;
+use crate::core::Core;
 
 impl Core {
     pub(crate) fn strangers(&self) -> Vec<Stranger> {

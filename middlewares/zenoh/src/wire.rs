@@ -124,7 +124,7 @@ pub(crate) fn read_error(payload: &[u8]) -> ErrorReply {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use genom_middleware::conformance::samples::{other_state, state};
+    use genom_conformance::samples::{other_state, state};
 
     #[test]
     fn a_digest_that_differs_is_seen_and_none_is_accepted() {

@@ -4,4 +4,4 @@ mod world;
 
 use world::Meeting;
 
-genom_middleware::conformance! { zenoh: Meeting::new() }
+genom_conformance::conformance! { zenoh: Meeting::new() }

@@ -4,10 +4,13 @@
 
 mod world;
 
-use genom_middleware::conformance::samples::{note, note_of, numbered, state};
-use genom_middleware::conformance::{World, eventually};
-use genom_middleware::{Address, EndpointKind, Middleware, Policy, Reading};
+use std::io::Read as _;
+
+use genom_conformance::samples::{note, note_of, numbered, state};
+use genom_conformance::{World, eventually};
+use genom_middleware::{Address, Discovery, EndpointKind, Policy, PortSpec, Ports, Reading};
 use genom_types::{DataType, Record};
+use genom_zenoh::{Options, Zenoh};
 use world::Meeting;
 use zenoh::Wait;
 
@@ -58,7 +61,7 @@ impl Noise {
 fn suffers(ty: &DataType, value: &Record) {
     let place = Meeting::new();
     let ours = place.open();
-    let mut reader = ours.subscription(&position(), ty, Policy::Queue(4)).unwrap();
+    let mut reader = ours.subscription(&PortSpec::new(&position(), ty), Policy::Queue(4)).unwrap();
     let peer = plain(&place);
     let publisher = peer.declare_publisher("demo/position").wait().unwrap();
     eventually("the reader is seen", || publisher.matching_status().wait().unwrap().matching());
@@ -98,27 +101,44 @@ fn nonsense_of_a_variable_type_is_refused_and_counted() {
 fn the_first_session_may_end_and_the_others_stay_together() {
     let place = Meeting::new();
     let (first, a, b) = (place.open(), place.open(), place.open());
-    let mut writer = a.publisher(&position(), &state()).unwrap();
+    let mut writer = a.publisher(&PortSpec::new(&position(), &state())).unwrap();
     drop(first);
     let late = place.open();
     let mut got = Record::new(&state());
     for session in [&b, &late] {
-        let mut reader = session.subscription(&position(), &state(), Policy::Latest).unwrap();
+        let mut reader =
+            session.subscription(&PortSpec::new(&position(), &state()), Policy::Latest).unwrap();
         writer.publish(&numbered(3)).unwrap();
         eventually("the sample arrives", || reader.read(&mut got).unwrap() == Reading::New);
     }
+}
+
+/// Where the process that is killed meets the test.
+const PLACE: &str = "GENOM_ZENOH_WRITER_PLACE";
+
+#[test]
+#[ignore = "is another process, which the next test starts"]
+fn writes_until_it_is_killed() {
+    let Some(place) = std::env::var_os(PLACE) else { return };
+    let options = Options { rendezvous: Some(place.into()), ..Options::default() };
+    let zenoh = Zenoh::open(&options).unwrap();
+    let mut writer = zenoh.publisher(&PortSpec::new(&position(), &state())).unwrap();
+    writer.publish(&numbered(9)).unwrap();
+    // Ends with the test, if it is not killed before.
+    let _ = std::io::stdin().read_to_end(&mut Vec::new());
 }
 
 #[test]
 fn a_killed_peer_is_forgotten_and_leaves_no_socket() {
     let place = Meeting::new();
     let ours = place.open();
-    let mut victim = std::process::Command::new(env!("CARGO_BIN_EXE_zenoh-writer"))
-        .arg(place.options().rendezvous.unwrap())
+    let mut victim = genom_conformance::again("writes_until_it_is_killed")
+        .env(PLACE, place.options().rendezvous.unwrap())
         .stdin(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    let mut reader = ours.subscription(&position(), &state(), Policy::Latest).unwrap();
+    let mut reader =
+        ours.subscription(&PortSpec::new(&position(), &state()), Policy::Latest).unwrap();
     let mut got = Record::new(&state());
     eventually("its value arrives", || reader.read(&mut got).unwrap() == Reading::New);
     victim.kill().unwrap();
@@ -127,7 +147,7 @@ fn a_killed_peer_is_forgotten_and_leaves_no_socket() {
         let seen = ours.discover().unwrap();
         !seen.iter().any(|end| end.kind == EndpointKind::Publisher)
     });
-    let mut writer = ours.publisher(&position(), &state()).unwrap();
+    let mut writer = ours.publisher(&PortSpec::new(&position(), &state())).unwrap();
     writer.publish(&numbered(10)).unwrap();
     eventually("another one takes its place", || reader.read(&mut got).unwrap() == Reading::New);
     drop((writer, reader));

@@ -9,9 +9,9 @@ use std::fs;
 use std::net::UdpSocket;
 use std::sync::{Arc, Mutex};
 
-use genom_middleware::conformance::samples::{image, numbered, state};
-use genom_middleware::conformance::{World, eventually};
-use genom_middleware::{Address, Middleware};
+use genom_conformance::samples::{image, numbered, state};
+use genom_conformance::{World, eventually};
+use genom_middleware::{Address, Discovery, PortSpec, Ports};
 use genom_types::Record;
 use world::Meeting;
 use zenoh::{Session, Wait};
@@ -43,8 +43,10 @@ fn large_samples_travel_in_shared_memory_and_small_ones_do_not() {
         seen.lock().unwrap().push((payload.len(), payload.as_shm().is_some()));
     };
     let _subscriber = program.declare_subscriber("demo/*").callback(see).wait().unwrap();
-    let mut camera = zenoh.publisher(&Address::new("demo", "camera"), &image()).unwrap();
-    let mut pose = zenoh.publisher(&Address::new("demo", "pose"), &state()).unwrap();
+    let mut camera =
+        zenoh.publisher(&PortSpec::new(&Address::new("demo", "camera"), &image())).unwrap();
+    let mut pose =
+        zenoh.publisher(&PortSpec::new(&Address::new("demo", "pose"), &state())).unwrap();
     let picture = Record::new(&image());
     let came = |large: bool, shared: bool| {
         let arrived = arrived.lock().unwrap();
@@ -79,7 +81,7 @@ fn network_sockets() -> usize {
 fn sessions_of_one_machine_meet_without_any_network() {
     let place = Meeting::new();
     let (a, b) = (place.open(), place.open());
-    let _writer = a.publisher(&Address::new("demo", "far"), &state()).unwrap();
+    let _writer = a.publisher(&PortSpec::new(&Address::new("demo", "far"), &state())).unwrap();
     eventually("they see each other", || {
         b.discover().unwrap().iter().any(|end| end.address == "demo/far")
     });

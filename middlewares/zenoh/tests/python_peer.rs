@@ -10,11 +10,11 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use genom_components::peer::Lines;
-use genom_middleware::conformance::samples::{number, numbered, state};
-use genom_middleware::conformance::{World, eventually};
+use genom_conformance::samples::{number, numbered, state};
+use genom_conformance::{World, eventually};
 use genom_middleware::{
-    ActivityId, Address, CallError, EndpointKind, Middleware, Outcome, Policy, ReadError, Reading,
-    Replies, ServiceHandler, ServiceKind, ServiceType, Stranger,
+    ActivityId, Address, CallError, Discovery, EndpointKind, Outcome, Policy, PortSpec, Ports,
+    ReadError, Reading, Replies, ServiceHandler, ServiceKind, ServiceType, Services, Stranger,
 };
 use genom_types::Record;
 use serde_json::{Value, json};
@@ -44,7 +44,7 @@ fn position() -> Address {
 fn a_python_peer_reads_a_port_and_asks_for_its_last_value() {
     let place = Meeting::new();
     let zenoh = place.open();
-    let mut writer = zenoh.publisher(&position(), &state()).unwrap();
+    let mut writer = zenoh.publisher(&PortSpec::new(&position(), &state())).unwrap();
     writer.publish(&numbered(41)).unwrap();
     let mut peer = start(&place, "read");
     peer.says("last 41");
@@ -60,10 +60,10 @@ fn a_python_peer_reads_a_port_and_asks_for_its_last_value() {
 fn a_peer_without_tokens_shows_as_a_session_and_as_a_reader() {
     let place = Meeting::new();
     let zenoh = place.open();
-    let mut writer = zenoh.publisher(&position(), &state()).unwrap();
+    let mut writer = zenoh.publisher(&PortSpec::new(&position(), &state())).unwrap();
     writer.publish(&numbered(1)).unwrap();
     let other = Address::new("demo", "other");
-    let _other = zenoh.publisher(&other, &state()).unwrap();
+    let _other = zenoh.publisher(&PortSpec::new(&other, &state())).unwrap();
     assert_eq!(zenoh.strangers(), []);
     let mut peer = start(&place, "read");
     peer.says("last 1");
@@ -76,7 +76,7 @@ fn a_peer_without_tokens_shows_as_a_session_and_as_a_reader() {
     eventually("the peer shows", alone);
     // What has tokens is no stranger.
     let near = place.open();
-    let _reader = near.subscription(&other, &state(), Policy::Latest).unwrap();
+    let _reader = near.subscription(&PortSpec::new(&other, &state()), Policy::Latest).unwrap();
     eventually("the reader shows", || {
         zenoh.discover().unwrap().iter().any(|end| end.kind == EndpointKind::Subscription)
     });
@@ -89,7 +89,8 @@ fn a_peer_without_tokens_shows_as_a_session_and_as_a_reader() {
 fn a_python_peer_writes_a_port_and_what_it_breaks_is_counted() {
     let place = Meeting::new();
     let zenoh = place.open();
-    let mut reader = zenoh.subscription(&position(), &state(), Policy::Queue(8)).unwrap();
+    let mut reader =
+        zenoh.subscription(&PortSpec::new(&position(), &state()), Policy::Queue(8)).unwrap();
     let mut peer = start(&place, "write");
     let mut got = Record::new(&state());
     for n in [5, 6] {

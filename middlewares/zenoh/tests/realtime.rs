@@ -3,9 +3,9 @@
 mod world;
 
 use genom_allocations as allocations;
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{number, numbered, set_number, state};
-use genom_middleware::{Address, Middleware, Policy, Reading};
+use genom_conformance::eventually;
+use genom_conformance::samples::{number, numbered, set_number, state};
+use genom_middleware::{Address, Policy, PortSpec, Ports, Reading};
 use genom_types::Record;
 use world::Meeting;
 
@@ -17,9 +17,10 @@ fn position() -> Address {
 fn writing_and_reading_fixed_types_allocates_nothing() {
     let place = Meeting::new();
     let (a, b) = (place.open(), place.open());
-    let mut writer = a.publisher(&position(), &state()).unwrap();
+    let mut writer = a.publisher(&PortSpec::new(&position(), &state())).unwrap();
     let policies = [Policy::Latest, Policy::Queue(4), Policy::Ring(4)];
-    let mut readers = policies.map(|policy| b.subscription(&position(), &state(), policy).unwrap());
+    let mut readers = policies
+        .map(|policy| b.subscription(&PortSpec::new(&position(), &state()), policy).unwrap());
     let (mut sent, mut got) = (numbered(0), Record::new(&state()));
     let mut counted = 0;
     for n in 1..200 {
@@ -47,8 +48,9 @@ fn writing_and_reading_fixed_types_allocates_nothing() {
 fn a_stalled_network_holds_up_no_writer_and_the_newest_sample_arrives() {
     let place = Meeting::new();
     let (a, b) = (place.open(), place.open());
-    let mut writer = a.publisher(&position(), &state()).unwrap();
-    let mut reader = b.subscription(&position(), &state(), Policy::Ring(64)).unwrap();
+    let mut writer = a.publisher(&PortSpec::new(&position(), &state())).unwrap();
+    let mut reader =
+        b.subscription(&PortSpec::new(&position(), &state()), Policy::Ring(64)).unwrap();
     let mut got = Record::new(&state());
     writer.publish(&numbered(1)).unwrap();
     eventually("they are connected", || reader.read(&mut got).unwrap() == Reading::New);

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-use genom_middleware::conformance::eventually;
-use genom_middleware::conformance::samples::{number, numbered, state};
-use genom_middleware::{Address, Middleware, Policy, Reading};
+use genom_conformance::eventually;
+use genom_conformance::samples::{number, numbered, state};
+use genom_middleware::{Address, Policy, PortSpec, Ports, Reading};
 use genom_types::Record;
 use genom_zenoh::{Mode, Options, SessionError, Tls, Zenoh};
 use rcgen::{BasicConstraints, CertificateParams, IsCa, Issuer, KeyPair};
@@ -84,8 +84,8 @@ fn client(host: &str, tls: Tls) -> Result<Arc<Zenoh>, SessionError> {
 
 fn a_sample_travels(from: &Zenoh, to: &Zenoh) {
     let at = Address::new("demo", "position");
-    let mut writer = from.publisher(&at, &state()).unwrap();
-    let mut reader = to.subscription(&at, &state(), Policy::Latest).unwrap();
+    let mut writer = from.publisher(&PortSpec::new(&at, &state())).unwrap();
+    let mut reader = to.subscription(&PortSpec::new(&at, &state()), Policy::Latest).unwrap();
     let mut got = Record::new(&state());
     writer.publish(&numbered(7)).unwrap();
     eventually("the sample arrives", || {

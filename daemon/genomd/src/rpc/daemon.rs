@@ -22,7 +22,7 @@ pub(crate) async fn about(State(daemon): State<Arc<Daemon>>) -> Json<About> {
         genomd: env!("CARGO_PKG_VERSION").to_owned(),
         pid: std::process::id(),
         backend: daemon.settings.backend.clone(),
-        listen: daemon.settings.rpc.listen.map(|address| address.to_string()),
+        listen: daemon.rpc.listen.map(|address| address.to_string()),
         openapi: routes::document().path,
     })
 }

@@ -109,7 +109,7 @@ fn read(daemon: &Daemon, wanted: &DeploymentRequest) -> Result<Deployment, RpcEr
     let mut config = Config::parse(&wanted.file, &wanted.text).map_err(mistake)?;
     config.check(&wanted.file, &wanted.text).map_err(mistake)?;
     config.anchor(&wanted.file);
-    let name = wanted.daemon.as_deref().or(daemon.settings.name.as_deref());
+    let name = wanted.daemon.as_deref().or(daemon.name.as_deref());
     let mut deployment = config.deployment(name).map_err(|why| {
         RpcError::bad_input(format!("{}: {why}", wanted.file.display())).place("/daemon")
     })?;

@@ -106,7 +106,7 @@ fn routes() -> OpenApiRouter<Arc<Daemon>> {
 
 /// The control plane, as it shows at a door.
 pub(crate) fn router(daemon: Arc<Daemon>, tokens: &Arc<Tokens>, door: Door) -> Router {
-    let max_body = daemon.settings.rpc.max_body;
+    let max_body = daemon.rpc.max_body;
     let guarded = matches!(door, Door::Guarded { .. });
     let (router, mut document) = routes().split_for_parts();
     document::complete(&mut document);

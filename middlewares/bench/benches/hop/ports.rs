@@ -2,7 +2,7 @@
 
 use genom_bench::octets;
 use genom_bench::pair::{Receive, Send};
-use genom_middleware::{Address, Middleware, Policy, Publisher, Reading, Subscription};
+use genom_middleware::{Address, Middleware, Policy, PortSpec, Publisher, Reading, Subscription};
 use genom_types::Record;
 
 struct Out(Box<dyn Publisher>, Record);
@@ -28,13 +28,14 @@ fn values(bytes: usize) -> [(Address, Record); 2] {
 
 pub(crate) fn writers(of: &dyn Middleware, bytes: usize) -> [Box<dyn Send>; 2] {
     values(bytes).map(|(at, value)| {
-        Box::new(Out(of.publisher(&at, value.ty()).unwrap(), value)) as Box<dyn Send>
+        Box::new(Out(of.publisher(&PortSpec::new(&at, value.ty())).unwrap(), value))
+            as Box<dyn Send>
     })
 }
 
 pub(crate) fn readers(of: &dyn Middleware, bytes: usize) -> [Box<dyn Receive>; 2] {
     values(bytes).map(|(at, value)| {
-        let reader = of.subscription(&at, value.ty(), Policy::Latest).unwrap();
+        let reader = of.subscription(&PortSpec::new(&at, value.ty()), Policy::Latest).unwrap();
         Box::new(In(reader, value)) as Box<dyn Receive>
     })
 }

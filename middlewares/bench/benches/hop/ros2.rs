@@ -115,7 +115,7 @@ fn qos() -> QosPolicies {
 
 impl Both {
     pub(crate) fn open() -> Self {
-        let options = Options { domain: DOMAIN, ..Options::default() };
+        let options = Options { domain: Some(DOMAIN), ..Options::default() };
         let ours = Ros2::open(&options).unwrap();
         let builder = DomainParticipantBuilder::new(DOMAIN);
         let participant =

@@ -4,14 +4,14 @@ use std::time::Duration;
 
 /// What peers may have this daemon hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Bytes of the greatest sample that is put together of fragments. Default: 64 MiB.
-    pub sample: u32,
+    pub(crate) sample: u32,
     /// Participants that are known at a time; one address may have half of them. Default: 1024.
-    pub participants: usize,
+    pub(crate) participants: usize,
     /// A participant that is silent for so long is gone, however long it asks to be waited for.
     /// Default: 50 s, as long as others wait for this daemon, so that both give up.
-    pub silence: Duration,
+    pub(crate) silence: Duration,
 }
 
 impl Default for Limits {

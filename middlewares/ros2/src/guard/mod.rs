@@ -26,7 +26,7 @@ use std::net::IpAddr;
 use std::sync::Arc;
 use std::time::Duration;
 
-pub use limits::Limits;
+pub(crate) use limits::Limits;
 pub(crate) use tally::Tally;
 
 use discovery::{PAIRS, PARTICIPANTS, READERS, WRITERS};

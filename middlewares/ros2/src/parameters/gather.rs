@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use genom_middleware::{ActivityId, Outcome, Replies};
 
-use crate::server::lock;
+use crate::lock::lock;
 
 type Then<T> = Box<dyn FnOnce(Vec<T>) + Send>;
 

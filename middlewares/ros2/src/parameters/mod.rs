@@ -14,8 +14,8 @@ use std::sync::{Arc, Mutex};
 
 use genom_middleware::{Address, ServiceHandler, ServiceKind, ServiceType};
 
-use crate::backend::Core;
-use crate::server::lock;
+use crate::core::Core;
+use crate::lock::lock;
 
 use node::{Attributes, Node, SERVICES};
 use table::{Attribute, Way};
@@ -33,37 +33,36 @@ struct Instance {
     node: Option<Arc<Node>>,
 }
 
-/// A part of an instance's parameters, to be taken away again.
-pub(crate) enum Part {
-    Attribute { instance: String, name: String },
-    Clash { instance: String },
+/// A part of an instance's parameters, taken away again when it is dropped.
+pub(crate) struct Part {
+    all: Arc<Parameters>,
+    instance: String,
+    /// Of the attribute; none: a service that goes by a name of theirs.
+    attribute: Option<String>,
 }
 
-impl Core {
-    fn instance(&self, at: &Address) -> String {
-        let path = self.path(&Address::new(at.instance.clone(), "x"));
-        path.strip_suffix("/x").unwrap_or(&path).to_owned()
-    }
-
+impl Parameters {
     /// Makes an attribute a parameter, if it fits.
-    pub(crate) fn add_parameter(
-        &self,
+    pub(crate) fn add(
+        self: &Arc<Self>,
+        core: &Core,
         at: &Address,
         ty: &ServiceType,
         handler: &Arc<dyn ServiceHandler>,
     ) -> Option<Part> {
-        if !self.options.parameters {
+        if !core.options.parameters {
             return None;
         }
-        let instance = self.instance(at);
+        let path = core.path(&Address::new(at.instance.clone(), "x"));
+        let instance = path.strip_suffix("/x").unwrap_or(&path).to_owned();
         let clash = SERVICES.iter().any(|service| at.name == service.name);
         let way = Way::of(ty).filter(|_| ty.kind == ServiceKind::Attribute);
-        let mut all = lock(&self.services.parameters.0);
-        let part = match way {
+        let mut all = lock(&self.0);
+        let attribute = match way {
             _ if clash => {
                 tracing::info!("{at} is a name of ROS: {} has no parameters", at.instance);
                 all.entry(instance.clone()).or_default().clashes += 1;
-                Part::Clash { instance: instance.clone() }
+                None
             }
             Some(way) => {
                 let name = at.name.clone();
@@ -71,43 +70,45 @@ impl Core {
                 let attribute = Arc::new(Attribute { name: name.clone(), ty, handler, way });
                 let attributes = &all.entry(instance.clone()).or_default().attributes;
                 lock(attributes).insert(name.clone(), attribute);
-                Part::Attribute { instance: instance.clone(), name }
+                Some(name)
             }
             None => return None,
         };
-        let given_up = self.settle(&instance, at, all.get_mut(&instance)?);
+        let given_up = all.get_mut(&instance)?.settle(core, &instance, at);
         // Its end waits for threads that may be at work for it.
         drop(all);
         drop(given_up);
-        Some(part)
+        Some(Part { all: Arc::clone(self), instance, attribute })
     }
+}
 
-    /// The attribute is not served any more.
-    pub(crate) fn remove_parameter(&self, part: &Part) {
-        let mut all = lock(&self.services.parameters.0);
-        let (Part::Attribute { instance, .. } | Part::Clash { instance }) = part;
-        let Some(known) = all.get_mut(instance) else { return };
-        match part {
-            Part::Attribute { name, .. } => _ = lock(&known.attributes).remove(name),
-            Part::Clash { .. } => known.clashes = known.clashes.saturating_sub(1),
+impl Drop for Part {
+    fn drop(&mut self) {
+        let mut all = lock(&self.all.0);
+        let Some(known) = all.get_mut(&self.instance) else { return };
+        match &self.attribute {
+            Some(name) => _ = lock(&known.attributes).remove(name),
+            None => known.clashes = known.clashes.saturating_sub(1),
         }
         let nothing = lock(&known.attributes).is_empty();
         let given_up = if nothing { known.node.take() } else { None };
         if nothing && known.clashes == 0 {
-            all.remove(instance);
+            all.remove(&self.instance);
         }
         drop(all);
         drop(given_up);
     }
+}
 
+impl Instance {
     /// Has the services there if they should be; what is to be dropped once no lock is held.
-    fn settle(&self, instance: &str, at: &Address, known: &mut Instance) -> Option<Arc<Node>> {
-        if known.clashes > 0 || lock(&known.attributes).is_empty() {
-            return known.node.take();
+    fn settle(&mut self, core: &Core, instance: &str, at: &Address) -> Option<Arc<Node>> {
+        if self.clashes > 0 || lock(&self.attributes).is_empty() {
+            return self.node.take();
         }
-        if known.node.is_none() {
-            match Node::open(self, instance, at, Arc::clone(&known.attributes)) {
-                Ok(node) => known.node = Some(node),
+        if self.node.is_none() {
+            match Node::open(core, instance, at, Arc::clone(&self.attributes)) {
+                Ok(node) => self.node = Some(node),
                 Err(why) => tracing::warn!("{at}: no parameters: {why}"),
             }
         }

@@ -9,13 +9,13 @@ use genom_types::Record;
 use super::gather::Gather;
 use super::table::{Attribute, Parameter, parameters};
 use super::value::{Value, put_all, put_long};
-use crate::backend::Core;
 use crate::body::{self, Fields};
-use crate::channel::{Names, RequestId, ServerEnd};
+use crate::channel::{Names, RequestId, ServerEnd, close};
+use crate::core::Core;
 use crate::graph::{Belonging, Entities};
+use crate::lock::lock;
 use crate::names::{self, TypeName};
 use crate::sender::Orders;
-use crate::server::{close, lock};
 
 /// Attributes of an instance by name.
 pub(crate) type Attributes = Arc<Mutex<BTreeMap<String, Arc<Attribute>>>>;

@@ -7,8 +7,8 @@ use std::process::Command;
 use std::sync::Arc;
 
 use genom_components::peer::Lines;
+use genom_conformance::World;
 use genom_middleware::Middleware;
-use genom_middleware::conformance::World;
 use genom_ros2::{Options, Ros2, ServiceMapping};
 
 /// Ports of domains above this one are also given to programs that ask for any port.
@@ -36,8 +36,13 @@ impl Domain {
         free.expect("a domain that no other test uses")
     }
 
+    #[allow(dead_code, reason = "not all tests look")]
+    pub(crate) fn number(&self) -> u16 {
+        self.number
+    }
+
     pub(crate) fn options(&self) -> Options {
-        Options { domain: self.number, services: self.services, ..Options::default() }
+        Options { domain: Some(self.number), services: self.services, ..Options::default() }
     }
 
     /// A DDS peer of another make: `peer.py` with these arguments.

@@ -1,15 +1,22 @@
 //! A folder and a prefix of its own for each test.
 
-#![allow(dead_code, clippy::expect_used, reason = "test code; each binary uses its part")]
+#![allow(
+    dead_code,
+    clippy::expect_used,
+    clippy::print_stdout,
+    clippy::unwrap_used,
+    reason = "test code; each binary uses its part"
+)]
 
 pub(crate) mod process;
+pub(crate) mod writer;
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use genom_conformance::World;
 use genom_middleware::Middleware;
-use genom_middleware::conformance::World;
 use genom_shm::{Options, Shm};
 
 /// Apart from all other tests of this machine.

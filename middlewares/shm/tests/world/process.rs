@@ -8,6 +8,16 @@ use std::time::Duration;
 
 use super::ShmWorld;
 
+/// Before each line that the writer says: the test program that it is says things of its own.
+pub(crate) const MARK: &str = "> ";
+
+/// Variables by which the writer learns where to write.
+pub(crate) const PREFIX: &str = "GENOM_SHM_WRITER_PREFIX";
+pub(crate) const ROOT: &str = "GENOM_SHM_WRITER_ROOT";
+
+/// The test of each program that starts a [writer](Process::writer) which is the writer.
+const WRITER: &str = "writes_until_it_is_killed";
+
 /// A process that takes longer than this hangs.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
@@ -18,18 +28,31 @@ pub(crate) struct Process {
 }
 
 impl Process {
+    /// A program that is told where to meet, and more.
     pub(crate) fn start(program: &str, world: &ShmWorld, arguments: &[&str]) -> Self {
-        let mut child = Command::new(program)
-            .arg(world.prefix())
-            .arg(world.root())
-            .args(arguments)
+        let mut command = Command::new(program);
+        Self::run(command.arg(world.prefix()).arg(world.root()).args(arguments), "")
+    }
+
+    /// This test program once more, as the [writer](super::writer).
+    pub(crate) fn writer(world: &ShmWorld) -> Self {
+        let mut command = genom_conformance::again(WRITER);
+        Self::run(command.env(PREFIX, world.prefix()).env(ROOT, world.root()), MARK)
+    }
+
+    fn run(command: &mut Command, mark: &'static str) -> Self {
+        let mut child = command
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
             .expect("the process starts");
         let output = BufReader::new(child.stdout.take().expect("its output"));
         let (send, lines) = channel();
-        thread::spawn(move || output.lines().map_while(Result::ok).try_for_each(|l| send.send(l)));
+        thread::spawn(move || {
+            let lines = output.lines().map_while(Result::ok);
+            let mut said = lines.filter_map(|line| line.strip_prefix(mark).map(str::to_owned));
+            said.try_for_each(|line| send.send(line))
+        });
         Self { input: child.stdin.take(), child, lines }
     }
 

@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
+use genom_conformance::World;
 use genom_middleware::Middleware;
-use genom_middleware::conformance::World;
 use genom_zenoh::{Options, Zenoh};
 use tempfile::TempDir;
 

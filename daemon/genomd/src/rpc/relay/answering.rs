@@ -54,7 +54,7 @@ pub(crate) fn announce(
         let desk = Arc::new(Desk {
             sessions,
             router: router.clone(),
-            most: daemon.settings.rpc.max_body + AROUND,
+            most: daemon.rpc.max_body + AROUND,
             refused: Seldom::default(),
             backend: middleware.name(),
         });
@@ -90,7 +90,7 @@ pub(crate) fn announce(
 /// What this daemon may be called: as it was started, else by its machine.
 fn names(daemon: &Daemon) -> Vec<String> {
     let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-    let name = daemon.settings.name.clone().unwrap_or_else(|| host.trim().to_owned());
+    let name = daemon.name.clone().unwrap_or_else(|| host.trim().to_owned());
     let name = if name.is_empty() { "genomd".to_owned() } else { name };
     vec![name.clone(), format!("{name}-{}", std::process::id())]
 }

@@ -1,0 +1,304 @@
+//! The configuration file.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use genom_protocol::nearest::nearest_key;
+use genom_protocol::{
+    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, Place,
+};
+use genom_registry::{Sections, check};
+use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
+use serde::{Deserialize, Serialize};
+
+use crate::error::{ConfigError, WhichDaemon};
+use crate::levels;
+use crate::offers::Offers;
+use crate::overrides;
+use crate::rpc::Rpc;
+use crate::spot;
+
+/// A configuration file; `configs/default.toml` shows every key with its default.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Config {
+    /// Middleware of ports and services.
+    pub backend: String,
+    /// Directories to look for components in.
+    pub path: Vec<PathBuf>,
+    /// Directories for the descriptions' `#include`.
+    pub include: Vec<PathBuf>,
+    /// What to log.
+    pub log: String,
+    /// Time of the components.
+    pub clock: ClockKind,
+    /// Whether to keep all memory in RAM.
+    pub lock_memory: bool,
+    /// When to look whether codels wrote past their memory.
+    pub check_memory: MemoryCheck,
+    /// Seconds the start codel of a task may take.
+    pub start_timeout: u64,
+    /// Seconds a component may take to stop.
+    pub stop_timeout: u64,
+    /// Seconds after which a codel counts as stuck.
+    pub stuck_after: u64,
+    /// Activities of services that one task runs at once.
+    pub max_activities: usize,
+    /// The control plane.
+    pub rpc: Rpc,
+    /// Which services are offered on which middlewares.
+    pub services: Offers,
+    /// What is told to others of what services do.
+    pub telemetry: Telemetry,
+    /// Options of middlewares, by name: each knows its own.
+    pub backends: BTreeMap<String, toml::Table>,
+    /// Components to load, in order, before those of the command line.
+    pub component: Vec<LoadRequest>,
+    /// Connections to make, and to make again when a side comes back.
+    pub connection: Vec<ConnectionEntry>,
+    /// Services to call, in order, once everything is wired.
+    pub call: Vec<CallEntry>,
+    /// Activities to start, in order, after the calls.
+    pub activity: Vec<CallEntry>,
+}
+
+/// Section `[telemetry]`.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Telemetry {
+    /// Where spans of services go: `http://HOST:PORT` of an OpenTelemetry collector.
+    pub otlp: Option<String>,
+}
+
+/// When to look whether codels wrote past the memory they were given.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum MemoryCheck {
+    /// Never.
+    Off,
+    /// When a codel pauses or ends.
+    #[default]
+    Pauses,
+    /// After each codel.
+    EachCodel,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            backend: "local".to_owned(),
+            path: Vec::new(),
+            include: Vec::new(),
+            log: "info".to_owned(),
+            clock: ClockKind::Monotonic,
+            lock_memory: false,
+            check_memory: MemoryCheck::Pauses,
+            start_timeout: 60,
+            stop_timeout: 10,
+            stuck_after: STUCK_AFTER.as_secs(),
+            max_activities: ACTIVITY_LIMIT,
+            rpc: Rpc::default(),
+            services: Offers::default(),
+            telemetry: Telemetry::default(),
+            backends: BTreeMap::new(),
+            component: Vec::new(),
+            connection: Vec::new(),
+            call: Vec::new(),
+            activity: Vec::new(),
+        }
+    }
+}
+
+impl Config {
+    /// Reads a file, if there is one, and puts `--set` words over it.
+    pub fn read(path: Option<&Path>, words: &[String]) -> Result<Self, ConfigError> {
+        let mut text = String::new();
+        if let Some(path) = path {
+            text = std::fs::read_to_string(path)
+                .map_err(|source| ConfigError::Read { path: path.to_owned(), source })?;
+        }
+        let path = path.unwrap_or(Path::new(""));
+        let mut config = Self::parse(path, &text)?;
+        if !words.is_empty() {
+            config = overrides::set(&text, words)?;
+        }
+        if words.is_empty() {
+            config.check(path, &text)?;
+        }
+        config.anchor(path);
+        Ok(config)
+    }
+
+    /// Relative paths start from the directory of the file.
+    pub fn anchor(&mut self, path: &Path) {
+        let base = path.parent().unwrap_or(Path::new(""));
+        self.path.iter_mut().chain(&mut self.include).for_each(|dir| anchor(base, dir));
+        self.rpc.token_file.iter_mut().for_each(|file| anchor(base, file));
+        if let Some(tls) = &mut self.rpc.tls {
+            let files = [&mut tls.cert, &mut tls.key].into_iter().chain(&mut tls.client_ca);
+            files.for_each(|file| anchor(base, file));
+        }
+        for component in &mut self.component {
+            // A bare name is looked for on the component path, not beside the configuration.
+            if component.library.components().count() > 1 || component.library.extension().is_some()
+            {
+                anchor(base, &mut component.library);
+            }
+            component.gen_file.iter_mut().for_each(|file| anchor(base, file));
+        }
+    }
+
+    /// As a file.
+    pub fn text(&self) -> Result<String, String> {
+        toml::to_string(self).map_err(|error| error.to_string())
+    }
+
+    /// The part that concerns the daemon of this name. A file that names daemons says nothing to
+    /// one that it does not name.
+    pub fn deployment(&self, daemon: Option<&str>) -> Result<Deployment, WhichDaemon> {
+        let mut names: Vec<String> =
+            self.component.iter().filter_map(|one| one.daemon.clone()).collect();
+        names.sort();
+        names.dedup();
+        if !names.is_empty() && !names.iter().any(|name| Some(name.as_str()) == daemon) {
+            return Err(WhichDaemon { given: daemon.map(str::to_owned), names });
+        }
+        let mine = |component: &&LoadRequest| {
+            component.daemon.is_none() || component.daemon.as_deref() == daemon
+        };
+        let elsewhere: Vec<String> =
+            self.component.iter().filter(|one| !mine(one)).map(LoadRequest::instance).collect();
+        let here = |instance: &str| !elsewhere.iter().any(|other| other == instance);
+        let calls = |entries: &[CallEntry]| {
+            entries.iter().filter(|entry| here(&entry.component)).cloned().collect()
+        };
+        Ok(Deployment {
+            component: self.component.iter().filter(mine).cloned().collect(),
+            connection: {
+                let all = self.connection.iter();
+                all.filter(|connection| here(connection.reader())).cloned().collect()
+            },
+            call: calls(&self.call),
+            activity: calls(&self.activity),
+        })
+    }
+
+    /// Reads a text; `path` is for messages.
+    pub fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
+        toml::from_str(text).map_err(|error| mistake(path, text, &error))
+    }
+
+    /// Refuses names of middlewares that are none, and options they have not, with the line where
+    /// they stand.
+    pub fn check(&self, path: &Path, text: &str) -> Result<(), ConfigError> {
+        if let Err(message) = levels::understood(&self.log) {
+            let line = text.lines().position(|line| line.trim_start().starts_with("log"));
+            let (path, line) = (path.to_owned(), line.map_or(1, |at| at + 1));
+            return Err(ConfigError::Mistake { path, line, message, nearest: None });
+        }
+        if let Some((line, inport)) = spot::connected_twice(text) {
+            let message = format!(
+                "a second connection into {inport}, which takes one: leave one of them out"
+            );
+            let path = path.to_owned();
+            return Err(ConfigError::Mistake { path, line, message, nearest: None });
+        }
+        let of_components = self.component.iter().flat_map(|component| {
+            let named = component.backend.iter().chain(component.ports.values());
+            named.flat_map(BackendNames::names)
+        });
+        let of_connections = self.connection.iter().flat_map(|one| {
+            let place: Option<Place> = one.outport.parse().ok();
+            one.backend.clone().into_iter().chain(place.and_then(|place| place.backend))
+        });
+        let all = std::iter::once(&self.backend).chain(self.backends.keys());
+        for name in all.chain(of_components).cloned().chain(of_connections) {
+            if let Err(error) = check(&name) {
+                let line =
+                    text.lines().position(|line| holds_word(line, &name)).map_or(1, |at| at + 1);
+                let (path, message) = (path.to_owned(), error.to_string());
+                return Err(ConfigError::Mistake { path, line, message, nearest: None });
+            }
+        }
+        toml::from_str::<Sections>(text).map_err(|error| mistake(path, text, &error)).map(drop)
+    }
+}
+
+fn mistake(path: &Path, text: &str, error: &toml::de::Error) -> ConfigError {
+    let start = error.span().map_or(0, |span| span.start).min(text.len());
+    let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
+    let message = error.message().trim().replace('\n', ", ");
+    let nearest = nearest_key(&message);
+    ConfigError::Mistake { path: path.to_owned(), line, message, nearest }
+}
+
+/// Whether a line that is no comment holds this word.
+fn holds_word(line: &str, word: &str) -> bool {
+    let code = line.split('#').next().unwrap_or_default();
+    code.split(|c: char| !c.is_alphanumeric() && c != '_').any(|found| found == word)
+}
+
+fn anchor(base: &Path, path: &mut PathBuf) {
+    if path.is_relative() {
+        *path = base.join(&*path);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mistake(text: &str) -> String {
+        Config::parse(Path::new("robot.toml"), text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn an_unknown_key_names_file_line_and_the_nearest() {
+        let told = mistake("log = \"info\"\n[rpc]\nmax_bdy = 3\n");
+        assert!(told.starts_with("robot.toml:3: unknown field `max_bdy`"), "{told}");
+        assert!(told.ends_with("did you mean `max_body`?"), "{told}");
+        let told = mistake("[[component]]\nlibrary = \"demo\"\nbackedn = \"shm\"\n");
+        assert!(told.contains(":3:") && told.ends_with("did you mean `backend`?"), "{told}");
+    }
+
+    #[test]
+    fn a_wrong_type_names_file_and_line() {
+        let told = mistake("\nbackend = 3\n");
+        assert!(told.starts_with("robot.toml:2: invalid type: integer `3`"), "{told}");
+    }
+
+    #[test]
+    fn options_of_middlewares_and_quality_of_ports_are_checked_where_they_stand() {
+        let refused = |text: &str| {
+            let path = Path::new("robot.toml");
+            Config::parse(path, text).and_then(|config| config.check(path, text)).unwrap_err()
+        };
+        let told = refused("\n[backends.ros2]\ndomian = 7\n").to_string();
+        assert!(told.starts_with("robot.toml:3: unknown field `domian`"), "{told}");
+        assert!(told.ends_with("did you mean `domain`?"), "{told}");
+        let entry = "[[component]]\nlibrary = \"demo\"\n[component.qos.ports.pose]\n";
+        let told = refused(&format!("{entry}depth = 3\nreliable = \"best-effort\"\n")).to_string();
+        assert!(told.starts_with("robot.toml:5: `reliable` is true or false"), "{told}");
+        assert!(told.ends_with("did you mean `reliable = false`?"), "{told}");
+    }
+
+    #[test]
+    fn every_example_can_be_used() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs");
+        let mut read = 0;
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_some_and(|extension| extension == "toml") {
+                Config::read(Some(&path), &[]).unwrap();
+                read += 1;
+            }
+        }
+        assert!(read >= 3);
+    }
+
+    #[test]
+    fn the_default_file_says_the_defaults() {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../configs/default.toml");
+        assert_eq!(Config::read(Some(&path), &[]).unwrap(), Config::default());
+    }
+}

@@ -1,0 +1,137 @@
+//! Which services of components are offered on which middlewares.
+
+use genom_registry::known;
+use serde::{Deserialize, Serialize};
+
+use crate::error::UsageError;
+
+/// Section `[services]`: patterns `BACKEND:COMPONENT/SERVICE`, with `*` for any run of
+/// characters; without a backend, on all of them. What is denied is not allowed.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Offers {
+    /// Patterns of what is offered.
+    pub allow: Vec<String>,
+    /// Patterns of what is not, whatever is allowed.
+    pub deny: Vec<String>,
+}
+
+/// Services that every component has and that are the supervisor's: over a middleware that leaves
+/// the machine they would need no right.
+const SUPERVISORS: [&str; 5] =
+    ["kill", "connect_port", "connect_service", "connect_remote", "abort_activity"];
+
+impl Default for Offers {
+    fn default() -> Self {
+        let on = |backend: &'static str| {
+            SUPERVISORS.iter().map(move |service| format!("{backend}:*/{service}"))
+        };
+        Self { allow: vec!["*".to_owned()], deny: on("zenoh").chain(on("ros2")).collect() }
+    }
+}
+
+impl Offers {
+    /// Refuses patterns that can match nothing.
+    pub fn check(&self) -> Result<(), UsageError> {
+        for pattern in self.allow.iter().chain(&self.deny) {
+            let (backend, rest) = parts(pattern);
+            let exists = |name: &str| known().iter().any(|known| known.name == name);
+            if backend.is_some_and(|name| !name.contains('*') && !exists(name))
+                || rest != "*" && !rest.contains('/')
+            {
+                return Err(UsageError::Offer(pattern.clone()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether a service is offered on a middleware.
+    pub fn offers(&self, backend: &str, component: &str, service: &str) -> bool {
+        let name = format!("{component}/{service}");
+        let any = |patterns: &[String]| {
+            patterns.iter().any(|pattern| {
+                let (on, rest) = parts(pattern);
+                on.is_none_or(|on| matches(on, backend)) && matches(rest, &name)
+            })
+        };
+        any(&self.allow) && !any(&self.deny)
+    }
+}
+
+fn parts(pattern: &str) -> (Option<&str>, &str) {
+    pattern.split_once(':').map_or((None, pattern), |(backend, rest)| (Some(backend), rest))
+}
+
+/// Whether a text is as the pattern says, where `*` stands for anything.
+fn matches(pattern: &str, text: &str) -> bool {
+    let mut pieces = pattern.split('*');
+    let first = pieces.next().unwrap_or_default();
+    let Some(mut rest) = text.strip_prefix(first) else { return false };
+    let Some(last) = pieces.next_back() else { return rest.is_empty() };
+    for piece in pieces {
+        // The first place is as good as any: what comes after has the more room.
+        let Some((_, after)) = rest.split_once(piece) else { return false };
+        rest = after;
+    }
+    rest.ends_with(last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_star_stands_for_anything() {
+        for (pattern, text) in [
+            ("*", ""),
+            ("*", "demo/kill"),
+            ("*/kill", "demo/kill"),
+            ("demo/*", "demo/kill"),
+            ("d*o/*_*", "demo/set_speed"),
+            ("demo/kill", "demo/kill"),
+            ("*a*a", "aa"),
+        ] {
+            assert!(matches(pattern, text), "{pattern} {text}");
+        }
+        for (pattern, text) in [
+            ("demo", "demo/kill"),
+            ("*/kill", "demo/kill2"),
+            ("demo/*", "demo2/x"),
+            ("", "x"),
+            ("a*a", "a"),
+            ("*a*a", "a"),
+        ] {
+            assert!(!matches(pattern, text), "{pattern} {text}");
+        }
+    }
+
+    #[test]
+    fn by_default_what_supervisors_do_stays_on_this_machine() {
+        let offers = Offers::default();
+        for backend in ["zenoh", "ros2"] {
+            assert!(offers.offers(backend, "demo", "goto"));
+            for service in SUPERVISORS {
+                assert!(!offers.offers(backend, "demo", service), "{backend} {service}");
+                assert!(offers.offers("shm", "demo", service));
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_denied_is_not_allowed_and_wrong_patterns_are_named() {
+        let list = |all: &[&str]| all.iter().map(|&one| one.to_owned()).collect::<Vec<_>>();
+        let offers = Offers {
+            allow: list(&["zenoh:wheels/*", "ros2:*/get_*", "shm:*"]),
+            deny: list(&["*/reset"]),
+        };
+        assert!(offers.offers("zenoh", "wheels", "goto") && !offers.offers("zenoh", "arm", "goto"));
+        assert!(offers.offers("ros2", "arm", "get_speed"));
+        assert!(!offers.offers("ros2", "arm", "set_speed"));
+        assert!(offers.offers("shm", "arm", "x") && !offers.offers("shm", "arm", "reset"));
+        assert!(offers.check().is_ok());
+        for wrong in ["zenho:*", "demo", "kill"] {
+            let offers = Offers { deny: list(&[wrong]), ..Offers::default() };
+            assert!(offers.check().unwrap_err().to_string().contains(wrong));
+        }
+    }
+}

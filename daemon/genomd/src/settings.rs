@@ -1,0 +1,122 @@
+//! Everything decided before anything starts: the configuration file, and the command line over it.
+
+use std::path::PathBuf;
+
+use genom_supervisor::settings::Settings as Supervised;
+
+use crate::cli::Cli;
+use crate::config::{
+    Config, Deployment, LoadRequest, MOST_ACTIVITIES, MemoryCheck, RpcSettings, UsageError, levels,
+};
+use crate::telemetry::Collector;
+
+/// Everything decided before anything starts.
+#[derive(Clone, Debug)]
+pub(crate) struct Settings {
+    /// The configuration file, for messages.
+    pub(crate) file: Option<PathBuf>,
+    /// What to bring up: components first, those of the command line last among them.
+    pub(crate) deployment: Deployment,
+    /// Which daemon of a file that describes several this one is.
+    pub(crate) name: Option<String>,
+    /// What to log.
+    pub(crate) log: String,
+    /// Whether to go on when the terminal is closed.
+    pub(crate) keep: bool,
+    /// Whether to keep all memory in RAM.
+    pub(crate) lock_memory: bool,
+    /// When to look whether codels wrote past their memory.
+    pub(crate) check_memory: genom_host::MemoryCheck,
+    /// Where spans go, if anywhere.
+    pub(crate) collector: Option<Collector>,
+    /// The control plane.
+    pub(crate) rpc: RpcSettings,
+    /// What holds for all components.
+    pub(crate) supervisor: Supervised,
+}
+
+impl Settings {
+    /// The command line over the configuration.
+    pub(crate) fn new(cli: Cli, config: Config) -> Result<Self, UsageError> {
+        let config = cli.over(config);
+        let rpc = RpcSettings::new(config.rpc.clone())?;
+        config.services.check()?;
+        if !(1..=MOST_ACTIVITIES).contains(&config.max_activities) {
+            return Err(UsageError::Activities(config.max_activities));
+        }
+        let mut components: Vec<_> = cli
+            .components
+            .into_iter()
+            .map(|library| LoadRequest { library, ..LoadRequest::default() })
+            .collect();
+        let found = components.len();
+        for (option, given) in [("--name", cli.name.is_some()), ("--gen", cli.gen_file.is_some())] {
+            if given && found != 1 {
+                return Err(UsageError::OneComponent { option, found });
+            }
+        }
+        if let Some(only) = components.first_mut().filter(|_| found == 1) {
+            only.name = cli.name;
+            only.gen_file = cli.gen_file;
+        }
+        levels::understood(&config.log).map_err(UsageError::Log)?;
+        let deployment = config.deployment(cli.daemon.as_deref());
+        let mut deployment = deployment.map_err(|why| {
+            let file = cli.config.clone().unwrap_or_default();
+            UsageError::Daemon { file, why }
+        })?;
+        deployment.component.extend(components);
+        let collector = config.telemetry.otlp.as_deref().map(Collector::parse).transpose();
+        let collector = collector.map_err(UsageError::Collector)?;
+        Ok(Self {
+            file: cli.config,
+            collector,
+            deployment,
+            name: cli.daemon,
+            log: config.log.clone(),
+            keep: cli.keep,
+            lock_memory: config.lock_memory,
+            check_memory: host(config.check_memory),
+            rpc,
+            supervisor: config.into(),
+        })
+    }
+}
+
+/// As the host says it.
+fn host(check: MemoryCheck) -> genom_host::MemoryCheck {
+    match check {
+        MemoryCheck::Off => genom_host::MemoryCheck::Off,
+        MemoryCheck::Pauses => genom_host::MemoryCheck::Pauses,
+        MemoryCheck::EachCodel => genom_host::MemoryCheck::EachCodel,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::*;
+    use crate::config::ClockKind;
+
+    fn settings(arguments: &[&str]) -> Result<Settings, String> {
+        let cli = Cli::try_parse_from(std::iter::once(&"genomd").chain(arguments)).unwrap();
+        Settings::new(cli, Config::default()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn the_clock_that_is_dumped_is_the_one_that_runs() {
+        let cli = Cli::try_parse_from(["genomd", "--clock", "virtual"]).unwrap();
+        let text = cli.over(Config::default()).text().unwrap();
+        assert!(text.contains("clock = \"virtual\""), "{text}");
+        assert_eq!(settings(&["--clock", "virtual"]).unwrap().supervisor.clock, ClockKind::Virtual);
+    }
+
+    #[test]
+    fn a_name_goes_with_one_component() {
+        let one = settings(&["--name", "arm", "demo.so"]).unwrap();
+        assert_eq!(one.deployment.component[0].name.as_deref(), Some("arm"));
+        let two = settings(&["--name", "arm", "a.so", "b.so"]).unwrap_err();
+        assert_eq!(two, "--name goes with exactly one component, 2 are given");
+    }
+}

@@ -1,0 +1,170 @@
+//! The reading end of a connection, which may move to another middleware while codels read.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_middleware::{ReadError, Reading, Subscription};
+use genom_runtime::Clock;
+use genom_types::{DataType, Record};
+
+use crate::gauge::Gauge;
+use crate::tape::Tapes;
+
+/// The supervisor's handle on what an in port reads.
+#[derive(Clone)]
+pub struct Tap {
+    /// Taken by the codel at each read, and by the supervisor only with all codels excluded:
+    /// a codel never waits for it.
+    end: Arc<Mutex<Box<dyn Subscription>>>,
+    gauge: Arc<Gauge>,
+    tapes: Arc<Tapes>,
+}
+
+impl Tap {
+    /// A connection of this type that reads this.
+    pub fn new(end: Box<dyn Subscription>, clock: &Clock, ty: &DataType) -> Self {
+        let (gauge, tapes) = (Arc::new(Gauge::new(clock, ty)), Arc::default());
+        Self { end: Arc::new(Mutex::new(end)), gauge, tapes }
+    }
+
+    /// What the component reads.
+    pub fn subscription(&self) -> Box<dyn Subscription> {
+        Box::new(TapSubscription { tap: self.clone(), read: false, scratch: Vec::new() })
+    }
+
+    /// What passed.
+    pub fn gauge(&self) -> &Arc<Gauge> {
+        &self.gauge
+    }
+
+    /// Where values are recorded.
+    pub fn tapes(&self) -> &Arc<Tapes> {
+        &self.tapes
+    }
+
+    /// Reads something else from now on; what it read is given back, to be dropped later. To be
+    /// called with all codels excluded.
+    pub fn exchange(&self, end: Box<dyn Subscription>) -> Box<dyn Subscription> {
+        std::mem::replace(&mut *self.end.lock().unwrap_or_else(PoisonError::into_inner), end)
+    }
+
+    /// Closes the end of a component that did not stop, unless a codel is within `read`.
+    pub fn cut(&self) {
+        if let Ok(mut end) = self.end.try_lock() {
+            let old = std::mem::replace(&mut *end, Box::new(Nothing));
+            drop(end);
+            drop(old);
+        }
+    }
+}
+
+/// What is read by whoever is cut off.
+struct Nothing;
+
+impl Subscription for Nothing {
+    fn read(&mut self, _: &mut Record) -> Result<Reading, ReadError> {
+        Ok(Reading::Never)
+    }
+
+    fn dropped(&self) -> u64 {
+        0
+    }
+}
+
+impl std::fmt::Debug for Tap {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Tap").field("gauge", &self.gauge).finish_non_exhaustive()
+    }
+}
+
+struct TapSubscription {
+    tap: Tap,
+    /// Whether anything was read yet: then there is a last value, whatever the new end says.
+    read: bool,
+    /// For weighing samples.
+    scratch: Vec<u8>,
+}
+
+impl Subscription for TapSubscription {
+    fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
+        let Tap { end, gauge, tapes } = &self.tap;
+        let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
+        let reading = end.read(into);
+        // Some middlewares see what was lost only when there is nothing more to read.
+        gauge.lost(end.dropped());
+        match reading {
+            Ok(Reading::New) => {
+                self.read = true;
+                gauge.passed(end.dropped());
+                gauge.weigh(into, &mut self.scratch);
+                tapes.take(into);
+                Ok(Reading::New)
+            }
+            Ok(Reading::Never) if self.read => Ok(Reading::Same),
+            Ok(other) => Ok(other),
+            Err(error) => {
+                gauge.failed();
+                Err(error)
+            }
+        }
+    }
+
+    fn dropped(&self) -> u64 {
+        self.tap.end.lock().unwrap_or_else(PoisonError::into_inner).dropped()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use genom_middleware::{Address, Middleware, Policy, PortSpec, Ports as _};
+    use genom_types::{DataType, Kind, TypeTable};
+
+    /// Finds nothing, but that so many samples were lost.
+    struct Lossy(u64);
+
+    impl Subscription for Lossy {
+        fn read(&mut self, _: &mut Record) -> Result<Reading, ReadError> {
+            self.0 += 3;
+            Ok(Reading::Same)
+        }
+
+        fn dropped(&self) -> u64 {
+            self.0
+        }
+    }
+
+    #[test]
+    fn losses_that_show_after_the_last_sample_are_counted() {
+        let mut table = TypeTable::default();
+        let id = table.add(Kind::Double);
+        let ty = DataType::new(&Arc::new(table), id).unwrap();
+        let tap = Tap::new(Box::new(Lossy(0)), &Clock::Monotonic, &ty);
+        assert_eq!(tap.subscription().read(&mut Record::new(&ty)), Ok(Reading::Same));
+        assert_eq!(tap.gauge().counts().dropped, 3);
+    }
+
+    #[test]
+    fn a_reader_keeps_its_last_value_when_the_middleware_is_exchanged() {
+        let mut table = TypeTable::default();
+        let id = table.add(Kind::Double);
+        let ty = DataType::new(&Arc::new(table), id).unwrap();
+        let (one, two) = (genom_local::Local::new(), genom_local::Local::new());
+        let at = Address::new("demo", "position");
+        let open = |on: &dyn Middleware| {
+            on.subscription(&PortSpec::new(&at, &ty), Policy::Latest).unwrap()
+        };
+        let tap = Tap::new(open(&one), &Clock::Monotonic, &ty);
+        let (mut reader, mut into) = (tap.subscription(), Record::new(&ty));
+        assert_eq!(reader.read(&mut into), Ok(Reading::Never));
+        let mut value = Record::new(&ty);
+        value.merge_json(&0.5.into()).unwrap();
+        one.publisher(&PortSpec::new(&at, &ty)).unwrap().publish(&value).unwrap();
+        assert_eq!(reader.read(&mut into), Ok(Reading::New));
+        drop(tap.exchange(open(&two)));
+        assert_eq!(reader.read(&mut into), Ok(Reading::Same));
+        assert_eq!(into.to_json(), 0.5);
+        two.publisher(&PortSpec::new(&at, &ty)).unwrap().publish(&value).unwrap();
+        assert_eq!(reader.read(&mut into), Ok(Reading::New));
+        assert_eq!(tap.gauge().counts().samples, 2);
+    }
+}

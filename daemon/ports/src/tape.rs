@@ -1,0 +1,197 @@
+//! Samples on their way from a codel's thread to a recording: as CDR, in a ring of bytes.
+//!
+//! The codel never waits and, for types of fixed size, allocates nothing. What finds no room is
+//! lost, and counted.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_types::{DataType, Record};
+use rtrb::{Consumer, Producer, RingBuffer};
+
+use crate::dates::Dates;
+
+/// Before each sample: moment, number, length.
+const HEAD: usize = 16;
+/// Samples of a fixed size that wait at most: a second of a 1 kHz port.
+const SAMPLES: usize = 1024;
+/// Bytes of a ring, at least and at most. Pages that are never written cost nothing.
+const SMALLEST: usize = 256 << 10;
+const GREATEST: usize = 64 << 20;
+/// The ring of a type without fixed size.
+const VARIABLE: usize = 16 << 20;
+
+/// The writing end: in the codel's thread.
+pub struct Tape {
+    session: u64,
+    ring: Producer<u8>,
+    dates: Dates,
+    /// The sample with its head; kept for the next one.
+    scratch: Vec<u8>,
+    number: u32,
+    lost: Arc<AtomicU64>,
+}
+
+/// The reading end: in the recording's thread.
+pub struct Reel {
+    ring: Consumer<u8>,
+    lost: Arc<AtomicU64>,
+    scratch: Vec<u8>,
+}
+
+/// A sample as it was taken.
+pub struct Sample<'a> {
+    /// When it was taken, as [`Dates::moment`] counts.
+    pub moment: u64,
+    /// From 0, lost ones counted.
+    pub number: u32,
+    /// CDR with its encapsulation header.
+    pub message: &'a [u8],
+}
+
+/// Both ends for values of a type.
+pub fn tape(session: u64, ty: &DataType, dates: Dates) -> (Tape, Reel) {
+    let mut scratch = vec![0; HEAD];
+    // As long as any value of a fixed size.
+    let _ = Record::new(ty).encode_message(&mut scratch);
+    let room = if ty.is_fixed_size() {
+        scratch.len().saturating_mul(SAMPLES).clamp(SMALLEST, GREATEST)
+    } else {
+        scratch.reserve(4096);
+        VARIABLE
+    };
+    let (writer, reader) = RingBuffer::new(room);
+    let lost = Arc::new(AtomicU64::new(0));
+    let tape = Tape { session, ring: writer, dates, scratch, number: 0, lost: Arc::clone(&lost) };
+    (tape, Reel { ring: reader, lost, scratch: Vec::new() })
+}
+
+impl Tape {
+    fn take(&mut self, value: &Record) {
+        let number = self.number;
+        self.number = number.wrapping_add(1);
+        self.scratch.clear();
+        self.scratch.extend_from_slice(&self.dates.moment().to_le_bytes());
+        self.scratch.extend_from_slice(&number.to_le_bytes());
+        self.scratch.extend_from_slice(&[0; 4]);
+        let encoded = value.encode_message(&mut self.scratch);
+        let length = u32::try_from(self.scratch.len() - HEAD).unwrap_or(u32::MAX);
+        self.scratch[HEAD - 4..HEAD].copy_from_slice(&length.to_le_bytes());
+        // One step for the reader: it never sees half a sample.
+        if encoded.is_err() || self.ring.push_entire_slice(&self.scratch).is_err() {
+            self.lost.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Reel {
+    /// Hands over all samples that are there, in order.
+    pub fn wind(&mut self, mut each: impl FnMut(Sample<'_>)) {
+        let mut left = self.ring.slots();
+        let mut head = [0; HEAD];
+        while left >= HEAD && self.ring.pop_entire_slice(&mut head).is_ok() {
+            let [a, b, c, d, e, f, g, h, i, j, k, l, m, n, o, p] = head;
+            let length = u32::from_le_bytes([m, n, o, p]) as usize;
+            self.scratch.resize(length, 0);
+            if self.ring.pop_entire_slice(&mut self.scratch).is_err() {
+                return;
+            }
+            left = left.saturating_sub(HEAD + length);
+            each(Sample {
+                moment: u64::from_le_bytes([a, b, c, d, e, f, g, h]),
+                number: u32::from_le_bytes([i, j, k, l]),
+                message: &self.scratch,
+            });
+        }
+    }
+
+    /// Samples that found no room, or were no CDR.
+    pub fn lost(&self) -> u64 {
+        self.lost.load(Ordering::Relaxed)
+    }
+
+    /// Whether nothing comes any more. To be asked before the last winding.
+    pub fn is_over(&self) -> bool {
+        self.ring.is_abandoned()
+    }
+}
+
+/// The tapes of one port or connection: most of the time none.
+#[derive(Default)]
+pub struct Tapes {
+    /// Spares the codel the lock.
+    any: AtomicBool,
+    /// Taken by the codel at each sample, and by the supervisor only with all codels excluded.
+    all: Mutex<Vec<Tape>>,
+}
+
+impl Tapes {
+    /// A value passes.
+    #[inline]
+    pub fn take(&self, value: &Record) {
+        if self.any.load(Ordering::Relaxed) {
+            for tape in self.all.lock().unwrap_or_else(PoisonError::into_inner).iter_mut() {
+                tape.take(value);
+            }
+        }
+    }
+
+    /// Adds what `make` makes, unless that session has a tape here.
+    pub fn add(&self, session: u64, make: impl FnOnce() -> Tape) {
+        let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+        if all.iter().all(|tape| tape.session != session) {
+            all.push(make());
+            self.any.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Takes a session's tape away.
+    pub fn remove(&self, session: u64) {
+        let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
+        all.retain(|tape| tape.session != session);
+        self.any.store(!all.is_empty(), Ordering::Relaxed);
+    }
+}
+
+impl std::fmt::Debug for Tapes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Tapes").field("any", &self.any).finish_non_exhaustive()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use genom_types::{Kind, TypeTable};
+
+    #[test]
+    fn what_finds_no_room_is_counted_and_leaves_a_gap_in_the_numbers() {
+        let mut table = TypeTable::default();
+        let id = table.add(Kind::Double);
+        let ty = DataType::new(&Arc::new(table), id).unwrap();
+        let (tape, mut reel) = tape(1, &ty, Dates::default());
+        let tapes = Tapes::default();
+        let mut value = Record::new(&ty);
+        tapes.take(&value);
+        tapes.add(1, || tape);
+        let room = SMALLEST / (HEAD + 12);
+        for number in 0..room + 5 {
+            value.merge_json(&(number as f64).into()).unwrap();
+            tapes.take(&value);
+        }
+        let mut seen = Vec::new();
+        reel.wind(|sample| {
+            assert!(sample.moment > 0);
+            let mut read = Record::new(&ty);
+            read.decode_message(sample.message).unwrap();
+            assert_eq!(read.to_json(), f64::from(sample.number));
+            seen.push(sample.number);
+        });
+        assert_eq!((seen.len(), reel.lost()), (room, 5));
+        tapes.take(&value);
+        reel.wind(|sample| seen.push(sample.number));
+        assert_eq!(seen.last().copied(), u32::try_from(room + 5).ok());
+        tapes.remove(1);
+        assert!(reel.is_over());
+    }
+}

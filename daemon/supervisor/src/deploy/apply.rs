@@ -1,0 +1,251 @@
+//! Takes the steps of a deployment, waits for what others must do first, and undoes what was
+//! done when a step is refused.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use genom_description::model::ServiceKind;
+
+use super::Step;
+use super::link::{self, Link};
+use super::undo::{Gone, Requested, Running, Undo, move_to, take_back};
+use crate::bus::{Change, StepStatus};
+use crate::daemon::Daemon;
+use crate::ending::Ending;
+use crate::hosting::request;
+use crate::loading;
+use genom_configuration::{CallEntry, ConnectionEntry, Spot};
+
+/// How often the other side of a connection is looked for: discovery tells nobody.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// A deployment could not be brought about.
+#[derive(Debug, thiserror::Error)]
+#[error("{step}: {why}{}", remaining(.left))]
+pub struct ApplyError {
+    /// The step that was refused.
+    pub step: String,
+    /// Why it was refused.
+    pub why: String,
+    /// Where it is asked for in the file.
+    pub place: Spot,
+    /// It was given up waiting.
+    pub timeout: bool,
+    /// What could not be undone.
+    pub left: Vec<String>,
+}
+
+fn remaining(left: &[String]) -> String {
+    if left.is_empty() {
+        return String::new();
+    }
+    format!("; all is as it was, but for: {}", left.join(", "))
+}
+
+/// Takes all steps, in order; connections wait for the other side at most this long each. Blocks.
+pub fn apply(
+    daemon: &Arc<Daemon>,
+    steps: &[Step],
+    patience: Option<Duration>,
+) -> Result<(), ApplyError> {
+    let ran = Running::now(daemon);
+    let mut undo = Vec::new();
+    let mut rest = steps;
+    while let Some((step, after)) = rest.split_first() {
+        let taken = if let Step::Connect(_) = step {
+            // Together: one that waits holds up no other.
+            let connects = rest.iter().map_while(Step::connection).collect::<Vec<_>>();
+            rest = &rest[connects.len()..];
+            connect_all(daemon, connects, patience, &mut undo)
+        } else {
+            rest = after;
+            tell(daemon, step, StepStatus::Begun);
+            take(daemon, step, &ran, &mut undo).inspect(|()| tell(daemon, step, StepStatus::Done))
+        };
+        if let Err(Refused { step, why, place, timeout }) = taken {
+            let left = take_back(daemon, undo);
+            return Err(ApplyError { step, why, place, timeout, left });
+        }
+    }
+    Ok(())
+}
+
+fn tell(daemon: &Daemon, step: &Step, status: StepStatus) {
+    daemon.bus.tell(&Change::DeploymentStep { step: step.to_string(), status });
+}
+
+/// A step that was refused.
+struct Refused {
+    step: String,
+    why: String,
+    place: Spot,
+    timeout: bool,
+}
+
+impl Refused {
+    fn new<S: Into<String>>(
+        step: &Step,
+        key: impl IntoIterator<Item = S>,
+        why: impl Into<String>,
+    ) -> Self {
+        let place = match step {
+            Step::Load(request) | Step::Reload { request, .. } => Spot::component(request),
+            Step::Unload(_) => Spot::default(),
+            Step::Disconnect(entry) => Spot::connection(entry),
+            Step::Move { component, .. } => Spot::named(component),
+            Step::Set(entry) => Spot::named(&entry.component),
+            Step::Connect(entry) => Spot::connection(entry),
+            Step::Call(entry) => Spot::request("call", entry),
+            Step::Start(entry) => Spot::request("activity", entry),
+        };
+        let place = place.key(key);
+        Self { step: step.to_string(), why: why.into(), place, timeout: false }
+    }
+}
+
+/// Takes a step; the way back comes to the others.
+fn take(
+    daemon: &Arc<Daemon>,
+    step: &Step,
+    ran: &Running,
+    undo: &mut Vec<Undo>,
+) -> Result<(), Refused> {
+    match step {
+        Step::Load(request) => {
+            let loaded = loading::load(daemon, request);
+            let hosted =
+                loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
+            undo.push(Undo::Unload(hosted.name.clone()));
+        }
+        Step::Reload { request, .. } => {
+            let name = request.instance();
+            let none: [&str; 0] = [];
+            take_down(daemon, &name, undo).map_err(|why| Refused::new(step, none, why))?;
+            let loaded = loading::load(daemon, request);
+            loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
+        }
+        Step::Unload(name) => {
+            let none: [&str; 0] = [];
+            take_down(daemon, name, undo).map_err(|why| Refused::new(step, none, why))?;
+        }
+        Step::Disconnect(entry) => {
+            let before = Link::present(daemon, &entry.inport);
+            link::put_back(daemon, &entry.inport, None)
+                .map_err(|why| Refused::new(step, ["in"], why))?;
+            daemon.declared.forget(&entry.inport);
+            undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
+        }
+        Step::Move { component, port, to } => {
+            let key = port.as_ref().map_or(vec!["backend"], |port| vec!["ports", port]);
+            let moved = move_to(daemon, component, port.as_deref(), to);
+            undo.push(Undo::Move(moved.map_err(|why| Refused::new(step, key, why))?));
+        }
+        Step::Set(entry) => {
+            let before = Requested::before(daemon, entry, step.to_string(), ran);
+            request::send(&daemon.components, entry).map_err(|error| {
+                // As the file has it: inputs stand under the service's name.
+                let members = error.key.into_iter().filter(|key| key != "inputs");
+                let key = ["attributes".to_owned(), entry.service.clone()];
+                Refused::new(step, key.into_iter().chain(members), error.why)
+            })?;
+            undo.push(Undo::Request(before));
+        }
+        // Taken together, by `connect_all`.
+        Step::Connect(_) => {}
+        Step::Call(entry) | Step::Start(entry) => {
+            if let Step::Start(_) = step {
+                is_activity(daemon, entry).map_err(|why| Refused::new(step, ["service"], why))?;
+            }
+            let before = Requested::before(daemon, entry, step.to_string(), ran);
+            let activity = request::send(&daemon.components, entry)
+                .map_err(|error| Refused::new(step, error.key, error.why))?;
+            let hosted = daemon.components.get(&entry.component);
+            match (step, activity, &hosted) {
+                (Step::Start(_), Some(number), _) => {
+                    undo.push(Undo::Request(before.started(number)));
+                }
+                (_, Some(number), Some(hosted)) => {
+                    undo.push(Undo::Request(before));
+                    // Called, not started: what comes next may rely on its end.
+                    let ended = hosted.activities.get(number).map(|activity| activity.wait());
+                    if let Some(Some(Ending::Exception { name, .. })) = ended {
+                        let why = format!("it ended with {name}");
+                        return Err(Refused::new(step, ["service"], why));
+                    }
+                }
+                _ => undo.push(Undo::Request(before)),
+            }
+            if let Some(hosted) = hosted {
+                hosted.done.deployed(&entry.service, entry.inputs.clone());
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Stops a component, which may be put back.
+fn take_down(daemon: &Arc<Daemon>, name: &str, undo: &mut Vec<Undo>) -> Result<(), String> {
+    let before = daemon.components.get(name).map(|hosted| Gone::of(&hosted));
+    undo.extend(before.map(|before| Undo::PutBack(Box::new(before))));
+    daemon.unload(name).map_err(|error| error.to_string())
+}
+
+/// Only activities are started: anything else would be over when the next one begins.
+fn is_activity(daemon: &Daemon, entry: &CallEntry) -> Result<(), String> {
+    let hosted = daemon.components.get(&entry.component);
+    let services = hosted.as_ref().map_or(&[][..], |hosted| &hosted.model().services);
+    let what = match services.iter().find(|one| one.name == entry.service).map(|one| one.kind) {
+        Some(ServiceKind::Attribute) => "an attribute",
+        Some(ServiceKind::Function) => "a function",
+        Some(ServiceKind::Activity) | None => return Ok(()),
+    };
+    Err(format!("{}/{} is {what}: name it in [[call]]", entry.component, entry.service))
+}
+
+/// Makes connections, each as soon as its other side is there.
+fn connect_all(
+    daemon: &Arc<Daemon>,
+    mut waiting: Vec<&ConnectionEntry>,
+    patience: Option<Duration>,
+    undo: &mut Vec<Undo>,
+) -> Result<(), Refused> {
+    let begin = Instant::now();
+    let mut told = false;
+    while !waiting.is_empty() {
+        let mut absent = Vec::new();
+        for entry in waiting {
+            let step = Step::Connect(entry.clone());
+            let before = Link::present(daemon, &entry.inport);
+            match link::make(daemon, entry) {
+                Ok(()) => {
+                    tell(daemon, &step, StepStatus::Done);
+                    undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
+                }
+                // The other side comes when its daemon does; a slip of the pen waits in vain,
+                // and is told.
+                Err(error) if error.absent => absent.push((entry, step, error.why)),
+                Err(error) => return Err(Refused::new(&step, [error.key], error.why)),
+            }
+        }
+        if let Some((_, step, why)) = absent.first() {
+            if daemon.stopping() {
+                return Err(Refused::new(step, ["out"], "the daemon stops"));
+            }
+            if patience.is_some_and(|patience| begin.elapsed() >= patience) {
+                let after = begin.elapsed().as_secs_f64();
+                let why = format!("nothing after {after:.1} s: {why}");
+                return Err(Refused { timeout: true, ..Refused::new(step, ["out"], why) });
+            }
+            if !told {
+                told = true;
+                for (_, step, _) in &absent {
+                    tracing::info!("waiting to {step}");
+                    daemon.bus.tell(&Change::DeploymentWaits { step: step.to_string() });
+                }
+            }
+            std::thread::park_timeout(LOOK);
+        }
+        waiting = absent.into_iter().map(|(entry, ..)| entry).collect();
+    }
+    Ok(())
+}

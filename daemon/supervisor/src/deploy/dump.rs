@@ -1,0 +1,63 @@
+//! The running system as a deployment.
+
+use std::collections::BTreeMap;
+
+use genom_description::model::ServiceKind;
+
+use super::link;
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use genom_configuration::{BackendNames, CallEntry, Deployment, LoadRequest};
+
+/// What runs and how it is wired; applied on a fresh daemon it gives the same.
+pub fn dump(daemon: &Daemon) -> Deployment {
+    let mut all = Deployment::default();
+    for hosted in daemon.components.all() {
+        all.component.push(component(&hosted));
+        all.connection.extend(link::of(&hosted));
+        let entry = |service: &str, inputs| CallEntry {
+            component: hosted.name.clone(),
+            service: service.to_owned(),
+            inputs,
+        };
+        for (service, inputs) in hosted.done.all_deployed() {
+            // Activities are dumped as long as they run, below.
+            let known = hosted.model().services.iter().find(|known| known.name == service);
+            if known.is_some_and(|known| known.kind != ServiceKind::Activity) {
+                all.call.push(entry(&service, inputs));
+            }
+        }
+        for activity in hosted.activities.all() {
+            if let Some(inputs) = hosted.done.inputs(activity.number) {
+                all.activity.push(entry(&activity.service, inputs));
+            }
+        }
+    }
+    // Declared, and waiting for one of its sides.
+    for declared in daemon.declared.all() {
+        if !all.connection.iter().any(|made| made.inport == declared.inport) {
+            all.connection.push(declared);
+        }
+    }
+    all
+}
+
+/// How to load a component that runs, as it is.
+pub(super) fn component(hosted: &Hosted) -> LoadRequest {
+    let bindings = &hosted.wires.bindings;
+    let ports: BTreeMap<String, BackendNames> = bindings.ports();
+    LoadRequest {
+        library: hosted.library.clone(),
+        gen_file: hosted
+            .request
+            .gen_file
+            .as_ref()
+            .map(|file| std::path::absolute(file).unwrap_or_else(|_| file.clone())),
+        name: Some(hosted.name.clone()),
+        backend: Some(bindings.component()),
+        ports,
+        attributes: hosted.done.attributes(),
+        after: Vec::new(),
+        ..hosted.request.clone()
+    }
+}

@@ -1,0 +1,302 @@
+//! From a deployment and what runs to the steps between the two.
+
+use genom_protocol::nearest::suggest;
+use serde_json::Value;
+
+use super::Step;
+use super::link::{self, Link};
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use genom_configuration::{
+    BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot,
+};
+
+/// The deployment contradicts itself or what runs; nothing was changed.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum PlanError {
+    /// Components wait for each other.
+    #[error("{0} comes after itself: look at the `after` of the components")]
+    Circle(String),
+    /// A name of no component.
+    #[error("{what} names component `{typed}`, which neither runs nor is deployed; {help}")]
+    Unknown { what: String, typed: String, help: String, place: Spot },
+    /// Two components of one name.
+    #[error("two components are named {0}: give one another `name`")]
+    Twice(String),
+    /// What runs cannot become what is wanted.
+    #[error(
+        "{name} runs from another library than the deployment says: `genomctl unload {name}` first"
+    )]
+    Other { name: String, place: Spot },
+}
+
+impl PlanError {
+    /// Where the mistake is in the file.
+    pub fn place(&self) -> Spot {
+        match self {
+            PlanError::Unknown { place, .. } | PlanError::Other { place, .. } => place.clone(),
+            _ => Spot::default(),
+        }
+    }
+}
+
+/// The way from what runs to a deployment.
+#[derive(Debug, Default)]
+pub struct Plan {
+    /// The steps, in order; none when the daemon is there.
+    pub steps: Vec<Step>,
+    /// What there is that the deployment does not say, as the steps that take it away. They are
+    /// among the others when this is asked for.
+    pub beside: Vec<Step>,
+}
+
+/// Plans; `prune`: what the deployment does not say is to go.
+pub fn plan(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Plan, PlanError> {
+    let beside = beside(daemon, wanted);
+    let mut steps = plan_steps(daemon, wanted, prune)?;
+    if prune {
+        let (leave, cut): (Vec<_>, Vec<_>) =
+            beside.iter().cloned().partition(|step| matches!(step, Step::Unload(_)));
+        steps.splice(0..0, cut);
+        steps.extend(leave);
+    }
+    Ok(Plan { steps, beside })
+}
+
+/// What takes away all that the deployment does not say: connections, then components, users before
+/// those they use.
+fn beside(daemon: &Daemon, wanted: &Deployment) -> Vec<Step> {
+    let mut all = daemon.components.all();
+    all.reverse();
+    let said = |name: &str| wanted.component.iter().any(|one| one.instance() == name);
+    let declared =
+        |entry: &ConnectionEntry| wanted.connection.iter().any(|one| one.inport == entry.inport);
+    let cut = all.iter().filter(|hosted| said(&hosted.name)).flat_map(|hosted| {
+        link::of(hosted).into_iter().filter(|entry| !declared(entry)).map(Step::Disconnect)
+    });
+    let leave = all.iter().filter(|hosted| !said(&hosted.name));
+    cut.chain(leave.map(|hosted| Step::Unload(hosted.name.clone()))).collect()
+}
+
+fn plan_steps(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Vec<Step>, PlanError> {
+    let mut steps = Vec::new();
+    for request in ordered(&wanted.component)? {
+        let name = request.instance();
+        match daemon.components.get(&name) {
+            None => steps.push(Step::Load(Box::new(request.clone()))),
+            Some(hosted) => adapt(daemon, &hosted, request, &mut steps)?,
+        }
+    }
+    let known = |instance: &str| {
+        daemon.components.get(instance).is_some()
+            || wanted.component.iter().any(|request| request.instance() == instance)
+    };
+    let check = |what: String, instance: &str, place: Spot| {
+        if known(instance) {
+            return Ok(());
+        }
+        let mut names: Vec<String> = wanted.component.iter().map(LoadRequest::instance).collect();
+        names.extend(daemon.components.all().iter().map(|hosted| hosted.name.clone()));
+        let help = suggest(instance, names.iter().map(String::as_str));
+        Err(PlanError::Unknown { what, typed: instance.to_owned(), help, place })
+    };
+    for connection in &wanted.connection {
+        let place = Spot::connection(connection).key(["in"]);
+        check(format!("in = \"{}\"", connection.inport), connection.reader(), place)?;
+        let present = Link::present(daemon, &connection.inport);
+        if anew(&steps, connection.reader())
+            || !present.is_some_and(|present| present.is(connection))
+        {
+            steps.push(Step::Connect(connection.clone()));
+        }
+    }
+    // What is loaded anew keeps the connections that the deployment says nothing of.
+    for hosted in daemon.components.all() {
+        if prune || !anew(&steps, &hosted.name) {
+            continue;
+        }
+        let said = |entry: &ConnectionEntry| {
+            wanted.connection.iter().any(|one| one.inport == entry.inport)
+        };
+        steps.extend(link::of(&hosted).into_iter().filter(|one| !said(one)).map(Step::Connect));
+    }
+    let (calls, starts) = (wanted.call.iter(), wanted.activity.iter());
+    let calls = calls.map(|entry| (entry, Step::Call(entry.clone())));
+    for (entry, step) in calls.chain(starts.map(|entry| (entry, Step::Start(entry.clone())))) {
+        let section = if matches!(step, Step::Call(_)) { "call" } else { "activity" };
+        let place = Spot::request(section, entry).key(["component"]);
+        check(format!("the call of {}", entry.service), &entry.component, place)?;
+        if anew(&steps, &entry.component) || !done(daemon, entry) {
+            steps.push(step);
+        }
+    }
+    Ok(steps)
+}
+
+/// Whether a component is to be loaded anew.
+fn anew(steps: &[Step], name: &str) -> bool {
+    steps
+        .iter()
+        .any(|step| matches!(step, Step::Reload { request, .. } if request.instance() == name))
+}
+
+/// Components with those first that others come after.
+fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
+    let mut left: Vec<&LoadRequest> = all.iter().collect();
+    let mut names: Vec<String> = Vec::new();
+    for request in all {
+        let name = request.instance();
+        // Unnamed ones are named by their descriptions, which are read when they are loaded.
+        if names.contains(&name) && request.name.is_some() {
+            return Err(PlanError::Twice(name));
+        }
+        names.push(name);
+    }
+    let mut order = Vec::with_capacity(all.len());
+    while !left.is_empty() {
+        let waits = |request: &&LoadRequest, name: &String| {
+            request.after.contains(name) && request.instance() != *name
+        };
+        let pending: Vec<String> = left.iter().map(|request| request.instance()).collect();
+        let free = left.iter().position(|request| {
+            !request.after.contains(&request.instance())
+                && !pending.iter().any(|name| waits(request, name))
+        });
+        let Some(free) = free else { return Err(PlanError::Circle(pending[0].clone())) };
+        let request = left.remove(free);
+        if let Some(unknown) = request.after.iter().find(|after| !names.contains(after)) {
+            let what = format!("after of {}", request.instance());
+            let help = suggest(unknown, names.iter().map(String::as_str));
+            let place = Spot::component(request).key(["after"]);
+            return Err(PlanError::Unknown { what, typed: unknown.clone(), help, place });
+        }
+        order.push(request);
+    }
+    Ok(order)
+}
+
+/// Steps for a component that runs already.
+fn adapt(
+    daemon: &Daemon,
+    hosted: &Hosted,
+    request: &LoadRequest,
+    steps: &mut Vec<Step>,
+) -> Result<(), PlanError> {
+    let name = hosted.name.clone();
+    if hosted.request.library != request.library && hosted.library != request.library {
+        let place = Spot::component(request).key(["library"]);
+        return Err(PlanError::Other { name, place });
+    }
+    let other = if hosted.request.tasks != request.tasks {
+        Some("other settings of tasks")
+    } else if hosted.request.qos != request.qos {
+        Some("another quality of service of ports")
+    } else {
+        None
+    };
+    if let Some(why) = other {
+        let mut request = request.clone();
+        request.name = Some(name);
+        // What was set and the deployment says nothing of stays set.
+        for (service, set) in hosted.done.attributes() {
+            let inputs = match request.attributes.get(&service) {
+                None => Some(set),
+                Some(wanted) => merged(hosted, &service, &set, wanted),
+            };
+            request.attributes.extend(inputs.map(|inputs| (service, inputs)));
+        }
+        steps.push(Step::Reload { request: Box::new(request), why });
+        return Ok(());
+    }
+    let default = || BackendNames::one(daemon.settings.backend.as_str());
+    let to = request.backend.clone().unwrap_or_else(default);
+    let bindings = &hosted.wires.bindings;
+    let moves = bindings.component() != to;
+    if moves {
+        steps.push(Step::Move { component: name.clone(), port: None, to: to.clone() });
+    }
+    for port in &hosted.model().ports {
+        let wanted = request.ports.get(&port.name).unwrap_or(&to);
+        let present = if moves { to.clone() } else { bindings.port(&port.name) };
+        if present != *wanted {
+            let (component, port) = (name.clone(), Some(port.name.clone()));
+            steps.push(Step::Move { component, port, to: wanted.clone() });
+        }
+    }
+    let set = hosted.done.attributes();
+    for (service, inputs) in &request.attributes {
+        if set
+            .get(service)
+            .is_none_or(|set| merged(hosted, service, set, inputs).as_ref() != Some(set))
+        {
+            let (component, service) = (name.clone(), service.clone());
+            steps.push(Step::Set(CallEntry { component, service, inputs: inputs.clone() }));
+        }
+    }
+    Ok(())
+}
+
+/// Inputs with the defaults of what they leave out.
+fn full(hosted: &Hosted, service: &str, inputs: &Value) -> Option<Value> {
+    let index = hosted.plan().service(service)?;
+    hosted.filled(index, inputs).ok().map(|record| record.to_json())
+}
+
+/// What an attribute is set to when some of its inputs are given after it was set.
+fn merged(hosted: &Hosted, service: &str, set: &Value, inputs: &Value) -> Option<Value> {
+    let mut record = hosted.filled(hosted.plan().service(service)?, set).ok()?;
+    record.merge_json(inputs).ok()?;
+    Some(record.to_json())
+}
+
+/// Whether a deployment had this called already, in this life of the component, or the activity
+/// runs.
+fn done(daemon: &Daemon, entry: &CallEntry) -> bool {
+    let Some(hosted) = daemon.components.get(&entry.component) else { return false };
+    let Some(wanted) = full(&hosted, &entry.service, &entry.inputs) else { return false };
+    let equal = |service: &str, inputs: &Value| {
+        service == entry.service && full(&hosted, service, inputs).as_ref() == Some(&wanted)
+    };
+    let deployed = hosted.done.all_deployed();
+    let running = hosted.activities.all();
+    deployed.iter().any(|(service, inputs)| equal(service, inputs))
+        || running.iter().any(|activity| {
+            let inputs = hosted.done.inputs(activity.number);
+            inputs.is_some_and(|inputs| equal(&activity.service, &inputs))
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn request(name: &str, after: &[&str]) -> LoadRequest {
+        LoadRequest {
+            name: Some(name.to_owned()),
+            after: after.iter().map(|&name| name.to_owned()).collect(),
+            ..LoadRequest::default()
+        }
+    }
+
+    #[test]
+    fn components_come_after_those_they_name() {
+        let all = [request("a", &["c"]), request("b", &[]), request("c", &["b"])];
+        let order = ordered(&all).unwrap();
+        let names: Vec<String> = order.iter().map(|request| request.instance()).collect();
+        assert_eq!(names, ["b", "c", "a"]);
+    }
+
+    #[test]
+    fn circles_unknown_and_double_names_are_refused() {
+        let circle = ordered(&[request("a", &["b"]), request("b", &["a"])]).unwrap_err();
+        assert!(matches!(circle, PlanError::Circle(_)), "{circle}");
+        assert!(ordered(&[request("a", &["a"])]).is_err());
+        let unknown = ordered(&[request("arm", &[]), request("b", &["amr"])]).unwrap_err();
+        assert!(unknown.to_string().contains("`arm`"), "{unknown}");
+        assert!(matches!(
+            ordered(&[request("a", &[]), request("a", &[])]),
+            Err(PlanError::Twice(_))
+        ));
+    }
+}

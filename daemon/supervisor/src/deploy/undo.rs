@@ -1,0 +1,251 @@
+//! The way back of each step of a deployment.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
+
+use genom_runtime::Clock;
+use serde_json::Value;
+
+use super::dump;
+use super::link::{self, Link};
+use crate::daemon::Daemon;
+use crate::hosting::{Hosted, request};
+use crate::loading;
+use crate::wiring::switch::switch;
+use genom_configuration::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
+
+/// How to take a step back.
+pub(super) enum Undo {
+    Unload(String),
+    /// A component that was taken down.
+    PutBack(Box<Gone>),
+    Move(Moved),
+    /// An in port or remote, and what it was connected to.
+    Reconnect {
+        inport: String,
+        before: Option<Link>,
+    },
+    Request(Requested),
+}
+
+/// A component that was taken down, as it was.
+pub(super) struct Gone {
+    request: LoadRequest,
+    connections: Vec<ConnectionEntry>,
+    /// Services of the activities that ran.
+    interrupted: Vec<String>,
+}
+
+impl Gone {
+    pub(super) fn of(hosted: &Hosted) -> Self {
+        let running = hosted.activities.all().into_iter();
+        let running = running.filter(|activity| activity.ending().is_none());
+        Self {
+            request: dump::component(hosted),
+            connections: link::of(hosted),
+            interrupted: running.map(|activity| activity.service.clone()).collect(),
+        }
+    }
+
+    /// Loads it as it was, in place of what bears its name now; what cannot be as it was.
+    fn put_back(self, daemon: &Arc<Daemon>) -> Vec<String> {
+        let name = self.request.instance();
+        if daemon.components.get(&name).is_some()
+            && let Err(error) = daemon.unload(&name)
+        {
+            return vec![error.to_string()];
+        }
+        if let Err(error) = loading::load(daemon, &self.request) {
+            return vec![format!("{name} does not run: {error}")];
+        }
+        let connected = self.connections.iter().filter_map(|entry| {
+            link::make_anyway(daemon, entry).err().map(|error| format!("{entry}: {}", error.why))
+        });
+        let stopped =
+            self.interrupted.iter().map(|service| format!("{name}/{service} was interrupted"));
+        connected.chain(stopped).collect()
+    }
+}
+
+/// A component or port that moved.
+pub(super) struct Moved {
+    component: String,
+    port: Option<String>,
+    before: BackendNames,
+    /// Where ports of a component that moved were on their own.
+    ports: BTreeMap<String, BackendNames>,
+}
+
+/// A service that was asked for something.
+pub(super) struct Requested {
+    entry: CallEntry,
+    /// As the step is told.
+    step: String,
+    /// The attribute's inputs that give back what was; none for other services.
+    values: Option<Value>,
+    /// Activities that it stopped, and that ran before the deployment.
+    interrupted: Vec<String>,
+    /// What a dump said of the attribute.
+    remembered: Option<Value>,
+    /// The activity that was started.
+    activity: Option<u64>,
+}
+
+/// What cannot be as it was: of this component, this.
+pub(super) struct Left {
+    component: String,
+    what: String,
+}
+
+/// Activities that ran before the deployment began: component and number.
+pub(super) struct Running(BTreeSet<(String, u64)>);
+
+impl Running {
+    pub(super) fn now(daemon: &Daemon) -> Self {
+        let of = |hosted: Arc<Hosted>| {
+            let all = hosted.activities.all().into_iter();
+            all.filter(|activity| activity.ending().is_none())
+                .map(move |activity| (hosted.name.clone(), activity.number))
+        };
+        Self(daemon.components.all().into_iter().flat_map(of).collect())
+    }
+
+    /// Services of those that a request interrupts: nobody but the supervisor may start a motion
+    /// again.
+    fn interrupted_by(&self, hosted: &Hosted, service: &str) -> Vec<String> {
+        let services = &hosted.model().services;
+        let Some(service) = services.iter().find(|one| one.name == service) else {
+            return Vec::new();
+        };
+        let stops = |name: &str| service.interrupts.iter().any(|&one| services[one].name == name);
+        let all = hosted.activities.all().into_iter();
+        all.filter(|one| one.ending().is_none() && stops(&one.service))
+            .filter(|one| self.0.contains(&(hosted.name.clone(), one.number)))
+            .map(|one| one.service.clone())
+            .collect()
+    }
+}
+
+/// Moves a component or port, and tells where it was.
+pub(super) fn move_to(
+    daemon: &Arc<Daemon>,
+    component: &str,
+    port: Option<&str>,
+    to: &BackendNames,
+) -> Result<Moved, String> {
+    let Some(hosted) = daemon.components.get(component) else {
+        return Err(format!("{component} does not run"));
+    };
+    let bindings = &hosted.wires.bindings;
+    let before = port.map_or_else(|| bindings.component(), |port| bindings.port(port));
+    let ports = if port.is_none() { bindings.ports() } else { BTreeMap::new() };
+    let index =
+        port.and_then(|port| hosted.model().ports.iter().position(|known| known.name == port));
+    switch(daemon, &hosted, index, to).map_err(|error| error.to_string())?;
+    let port = port.map(str::to_owned);
+    Ok(Moved { component: component.to_owned(), port, before, ports })
+}
+
+impl Requested {
+    /// To be known before the request is sent.
+    pub(super) fn before(daemon: &Daemon, entry: &CallEntry, step: String, ran: &Running) -> Self {
+        let hosted = daemon.components.get(&entry.component);
+        let remembered = hosted.as_ref().and_then(|hosted| {
+            let mut all = hosted.done.attributes();
+            all.remove(&entry.service)
+        });
+        let interrupted = hosted.as_ref().map(|on| ran.interrupted_by(on, &entry.service));
+        let interrupted = interrupted.unwrap_or_default();
+        let values = hosted.and_then(|hosted| values(&hosted, &entry.service, &remembered));
+        Self { entry: entry.clone(), step, values, interrupted, remembered, activity: None }
+    }
+
+    /// The activity that it is.
+    pub(super) fn started(self, activity: u64) -> Self {
+        Self { activity: Some(activity), ..self }
+    }
+
+    fn take_back(self, daemon: &Daemon) -> Result<(), String> {
+        let Some(hosted) = daemon.components.get(&self.entry.component) else { return Ok(()) };
+        hosted.done.not_deployed(&self.entry.service, &self.entry.inputs);
+        if let Some(number) = self.activity {
+            hosted.abort(number);
+            // As it was: it runs no more. A clock that stands lets nothing end.
+            if matches!(daemon.clock, Clock::Monotonic)
+                && let Some(activity) = hosted.activities.get(number)
+                && activity.wait_at_most(daemon.settings.stop_timeout).is_none()
+            {
+                return Err(format!("{}, which does not end", self.step));
+            }
+            return Ok(());
+        }
+        let Some(values) = self.values else { return Err(self.step) };
+        let entry = CallEntry { inputs: values, ..self.entry };
+        let restored = request::send_to(&hosted, &entry);
+        restored.map_err(|error| format!("{}: {}", self.step, error.why))?;
+        hosted.done.attribute_back(&entry.service, self.remembered);
+        Ok(())
+    }
+}
+
+/// The inputs of an attribute that set what is set now; as it was last set, when codels keep one
+/// from looking.
+fn values(hosted: &Hosted, service: &str, remembered: &Option<Value>) -> Option<Value> {
+    let index = hosted.plan().service(service)?;
+    hosted.current(index).or_else(|| remembered.clone())
+}
+
+/// Takes steps back, the last first; what could not be is named.
+pub(super) fn take_back(daemon: &Arc<Daemon>, undo: Vec<Undo>) -> Vec<String> {
+    let mut left: Vec<Left> = Vec::new();
+    let mut back = undo.into_iter().rev().peekable();
+    while let Some(one) = back.next() {
+        let (component, undone) = match one {
+            Undo::Unload(name) => {
+                // Those loaded one after the other go together.
+                let mut names = vec![name];
+                while let Some(Undo::Unload(name)) =
+                    back.next_if(|it| matches!(it, Undo::Unload(_)))
+                {
+                    names.insert(0, name);
+                }
+                // What was done to them goes with them.
+                left.retain(|left| !names.contains(&left.component));
+                let failed = daemon.unload_these(&names).into_iter();
+                left.extend(
+                    failed.map(|(component, error)| Left { component, what: error.to_string() }),
+                );
+                continue;
+            }
+            Undo::PutBack(gone) => {
+                let component = gone.request.instance();
+                left.retain(|left| left.component != component);
+                let lost = gone.put_back(daemon).into_iter();
+                left.extend(lost.map(|what| Left { component: component.clone(), what }));
+                continue;
+            }
+            Undo::Move(moved) => {
+                let Moved { component, port, before, ports } = moved;
+                let back = move_to(daemon, &component, port.as_deref(), &before);
+                let ports = ports.iter().try_for_each(|(port, on)| {
+                    move_to(daemon, &component, Some(port), on).map(drop)
+                });
+                (component, back.and(ports))
+            }
+            Undo::Reconnect { inport, before } => {
+                let undone = link::put_back(daemon, &inport, before.as_ref());
+                (inport.split('/').next().unwrap_or_default().to_owned(), undone)
+            }
+            Undo::Request(mut requested) => {
+                let component = requested.entry.component.clone();
+                left.extend(requested.interrupted.drain(..).map(|service| {
+                    let what = format!("{component}/{service} was interrupted");
+                    Left { component: component.clone(), what }
+                }));
+                (component, requested.take_back(daemon))
+            }
+        };
+        left.extend(undone.err().map(|what| Left { component, what }));
+    }
+    left.into_iter().map(|left| left.what).collect()
+}

@@ -1,0 +1,129 @@
+//! Tells what happens inside a component: on the daemon's bus, and to callers of its activities.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use genom_runtime::plan::Plan;
+use genom_runtime::{Change as Inner, Watcher};
+
+use crate::bus::{Bus, Change};
+
+/// Hears the states an activity enters.
+pub(crate) type Follower = Box<dyn FnMut(&str) + Send>;
+
+/// Watches one instance.
+pub(crate) struct BusWatcher {
+    bus: Arc<Bus>,
+    component: String,
+    plan: Arc<Plan>,
+    /// What was told of the activities that run.
+    known: Mutex<HashMap<u32, Known>>,
+    /// Who follows which activity, and the state it was told last.
+    followers: Mutex<HashMap<u32, Arc<Mutex<Following>>>>,
+}
+
+struct Following {
+    last: Option<usize>,
+    follower: Follower,
+}
+
+#[derive(Default)]
+struct Known {
+    /// Transitions do not name it. `None` for a permanent activity.
+    service: Option<usize>,
+    /// A state that yields itself at each period is told once.
+    last: Option<(usize, bool)>,
+}
+
+impl BusWatcher {
+    /// Tells what happens inside a component of this plan.
+    pub(crate) fn new(bus: &Arc<Bus>, component: &str, plan: &Arc<Plan>) -> Self {
+        Self {
+            bus: Arc::clone(bus),
+            component: component.to_owned(),
+            plan: Arc::clone(plan),
+            known: Mutex::default(),
+            followers: Mutex::default(),
+        }
+    }
+
+    /// Tells somebody the states of an activity from now on. It moves only after all who asked
+    /// for it know that it was accepted: asked for until then, no state is missed.
+    pub(crate) fn follow(&self, activity: u32, follower: Follower) {
+        let following = Arc::new(Mutex::new(Following { last: None, follower }));
+        self.followers().insert(activity, following);
+    }
+
+    fn followers(&self) -> MutexGuard<'_, HashMap<u32, Arc<Mutex<Following>>>> {
+        self.followers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Who follows may call back: the map is not locked meanwhile.
+    fn entered(&self, activity: u32, state: usize) {
+        let Some(following) = self.followers().get(&activity).map(Arc::clone) else { return };
+        let mut following = following.lock().unwrap_or_else(PoisonError::into_inner);
+        if following.last.replace(state) != Some(state)
+            && let Some(name) = self.plan.component().states.get(state)
+        {
+            (following.follower)(name);
+        }
+    }
+
+    fn service(&self, index: usize) -> String {
+        self.plan.component().services[index].name.clone()
+    }
+
+    fn with_known<T>(&self, work: impl FnOnce(&mut HashMap<u32, Known>) -> T) -> T {
+        work(&mut self.known.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// The service of an activity that moved; `None` when there is nothing new to tell.
+    fn moved(&self, activity: u32, to: (usize, bool)) -> Option<Option<usize>> {
+        self.with_known(|known| {
+            let known = known.entry(activity).or_default();
+            let new = known.last.replace(to) != Some(to);
+            new.then_some(known.service)
+        })
+    }
+}
+
+impl Watcher for BusWatcher {
+    fn changed(&self, change: &Inner) {
+        let component = self.component.clone();
+        let told = match change {
+            Inner::Accepted { activity, service } => {
+                self.with_known(|known| {
+                    known.entry(*activity).or_default().service = Some(*service)
+                });
+                let (service, activity) = (self.service(*service), u64::from(*activity));
+                Change::ActivityStarted { component, service, activity }
+            }
+            Inner::Moved { activity, state, paused } => {
+                self.entered(*activity, *state);
+                let Some(service) = self.moved(*activity, (*state, *paused)) else { return };
+                let service = service.map_or_else(String::new, |index| self.service(index));
+                let state = self.plan.component().states.get(*state).cloned().unwrap_or_default();
+                let (activity, paused) = (u64::from(*activity), *paused);
+                Change::Transition { component, service, activity, state, paused }
+            }
+            Inner::Ended { activity, service, exception } => {
+                self.with_known(|known| known.remove(activity));
+                self.followers().remove(activity);
+                let (service, activity) = (self.service(*service), u64::from(*activity));
+                let exception = exception.clone();
+                Change::ActivityEnded { component, service, activity, exception }
+            }
+            Inner::Overrun { task, ticks } => {
+                let task = self.plan.component().tasks[*task].name.clone();
+                Change::Overrun { component, task, ticks: *ticks }
+            }
+            Inner::Failed { task, exception } => {
+                let task = &self.plan.component().tasks[*task].name;
+                let why = format!("the permanent activity of task {task} ended with {exception}");
+                tracing::error!(instance = component, "{why}");
+                Change::ComponentFailed { component, why }
+            }
+        };
+        self.bus.tell(&told);
+    }
+}

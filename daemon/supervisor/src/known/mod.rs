@@ -1,0 +1,273 @@
+//! What was read and compared for components that come again: one library under many names, or a
+//! component that is reloaded.
+//!
+//! A description is read again when a file that it was made of changed or would be found
+//! elsewhere; a library is compared again when its contents are others, whatever its date says.
+//! pkg-config (`#pragma requires`) is asked again only when the description is read again.
+
+mod seen;
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_description::diagnostic::first;
+use genom_description::diagnostic::render::human;
+use genom_description::model::{Component as Model, Span, Specification};
+use genom_description::source::{Disk, Memory, SourceMap};
+use genom_description::{Analysis, Options, preprocess, read_files};
+use genom_host::Digest;
+use genom_runtime::plan::{Plan, PlanError};
+
+use seen::Seen;
+
+/// Descriptions that are kept: those used last. A daemon runs fewer kinds of components.
+const MOST: usize = 64;
+/// Contents of libraries that fit one description.
+const BUILDS: usize = 4;
+
+/// Where a description is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Description {
+    /// In a file.
+    File(PathBuf),
+    /// In the library, under this name for messages.
+    Embedded {
+        /// What messages call it.
+        name: PathBuf,
+        /// The description itself.
+        text: String,
+    },
+}
+
+impl Description {
+    /// What messages call it.
+    pub fn path(&self) -> &Path {
+        match self {
+            Description::File(path) | Description::Embedded { name: path, .. } => path,
+        }
+    }
+}
+
+/// A description cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum ReadError {
+    /// It has errors: drawn, with their places.
+    #[error("{0}")]
+    Description(String),
+    /// It declares no component, or several.
+    #[error("{}: {found}", path.display())]
+    NotOne { path: PathBuf, found: String },
+    /// It cannot be run.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+}
+
+/// A description that was read, and what is known of libraries for it.
+pub struct Reading {
+    description: Description,
+    /// Where its `#include <...>` are looked for.
+    include: Vec<PathBuf>,
+    /// What it was made of.
+    seen: Seen,
+    sources: SourceMap,
+    /// Its component, compiled.
+    pub plan: Arc<Plan>,
+    /// What is to be told each time it is loaded.
+    pub warnings: Option<String>,
+    /// Libraries that fit it, the last one first.
+    fit: Mutex<VecDeque<Digest>>,
+}
+
+impl Reading {
+    /// Reads a description from the disk.
+    pub fn new(description: &Description, include: &[PathBuf]) -> Result<Self, ReadError> {
+        let include_dirs = include.to_vec();
+        let preprocess = preprocess::Options { include_dirs, ..preprocess::Options::default() };
+        let options = Options { preprocess, ..Options::default() };
+        let inputs = [description.path().to_owned()];
+        let (analysis, seen) = match description {
+            Description::File(_) => {
+                let seen = Seen::through(&Disk, None);
+                (read_files(&inputs, &options, &seen), seen.done())
+            }
+            Description::Embedded { name, text } => {
+                let mut files = Memory::over_disk();
+                files.insert(name, text.as_str());
+                let seen = Seen::through(&files, Some(name));
+                (read_files(&inputs, &options, &seen), seen.done())
+            }
+        };
+        let warnings = drawn(&analysis)?;
+        let Analysis { specification, sources, .. } = analysis;
+        let index = choose(&specification, description.path())?;
+        let plan = Arc::new(Plan::new(&Arc::new(specification), index)?);
+        let (description, include) = (description.clone(), include.to_vec());
+        Ok(Self { description, include, seen, sources, plan, warnings, fit: Mutex::default() })
+    }
+
+    /// Its component.
+    pub fn model(&self) -> &Model {
+        self.plan.component()
+    }
+
+    /// The file that was read.
+    pub fn path(&self) -> &Path {
+        self.description.path()
+    }
+
+    /// A place of it as people say it.
+    pub fn place(&self, span: Span) -> String {
+        let at = self.sources.location(span);
+        format!("{}:{}", at.path.display(), at.line)
+    }
+
+    /// Whether a library of these contents was found to fit.
+    pub fn fits(&self, library: &Digest) -> bool {
+        self.fit.lock().unwrap_or_else(PoisonError::into_inner).contains(library)
+    }
+
+    /// A library of these contents fits.
+    pub fn found_to_fit(&self, library: Digest) {
+        let mut fit = self.fit.lock().unwrap_or_else(PoisonError::into_inner);
+        if !fit.contains(&library) {
+            fit.push_front(library);
+            fit.truncate(BUILDS);
+        }
+    }
+}
+
+/// Mistakes and surprises that are told: the others are counted.
+const SHOWN: usize = 100;
+
+/// Its warnings, drawn; its errors refuse it.
+fn drawn(analysis: &Analysis) -> Result<Option<String>, ReadError> {
+    let drawn = || {
+        let (said, rest) = first(&analysis.diagnostics, &analysis.sources, SHOWN);
+        let mut text = human(&said, &analysis.sources, false);
+        if !rest.is_empty() {
+            text.push_str(&format!("{rest}\n"));
+        }
+        text
+    };
+    if analysis.has_errors() {
+        return Err(ReadError::Description(drawn()));
+    }
+    Ok((analysis.diagnostics.warnings() > 0).then(drawn))
+}
+
+/// The one component of a description.
+fn choose(specification: &Specification, path: &Path) -> Result<usize, ReadError> {
+    let refuse = |found: String| Err(ReadError::NotOne { path: path.to_owned(), found });
+    match specification.components.as_slice() {
+        [_] => Ok(0),
+        [] => refuse("declares no component".to_owned()),
+        several => {
+            // A description may hold the components it uses: the file's name tells which is meant.
+            let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+            if let Some(index) = several.iter().position(|component| component.name == stem) {
+                return Ok(index);
+            }
+            let names: Vec<_> = several.iter().map(|component| component.name.as_str()).collect();
+            refuse(format!(
+                "declares components {}, and the file's name is none of them",
+                names.join(", ")
+            ))
+        }
+    }
+}
+
+/// Descriptions read so far, the one used last first.
+#[derive(Default)]
+pub struct Known(Mutex<VecDeque<Arc<Reading>>>);
+
+impl Known {
+    /// The description as it is now.
+    pub fn read(
+        &self,
+        description: &Description,
+        include: &[PathBuf],
+    ) -> Result<Arc<Reading>, ReadError> {
+        let is = |one: &Reading| one.description == *description && one.include == include;
+        let known = self.with(|all| all.iter().find(|one| is(one)).cloned());
+        let known = known.filter(|one| one.seen.is_current());
+        let reading = match known {
+            Some(known) => known,
+            None => {
+                tracing::debug!("{}: read", description.path().display());
+                Arc::new(Reading::new(description, include)?)
+            }
+        };
+        self.with(|all| {
+            all.retain(|one| !is(one));
+            all.push_front(Arc::clone(&reading));
+            all.truncate(MOST);
+        });
+        Ok(reading)
+    }
+
+    fn with<R>(&self, work: impl FnOnce(&mut VecDeque<Arc<Reading>>) -> R) -> R {
+        work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    const PLAIN: &str = "component one { ids { long n; }; };";
+
+    #[test]
+    fn a_description_is_read_once_as_long_as_its_files_are_the_same() {
+        let scratch = tempfile::tempdir().unwrap();
+        let at = |name: &str| scratch.path().join(name);
+        fs::create_dir(at("far")).unwrap();
+        fs::write(at("far/types.gen"), "struct place { double x; };").unwrap();
+        let including = "#include <types.gen>\ncomponent one { ids { place p; }; };";
+        fs::write(at("one.gen"), including).unwrap();
+        let (known, include) = (Known::default(), [at("near"), at("far")]);
+        let read = || known.read(&Description::File(at("one.gen")), &include).unwrap();
+        let first = read();
+        first.found_to_fit([1; 32]);
+        assert!(Arc::ptr_eq(&first, &read()));
+        // Written again, it is what it was.
+        fs::write(at("one.gen"), including).unwrap();
+        assert!(Arc::ptr_eq(&first, &read()));
+        // As long as before, and within the same moment.
+        fs::write(at("far/types.gen"), "struct place { double y; };").unwrap();
+        let second = read();
+        assert!(!Arc::ptr_eq(&first, &second) && !second.fits(&[1; 32]) && first.fits(&[1; 32]));
+        // A file comes that is found before the other.
+        fs::create_dir(at("near")).unwrap();
+        fs::write(at("near/types.gen"), "struct place { long x; };").unwrap();
+        let third = read();
+        assert!(!Arc::ptr_eq(&second, &third));
+        assert!(Arc::ptr_eq(&third, &read()));
+        fs::remove_file(at("near/types.gen")).unwrap();
+        assert!(!Arc::ptr_eq(&third, &read()));
+        fs::remove_file(at("far/types.gen")).unwrap();
+        assert!(known.read(&Description::File(at("one.gen")), &include).is_err());
+    }
+
+    #[test]
+    fn descriptions_in_libraries_are_told_apart_by_their_text_and_few_are_kept() {
+        let known = Known::default();
+        let embedded = |name: &str, text: &str| {
+            let (name, text) = (PathBuf::from(name), text.to_owned());
+            known.read(&Description::Embedded { name, text }, &[]).unwrap()
+        };
+        let first = embedded("one.gen", PLAIN);
+        assert!(Arc::ptr_eq(&first, &embedded("one.gen", PLAIN)));
+        let other = embedded("one.gen", "component one { ids { double n; }; };");
+        assert!(!Arc::ptr_eq(&first, &other));
+        for n in 0..MOST - 1 {
+            embedded(&format!("{n}.gen"), PLAIN);
+        }
+        assert_eq!(known.with(|all| all.len()), MOST);
+        assert!(Arc::ptr_eq(&other, &embedded("one.gen", "component one { ids { double n; }; };")));
+        assert!(!Arc::ptr_eq(&first, &embedded("one.gen", PLAIN)));
+    }
+}

@@ -1,0 +1,243 @@
+//! Finds the two halves of a component: its library of codels and its description.
+
+use std::path::{Path, PathBuf};
+
+use genom_host::{Contents, EmbeddedDescription};
+
+use crate::known::Description;
+use genom_configuration::LoadRequest;
+
+/// Where both halves are.
+#[derive(Debug)]
+pub(crate) struct Located {
+    /// The library.
+    pub library: PathBuf,
+    /// The description.
+    pub description: Description,
+    /// The library's contents, if they were looked at for its description.
+    pub contents: Option<Contents>,
+}
+
+/// One half is missing.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum LocateError {
+    /// No library.
+    #[error(
+        "no library for {}: there is no {}; build the component, or name its directory \
+         with --path or GENOM_PATH",
+        .wanted.display(),
+        list(.tried)
+    )]
+    NoLibrary { wanted: PathBuf, tried: Vec<PathBuf> },
+    /// No description.
+    #[error(
+        "no description for {}: it has none inside, and there is no {}; put one beside it, or \
+         name it with --gen",
+        .library.display(),
+        .beside.display()
+    )]
+    NoDescription { library: PathBuf, beside: PathBuf },
+    /// `--gen` names no file.
+    #[error("{}: no such description", .0.display())]
+    NoSuchDescription(PathBuf),
+    /// The library cannot be read.
+    #[error(transparent)]
+    Library(#[from] genom_host::OpenError),
+}
+
+fn list(paths: &[PathBuf]) -> String {
+    let shown: Vec<_> = paths.iter().map(|path| path.display().to_string()).collect();
+    shown.join(" nor ")
+}
+
+/// Finds library and description of a request; `path` is the component path.
+pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located, LocateError> {
+    let wanted = &request.library;
+    let named_gen = wanted.extension().is_some_and(|extension| extension == "gen");
+    let library = if named_gen {
+        find_description(wanted, path)
+            .and_then(|found| beside(&found).or_else(|| on_path(wanted, path)))
+    } else if is_library(wanted) {
+        existing(wanted.clone()).or_else(|| named_on_path(wanted, path))
+    } else {
+        beside(wanted).or_else(|| on_path(wanted, path))
+    };
+    let Some(library) = library else {
+        if named_gen && find_description(wanted, path).is_none() {
+            return Err(LocateError::NoSuchDescription(wanted.clone()));
+        }
+        return Err(LocateError::NoLibrary {
+            wanted: wanted.clone(),
+            tried: if is_library(wanted) { vec![wanted.clone()] } else { candidates(wanted) },
+        });
+    };
+    let (description, contents) = match &request.gen_file {
+        Some(file) if file.is_file() => (Description::File(file.clone()), None),
+        Some(file) => return Err(LocateError::NoSuchDescription(file.clone())),
+        None if named_gen => {
+            let found = find_description(wanted, path);
+            let found = found.ok_or_else(|| LocateError::NoSuchDescription(wanted.clone()))?;
+            (Description::File(found), None)
+        }
+        None => description_of(&library)?,
+    };
+    Ok(Located { library, description, contents })
+}
+
+fn is_library(path: &Path) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.ends_with(".so") || name.contains(".so.")
+}
+
+fn existing(path: PathBuf) -> Option<PathBuf> {
+    path.is_file().then_some(path)
+}
+
+/// A path without a directory is looked for on the component path as well.
+fn is_bare(path: &Path) -> bool {
+    path.components().count() == 1
+}
+
+fn named_on_path(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
+    if !is_bare(wanted) {
+        return None;
+    }
+    path.iter().find_map(|directory| existing(directory.join(wanted)))
+}
+
+fn find_description(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
+    existing(wanted.to_owned()).or_else(|| named_on_path(wanted, path))
+}
+
+/// The library of a description or name, in the same directory.
+fn beside(wanted: &Path) -> Option<PathBuf> {
+    candidates(wanted)
+        .into_iter()
+        .find_map(existing)
+        .or_else(|| project_library(wanted))
+        .or_else(|| project_library(&whole(wanted)))
+}
+
+/// The library of a description or name on the component path: in a directory of it, or in the
+/// directory of that name in one.
+fn on_path(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
+    let stem = wanted.file_stem()?;
+    path.iter().find_map(|directory| {
+        beside(&directory.join(stem)).or_else(|| beside(&directory.join(stem).join(stem)))
+    })
+}
+
+/// `demo.so`, `libdemo_codels.so` (the name GenoM3's projects give) and `libdemo.so`.
+fn candidates(wanted: &Path) -> Vec<PathBuf> {
+    let stem = wanted.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    [format!("{stem}.so"), format!("lib{stem}_codels.so"), format!("lib{stem}.so")]
+        .into_iter()
+        .map(|name| wanted.with_file_name(name))
+        .collect()
+}
+
+/// The same from the root: a relative path does not say what it is in.
+fn whole(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// The library of a GenoM3 project (genom3.md 5.9), seen from its description: in its tree, where
+/// libtool leaves it, or installed.
+fn project_library(description: &Path) -> Option<PathBuf> {
+    let file = format!("lib{}_codels.so", description.file_stem()?.to_string_lossy());
+    let tree = description.with_file_name("codels").join(".libs");
+    let installed = description.ancestors().nth(4).map(|prefix| prefix.join("lib"));
+    [Some(tree), installed].into_iter().flatten().find_map(|place| existing(place.join(&file)))
+}
+
+/// The description of a GenoM3 project, seen from its library, in the same two places.
+fn project_description(library: &Path) -> Option<PathBuf> {
+    let file = format!("{}.gen", component_name(library));
+    if !library.file_name()?.to_string_lossy().contains("_codels") {
+        return None;
+    }
+    let share = Path::new("share/idl").join(component_name(library)).join(&file);
+    let up = |levels: usize| library.ancestors().nth(levels);
+    let tree = up(3).map(|tree| tree.join(&file));
+    // Two levels where libraries lie in a directory for the machine.
+    let installed = [up(2), up(3)].into_iter().flatten().map(|prefix| prefix.join(&share));
+    tree.into_iter().chain(installed).find_map(existing)
+}
+
+fn description_of(library: &Path) -> Result<(Description, Option<Contents>), LocateError> {
+    let beside = library.with_file_name(format!("{}.gen", component_name(library)));
+    let contents = Contents::read(library)?;
+    if let Some(EmbeddedDescription { text, name }) = contents.description()? {
+        // Its #include lines are relative to the library's directory.
+        let name = name.map_or_else(|| beside.clone(), |name| library.with_file_name(name));
+        return Ok((Description::Embedded { name, text }, Some(contents)));
+    }
+    let found = existing(beside.clone())
+        .or_else(|| project_description(library))
+        .or_else(|| project_description(&whole(library)));
+    match found {
+        Some(file) => Ok((Description::File(file), Some(contents))),
+        None => Err(LocateError::NoDescription { library: library.to_owned(), beside }),
+    }
+}
+
+/// `demo` of `demo.so`, `libdemo_codels.so`, `libdemo.so.1` or `libdemo_codels-1.2.so`.
+fn component_name(library: &Path) -> String {
+    let file = library.file_name().unwrap_or_default().to_string_lossy();
+    let stem = file.split(".so").next().unwrap_or_default();
+    let stem = stem.strip_prefix("lib").unwrap_or(stem);
+    match stem.split_once("_codels") {
+        Some((name, _)) => name.to_owned(),
+        None => stem.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    fn request(library: PathBuf) -> LoadRequest {
+        LoadRequest { library, ..LoadRequest::default() }
+    }
+
+    fn scratch(files: &[&str]) -> tempfile::TempDir {
+        let scratch = tempfile::tempdir().unwrap();
+        for file in files {
+            let path = scratch.path().join(file);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, "").unwrap();
+        }
+        scratch
+    }
+
+    #[test]
+    fn a_description_finds_its_library() {
+        let scratch = scratch(&["demo.gen", "libdemo_codels.so", "x/arm.gen", "lib/arm/arm.so"]);
+        let at = |name: &str| scratch.path().join(name);
+        let found = locate(&request(at("demo.gen")), &[]).unwrap();
+        assert_eq!(found.library, at("libdemo_codels.so"));
+        assert_eq!(found.description, Description::File(at("demo.gen")));
+        let found = locate(&request(at("x/arm.gen")), &[at("lib")]).unwrap();
+        assert_eq!(found.library, at("lib/arm/arm.so"));
+    }
+
+    #[test]
+    fn what_is_missing_is_told_with_the_places_tried() {
+        let scratch = scratch(&["demo.gen"]);
+        let told = locate(&request(scratch.path().join("demo.gen")), &[]).unwrap_err().to_string();
+        assert!(told.contains("demo.so nor ") && told.contains("libdemo_codels.so"), "{told}");
+        let told = locate(&request("nothing.gen".into()), &[]).unwrap_err().to_string();
+        assert_eq!(told, "nothing.gen: no such description");
+    }
+
+    #[test]
+    fn names_of_libraries_give_the_component() {
+        for name in
+            ["demo.so", "libdemo.so", "libdemo_codels.so", "libdemo_codels-1.2.so", "libdemo.so.1"]
+        {
+            assert_eq!(component_name(Path::new(name)), "demo", "{name}");
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! Loading: find, read, check, lay out, bind, start. Nothing stays when a step refuses.
+
+mod built;
+mod error;
+mod locate;
+mod start;
+mod undefined;
+
+use std::sync::Arc;
+
+use genom_configuration::{BackendNames, CallEntry, LoadRequest};
+use genom_description::model::{Component as Model, PortDirection, ServiceKind};
+use genom_host::{Component, Contents, OpenError};
+use genom_protocol::nearest::suggest;
+
+use self::locate::Located;
+use crate::daemon::Daemon;
+use crate::hosting::Hosted;
+use crate::hosting::request::{self, RequestError};
+use crate::known::Reading;
+use crate::settings::Settings;
+use crate::wiring::requests::unload_killed;
+pub use error::LoadError;
+
+/// Loads a component, starts it and sets its attributes. Blocks: files, codels.
+pub fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+    if daemon.stopping() {
+        return Err(LoadError::Stopping);
+    }
+    let hosted = bring_up(daemon, request)?;
+    if let Err((service, RequestError { key, why })) = set_attributes(&hosted, request) {
+        let name = hosted.name.clone();
+        drop(hosted);
+        daemon.components.remove(
+            std::slice::from_ref(&name),
+            daemon.settings.stop_timeout,
+            &|_, stopped| {
+                if let Err(error) = stopped {
+                    tracing::error!("{error}");
+                }
+            },
+        );
+        // As the file has it: inputs stand under the service's name.
+        let members = key.into_iter().filter(|key| key != "inputs");
+        let mut key = vec!["attributes".to_owned(), service];
+        key.extend(members);
+        return Err(LoadError::Attribute { name, key, why });
+    }
+    daemon.runs(&hosted);
+    Ok(hosted)
+}
+
+/// Sets them; else the one that was refused.
+fn set_attributes(hosted: &Hosted, request: &LoadRequest) -> Result<(), (String, RequestError)> {
+    for (service, inputs) in &request.attributes {
+        let (component, service) = (hosted.name.clone(), service.clone());
+        let entry = CallEntry { component, service, inputs: inputs.clone() };
+        request::send_to(hosted, &entry).map_err(|error| (entry.service, error))?;
+    }
+    Ok(())
+}
+
+fn bring_up(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+    let named = request.backend.iter().chain(request.ports.values());
+    for backend in named.flat_map(BackendNames::names) {
+        daemon.backends.get(backend)?;
+    }
+    let mut located = locate::locate(request, &daemon.settings.path)?;
+    let reading = daemon.known.read(&located.description, &daemon.settings.include)?;
+    tell_warnings(&located, &reading);
+    let model = reading.model();
+    let name = request.name.clone().unwrap_or_else(|| model.name.clone());
+    if !is_name(&name) {
+        return Err(LoadError::Name(name));
+    }
+    check_names(request, model, &name)?;
+    let Some(reservation) = daemon.components.reserve(&name) else {
+        return Err(LoadError::Taken(name));
+    };
+    for one in &reading.plan.specification().masquerades {
+        daemon.backends.masquerade(&one.template, &one.name.to_string(), &one.data)?;
+    }
+    let component = open(&mut located, &reading)?;
+    let plan = Arc::clone(&reading.plan);
+    drop(reading);
+    // A dump is read elsewhere: it says where the library is, not how one gets there from here.
+    let library = std::path::absolute(&located.library).unwrap_or(located.library);
+    let hosted = start::start(daemon, request, name, library, plan, component)?;
+    reservation.keep(Arc::clone(&hosted));
+    if hosted.killed.is_up() {
+        unload_killed(&Arc::downgrade(daemon), &hosted.name);
+    }
+    Ok(hosted)
+}
+
+/// Does what [`load`] does before anything starts, and says what fits.
+pub fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadError> {
+    let mut located = locate::locate(request, &settings.path)?;
+    let reading = Reading::new(&located.description, &settings.include)?;
+    tell_warnings(&located, &reading);
+    open(&mut located, &reading)?;
+    let model = reading.model();
+    Ok(format!(
+        "{} fits {}: component {}, digest {}",
+        located.library.display(),
+        located.description.path().display(),
+        model.name,
+        model.digest
+    ))
+}
+
+/// Opens the library and compares it with the description, unless that was done.
+fn open(located: &mut Located, reading: &Reading) -> Result<Component, LoadError> {
+    let contents = match located.contents.take() {
+        Some(contents) => contents,
+        None => Contents::read(&located.library)?,
+    };
+    let digest = contents.digest();
+    let library = contents.open().map_err(|error| explain(error, reading))?;
+    let place = |span| reading.place(span);
+    if reading.fits(&digest) {
+        return Ok(Component::load_again(library, &reading.plan, &place)?);
+    }
+    tracing::debug!("{}: compared with its description", located.library.display());
+    let component = Component::load(library, &reading.plan, &place)?;
+    reading.found_to_fit(digest);
+    Ok(component)
+}
+
+/// A symbol that the component's own sources have is not that of another library.
+fn explain(error: OpenError, reading: &Reading) -> LoadError {
+    let OpenError::UndefinedSymbol { path, symbol } = &error else { return error.into() };
+    match undefined::defined_in(symbol, path, reading.path()) {
+        None => error.into(),
+        Some(file) => LoadError::LeftOut { path: path.clone(), symbol: symbol.clone(), file },
+    }
+}
+
+fn tell_warnings(located: &Located, reading: &Reading) {
+    if let Some(warnings) = &reading.warnings {
+        tracing::warn!("{}\n{warnings}", located.description.path().display());
+    }
+}
+
+/// Refuses a request that says something of what the component has not.
+fn check_names(request: &LoadRequest, model: &Model, instance: &str) -> Result<(), LoadError> {
+    let check = |what, typed: &str, known: Vec<&str>| {
+        if known.contains(&typed) {
+            return Ok(());
+        }
+        let (name, typed) = (instance.to_owned(), typed.to_owned());
+        let help = suggest(&typed, known);
+        Err(LoadError::NoSuch { name, what, typed, help })
+    };
+    for port in request.ports.keys() {
+        check("port", port, model.ports.iter().map(|port| port.name.as_str()).collect())?;
+    }
+    for (port, qos) in &request.qos.ports {
+        let known = model.ports.iter().find(|known| known.name == *port);
+        let refused = |why: &str| LoadError::Qos {
+            name: instance.to_owned(),
+            port: port.clone(),
+            why: why.to_owned(),
+        };
+        match known {
+            None => {
+                let ports = model.ports.iter().map(|port| port.name.as_str());
+                let help = suggest(port, ports);
+                return Err(refused(&format!("it has no such port; {help}")));
+            }
+            Some(known) if known.direction == PortDirection::In && qos.depth.is_some() => {
+                return Err(refused(
+                    "`depth` is for out ports: what waits to be read is up to the connection's \
+                     policy, for instance ring:5",
+                ));
+            }
+            Some(_) => {}
+        }
+    }
+    for task in request.tasks.keys() {
+        check("task", task, model.tasks.iter().map(|task| task.name.as_str()).collect())?;
+    }
+    for attribute in request.attributes.keys() {
+        let attributes = model.services.iter().filter(|one| one.kind == ServiceKind::Attribute);
+        check("attribute", attribute, attributes.map(|one| one.name.as_str()).collect())?;
+    }
+    Ok(())
+}
+
+/// Instance names stand in addresses, file names and URLs.
+fn is_name(name: &str) -> bool {
+    name.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        && name.len() <= 64
+}

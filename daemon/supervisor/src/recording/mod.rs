@@ -1,0 +1,250 @@
+//! Recordings of what passes through ports and what is asked of services, for `genomctl record`.
+//!
+//! Samples are taken where codels write and read them, at that date, on whatever middleware:
+//! nothing is asked of the middleware, and nothing is lost that is not counted. A recording's
+//! dates go on as they began when the machine's clock is set meanwhile, which it notes.
+
+mod notes;
+mod pump;
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_description::model::PortDirection;
+use genom_middleware::Address;
+use genom_ports::dates::{Calendar, Dates};
+use genom_ports::tape::{Reel, Tapes, tape};
+use genom_protocol::frames::Channel;
+use genom_types::{DataType, message};
+use serde_json::{Value, json};
+
+use crate::bus::Numbered;
+use crate::ending::Ending;
+use notes::{Notes, Subject};
+pub use pump::run;
+
+/// The recordings under way.
+#[derive(Default)]
+pub struct Recordings {
+    dates: Dates,
+    last: AtomicU64,
+    /// Spares everybody the lock as long as there is none.
+    any: AtomicBool,
+    sessions: Mutex<Vec<Arc<Session>>>,
+    calls: AtomicU64,
+}
+
+/// One recording.
+pub struct Session {
+    /// Its number, unique in the daemon's life.
+    pub number: u64,
+    /// Components, ports and elements by name; all when empty.
+    wanted: Vec<String>,
+    /// Channels that the recording's thread does not know yet.
+    new: Mutex<Vec<(Channel, Reel)>>,
+    notes: Notes,
+    /// Dates of all that is recorded: those of its beginning, carried on.
+    calendar: Calendar,
+    dates: Dates,
+    /// Somebody asked for its end.
+    end: AtomicBool,
+}
+
+impl Session {
+    fn wants(&self, address: &str) -> bool {
+        let within = |name: &String| {
+            address
+                .strip_prefix(name.as_str())
+                .is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+        };
+        self.wanted.is_empty() || self.wanted.iter().any(within)
+    }
+
+    /// Whether something of this component is wanted.
+    fn concerns(&self, component: &str) -> bool {
+        let of = |name: &String| name.split('/').next() == Some(component);
+        self.wanted.is_empty() || self.wanted.iter().any(of)
+    }
+}
+
+impl Recordings {
+    /// None yet; dates are of `dates`.
+    pub fn new(dates: Dates) -> Self {
+        Self { dates, ..Self::default() }
+    }
+
+    /// Starts a recording of what is opened from now on, or is open and told again.
+    pub fn start(&self, wanted: Vec<String>) -> Arc<Session> {
+        let session = Arc::new(Session {
+            number: self.last.fetch_add(1, Ordering::Relaxed) + 1,
+            wanted,
+            new: Mutex::default(),
+            notes: Notes::default(),
+            calendar: self.dates.calendar(),
+            dates: self.dates.clone(),
+            end: AtomicBool::new(false),
+        });
+        self.with(|sessions| sessions.push(Arc::clone(&session)));
+        self.any.store(true, Ordering::Release);
+        session
+    }
+
+    /// Asks a recording to end, once all is sent that was taken; whether there is one.
+    pub fn end(&self, number: u64) -> bool {
+        self.with(|sessions| {
+            let found = sessions.iter().find(|session| session.number == number);
+            found.inspect(|session| session.end.store(true, Ordering::Release)).is_some()
+        })
+    }
+
+    /// A recording is over.
+    pub fn forget(&self, session: &Session) {
+        self.with(|sessions| {
+            sessions.retain(|other| other.number != session.number);
+            self.any.store(!sessions.is_empty(), Ordering::Release);
+        });
+    }
+
+    /// Whether there are any.
+    pub fn any(&self) -> bool {
+        self.any.load(Ordering::Acquire)
+    }
+
+    /// A port was opened or connected, and nobody uses it yet.
+    pub fn opened(
+        &self,
+        address: &Address,
+        of: PortDirection,
+        reads: Option<&Address>,
+        ty: &DataType,
+        tapes: &Tapes,
+    ) {
+        if !self.any() {
+            return;
+        }
+        let Some(definition) = message::message_definition(ty) else { return };
+        let topic = format!("/{address}");
+        self.with(|sessions| {
+            for session in sessions.iter().filter(|session| session.wants(&topic[1..])) {
+                tapes.add(session.number, || {
+                    let (tape, reel) = tape(session.number, ty, self.dates.clone());
+                    let metadata = [
+                        ("direction", Some(of.as_str().to_owned())),
+                        ("type", Some(ty.name().to_owned())),
+                        ("reads", reads.map(Address::to_string)),
+                    ];
+                    let metadata = metadata.into_iter();
+                    let head = Channel {
+                        // Its number is given by the thread that sends it.
+                        channel: 0,
+                        topic: topic.clone(),
+                        encoding: "cdr".to_owned(),
+                        schema: message::message_name(ty).to_string(),
+                        definition: definition.clone(),
+                        metadata: metadata
+                            .filter_map(|(key, value)| Some((key.to_owned(), value?)))
+                            .collect(),
+                    };
+                    let mut new = session.new.lock().unwrap_or_else(PoisonError::into_inner);
+                    new.push((head, reel));
+                    tape
+                });
+            }
+        });
+    }
+
+    /// Something is asked of a service; what comes of it is to be told to the call, if there is
+    /// one: nobody records otherwise.
+    pub fn called(
+        self: &Arc<Self>,
+        component: &str,
+        service: &str,
+        inputs: impl FnOnce() -> Value,
+    ) -> Option<Call> {
+        if !self.any() {
+            return None;
+        }
+        let call = Call {
+            recordings: Arc::clone(self),
+            number: self.calls.fetch_add(1, Ordering::Relaxed) + 1,
+            begin: self.dates.moment(),
+            component: component.to_owned(),
+            service: service.to_owned(),
+        };
+        let inputs = inputs();
+        self.note(Subject::Calls, component, call.begin, || {
+            json!({
+                "component": component, "service": service, "call": call.number,
+                "phase": "request", "inputs": inputs,
+            })
+        });
+        Some(call)
+    }
+
+    fn note(&self, on: Subject, component: &str, moment: u64, content: impl FnOnce() -> Value) {
+        let all = self.with(|sessions| sessions.clone());
+        if all.iter().any(|session| session.concerns(component)) {
+            let content = content();
+            for session in all.iter().filter(|session| session.concerns(component)) {
+                session.notes.add(on, moment, &content);
+            }
+        }
+    }
+
+    fn with<T>(&self, work: impl FnOnce(&mut Vec<Arc<Session>>) -> T) -> T {
+        work(&mut self.sessions.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// A request that is being recorded.
+pub struct Call {
+    recordings: Arc<Recordings>,
+    number: u64,
+    begin: u64,
+    component: String,
+    service: String,
+}
+
+impl Call {
+    /// The service ended.
+    pub fn ended(&self, activity: Option<u64>, ending: &Ending) {
+        let Self { recordings, component, service, .. } = self;
+        let now = recordings.dates.moment();
+        let told = |more: Value| {
+            let mut note = json!({"component": component, "service": service});
+            if let (Value::Object(note), Value::Object(more)) = (&mut note, more) {
+                note.extend(activity.map(|number| ("activity".to_owned(), number.into())));
+                note.extend(more);
+                match ending {
+                    Ending::Done(outputs) => {
+                        note.insert("result".to_owned(), outputs.clone());
+                    }
+                    Ending::Exception { name, detail } => {
+                        note.insert("exception".to_owned(), name.as_str().into());
+                        note.insert("detail".to_owned(), detail.clone());
+                    }
+                }
+            }
+            note
+        };
+        recordings.note(Subject::Calls, component, now, || {
+            told(json!({
+                "call": self.number, "phase": "reply",
+                "duration_ns": now.saturating_sub(self.begin),
+            }))
+        });
+        if ending.exception().is_some() {
+            recordings.note(Subject::Exceptions, component, now, || told(json!({})));
+        }
+    }
+}
+
+/// The subject of a change, and its component when it is of one.
+fn subject(change: &Numbered) -> (Subject, Option<&str>) {
+    let text = |key: &str| change.data.get(key).and_then(Value::as_str);
+    let on = match text("event") {
+        Some("activity_started" | "transition" | "activity_ended") => Subject::Activities,
+        _ => Subject::Changes,
+    };
+    (on, text("component"))
+}

@@ -1,0 +1,197 @@
+//! The thread of one recording: gathers what was taken and sends it in order of date.
+
+use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use genom_ports::dates::Calendar;
+use genom_ports::tape::Reel;
+use genom_protocol::frames::{End, Frame, Lost, Sample, Start};
+use serde_json::json;
+use tokio::runtime::Handle;
+use tokio::sync::broadcast::Receiver;
+use tokio::sync::broadcast::error::TryRecvError;
+use tokio::sync::mpsc::Sender;
+
+use super::notes::{SUBJECTS, Subject};
+use super::{Session, subject};
+use crate::bus::Numbered;
+use crate::flag::Flag;
+
+/// How often tapes are looked at: far more often than they fill.
+const LOOK: Duration = Duration::from_millis(2);
+/// What is sent at once, about.
+const BATCH: usize = 64 << 10;
+/// A reader that takes nothing for so long is given up.
+const SLOWEST_READER: Duration = Duration::from_secs(60);
+
+/// The machine's clock was set when it is so far from where it was, in nanoseconds: what adjusts
+/// it slowly moves it less between two looks.
+const SET: u64 = 100_000_000;
+
+/// A port that is recorded.
+struct Channel {
+    number: u16,
+    reel: Reel,
+    /// Lost samples that were told.
+    told: u64,
+}
+
+struct Pump<'a> {
+    session: &'a Session,
+    changes: Receiver<Numbered>,
+    channels: Vec<Channel>,
+    next: u16,
+    notes_lost: [u64; SUBJECTS.len()],
+    /// The machine's clock as it was last noted.
+    noted: Calendar,
+    sender: Sender<Vec<u8>>,
+    runtime: Handle,
+}
+
+/// The reader is gone.
+struct Gone;
+
+/// Records until the end is asked for, `closed` is raised or the reader is gone. Blocks.
+pub fn run(
+    closed: &Flag,
+    session: &Session,
+    changes: Receiver<Numbered>,
+    sender: Sender<Vec<u8>>,
+    start: Start,
+) {
+    let mut pump = Pump {
+        session,
+        changes,
+        channels: Vec::new(),
+        next: SUBJECTS.len() as u16,
+        notes_lost: [0; SUBJECTS.len()],
+        noted: session.calendar,
+        sender,
+        runtime: Handle::current(),
+    };
+    if pump.follow(closed, start).is_err() {
+        tracing::info!("recording {}: nobody reads it any more", session.number);
+    }
+}
+
+impl Pump<'_> {
+    fn follow(&mut self, closed: &Flag, start: Start) -> Result<(), Gone> {
+        let mut out = Vec::new();
+        Frame::Start(start).append(&mut out);
+        for subject in SUBJECTS {
+            Frame::Channel(subject.head()).append(&mut out);
+        }
+        loop {
+            // Asked before the last look, which then sees everything taken until now.
+            let asked = self.session.end.load(Ordering::Acquire);
+            let stopped = closed.is_up();
+            self.look(&mut out)?;
+            if asked || stopped {
+                let why = if asked { "asked" } else { "the daemon stops" };
+                Frame::End(End { why: why.to_owned() }).append(&mut out);
+                return self.send(&mut out);
+            }
+            self.send(&mut out)?;
+            std::thread::park_timeout(LOOK);
+        }
+    }
+
+    /// Takes all that is there.
+    fn look(&mut self, out: &mut Vec<u8>) -> Result<(), Gone> {
+        let new =
+            std::mem::take(&mut *self.session.new.lock().unwrap_or_else(PoisonError::into_inner));
+        for (mut head, reel) in new {
+            head.channel = self.next;
+            Frame::Channel(head).append(out);
+            self.channels.push(Channel { number: self.next, reel, told: 0 });
+            self.next = self.next.saturating_add(1);
+        }
+        self.take_changes();
+        self.look_at_the_clock();
+        // Frames of this look, to be put in order.
+        let calendar = self.session.calendar;
+        let mut bytes = Vec::new();
+        let mut frames: Vec<(u64, std::ops::Range<usize>)> = Vec::new();
+        let mut lost = Vec::new();
+        self.channels.retain_mut(|Channel { number, reel, told }| {
+            let over = reel.is_over();
+            reel.wind(|sample| {
+                let begin = bytes.len();
+                let date = calendar.date(sample.moment);
+                let (channel, number, message) = (*number, sample.number, sample.message);
+                Frame::Sample(Sample { channel, number, date, message }).append(&mut bytes);
+                frames.push((date, begin..bytes.len()));
+            });
+            let count = reel.lost();
+            if count > *told {
+                *told = count;
+                lost.push(Lost { channel: *number, lost: count });
+            }
+            !over
+        });
+        let (notes, notes_lost) = self.session.notes.take();
+        for note in notes {
+            let (begin, channel) = (bytes.len(), note.subject.channel());
+            let date = calendar.date(note.moment);
+            let (number, message) = (note.number, note.text.as_bytes());
+            Frame::Sample(Sample { channel, number, date, message }).append(&mut bytes);
+            frames.push((date, begin..bytes.len()));
+        }
+        for (channel, (&count, told)) in (0..).zip(notes_lost.iter().zip(&mut self.notes_lost)) {
+            if count > *told {
+                *told = count;
+                lost.push(Lost { channel, lost: count });
+            }
+        }
+        frames.sort_by_key(|(date, _)| *date);
+        for (_, range) in frames {
+            out.extend_from_slice(&bytes[range]);
+            if out.len() >= BATCH {
+                self.send(out)?;
+            }
+        }
+        for told in lost {
+            Frame::Lost(told).append(out);
+        }
+        Ok(())
+    }
+
+    fn take_changes(&mut self) {
+        loop {
+            match self.changes.try_recv() {
+                Ok(change) => {
+                    let (on, component) = subject(&change);
+                    if component.is_none_or(|component| self.session.concerns(component)) {
+                        self.session.notes.add(on, change.moment, &change.data);
+                    }
+                }
+                Err(TryRecvError::Lagged(count)) => {
+                    self.session.notes.lose(Subject::Changes, count);
+                }
+                Err(TryRecvError::Empty | TryRecvError::Closed) => return,
+            }
+        }
+    }
+
+    /// Notes that the machine's clock was set: dates of the recording do not follow it.
+    fn look_at_the_clock(&mut self) {
+        let now = self.session.dates.calendar();
+        if self.noted.until(now).unsigned_abs() > SET {
+            self.noted = now;
+            let ahead = self.session.calendar.until(now);
+            let moment = self.session.dates.moment();
+            let note = json!({"event": "clock_set", "ahead_ns": ahead});
+            self.session.notes.add(Subject::Changes, moment, &note);
+        }
+    }
+
+    fn send(&self, out: &mut Vec<u8>) -> Result<(), Gone> {
+        if out.is_empty() {
+            return if self.sender.is_closed() { Err(Gone) } else { Ok(()) };
+        }
+        let batch = std::mem::take(out);
+        let sent = self.runtime.block_on(self.sender.send_timeout(batch, SLOWEST_READER));
+        sent.map_err(|_| Gone)
+    }
+}

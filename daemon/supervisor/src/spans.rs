@@ -1,0 +1,26 @@
+//! Spans of `tracing` for requests to services: whoever listens to those may export them.
+
+use tracing::Span;
+
+use crate::ending::Ending;
+
+/// Target of these spans.
+pub const TARGET: &str = "genom::service";
+
+/// The span of a request to a service; [`ended`] completes it.
+pub fn service(component: &str, service: &str) -> Span {
+    tracing::info_span!(
+        target: "genom::service", "service", component, service,
+        activity = tracing::field::Empty, exception = tracing::field::Empty,
+    )
+}
+
+/// Tells a span how its service ended; it lasts until it is dropped.
+pub fn ended(span: &Span, activity: Option<u64>, ending: &Ending) {
+    if let Some(number) = activity {
+        span.record("activity", number);
+    }
+    if let Some(name) = ending.exception() {
+        span.record("exception", name);
+    }
+}

@@ -1,0 +1,181 @@
+//! Watches for codels that do not return or do not pause: tells when one counts as stuck and when it
+//! returns, when one spins, and lets go of what was left behind of components once it ends.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::{Arc, Weak};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use genom_runtime::{RunningCodel, Unpaused, nanos, seconds};
+
+use crate::bus::Change;
+use crate::daemon::Daemon;
+use crate::hosting::{Hosted, Spin};
+
+/// Between two looks. All that is read are a few words a component.
+const LOOK: Duration = Duration::from_millis(250);
+/// A codel that is stuck again and again is logged so often; events tell each time.
+const SAME_AGAIN: Duration = Duration::from_secs(60);
+
+/// Watches until the daemon has stopped.
+pub fn watch(daemon: &Arc<Daemon>) -> std::io::Result<()> {
+    let daemon = Arc::downgrade(daemon);
+    thread::Builder::new().name("genomd-vigil".to_owned()).spawn(move || {
+        let mut vigil = Vigil::default();
+        while vigil.look(&daemon) {
+            thread::park_timeout(LOOK);
+        }
+    })?;
+    Ok(())
+}
+
+/// A component and a context of it.
+type Place = (String, usize);
+
+#[derive(Default)]
+struct Vigil {
+    /// What is stuck.
+    told: HashMap<Place, Stuck>,
+    /// Cycles that spin: component, task, date.
+    spins: HashSet<(String, usize, u64)>,
+    /// When a codel of a component was logged last, and how often it was not since.
+    logged: HashMap<(String, String), (Instant, u32)>,
+}
+
+struct Stuck {
+    call: (usize, u64),
+    codel: RunningCodel,
+    began: Instant,
+    logged: bool,
+}
+
+impl Vigil {
+    /// False when the daemon has stopped.
+    fn look(&mut self, daemon: &Weak<Daemon>) -> bool {
+        let Some(daemon) = daemon.upgrade().filter(|daemon| !daemon.closed.is_up()) else {
+            return false;
+        };
+        let running = daemon.components.all();
+        for hosted in &running {
+            self.look_at(&daemon, &hosted.name, hosted.stuck());
+        }
+        self.look_for_spins(&daemon, &running);
+        // Those that stop are told about by whoever stops them.
+        let runs = |name: &str| running.iter().any(|hosted| hosted.name == name);
+        self.told.retain(|(name, _), _| runs(name));
+        self.logged.retain(|_, (last, _)| last.elapsed() < SAME_AGAIN);
+        drop(running);
+        let over = daemon.components.over();
+        if !over.is_empty() {
+            bury(over);
+        }
+        true
+    }
+
+    fn look_at(&mut self, daemon: &Daemon, name: &str, stuck: Vec<RunningCodel>) {
+        let calls: Vec<_> = stuck.iter().map(RunningCodel::call).collect();
+        let returned: Vec<Place> = self
+            .told
+            .iter()
+            .filter(|((of, _), told)| of == name && !calls.contains(&told.call))
+            .map(|(place, _)| place.clone())
+            .collect();
+        for Stuck { codel, began, logged, .. } in
+            returned.iter().filter_map(|p| self.told.remove(p))
+        {
+            let time = began.elapsed();
+            let RunningCodel { codel, owner, .. } = codel;
+            if logged {
+                let time = seconds(nanos(time));
+                tracing::info!(instance = name, "codel {codel} of {owner} returned after {time}");
+            }
+            let (component, seconds) = (name.to_owned(), time.as_secs_f64());
+            daemon.bus.tell(&Change::CodelReturned { component, codel, owner, seconds });
+        }
+        for codel in stuck {
+            let place = (name.to_owned(), codel.call().0);
+            if self.told.contains_key(&place) {
+                continue;
+            }
+            let time = Duration::from_nanos(codel.for_ns);
+            let logged = self.log(name, &codel);
+            let (component, seconds) = (name.to_owned(), time.as_secs_f64());
+            let RunningCodel { codel: rank, owner, task, .. } = codel.clone();
+            let told = Change::CodelStuck { component, codel: rank, owner, task, seconds };
+            daemon.bus.tell(&told);
+            let began = Instant::now().checked_sub(time).unwrap_or_else(Instant::now);
+            self.told.insert(place, Stuck { call: codel.call(), codel, began, logged });
+        }
+    }
+
+    fn look_for_spins(&mut self, daemon: &Daemon, running: &[Arc<Hosted>]) {
+        let mut now = HashSet::new();
+        for hosted in running {
+            hosted.look_for_spins();
+            for spin in hosted.spins() {
+                let (task, began) = spin.unpaused.cycle;
+                let key = (hosted.name.clone(), task, began);
+                if !self.spins.contains(&key) {
+                    self.tell_spin(daemon, &hosted.name, spin);
+                }
+                now.insert(key);
+            }
+        }
+        self.spins = now;
+    }
+
+    fn tell_spin(&mut self, daemon: &Daemon, name: &str, spin: Spin) {
+        if let Some(again) = self.not_lately(name, &spin.unpaused.codel) {
+            let task = &spin.unpaused.task;
+            tracing::warn!(instance = name, "task {task} does not pause: {spin}{again}");
+        }
+        let Unpaused { task, codel, owner, for_ns, .. } = spin.unpaused;
+        let (component, seconds) = (name.to_owned(), Duration::from_nanos(for_ns).as_secs_f64());
+        daemon.bus.tell(&Change::CodelSpins { component, codel, owner, task, seconds });
+    }
+
+    /// Whether a codel is to be logged: not so soon again; then how often it was not since.
+    fn not_lately(&mut self, name: &str, codel: &str) -> Option<String> {
+        let key = (name.to_owned(), codel.to_owned());
+        let more = match self.logged.get_mut(&key) {
+            Some((last, more)) if last.elapsed() < SAME_AGAIN => {
+                *more += 1;
+                return None;
+            }
+            Some((_, more)) => *more,
+            None => 0,
+        };
+        self.logged.insert(key, (Instant::now(), 0));
+        Some(if more > 0 { format!("; {more} times more since") } else { String::new() })
+    }
+
+    /// Whether it was logged.
+    fn log(&mut self, name: &str, codel: &RunningCodel) -> bool {
+        let Some(again) = self.not_lately(name, &codel.codel) else { return false };
+        let whose =
+            codel.task.as_ref().map_or("a request".to_owned(), |task| format!("task {task}"));
+        tracing::warn!(
+            instance = name,
+            "{whose} is stuck: codel {} of {} has not returned for {}{again}",
+            codel.codel,
+            codel.owner,
+            seconds(codel.for_ns)
+        );
+        true
+    }
+}
+
+/// Closing a library runs code of its author, which may do anything: it has a thread of its own.
+fn bury(over: Vec<Arc<Hosted>>) {
+    let burying = thread::Builder::new().name("genomd-bury".to_owned()).spawn(move || {
+        for hosted in over {
+            let name = hosted.name.clone();
+            hosted.let_go();
+            drop(hosted);
+            tracing::info!("what was left behind of {name} has ended, and is gone");
+        }
+    });
+    if let Err(error) = burying {
+        tracing::error!("what was left behind of a component cannot be closed: {error}");
+    }
+}

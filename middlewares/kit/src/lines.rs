@@ -1,0 +1,204 @@
+//! The out ports that a sending thread sends for, and which of them have something to send.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+
+use crate::busy::Busy;
+
+/// Words of the bit set of lines that have something to send.
+const WORDS: usize = 64;
+
+/// Bits of all words. Lines share one when there are more.
+const BITS: usize = WORDS * 64;
+
+/// Messages of one line sent in a row, before others have their turn.
+const TURN: usize = 8;
+
+/// An out port as the sending thread sees it.
+pub trait Line: Send + 'static {
+    /// Sends one message, if there is one; whether there was.
+    fn send(&mut self) -> bool;
+}
+
+/// All lines, by number.
+#[derive(Debug)]
+pub struct Lines<L> {
+    slots: Mutex<Slots<L>>,
+    /// A line came back.
+    back: Condvar,
+    /// Set by real-time threads, which take no lock.
+    marked: Box<[AtomicU64]>,
+}
+
+#[derive(Debug)]
+struct Slots<L> {
+    all: Vec<Slot<L>>,
+    free: Vec<usize>,
+}
+
+#[derive(Debug)]
+enum Slot<L> {
+    Empty,
+    Here(L),
+    /// A thread is at work with it.
+    Out,
+}
+
+/// A line in the hands of one thread. It goes back to its place when this is dropped.
+#[derive(Debug)]
+struct Taken<'a, L> {
+    lines: &'a Lines<L>,
+    number: usize,
+    line: Option<L>,
+}
+
+impl<L> Drop for Taken<'_, L> {
+    fn drop(&mut self) {
+        let Some(line) = self.line.take() else { return };
+        if let Some(slot) = self.lines.lock().all.get_mut(self.number) {
+            *slot = Slot::Here(line);
+        }
+        self.lines.back.notify_all();
+    }
+}
+
+impl<L> Lines<L> {
+    pub(crate) fn new() -> Self {
+        Self {
+            slots: Mutex::new(Slots { all: Vec::new(), free: Vec::new() }),
+            back: Condvar::new(),
+            marked: (0..WORDS).map(|_| AtomicU64::new(0)).collect(),
+        }
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Slots<L>> {
+        self.slots.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Adds a line; its number.
+    pub(crate) fn add(&self, line: L) -> usize {
+        let mut slots = self.lock();
+        let number = slots.free.pop().unwrap_or(slots.all.len());
+        match slots.all.get_mut(number) {
+            Some(slot) => *slot = Slot::Here(line),
+            None => slots.all.push(Slot::Here(line)),
+        }
+        number
+    }
+
+    /// Takes a line away for good, once no thread is at work with it. Its number stays taken
+    /// until it is [freed](Lines::free).
+    pub(crate) fn remove(&self, number: usize) -> Option<L> {
+        self.take(number, true)?.line.take()
+    }
+
+    /// The number may be given to another line.
+    pub(crate) fn free(&self, number: usize) {
+        let mut slots = self.lock();
+        if let Some(slot) = slots.all.get_mut(number) {
+            *slot = Slot::Empty;
+            slots.free.push(number);
+        }
+        drop(slots);
+        self.back.notify_all();
+    }
+
+    /// Lets go of all lines.
+    pub(crate) fn clear(&self) {
+        let all = std::mem::take(&mut self.lock().all);
+        // What they do in their end may come back here.
+        drop(all);
+    }
+
+    /// Does something with a line, once no other thread is at work with it.
+    pub fn with<R>(&self, number: usize, work: impl FnOnce(&mut L) -> R) -> Option<R> {
+        self.take(number, true)?.line.as_mut().map(work)
+    }
+
+    /// The first that `wanted` gives something for, of all lines in turn.
+    pub fn find<R>(&self, mut wanted: impl FnMut(&mut L) -> Option<R>) -> Option<R> {
+        let count = self.lock().all.len();
+        (0..count).find_map(|number| self.with(number, &mut wanted).flatten())
+    }
+
+    /// Has a line to oneself. One that another thread has is waited for, or is none.
+    fn take(&self, number: usize, wait: bool) -> Option<Taken<'_, L>> {
+        let mut slots = self.lock();
+        loop {
+            let slot = slots.all.get_mut(number)?;
+            match slot {
+                Slot::Empty => return None,
+                Slot::Here(_) => {
+                    let Slot::Here(line) = std::mem::replace(slot, Slot::Out) else { return None };
+                    return Some(Taken { lines: self, number, line: Some(line) });
+                }
+                Slot::Out if wait => {
+                    slots = self.back.wait(slots).unwrap_or_else(PoisonError::into_inner);
+                }
+                Slot::Out => return None,
+            }
+        }
+    }
+
+    /// Says that a line has something to send. Wait-free.
+    pub(crate) fn mark(&self, number: usize) {
+        if let Some(word) = self.marked.get(number % BITS / 64) {
+            word.fetch_or(1 << (number % 64), Ordering::Release);
+        }
+    }
+}
+
+/// What is left of the lines of one bit after a turn.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rest {
+    /// Some may have more to send.
+    more: bool,
+    /// Another thread is at work with one, which may have more by now.
+    elsewhere: bool,
+}
+
+impl<L: Line> Lines<L> {
+    /// Sends for all lines that have something; whether some may have more.
+    pub(crate) fn send(&self, busy: &Busy) -> bool {
+        let mut more = false;
+        for (index, word) in self.marked.iter().enumerate() {
+            // Most are clear, and a look costs less than an exchange.
+            let mut bits = word.load(Ordering::Relaxed);
+            while bits != 0 {
+                let mask = bits & bits.wrapping_neg();
+                bits &= !mask;
+                // One by one: a thread that is held up by a line takes none of the others with it.
+                if word.fetch_and(!mask, Ordering::Acquire) & mask == 0 {
+                    continue;
+                }
+                let rest = self.send_for(index * 64 + mask.trailing_zeros() as usize, busy);
+                if rest.more || rest.elsewhere {
+                    word.fetch_or(mask, Ordering::Relaxed);
+                }
+                more |= rest.more;
+            }
+        }
+        more
+    }
+
+    /// Sends for the lines of one bit.
+    fn send_for(&self, bit: usize, busy: &Busy) -> Rest {
+        let count = self.lock().all.len();
+        let mut rest = Rest::default();
+        for number in (bit..count).step_by(BITS) {
+            let Some(mut taken) = self.take(number, false) else {
+                rest.elsewhere |= self.is_out(number);
+                continue;
+            };
+            let _working = busy.begin();
+            if let Some(line) = &mut taken.line {
+                rest.more |= (0..TURN).all(|_| line.send());
+            }
+        }
+        rest
+    }
+
+    fn is_out(&self, number: usize) -> bool {
+        matches!(self.lock().all.get(number), Some(Slot::Out))
+    }
+}

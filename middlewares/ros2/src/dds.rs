@@ -1,0 +1,94 @@
+//! The participant of this daemon in a domain, which makes its DDS writers and readers.
+
+use std::collections::HashMap;
+use std::sync::{Mutex, PoisonError};
+
+use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, TopicKind};
+
+use crate::domain::Domain;
+use crate::wire::{Reader, Writer};
+
+/// Makes writers and readers.
+pub(crate) struct Dds {
+    publisher: rustdds::Publisher,
+    subscriber: rustdds::Subscriber,
+    pub(crate) participant: DomainParticipant,
+    /// Topics that were ever written or read here, with type and quality.
+    opened: Mutex<HashMap<(String, Direction), (String, QosPolicies)>>,
+}
+
+/// Which end of a topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Direction {
+    Writes,
+    Reads,
+}
+
+impl Dds {
+    pub(crate) fn open(domain: &Domain) -> Result<Self, String> {
+        let mut builder = DomainParticipantBuilder::new(domain.number);
+        if let Some(addresses) = domain.addresses() {
+            builder = builder.with_only_networks(addresses);
+        }
+        let participant = builder.build().map_err(|error| error.to_string())?;
+        let qos = QosPolicies::qos_none();
+        let publisher = participant.create_publisher(&qos).map_err(|error| error.to_string())?;
+        let subscriber = participant.create_subscriber(&qos).map_err(|error| error.to_string())?;
+        Ok(Self { publisher, subscriber, participant, opened: Mutex::default() })
+    }
+
+    fn topic(&self, name: &str, ty: &str, qos: &QosPolicies) -> Result<rustdds::Topic, String> {
+        self.participant
+            .create_topic(name.to_owned(), ty.to_owned(), qos, TopicKind::NoKey)
+            .map_err(|error| error.to_string())
+    }
+
+    fn note(&self, topic: &str, direction: Direction, ty: &str, qos: &QosPolicies) {
+        let mut opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        opened.insert((topic.to_owned(), direction), (ty.to_owned(), qos.clone()));
+    }
+
+    /// Type and quality of what was last opened on a topic.
+    pub(crate) fn opened(
+        &self,
+        topic: &str,
+        direction: Direction,
+    ) -> Option<(String, QosPolicies)> {
+        let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
+        opened.get(&(topic.to_owned(), direction)).cloned()
+    }
+
+    pub(crate) fn writer(
+        &self,
+        topic: &str,
+        ty: &str,
+        qos: &QosPolicies,
+    ) -> Result<Writer, String> {
+        self.note(topic, Direction::Writes, ty, qos);
+        let topic = self.topic(topic, ty, qos)?;
+        let writer = self.publisher.create_datawriter_no_key(&topic, Some(qos.clone()));
+        writer.map_err(|error| error.to_string())
+    }
+
+    pub(crate) fn reader(
+        &self,
+        topic: &str,
+        ty: &str,
+        qos: &QosPolicies,
+    ) -> Result<Reader, String> {
+        self.note(topic, Direction::Reads, ty, qos);
+        self.moment(topic, ty, qos)
+    }
+
+    /// A reader that is not one of the topic's.
+    pub(crate) fn moment(
+        &self,
+        topic: &str,
+        ty: &str,
+        qos: &QosPolicies,
+    ) -> Result<Reader, String> {
+        let topic = self.topic(topic, ty, qos)?;
+        let reader = self.subscriber.create_simple_datareader_no_key(&topic, Some(qos.clone()));
+        reader.map_err(|error| error.to_string())
+    }
+}

@@ -1,0 +1,160 @@
+//! The DDS readers of the topics that this daemon reads: one a topic and wish of quality.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+use rustdds::mio1::Token;
+use rustdds::{GUID, QosPolicies};
+
+use crate::dds::Dds;
+use crate::feed::{Feed, FeedSink};
+use crate::quality::{Asks, Wish};
+use crate::receiver::Inlet;
+use crate::wire;
+
+/// Keeps a topic read. The last one to go ends the DDS reader.
+pub(crate) struct FeedHandle {
+    pub(crate) feed: Arc<Feed>,
+    wish: Wish,
+    /// Samples that may wait for the receiving thread.
+    cached: i32,
+    token: Token,
+    reader: Mutex<Present>,
+    inlet: Arc<Inlet>,
+    /// Has others told of a change.
+    announce: Box<dyn Fn() + Send + Sync>,
+    dds: Arc<Dds>,
+}
+
+/// The DDS reader there is now.
+#[derive(Clone, Copy, Debug)]
+struct Present {
+    guid: GUID,
+    asks: Asks,
+}
+
+impl FeedHandle {
+    pub(crate) fn open(
+        feed: Feed,
+        (wish, cached): (Wish, i32),
+        (inlet, dds): (&Arc<Inlet>, &Arc<Dds>),
+        announce: Box<dyn Fn() + Send + Sync>,
+    ) -> Result<Self, String> {
+        let asks = feed.asks(wish);
+        let qos = wire::qos(asks.reliable, asks.transient_local, cached);
+        let reader = dds.reader(&feed.topic, &feed.dds_type, &qos)?;
+        let guid = reader.guid();
+        let feed = Arc::new(feed);
+        Ok(Self {
+            token: inlet.add(reader, Box::new(FeedSink(Arc::clone(&feed)))),
+            feed,
+            wish,
+            cached,
+            reader: Mutex::new(Present { guid, asks }),
+            inlet: Arc::clone(inlet),
+            announce,
+            dds: Arc::clone(dds),
+        })
+    }
+
+    fn present(&self) -> MutexGuard<'_, Present> {
+        self.reader.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What the reader asks for.
+    pub(crate) fn qos(&self) -> QosPolicies {
+        let Asks { reliable, transient_local } = self.present().asks;
+        wire::qos(reliable, transient_local, self.cached)
+    }
+
+    /// Tells the id of the reader, which stays until `told` returns.
+    pub(crate) fn guid(&self, told: impl FnOnce(GUID)) {
+        told(self.present().guid);
+    }
+
+    /// Asks for what the writers offer that are there now. What comes meanwhile on the old reader
+    /// is not lost: the new one finds it, too.
+    fn follow(&self) {
+        let asks = self.feed.asks(self.wish);
+        let mut present = self.present();
+        if present.asks == asks {
+            return;
+        }
+        let (topic, ty) = (&self.feed.topic, &self.feed.dds_type);
+        let qos = wire::qos(asks.reliable, asks.transient_local, self.cached);
+        match self.dds.reader(topic, ty, &qos) {
+            Ok(reader) => {
+                let old = std::mem::replace(&mut *present, Present { guid: reader.guid(), asks });
+                self.feed.graph.renamed(old.guid, reader.guid());
+                self.inlet.exchange(self.token, reader);
+                (self.announce)();
+                tracing::info!(%topic, ?asks, "the in port follows the quality of its writers");
+            }
+            Err(why) => tracing::warn!(%topic, %why, "a reader cannot be made anew"),
+        }
+    }
+}
+
+impl Drop for FeedHandle {
+    fn drop(&mut self) {
+        self.inlet.remove(self.token);
+    }
+}
+
+/// The topics this daemon reads, each with what is wished of the reader.
+#[derive(Default)]
+pub(crate) struct Feeds(Mutex<HashMap<String, Vec<Weak<FeedHandle>>>>);
+
+impl Feeds {
+    fn lock(&self) -> MutexGuard<'_, HashMap<String, Vec<Weak<FeedHandle>>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The feed of a topic, made unless there is one.
+    pub(crate) fn get(
+        &self,
+        topic: &str,
+        wish: Wish,
+        make: impl FnOnce() -> Result<FeedHandle, String>,
+    ) -> Result<Arc<FeedHandle>, String> {
+        let mut feeds = self.lock();
+        // Kept until the lock is gone: the last one to let go of a feed may be this.
+        let there: Vec<_> =
+            feeds.get(topic).into_iter().flatten().filter_map(Weak::upgrade).collect();
+        if let Some(feed) = there.iter().find(|feed| feed.wish == wish) {
+            let feed = Arc::clone(feed);
+            drop(feeds);
+            return Ok(feed);
+        }
+        feeds.retain(|_, all| {
+            all.retain(|feed| feed.strong_count() > 0);
+            !all.is_empty()
+        });
+        let handle = Arc::new(make()?);
+        feeds.entry(topic.to_owned()).or_default().push(Arc::downgrade(&handle));
+        drop(feeds);
+        Ok(handle)
+    }
+
+    /// The feeds of a topic: none if it is not read.
+    pub(crate) fn of(&self, topic: &str) -> Vec<Arc<FeedHandle>> {
+        self.lock().get(topic).into_iter().flatten().filter_map(Weak::upgrade).collect()
+    }
+
+    /// Writers of a topic have come.
+    pub(crate) fn follow(&self, topic: &str) {
+        self.of(topic).iter().for_each(|handle| handle.follow());
+    }
+
+    /// Readers could not decode something.
+    pub(crate) fn complain(&self) {
+        let feeds: Vec<_> = self.lock().values().flatten().filter_map(Weak::upgrade).collect();
+        feeds.iter().for_each(|handle| handle.feed.complain());
+    }
+
+    /// There is news of writers.
+    pub(crate) fn settle(&self) {
+        let feeds: Vec<_> = self.lock().values().flatten().filter_map(Weak::upgrade).collect();
+        feeds.iter().for_each(|handle| handle.feed.settle());
+    }
+}

@@ -1,0 +1,56 @@
+//! Samples of one in port that wait to be read.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use genom_kit::intake::Keeping;
+use genom_kit::mailbox::Mailbox;
+
+/// A message that all in ports of a topic share: none of them copies it.
+pub(crate) type Message = Arc<Vec<u8>>;
+
+/// Samples of one in port that wait to be read.
+#[derive(Debug)]
+pub(crate) struct Inbox {
+    pub(crate) mailbox: Mailbox<Message>,
+    /// Whether samples that gave way are losses: not for `latest`.
+    counts_lost: bool,
+    /// Samples that could not be decoded.
+    pub(crate) undecodable: AtomicU64,
+    /// Samples of another type.
+    pub(crate) refused: AtomicU64,
+    /// Samples that never came.
+    pub(crate) missing: AtomicU64,
+}
+
+impl Inbox {
+    pub(crate) fn new(Keeping { depth, full, counts }: Keeping) -> Self {
+        Self {
+            mailbox: Mailbox::with(depth, full, Message::default),
+            counts_lost: counts,
+            undecodable: AtomicU64::new(0),
+            refused: AtomicU64::new(0),
+            missing: AtomicU64::new(0),
+        }
+    }
+
+    /// Samples lost to the reader.
+    pub(crate) fn lost(&self) -> u64 {
+        let count = |lost: &AtomicU64| lost.load(Ordering::Relaxed);
+        let given_up =
+            if self.counts_lost { self.mailbox.lost() + count(&self.missing) } else { 0 };
+        given_up + count(&self.undecodable) + count(&self.refused)
+    }
+
+    /// Adds a message; gives the one back whose place it takes.
+    pub(crate) fn put(&self, message: &Message) -> Option<Message> {
+        let exchange = |place: &mut Message| {
+            Ok::<_, std::convert::Infallible>(std::mem::replace(place, Arc::clone(message)))
+        };
+        let old = self.mailbox.put_by(exchange).ok();
+        if old.is_none() {
+            self.undecodable.fetch_add(1, Ordering::Relaxed);
+        }
+        old
+    }
+}

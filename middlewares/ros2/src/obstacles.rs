@@ -1,0 +1,37 @@
+//! What keeps ends that are there from meeting.
+
+use genom_middleware::{Address, Obstacle};
+
+use crate::feeds::Feeds;
+use crate::graph::Graph;
+use crate::quality::{self, Ours};
+
+/// What keeps ends of others at an address from meeting ours, or all of them.
+pub(crate) fn obstacles(graph: &Graph, feeds: &Feeds, at: &Address, topic: &str) -> Vec<Obstacle> {
+    let mut all = Vec::new();
+    if let Some((ours, offers)) = graph.writer(topic) {
+        for (_, reader) in graph.others(topic, false) {
+            all.extend(quality::other_structure(at, Ours::Writer, ours.hash.as_deref(), &reader));
+            all.extend(quality::obstacle(at, Ours::Writer, &offers, &reader.qos));
+        }
+    }
+    for handle in feeds.of(topic) {
+        let (asks, hash) = (handle.qos(), handle.feed.hash.as_deref());
+        let writers = graph.others(topic, true);
+        for (_, writer) in &writers {
+            all.extend(quality::other_structure(at, Ours::Reader, hash, writer));
+            all.extend(quality::obstacle(at, Ours::Reader, &writer.qos, &asks));
+        }
+        all.extend(quality::mixed(at, &asks, &writers));
+    }
+    all.dedup();
+    all
+}
+
+/// Says what keeps an end that came from meeting ours.
+pub(crate) fn tell(graph: &Graph, feeds: &Feeds, topic: &str) {
+    let Some(name) = topic.strip_prefix("rt/") else { return };
+    for Obstacle { what, fix } in obstacles(graph, feeds, &Address::new("", name), topic) {
+        tracing::warn!("{what}: {fix}");
+    }
+}

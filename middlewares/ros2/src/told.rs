@@ -1,0 +1,69 @@
+//! What daemons tell each other and ROS nodes: the words of this one, and an ear for the others.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use rustdds::bytes::Bytes;
+
+use crate::feeds::Feeds;
+use crate::graph::Graph;
+use crate::info::{self, Ends};
+use crate::process::Process;
+use crate::receiver::{Sample, Sink};
+use crate::sender::Announce;
+use crate::wire::{Payload, Writer};
+
+/// What this daemon tells of itself.
+pub(crate) struct Told {
+    pub(crate) ends: Writer,
+    pub(crate) nodes: Writer,
+    pub(crate) graph: Arc<Graph>,
+    pub(crate) feeds: Arc<Feeds>,
+    pub(crate) namespace: String,
+    pub(crate) participant: info::Gid,
+    pub(crate) process: Process,
+}
+
+impl Announce for Told {
+    fn tell(&self) -> bool {
+        let (ends, nodes) = self.graph.ours(&self.namespace);
+        let ends = info::encode(&Ends { process: self.process.clone(), ends });
+        let nodes = info::encode(&Graph::nodes(self.participant, nodes));
+        [(&self.ends, ends), (&self.nodes, nodes)].into_iter().all(|(writer, payload)| {
+            // What cannot be encoded will not be by trying again.
+            let Some(payload) = payload else { return true };
+            writer.write(Payload(Bytes::from(payload)), None).is_ok()
+        })
+    }
+
+    fn settle(&self, longest: Duration) {
+        // Those that are gone without a word are not waited for any longer.
+        let _ = self.ends.wait_for_acknowledgments(longest);
+    }
+
+    fn complain(&self) {
+        self.feeds.complain();
+    }
+}
+
+/// Takes what other daemons tell.
+pub(crate) struct Hear {
+    pub(crate) graph: Arc<Graph>,
+    pub(crate) feeds: Arc<Feeds>,
+    pub(crate) ourselves: rustdds::GUID,
+}
+
+impl Sink for Hear {
+    fn arrive(&mut self, sample: Sample<'_>) {
+        if sample.writer.prefix == self.ourselves.prefix {
+            return;
+        }
+        match info::decode::<Ends>(sample.message) {
+            Some(ends) => {
+                self.graph.told(sample.writer, ends);
+                self.feeds.settle();
+            }
+            None => tracing::warn!("a participant tells what cannot be read; it is left out"),
+        }
+    }
+}
