@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 
 use genom_components::{Artifact, Paths, build, build_programs};
 
-use crate::{Running, path};
+use crate::Running;
 
 /// Root of the repository.
 #[must_use]
@@ -91,4 +91,10 @@ pub fn fixture(folder: &str, name: &str, into: &Path) -> String {
     compiler.arg(source.join(file("c"))).arg("-o").arg(into.join(file("so")));
     Running::start(&mut compiler).finish().expect_code(0);
     path(&into.join(file("gen"))).to_owned()
+}
+
+/// A path as an argument.
+#[must_use]
+pub fn path(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
 }

@@ -9,7 +9,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::command::{Finished, Running};
-use crate::{program, repository};
+use crate::{path, program, repository};
 
 /// Shared memory that only the daemons of one test use.
 #[derive(Debug)]
@@ -330,10 +330,4 @@ impl Daemon {
         self.running.signal(signal);
         (self.running.finish(), self.home)
     }
-}
-
-/// A path as an argument.
-#[must_use]
-pub fn path(path: &Path) -> &str {
-    path.to_str().expect("UTF-8")
 }

@@ -25,10 +25,10 @@ mod transcript;
 pub mod trial;
 mod until;
 
-pub use build::{component, files, fixture, program, repository};
+pub use build::{component, files, fixture, path, program, repository};
 pub use command::{Finished, Running, WATCHDOG};
 pub use counts::{Counts, step};
-pub use daemon::{Daemon, Home, Memory, path};
+pub use daemon::{Daemon, Home, Memory};
 pub use http::{Events, Reply, connect, request};
 pub use many::{Footprint, Many};
 pub use transcript::transcript;

@@ -5,8 +5,9 @@ use std::process::{Command, Stdio};
 
 use cargo_metadata::{Artifact, CrateType, Message};
 
+use crate::error::BuildError;
+use crate::paths::{Paths, copy_if_changed};
 use crate::recipe::Recipe;
-use crate::{BuildError, Paths};
 
 /// Makes `library` of the package of the recipe's name.
 pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<(), BuildError> {
@@ -20,7 +21,7 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
     let Some(built) = built else {
         return Err(BuildError::NoArtifact { package: recipe.name.clone(), what: "cdylib" });
     };
-    crate::copy_if_changed(built.as_std_path(), library)
+    copy_if_changed(built.as_std_path(), library)
 }
 
 /// Builds programs of the workspace, each of a package of its name, and tells where they are.

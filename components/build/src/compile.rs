@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::UNIX_EPOCH;
 
+use crate::error::BuildError;
+use crate::paths::Paths;
 use crate::recipe::{Recipe, files};
-use crate::{BuildError, Paths};
 
 /// Debug information lets the host check the codels; no contraction of `a * b + c` lets codels in
 /// two languages agree to the last bit.

@@ -79,17 +79,20 @@ pub fn read_files(inputs: &[PathBuf], options: &Options, files: &dyn Files) -> A
 }
 
 /// Text made into trees; no name is resolved.
-pub(crate) struct Parsed {
-    pub(crate) tree: Tree,
+#[derive(Debug)]
+pub struct Parsed {
+    /// The statements of the input files.
+    pub tree: Tree,
     /// The standard interface, unless the files hold it.
-    pub(crate) standard: Option<Tree>,
-    pub(crate) sources: SourceMap,
+    pub standard: Option<Tree>,
+    sources: SourceMap,
     preprocess: Diagnostics,
     syntax: Diagnostics,
 }
 
 /// Reads input files as far as no name needs a meaning; the tokens apart, for they are many.
-pub(crate) fn parse_files(
+#[must_use]
+pub fn parse_files(
     inputs: &[PathBuf],
     options: &Options,
     files: &dyn Files,
@@ -109,7 +112,8 @@ pub(crate) fn parse_files(
 
 impl Parsed {
     /// What it means.
-    pub(crate) fn check(self) -> Analysis {
+    #[must_use]
+    pub fn check(self) -> Analysis {
         let Parsed { tree, standard, sources, preprocess: mut diagnostics, syntax } = self;
         let root_of = |file: u32| {
             let span = Span { file, ..Span::default() };

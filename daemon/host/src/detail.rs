@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use genom_types::{DataType, Record, foreign};
 use serde_json::{Value, json};
 
-use crate::ffi::WHAT;
+use crate::what::WHAT;
 
 /// Bytes of the sentence in `exception mwerr { string<256> what; };`.
 pub(crate) const MWERR_WHAT: usize = 256;

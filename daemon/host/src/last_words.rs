@@ -4,7 +4,6 @@
 //! It saves nothing: the process ends as it would have. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
-use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::mem::MaybeUninit;
 use std::ptr;
@@ -12,6 +11,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::process;
+use crate::running::{is_own_process, note_own_process, words};
 
 /// Signals that end a process because of what its code does.
 const FAULTS: [(c_int, &str); 7] = [
@@ -24,35 +24,11 @@ const FAULTS: [(c_int, &str); 7] = [
     (libc::SIGTRAP, "SIGTRAP"),
 ];
 
-/// What was done on these signals before, and which process this is: a codel may fork.
-static BEFORE: OnceLock<([Option<libc::sigaction>; FAULTS.len()], libc::pid_t)> = OnceLock::new();
+/// What was done on these signals before.
+static BEFORE: OnceLock<[Option<libc::sigaction>; FAULTS.len()]> = OnceLock::new();
 
 /// The daemon ends as it should: what it does from here on is its own.
 static ENDS_WELL: AtomicBool = AtomicBool::new(false);
-
-thread_local! {
-    /// The foreign code that this thread runs, in words. Without a destructor: signal handlers
-    /// and what runs at the exit of the process read it.
-    static RUNNING: Cell<*const str> = const { Cell::new(ptr::from_ref("")) };
-}
-
-/// Foreign code runs on this thread until this is dropped.
-pub(crate) struct Running<'a> {
-    outer: *const str,
-    /// What is pointed to outlives this.
-    _words: &'a str,
-}
-
-/// From now on this thread runs what the words say, such as ``codel `servo` of demo.so``.
-pub(crate) fn running(words: &str) -> Running<'_> {
-    Running { outer: RUNNING.replace(ptr::from_ref(words)), _words: words }
-}
-
-impl Drop for Running<'_> {
-    fn drop(&mut self) {
-        RUNNING.set(self.outer);
-    }
-}
 
 /// From now on the process says what ended it. Once is enough.
 pub fn tell_last_words() {
@@ -60,8 +36,8 @@ pub fn tell_last_words() {
         // SAFETY: the handler calls only what may be called in handlers; it is part of this
         // program, which is never closed.
         unsafe { libc::atexit(on_exit) };
-        // SAFETY: it has no preconditions.
-        (FAULTS.map(|(signal, _)| handle(signal)), unsafe { libc::getpid() })
+        note_own_process();
+        FAULTS.map(|(signal, _)| handle(signal))
     });
 }
 
@@ -83,7 +59,7 @@ extern "C" fn on_fault(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_void
     let rank = FAULTS.iter().position(|(known, _)| *known == signal);
     let name = rank.and_then(|rank| FAULTS.get(rank)).map_or("a signal", |(_, name)| name);
     say(name, " in ");
-    let before = BEFORE.get().zip(rank).and_then(|((all, _), rank)| all.get(rank)?.as_ref());
+    let before = BEFORE.get().zip(rank).and_then(|(all, rank)| all.get(rank)?.as_ref());
     // SAFETY: what the system told of the signal before; a fault then happens again.
     unsafe {
         match before {
@@ -100,17 +76,6 @@ extern "C" fn on_fault(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_void
 /// The daemon has stopped everything and ends, with whatever status it says.
 pub fn end_is_ours() {
     ENDS_WELL.store(true, Ordering::Release);
-}
-
-/// Whether this is the daemon's process, and not a child that a codel forked.
-fn is_own_process() -> bool {
-    // SAFETY: it has no preconditions.
-    BEFORE.get().is_some_and(|(_, own)| unsafe { libc::getpid() } == *own)
-}
-
-/// Whether this thread of the daemon runs a codel, or a constructor of a library.
-pub(crate) fn in_codel() -> bool {
-    !words().is_empty() && is_own_process()
 }
 
 /// `exit` was called: by foreign code, unless the daemon is at its end.
@@ -162,12 +127,6 @@ pub(crate) fn constructor_threw(what: &str) -> ! {
     unsafe { libc::_exit(1) }
 }
 
-/// The foreign code that this thread runs; empty without any. Signal handlers may ask.
-pub(crate) fn words<'a>() -> &'a str {
-    // SAFETY: the words of a `Running` outlive it, and it takes them back when it is dropped.
-    unsafe { &*RUNNING.get() }
-}
-
 /// One line; only with what signal handlers may call.
 fn say(what: &str, by: &str) {
     match words() {
@@ -181,23 +140,5 @@ fn write(parts: &[&str]) {
     for part in parts {
         // SAFETY: the bytes are those of a string.
         unsafe { libc::write(to, part.as_ptr().cast(), part.len()) };
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn code_that_calls_other_code_runs_again_after_it() {
-        assert_eq!(words(), "");
-        let outer = running("codel `a`");
-        {
-            let _inner = running("codel `b`");
-            assert_eq!(words(), "codel `b`");
-        }
-        assert_eq!(words(), "codel `a`");
-        drop(outer);
-        assert_eq!(words(), "");
     }
 }

@@ -18,7 +18,9 @@ pub mod library;
 mod ports;
 mod process;
 mod remotes;
+mod running;
 mod shared;
+mod what;
 
 pub use component::{Component, LoadError, LoadErrors, MemoryCheck, check_memory};
 pub use last_words::{end_is_ours, tell_last_words};

@@ -11,6 +11,9 @@ use crate::plan::Plan;
 /// with [`Progress::Done`] once; never by a real-time thread, and never holding a lock.
 pub type Reply = Box<dyn FnMut(Progress) + Send>;
 
+/// Called once, by any thread, when a shutdown is complete: no codel of the instance runs any more.
+pub type OnShutdown = Box<dyn FnOnce() + Send>;
+
 /// A step of a request.
 #[derive(Debug)]
 pub enum Progress {
@@ -23,7 +26,11 @@ pub enum Progress {
     Done(Outcome),
 }
 
-/// How a service ended.
+/// How a service ended: the one word for it on its whole way to the client.
+///
+/// Tasks hand back a `RunOutcome`, which is numbers; control makes this of it, with the outputs as a
+/// record and the exception by its name. Middlewares carry `genom_middleware::Outcome`, which can
+/// also be `Lost` with the connection, and the control plane an outcome as JSON.
 #[derive(Debug)]
 pub enum Outcome {
     /// With its outputs.

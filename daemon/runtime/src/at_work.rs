@@ -1,10 +1,11 @@
-//! Which codel a context runs, and since when: written by whoever calls it, read by anybody.
+//! Which codel a context runs, and since when. The thread that calls codels writes it; any thread
+//! may read it.
 //!
-//! Two stores a call and no other cost: the date is one that the caller has read anyhow.
+//! A call costs two stores: the caller has read the date for its own figures.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-/// What one context is at.
+/// The codel that one context runs.
 #[derive(Debug, Default)]
 pub(crate) struct AtWork {
     /// The codel, plus one; 0 between codels.
@@ -17,7 +18,7 @@ impl AtWork {
     /// A codel is called at this date.
     #[inline]
     pub(crate) fn begins(&self, codel: usize, date: u64) {
-        // The date first: whoever sees the codel sees a date that is no older than its call.
+        // The date first: a reader that sees the codel must not see the date of an earlier call.
         self.since.store(date, Ordering::Relaxed);
         let number = u32::try_from(codel + 1).unwrap_or(u32::MAX);
         self.codel.store(number, Ordering::Release);

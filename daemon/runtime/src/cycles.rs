@@ -1,21 +1,21 @@
-//! Cycles of a task, from a tick or from waking up until there is nothing left to do, told at any
-//! moment: also while one lasts, as of an activity that never pauses.
+//! Cycles of a task: a cycle lasts from a tick, or from waking up, until there is nothing left to
+//! do. Any thread may read, also while a cycle lasts.
 //!
-//! The task writes, by a few stores a cycle; who reads does so again while it is in the middle of
-//! them.
+//! The task writes with a few stores a cycle, under a version that is odd meanwhile (a sequence
+//! lock): a reader that sees an odd or changed version reads again.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering, fence};
 use std::time::Duration;
 
-use crate::statistics::{Durations, Histogram};
+use crate::histogram::{Durations, Histogram};
 
-/// Instead of the date of a cycle: none lasts.
+/// Stands in place of a date when no cycle lasts.
 const NONE: u64 = u64::MAX;
-/// How often a reader looks again, for a task that was put aside in the middle of its stores.
+/// How often a reader tries again: the task may have lost its processor between its stores.
 const TRIES: usize = 4000;
-/// Looks without rest between them.
+/// Tries without a rest between them.
 const AT_ONCE: usize = 100;
-/// Between two later ones.
+/// Rest between two later tries.
 const REST: Duration = Duration::from_micros(50);
 
 /// What a task did, and the cycle that lasts.

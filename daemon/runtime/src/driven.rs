@@ -1,4 +1,4 @@
-//! The tasks of an instance on a virtual clock, run by whoever steps it.
+//! The tasks of an instance on a virtual clock, run by the thread that steps the clock.
 
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, TryLockError};
@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use crate::clock::Driven;
 use crate::control::Phase;
-use crate::engine::{Engine, Guard, lock};
+use crate::engine::Engine;
+use crate::lock::{Guard, lock};
 use crate::task::driven::DrivenTask;
 
 impl Driven for Engine {

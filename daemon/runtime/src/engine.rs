@@ -1,7 +1,7 @@
 //! What the threads of an instance have in common.
 
 use std::sync::atomic::AtomicU64;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -11,13 +11,11 @@ use crate::api::Wiring;
 use crate::body::Frame;
 use crate::control::window::Window;
 use crate::control::{Control, Stage};
+use crate::lock::{Guard, lock};
 use crate::shared::Shared;
 use crate::task::driven::DrivenTask;
 use crate::task::run::Status;
 use crate::watcher::Watcher;
-
-/// A lock held.
-pub(crate) type Guard<'a, T> = MutexGuard<'a, T>;
 
 /// Frames kept for the next request of a service.
 const SPARE_FRAMES: usize = 2;
@@ -44,9 +42,9 @@ pub(crate) struct Engine {
     pub(crate) driven: Option<Mutex<Vec<DrivenTask>>>,
     /// Date of the last value of the state port.
     pub(crate) state_written: AtomicU64,
-    /// By task: its lately past. Held while the state port is written.
+    /// By task: averages over about the last ten seconds. Locked while the state port is written.
     pub(crate) recent: Mutex<Vec<Window>>,
-    /// Held by whoever excludes everything.
+    /// Held while everything is excluded.
     pub(crate) everything: Mutex<()>,
     /// Held while a shutdown takes a step.
     pub(crate) advancing: Mutex<()>,
@@ -64,11 +62,11 @@ pub struct NoSuchActivity {
 /// An activity that has been accepted and not reported as ended.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct ActivityStatus {
-    /// Its id.
+    /// Number that `abort_activity` takes.
     pub id: u32,
     /// Its service; `None` for the permanent activity of a task.
     pub service: Option<String>,
-    /// Its task.
+    /// Name of the task that runs it.
     pub task: String,
     /// Where it is in its life.
     pub phase: ActivityPhase,
@@ -92,11 +90,6 @@ pub enum ActivityPhase {
     Stop,
     /// Ended, its client is about to be told.
     Ether,
-}
-
-/// Locks; a thread that panicked with the lock left nothing half done that others could not bear.
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> Guard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Engine {

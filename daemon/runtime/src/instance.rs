@@ -8,16 +8,16 @@ use std::time::{Duration, Instant};
 use genom_types::Record;
 use serde_json::Value;
 
-use crate::api::{Inputs, Reply};
+use crate::api::{Inputs, OnShutdown, Reply};
 use crate::body::Body;
 use crate::clock::nanos;
 use crate::engine::{ActivityStatus, Engine, NoSuchActivity};
 use crate::options::Options;
 use crate::plan::{Plan, owner_name};
-use crate::shutdown::{Ended, ShutdownError};
+use crate::running::{HeldUp, RunningCodel};
+use crate::shutdown::ShutdownError;
 use crate::start::StartError;
 use crate::statistics::{CodelStatistics, Statistics, TaskStatistics};
-use crate::stuck::{HeldUp, RunningCodel};
 use crate::ticket::Ticket;
 use crate::unpaused::Unpaused;
 
@@ -106,8 +106,8 @@ impl Instance {
         Ok(())
     }
 
-    /// Asks all activities of services to stop, as [`abort`](Self::abort) does one; ids and
-    /// services of those that have not ended, whoever asked them first.
+    /// Asks all activities of services to stop, as [`abort`](Self::abort) does one; returns ids
+    /// and services of those that have not ended, also of those that were asked before.
     pub fn abort_all(&self) -> Vec<(u32, usize)> {
         let told = self.engine.abort_all("client");
         self.engine.shared.wake_tasks();
@@ -238,7 +238,7 @@ impl Instance {
     /// The first half of [`shutdown`](Self::shutdown): asks for the end and returns. `ended` is
     /// told once, by any thread, when no codel runs any more. `false` when the end was asked for
     /// before. On a virtual clock all codels that are to run do so before this returns.
-    pub fn begin_shutdown(&self, ended: Ended, timeout: Duration) -> bool {
+    pub fn begin_shutdown(&self, ended: OnShutdown, timeout: Duration) -> bool {
         self.engine.begin_shutdown(Some(ended), Instant::now() + timeout)
     }
 

@@ -19,9 +19,13 @@ mod cycles;
 mod driven;
 mod engine;
 pub mod exclusion;
+mod figures;
+mod histogram;
 mod instance;
+mod lock;
 mod options;
 pub mod plan;
+mod running;
 mod shared;
 mod shutdown;
 mod start;
@@ -33,17 +37,19 @@ mod unpaused;
 mod watcher;
 
 pub use api::{
-    Exception, Inputs, Outcome, Partial, Progress, Reply, Wiring, WiringError, input_record,
+    Exception, Inputs, OnShutdown, Outcome, Partial, Progress, Reply, Wiring, WiringError,
+    input_record,
 };
 pub use clock::{Clock, VirtualClock, nanos};
 pub use engine::{ActivityPhase, ActivityStatus, NoSuchActivity};
+pub use histogram::Durations;
 pub use instance::{Instance, NoSuchEvent};
 pub use options::{ACTIVITY_LIMIT, GiveUp, Options, STUCK_AFTER, TaskOptions};
 pub use plan::{Plan, PlanError};
-pub use shutdown::{Ended, ShutdownError};
+pub use running::{HeldUp, RunningCodel, seconds};
+pub use shutdown::ShutdownError;
 pub use start::StartError;
-pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
-pub use stuck::{HeldUp, RunningCodel, seconds};
+pub use statistics::{CodelStatistics, Statistics, TaskStatistics};
 pub use ticket::Ticket;
 pub use unpaused::Unpaused;
 pub use watcher::{Change, Watcher};

@@ -31,7 +31,7 @@ pub struct Options {
     pub watcher: Option<Arc<dyn Watcher>>,
     /// When the component was built, as `genom_state` tells it (genom3.md 4.8); at most 30 bytes.
     pub date: String,
-    /// How long a task's first codel may take; `None` waits for ever, as genom3.md 7.2 says.
+    /// How long a task's first codel may take; `None` is no limit, as in genom3.md 7.2.
     pub start_timeout: Option<Duration>,
     /// Asked several times a second while a first codel runs: whether to wait for it no longer,
     /// as if its time were over.

@@ -11,8 +11,9 @@ use crate::at_work::AtWork;
 use crate::body::Body;
 use crate::clock::{Clock, nanos};
 use crate::exclusion::Exclusion;
+use crate::figures::{CodelFigures, TaskFigures};
+use crate::histogram::Counter;
 use crate::plan::Plan;
-use crate::statistics::{CodelFigures, Counter, TaskFigures};
 use crate::task::hurry::Hurry;
 use crate::task::timing::Timing;
 

@@ -3,17 +3,18 @@
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
-use crate::api::{Outcome, Progress};
-use crate::control::{Afterwards, Control, Entry, Phase, Stage, interrupted};
-use crate::engine::{Engine, lock};
-use crate::stuck::{RunningCodel, seconds};
+use crate::api::{OnShutdown, Outcome, Progress};
+use crate::control::{Afterwards, Control, Entry, Phase, Stage, Step, interrupted};
+use crate::engine::Engine;
+use crate::lock::lock;
+use crate::running::{RunningCodel, seconds};
 
 /// Why an instance did not shut down in time. It serves nothing any more; threads that hang are
 /// left behind with the memory they use, and other instances go on.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{instance} does not stop: {}", list(.codels, .activities))]
 pub struct ShutdownError {
-    /// The instance.
+    /// Name of the instance that does not stop.
     pub instance: String,
     /// Codels that have not returned.
     pub codels: Vec<RunningCodel>,
@@ -32,22 +33,6 @@ fn list(codels: &[RunningCodel], activities: &[String]) -> String {
     told.collect::<Vec<_>>().join(", ")
 }
 
-/// Told once when no codel of an instance runs any more.
-pub type Ended = Box<dyn FnOnce() + Send>;
-
-/// How far a shutdown is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Step {
-    /// Activities of services, and requests under way, are to end (7.7.1).
-    Activities,
-    /// The permanent activity of this task is to end; those of the tasks after it have (7.7.2).
-    Permanent(usize),
-    /// What hung is to end after all; whoever waits for the shutdown ends this step in time.
-    Rest,
-    /// The threads are to end.
-    Threads,
-}
-
 impl Engine {
     /// Stops activities, then permanent ones, then threads, and waits for all that.
     pub(crate) fn shutdown(&self, timeout: Duration) -> Result<(), ShutdownError> {
@@ -58,9 +43,9 @@ impl Engine {
         self.finish_shutdown(deadline)
     }
 
-    /// Asks for the end and returns; the control thread sees to the rest. `false` when somebody
-    /// else asked before. On a virtual clock, all is done here: its codels run in this thread.
-    pub(crate) fn begin_shutdown(&self, ended: Option<Ended>, deadline: Instant) -> bool {
+    /// Asks for the end and returns; the control thread does the rest. `false` when the end was
+    /// asked for before. On a virtual clock, all is done here: its codels run in this thread.
+    pub(crate) fn begin_shutdown(&self, ended: Option<OnShutdown>, deadline: Instant) -> bool {
         if !self.stop_activities(ended) {
             return false;
         }
@@ -85,16 +70,16 @@ impl Engine {
         Err(error)
     }
 
-    /// Whether no codel runs any more, nor ever will.
+    /// Whether the shutdown is complete: no codel runs, and none will.
     pub(crate) fn is_over(&self) -> bool {
         let control = self.lock();
         control.phase == Phase::Stopped && control.alive == 0
     }
 
-    /// Goes on with a shutdown as far as it can. Called by the control thread, which alone
-    /// collects results; before there is one, by whoever waits.
+    /// Takes the steps of a shutdown that can be taken now. Called by the control thread, which
+    /// collects results; before it runs, by the thread that waits for the end.
     pub(crate) fn advance_shutdown(&self) {
-        // A step is taken in whole before the next is looked at.
+        // Two threads must not take one step.
         let _one = lock(&self.advancing);
         loop {
             let next = {
@@ -122,7 +107,8 @@ impl Engine {
         }
     }
 
-    /// What hangs is not waited for: the other tasks' `stop` codels are to run in time.
+    /// Whether a step is done. Codels that hang are not waited for, so that the `stop` codels of other
+    /// tasks still run before the deadline.
     fn is_done(&self, control: &Control, step: Step) -> bool {
         let hangs = |task| self.codel_of_task(task).is_some_and(|codel| codel.stuck);
         match step {
@@ -169,7 +155,7 @@ impl Engine {
         }
     }
 
-    /// The same on a virtual clock, by this thread.
+    /// All steps on a virtual clock, where this thread runs the codels.
     fn drive_shutdown(&self, deadline: Instant) {
         let reached =
             |step: Step| self.drive_until(deadline, |engine| engine.is_done(&engine.lock(), step));
@@ -178,7 +164,7 @@ impl Engine {
             self.stop_permanent(task);
             reached(Step::Permanent(task));
         }
-        // What hangs is found by whoever waits for the end.
+        // Otherwise `finish_shutdown` says what hangs.
         let over = self.is_done(&self.lock(), Step::Rest);
         if over {
             self.end_threads();
@@ -186,7 +172,7 @@ impl Engine {
     }
 
     /// 7.7.1; `false` when somebody else shut it down before.
-    fn stop_activities(&self, ended: Option<Ended>) -> bool {
+    fn stop_activities(&self, ended: Option<OnShutdown>) -> bool {
         let mut after = Afterwards::default();
         {
             let mut control = self.lock();
@@ -212,7 +198,7 @@ impl Engine {
         true
     }
 
-    /// Asks a permanent activity to stop; one that ended runs its `stop` codel all the same.
+    /// Asks a permanent activity to stop. One that has ended is made again to run its `stop` codel.
     fn stop_permanent(&self, task: usize) {
         let marker = {
             let control = self.lock();
@@ -224,7 +210,7 @@ impl Engine {
         let machine = &self.shared.plan.machines()[task];
         match marker {
             Some(marker) => marker.request_stop(),
-            // A task whose thread never was has nothing to undo.
+            // Without a thread it never ran a codel: there is nothing to undo.
             None if machine.codel(machine.stop).is_none() || !self.has_thread(task) => return,
             None => self.send_permanent(task, true),
         }
@@ -235,9 +221,9 @@ impl Engine {
         self.shared.tasks[task].is_started()
     }
 
-    /// Waits for `done`, which others bring about.
+    /// Waits until `done`; `false` at the deadline.
     fn wait(&self, deadline: Instant, done: impl Fn(&Control) -> bool) -> bool {
-        /// Between two looks where nobody else collects results: before the control thread runs.
+        /// Between two looks as long as no control thread collects results.
         const LOOK: Duration = Duration::from_millis(10);
         let mut control = self.lock();
         while !done(&control) {
@@ -262,7 +248,8 @@ impl Engine {
         true
     }
 
-    /// Nobody is to wait for what hangs: whatever comes of it later is told to nobody.
+    /// Answers all requests that are still open with `interrupted`; results that come later are
+    /// dropped.
     fn answer_all(&self) {
         let refused = || Progress::Done(Outcome::Exception(interrupted("kill")));
         let mut after = Afterwards::default();

@@ -10,11 +10,12 @@ use crate::api::Exception;
 use crate::body::Body;
 use crate::clock::{Clock, nanos};
 use crate::control::{Control, Entry, Phase, Stage, TaskLink};
-use crate::engine::{Engine, lock};
+use crate::engine::Engine;
+use crate::lock::lock;
 use crate::options::{GiveUp, Options, TaskOptions};
 use crate::plan::Plan;
+use crate::running::seconds;
 use crate::shared::Shared;
-use crate::stuck::seconds;
 use crate::task::driven::DrivenTask;
 use crate::task::runner::{Runner, TaskSide};
 use crate::task::timing::Timing;
@@ -34,9 +35,9 @@ pub enum StartError {
     /// A task's first codel, or what it led to at once, ended with an exception.
     #[error("task {task} of {instance} failed at start: {exception}")]
     Failed {
-        /// The instance.
+        /// Instance that was to start.
         instance: String,
-        /// The task.
+        /// Task that was being started.
         task: String,
         /// How it failed.
         exception: Box<Exception>,
@@ -48,11 +49,11 @@ pub enum StartError {
         seconds(nanos(*.after))
     )]
     Hangs {
-        /// The instance.
+        /// Instance that was to start.
         instance: String,
-        /// The task.
+        /// Task that was being started.
         task: String,
-        /// The codel.
+        /// Codel that has not returned.
         codel: String,
         /// How long it had.
         after: Duration,
@@ -63,9 +64,9 @@ pub enum StartError {
          `TasksMax=` of a systemd unit and `pids.max` of a container; memory may be another)"
     )]
     NoThread {
-        /// The instance.
+        /// Instance that was to start.
         instance: String,
-        /// The task.
+        /// Task that got no thread.
         task: String,
         /// What the system says.
         #[source]
@@ -73,7 +74,7 @@ pub enum StartError {
     },
 }
 
-/// A period as the `.gen` or the configuration says.
+/// The ticks of a task: its period is the configuration's, or else that of the `.gen`.
 fn timing(task: &Task, options: &TaskOptions, epoch: u64) -> Option<Timing> {
     let period = options.period.filter(|_| task.period.is_some()).or(task.period)?;
     Some(Timing::new(epoch, nanos(period), nanos(task.delay)))
@@ -206,7 +207,7 @@ impl Engine {
             Err(source) => {
                 let mut control = self.lock();
                 control.alive -= 1;
-                // Nobody will run its permanent activity: nobody is to wait for its end.
+                // No thread will run its permanent activity, so the shutdown must not wait for it.
                 control.entries.retain(|entry| entry.task != rank);
                 drop(control);
                 Err(StartError::NoThread {

@@ -1,164 +1,10 @@
-//! Figures on codels and tasks, written without locks and readable at any time.
-
-use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
+//! What an instance tells of its tasks and codels.
 
 use serde::Serialize;
 
-use crate::cycles::Cycles;
-use crate::stuck::RunningCodel;
-use crate::task::pace::Pace;
+use crate::histogram::Durations;
+use crate::running::RunningCodel;
 use crate::unpaused::Unpaused;
-
-/// Buckets in each power of two: 12 % resolution.
-const STEPS: u64 = 8;
-/// Durations above 2^40 ns (18 minutes) share the last bucket.
-const BUCKETS: usize = (38 * STEPS) as usize;
-
-/// Durations in nanoseconds. One thread records at a time; any thread reads.
-#[derive(Debug)]
-pub(crate) struct Histogram {
-    count: AtomicU64,
-    sum: AtomicU64,
-    last: AtomicU64,
-    max: AtomicU64,
-    /// Log-linear counts.
-    buckets: Box<[AtomicU32]>,
-}
-
-/// Figures on a duration, in nanoseconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Durations {
-    /// How many were measured.
-    pub count: u64,
-    /// The last one.
-    pub last_ns: u64,
-    /// Their mean.
-    pub mean_ns: u64,
-    /// Half were no longer than this.
-    pub p50_ns: u64,
-    /// 99 % were no longer than this.
-    pub p99_ns: u64,
-    /// The longest.
-    pub max_ns: u64,
-}
-
-/// Single writer: an addition needs no bus lock.
-fn add(cell: &AtomicU64, value: u64) {
-    cell.store(cell.load(Ordering::Relaxed).wrapping_add(value), Ordering::Relaxed);
-}
-
-impl Default for Histogram {
-    fn default() -> Self {
-        let zero = || AtomicU64::new(0);
-        Self {
-            count: zero(),
-            sum: zero(),
-            last: zero(),
-            max: zero(),
-            buckets: (0..BUCKETS).map(|_| AtomicU32::new(0)).collect(),
-        }
-    }
-}
-
-impl Histogram {
-    pub(crate) fn record(&self, ns: u64) {
-        add(&self.count, 1);
-        add(&self.sum, ns);
-        self.last.store(ns, Ordering::Relaxed);
-        if ns > self.max.load(Ordering::Relaxed) {
-            self.max.store(ns, Ordering::Relaxed);
-        }
-        let bucket = &self.buckets[bucket(ns)];
-        bucket.store(bucket.load(Ordering::Relaxed).saturating_add(1), Ordering::Relaxed);
-    }
-
-    /// How many were recorded, and their sum in nanoseconds.
-    pub(crate) fn totals(&self) -> (u64, u64) {
-        (self.count.load(Ordering::Relaxed), self.sum.load(Ordering::Relaxed))
-    }
-
-    pub(crate) fn read(&self) -> Durations {
-        let count = self.count.load(Ordering::Relaxed);
-        let counts: Vec<u64> =
-            self.buckets.iter().map(|b| u64::from(b.load(Ordering::Relaxed))).collect();
-        let max = self.max.load(Ordering::Relaxed);
-        let total: u64 = counts.iter().sum();
-        let quantile = |percent: u64| {
-            let rank = (total * percent).div_ceil(100).max(1);
-            let mut seen = 0;
-            for (bucket, &count) in counts.iter().enumerate() {
-                if seen + count >= rank {
-                    // As if those of a bucket were spread evenly.
-                    let lower = bucket.checked_sub(1).map_or(0, |before| upper(before) + 1);
-                    let width = upper(bucket) - lower;
-                    return (lower + width * (rank - seen) / count).min(max);
-                }
-                seen += count;
-            }
-            0
-        };
-        Durations {
-            count,
-            last_ns: self.last.load(Ordering::Relaxed),
-            mean_ns: self.sum.load(Ordering::Relaxed).checked_div(count).unwrap_or(0),
-            p50_ns: quantile(50),
-            p99_ns: quantile(99),
-            max_ns: max,
-        }
-    }
-}
-
-fn bucket(ns: u64) -> usize {
-    if ns < STEPS {
-        return ns as usize;
-    }
-    let power = u64::from(ns.ilog2());
-    let step = (ns >> (power - 3)) & (STEPS - 1);
-    (((power - 2) * STEPS + step) as usize).min(BUCKETS - 1)
-}
-
-/// Longest duration that falls into a bucket.
-fn upper(bucket: usize) -> u64 {
-    let bucket = bucket as u64;
-    if bucket < STEPS {
-        return bucket;
-    }
-    let (power, step) = (bucket / STEPS + 2, bucket % STEPS);
-    ((STEPS + step + 1) << (power - 3)) - 1
-}
-
-/// A counter that one thread advances.
-#[derive(Debug, Default)]
-pub(crate) struct Counter(AtomicU64);
-
-impl Counter {
-    pub(crate) fn add(&self, by: u64) {
-        add(&self.0, by);
-    }
-
-    pub(crate) fn read(&self) -> u64 {
-        self.0.load(Ordering::Relaxed)
-    }
-}
-
-/// Figures on one codel.
-#[derive(Debug, Default)]
-pub(crate) struct CodelFigures {
-    pub(crate) durations: Histogram,
-    /// Calls longer than the codel's stated `wcet`.
-    pub(crate) above_wcet: Counter,
-}
-
-/// Figures on one task.
-#[derive(Debug, Default)]
-pub(crate) struct TaskFigures {
-    /// From a tick, or from waking up, until there is nothing left to do.
-    pub(crate) cycles: Cycles,
-    /// From the date of a tick to the task's start.
-    pub(crate) lateness: Histogram,
-    /// Ticks that came while the task was still at work, or slept beyond the one before.
-    pub(crate) overruns: Pace,
-}
 
 /// Statistics of an instance.
 #[derive(Clone, Debug, Serialize)]
@@ -174,9 +20,9 @@ pub struct Statistics {
 /// Statistics of a task.
 #[derive(Clone, Debug, Serialize)]
 pub struct TaskStatistics {
-    /// Its name.
+    /// Name of the task.
     pub name: String,
-    /// Its period.
+    /// Time between its ticks, in nanoseconds; `None` for an aperiodic task.
     pub period_ns: Option<u64>,
     /// Whether its thread really has a real-time priority.
     pub real_time: bool,
@@ -198,7 +44,7 @@ pub struct TaskStatistics {
 /// Statistics of a codel.
 #[derive(Clone, Debug, Serialize)]
 pub struct CodelStatistics {
-    /// Its name.
+    /// Name of its C function.
     pub name: String,
     /// Task or service it belongs to.
     pub owner: String,
@@ -208,29 +54,4 @@ pub struct CodelStatistics {
     pub wcet_ns: Option<u64>,
     /// Calls that took longer.
     pub above_wcet: u64,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_duration_lies_within_its_bucket() {
-        for ns in (0..5000).chain([1 << 20, (1 << 33) + 12345, u64::MAX >> 25]) {
-            let at = bucket(ns);
-            assert!(ns <= upper(at), "{ns}");
-            assert!(at == 0 || ns > upper(at - 1), "{ns}");
-        }
-    }
-
-    #[test]
-    fn quantiles_are_as_near_as_the_buckets_allow() {
-        let histogram = Histogram::default();
-        (1..=1000).for_each(|ns| histogram.record(ns * 1000));
-        let read = histogram.read();
-        assert_eq!((read.count, read.last_ns, read.max_ns), (1000, 1_000_000, 1_000_000));
-        assert_eq!(read.mean_ns, 500_500);
-        assert!((490_000..510_000).contains(&read.p50_ns), "{}", read.p50_ns);
-        assert!((980_000..=1_000_000).contains(&read.p99_ns), "{}", read.p99_ns);
-    }
 }

@@ -1,4 +1,4 @@
-//! Tasks at work for long although each of their codels returns: one yields states without pause
+//! Tasks that are at work for long although their codels return: one yields states without pause
 //! again and again.
 //!
 //! Whether that keeps a processor or waits for data within its codels is not known here.
@@ -12,7 +12,7 @@ use crate::plan::owner_name;
 /// A task whose cycle lasts although codels return.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Unpaused {
-    /// The task.
+    /// Name of the task at work.
     pub task: String,
     /// Whether it misses ticks by that.
     pub periodic: bool,

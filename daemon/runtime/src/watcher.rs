@@ -5,14 +5,14 @@
 pub enum Change {
     /// An activity was accepted.
     Accepted {
-        /// Its id.
+        /// Number that the client was told.
         activity: u32,
-        /// Its service.
+        /// Service that was requested.
         service: usize,
     },
     /// A place of an activity's marking moved, or paused. Told within a fraction of a second.
     Moved {
-        /// The activity.
+        /// Number of the activity that moved.
         activity: u32,
         /// The state it is in now, by rank in the component's states.
         state: usize,
@@ -21,23 +21,23 @@ pub enum Change {
     },
     /// An activity ended.
     Ended {
-        /// Its id.
+        /// Number that the client was told.
         activity: u32,
-        /// Its service.
+        /// Service that was requested.
         service: usize,
         /// Name of the exception it ended with; `None` for success.
         exception: Option<String>,
     },
     /// Ticks came while a task was still at work, or slept beyond the one before.
     Overrun {
-        /// The task.
+        /// Task that was late.
         task: usize,
         /// How many.
         ticks: u64,
     },
     /// A permanent activity ended with an exception: the component is to be shut down.
     Failed {
-        /// Its task.
+        /// Task whose permanent activity failed.
         task: usize,
         /// Name of the exception.
         exception: String,

@@ -9,11 +9,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use genom_runtime::{Clock, VirtualClock};
-use support::closures::{Closures, Codel, Keeper, LONG, gate, next, request, until};
-
-fn codel(work: impl Fn() -> &'static str + Send + Sync + 'static) -> Codel {
-    Arc::new(work)
-}
+use support::closures::{Closures, Codel, Keeper, LONG, codel, gate, next, request, until};
 
 /// A codel that waits at a gate, then says this.
 fn waits(event: &'static str) -> (Codel, Keeper) {

@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
-use crate::cdr::step::Plan;
+use crate::cdr::step::CdrPlan;
 pub(crate) use crate::ix::Ix;
 use crate::kind::{Kind, Label, Member, ScopedName, TypeId};
 use crate::layout::{Layout, LayoutError, MAX_NESTING, MAX_SIZE};
@@ -37,9 +37,9 @@ pub(crate) struct Node {
     pub(crate) digest: OnceLock<String>,
     pub(crate) fingerprint: OnceLock<Option<String>>,
     /// How it goes to and from CDR.
-    pub(crate) plan: OnceLock<Plan>,
+    pub(crate) plan: OnceLock<CdrPlan>,
     /// The same for messages in the other byte order.
-    pub(crate) swapped: OnceLock<Plan>,
+    pub(crate) swapped: OnceLock<CdrPlan>,
 }
 
 /// What a type is made of.

@@ -179,18 +179,18 @@ impl Kind {
 /// A member of a struct or exception.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Member {
-    /// Its name.
+    /// Name as declared; unique within the struct.
     pub name: String,
-    /// Its type.
+    /// Type as declared, typedefs included.
     pub ty: TypeId,
 }
 
 /// A member of a union, with the labels that select it.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct UnionMember {
-    /// Its name.
+    /// Name as declared; unique within the union.
     pub name: String,
-    /// Its type.
+    /// Type as declared, typedefs included.
     pub ty: TypeId,
     /// The `case` labels; at least one.
     pub labels: Vec<Label>,

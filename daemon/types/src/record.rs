@@ -78,7 +78,7 @@ impl Record {
         Self { ty: ty.clone(), room }
     }
 
-    /// Its type.
+    /// Type that its bytes are laid out by.
     #[must_use]
     pub fn ty(&self) -> &DataType {
         &self.ty

@@ -55,7 +55,7 @@ impl Room {
         room
     }
 
-    /// Its address.
+    /// Address of the first byte between the zones.
     #[must_use]
     pub fn at(&self) -> *mut u8 {
         self.at.as_ptr()

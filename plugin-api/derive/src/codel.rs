@@ -15,7 +15,7 @@ struct Argument {
     hold: TokenStream,
     /// The expression that is passed to the Rust function.
     lend: TokenStream,
-    /// Its descriptor.
+    /// Expression for its line in the exported table.
     descriptor: TokenStream,
 }
 

@@ -175,7 +175,7 @@ impl<T> List<T> {
         Self { first: slice.as_ptr(), count: slice.len() }
     }
 
-    /// The elements.
+    /// Elements of the list, `count` of them.
     ///
     /// # Safety
     /// The list is part of a table of a library that stays loaded for `'a`.

@@ -17,7 +17,7 @@ use crate::data::{Aggregate, Data, Enum, Enumeration, Native, NativeType};
 pub trait ByValue: Sized {
     /// What C passes.
     type Abi;
-    /// Its type.
+    /// Descriptor of the IDL type that it stands for.
     const TYPE: *const TypeDescriptor;
 
     /// The argument of a codel.
@@ -85,7 +85,7 @@ pub trait ByRef {
     type Held;
     /// How it is passed.
     const PASSING: Passing;
-    /// Its type.
+    /// Descriptor of the IDL type that it stands for.
     const TYPE: *const TypeDescriptor;
 
     /// Takes the C value.
@@ -183,7 +183,7 @@ pub trait ByMut {
     /// `abi` is the argument of the running codel.
     unsafe fn hold(abi: Self::Abi) -> Self::Held;
 
-    /// The argument.
+    /// What the codel gets, for as long as it runs.
     fn lend(held: &mut Self::Held) -> &mut Self;
 }
 

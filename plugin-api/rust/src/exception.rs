@@ -71,7 +71,7 @@ impl Exception for Syserr {
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Unkex {
-    /// The sentence.
+    /// Sentence that says what happened.
     pub what: BoundedString<128>,
 }
 

@@ -13,7 +13,7 @@ use crate::{Context, Thrown};
 pub struct Handle(*const c_void);
 
 impl Handle {
-    /// The method.
+    /// The handle's only function, `call`.
     ///
     /// # Safety
     /// The handle was passed to the running codel, and `F` is the type of its method.

@@ -7,27 +7,11 @@ use genom_types::TypeId;
 
 use super::Checker;
 use super::attribute::direction;
-use super::state::{Body, BodyId, CodelParameter, CodelState, Role, Service};
-use super::types::Shape;
+use super::facts::Shape;
+use super::state::{Argument, Body, BodyId, CodelParameter, CodelState, Prototype, Role, Service};
 use crate::diagnostic::Diagnostic;
 use crate::model::{Dialect, Direction, Source, Span, Yield};
 use crate::syntax::{self, Codel, Name, Qualifier, Variable};
-
-/// What the first use of a codel fixes for all others (K1).
-#[derive(Debug)]
-pub(super) struct Prototype {
-    owner: BodyId,
-    parameters: Vec<(Direction, Argument)>,
-    span: Span,
-}
-
-#[derive(Clone, Debug)]
-enum Argument {
-    Value(TypeId),
-    Ids(TypeId),
-    Port(usize, TypeId),
-    Remote(usize),
-}
 
 impl Checker {
     /// Whether no codel of the same owner has this name.

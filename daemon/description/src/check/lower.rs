@@ -10,8 +10,7 @@ use indexmap::{IndexMap, IndexSet};
 use super::Checker;
 use super::clock::duration;
 use super::exclusion::Sharing;
-use super::property::add_throws;
-use super::state::{self, BodyId, CodelState, Role};
+use super::state::{self, BodyId, CodelState, Role, add_throws};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{
     AttributeTarget, Codel, CodelKind, CodelParameter, Component, Dialect, Direction, Interface,
@@ -425,7 +424,7 @@ fn lower_parameter(parameter: state::Parameter) -> Parameter {
     }
 }
 
-fn lower_port(name: &str, port: &state::Port) -> Port {
+fn lower_port(name: &str, port: &state::PortState) -> Port {
     Port {
         name: name.to_string(),
         direction: if port.out { PortDirection::Out } else { PortDirection::In },

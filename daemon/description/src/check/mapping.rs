@@ -7,9 +7,9 @@ use std::sync::Arc;
 use genom_types::{DataType, Kind, TypeId, TypeTable};
 
 use super::Checker;
+use crate::c_names::{Place, clashes, is_taken, records};
 use crate::diagnostic::Diagnostic;
 use crate::model::{Component, Specification};
-use crate::tools::header::{Place, clashes, is_taken, records};
 
 impl Checker {
     /// The first type of each component that has no layout, each with its place.

@@ -3,10 +3,11 @@
 use indexmap::IndexSet;
 
 use super::Checker;
-use super::property::add_throws;
 use super::scope::Entity;
-use super::service::empty;
-use super::state::{BodyId, CodelState, Given, Parameter, Port, Remote, Service, Target, Task};
+use super::state::{
+    BodyId, CodelState, Given, Parameter, PortState, Remote, Service, Target, Task, add_new,
+    add_throws,
+};
 use crate::diagnostic::Diagnostic;
 use crate::model::Span;
 use crate::syntax::Name;
@@ -137,14 +138,14 @@ impl Checker {
         }
     }
 
-    fn merge_port(&mut self, id: BodyId, name: &str, port: Port, flip: bool) {
+    fn merge_port(&mut self, id: BodyId, name: &str, port: PortState, flip: bool) {
         let name = Name { text: name.into(), span: port.span };
         if !self.is_service_free(id, &name, "port") {
             return;
         }
         let out = port.out != flip;
         let interface = port.interface.filter(|_| !flip);
-        self.add_port(id, &name, Port { out, interface, ..port });
+        self.add_port(id, &name, PortState { out, interface, ..port });
     }
 
     fn add_remote(&mut self, id: BodyId, name: &Name, remote: Remote) {
@@ -171,7 +172,7 @@ impl Checker {
                 known
             }
             None => {
-                let mut fresh = empty(from.kind, &name);
+                let mut fresh = Service::new(from.kind, &name);
                 fresh.standard = from.standard;
                 fresh.parameters = parameters;
                 fresh
@@ -228,14 +229,7 @@ impl Checker {
     }
 }
 
-/// Joins lists of packages, or lines of documentation. An interface may come in twice, by two
-/// ways: its lines do not, or they would double with each level.
-pub(super) fn add_new(known: &mut Vec<String>, fresh: Vec<String>) {
-    let mut all: IndexSet<String> = std::mem::take(known).into_iter().collect();
-    all.extend(fresh);
-    *known = all.into_iter().collect();
-}
-
+/// Takes what a body brings where the other has nothing; both giving it is a mistake.
 fn merge_given<T>(known: &mut Given<T>, fresh: Given<T>, what: &str) -> Option<Diagnostic> {
     match (&known, fresh) {
         (_, None) => None,

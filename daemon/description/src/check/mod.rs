@@ -6,16 +6,19 @@
 
 mod attribute;
 mod body;
+mod checker;
 mod clock;
 mod codel;
 mod constant;
 mod declare;
 mod exclusion;
+mod facts;
 mod initial;
 mod lower;
 mod machine;
 mod mapping;
 mod merge;
+mod names;
 mod papers;
 mod pauses;
 mod port;
@@ -29,22 +32,14 @@ mod types;
 mod value;
 mod warnings;
 
-use std::collections::{HashMap, HashSet};
-use std::rc::Rc;
+use genom_types::ScopedName;
 
-use genom_types::{ScopedName, TypeId, TypeTable};
-
-use self::scope::{Entity, ScopeId, Scopes};
-use self::state::{Body, BodyId};
-use self::types::{Facts, Shape};
-use self::value::Value;
+use self::checker::Checker;
+use self::scope::Entity;
 use crate::diagnostic::{Diagnostic, Diagnostics};
-use crate::model::{Constant, Masquerade, Span, Specification};
+use crate::model::{Masquerade, Span, Specification};
 use crate::syntax::{Path, Statement, Tree};
 use crate::token::Pragma;
-
-/// Errors that get a nearest name: finding it costs a look at all names.
-const SUGGESTIONS: u32 = 50;
 
 /// Checks a whole specification.
 ///
@@ -70,72 +65,7 @@ pub(crate) fn check(
     checker.finish()
 }
 
-pub(super) struct Checker {
-    types: TypeTable,
-    facts: Vec<Facts>,
-    shapes: HashMap<Shape, TypeId>,
-    member_index: HashMap<TypeId, HashMap<String, usize>>,
-    error_type: Option<TypeId>,
-    scopes: Scopes,
-    scope: ScopeId,
-    constants: Vec<Constant>,
-    /// Values of the constants, `None` when they could not be computed.
-    constant_values: Vec<Option<Value>>,
-    forwards: Vec<(TypeId, Span)>,
-    masquerades: Vec<Masquerade>,
-    bodies: Vec<Body>,
-    body_index: HashMap<Rc<str>, BodyId>,
-    /// Prototype of each codel, by name (K1).
-    prototypes: HashMap<Rc<str>, codel::Prototype>,
-    /// Names of all codels: most are new, and need not be compared with their neighbours.
-    codel_names: HashSet<Rc<str>>,
-    /// `#pragma requires` so far.
-    requires: Vec<String>,
-    /// `#pragma provides` so far.
-    provided: Vec<(BodyId, Span)>,
-    /// Names that a mistake kept from being declared: nothing more is said of them.
-    lost: HashSet<Rc<str>>,
-    suggestions: u32,
-    taken: room::Taken,
-    /// The statement being read: where what has no place of its own is said to be.
-    place: Span,
-    dialect: crate::model::Dialect,
-    diagnostics: Diagnostics,
-}
-
 impl Checker {
-    fn new(lost: HashSet<Rc<str>>) -> Self {
-        Checker {
-            types: TypeTable::default(),
-            facts: Vec::new(),
-            shapes: HashMap::new(),
-            member_index: HashMap::new(),
-            error_type: None,
-            scopes: Scopes::new(),
-            scope: 0,
-            constants: Vec::new(),
-            constant_values: Vec::new(),
-            forwards: Vec::new(),
-            masquerades: Vec::new(),
-            bodies: Vec::new(),
-            body_index: HashMap::new(),
-            prototypes: HashMap::new(),
-            codel_names: HashSet::new(),
-            requires: Vec::new(),
-            provided: Vec::new(),
-            lost,
-            suggestions: SUGGESTIONS,
-            taken: room::Taken::default(),
-            place: Span::default(),
-            dialect: crate::model::Dialect::Current,
-            diagnostics: Diagnostics::default(),
-        }
-    }
-
-    fn push(&mut self, diagnostic: Diagnostic) {
-        self.diagnostics.push(diagnostic);
-    }
-
     fn statement(&mut self, statement: Statement) {
         if self.taken.full {
             return;

@@ -4,14 +4,14 @@ use genom_types::Kind;
 
 use super::Checker;
 use super::scope::Entity;
-use super::state::{BodyId, Port};
+use super::state::{BodyId, PortState};
 use crate::diagnostic::Diagnostic;
 use crate::model::Dialect;
 use crate::syntax::{self, PropertyKind};
 
 impl Checker {
     // genom3.md 3.6 S2, S18 to S20; 3.5 P4.
-    pub(super) fn port(&mut self, id: BodyId, dcl: &syntax::Port) {
+    pub(super) fn port(&mut self, id: BodyId, dcl: &syntax::PortDeclaration) {
         if dcl.paper && self.bodies[id].dialect == Dialect::Current {
             let word = if dcl.out { "outport" } else { "inport" };
             let message = format!("`{word}` belongs to the papers' syntax");
@@ -68,11 +68,11 @@ impl Checker {
         }
         let interface = self.bodies[id].interface.then(|| self.bodies[id].name.clone());
         let (out, multiple, span) = (dcl.out, dcl.multiple, name.span);
-        let port = Port { out, multiple, interface, ty, docs, span };
+        let port = PortState { out, multiple, interface, ty, docs, span };
         self.add_port(id, name, port);
     }
 
-    pub(super) fn add_port(&mut self, id: BodyId, name: &syntax::Name, port: Port) -> bool {
+    pub(super) fn add_port(&mut self, id: BodyId, name: &syntax::Name, port: PortState) -> bool {
         let scope = self.bodies[id].scope;
         let made = self.declare_in(scope, name, Entity::Port, "E0620");
         if made {

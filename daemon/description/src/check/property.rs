@@ -6,9 +6,8 @@ use genom_types::{Kind, TypeId};
 use indexmap::{IndexMap, IndexSet};
 
 use super::Checker;
-use super::merge::add_new;
 use super::scope::Entity;
-use super::state::{BodyId, Given};
+use super::state::{BodyId, Given, add_new, add_throws};
 use crate::diagnostic::Diagnostic;
 use crate::model::{Dialect, Span};
 use crate::syntax::{Name, Path, Property, PropertyKind, Text};
@@ -212,9 +211,4 @@ impl Checker {
         self.bodies[id].ids = Some(ty);
         self.bodies[id].ids_members = members;
     }
-}
-
-/// Unites two lists of exceptions.
-pub(super) fn add_throws(known: &mut IndexSet<TypeId>, fresh: &IndexSet<TypeId>) {
-    known.extend(fresh);
 }

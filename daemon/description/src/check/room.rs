@@ -22,14 +22,6 @@ pub(super) const SCOPE: usize = 384;
 /// A text, list or table besides what it holds.
 const HEAP: usize = 32;
 
-/// What was taken of the room so far.
-#[derive(Debug, Default)]
-pub(super) struct Taken {
-    bytes: usize,
-    /// All is taken: nothing more is made, and one error says so.
-    pub(super) full: bool,
-}
-
 impl Checker {
     /// Takes room for what is about to be made because of the text at `span`; false when there is
     /// not enough.

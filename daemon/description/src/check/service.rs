@@ -3,13 +3,10 @@
 use std::collections::HashMap;
 use std::rc::Rc;
 
-use indexmap::IndexSet;
-
 use super::Checker;
 use super::attribute::direction;
-use super::property::add_throws;
 use super::room;
-use super::state::{BodyId, Parameter, Role, Service};
+use super::state::{BodyId, Parameter, Role, Service, add_throws};
 use crate::diagnostic::Diagnostic;
 use crate::model::{Dialect, Direction, Span};
 use crate::syntax::{
@@ -50,7 +47,7 @@ impl Checker {
                 known
             }
             None => {
-                let mut fresh = empty(kind, name);
+                let mut fresh = Service::new(kind, name);
                 fresh.standard = self.bodies[id].interface && &*self.bodies[id].name == "genom";
                 fresh.through_ids = papers && kind != ServiceKind::Attribute;
                 fresh.parameters = parameters;
@@ -107,7 +104,7 @@ impl Checker {
             self.push(error);
             return None;
         }
-        let placeholder = empty(kind, name);
+        let placeholder = Service::new(kind, name);
         Some(Some(std::mem::replace(known, placeholder)))
     }
 
@@ -473,26 +470,5 @@ pub(super) fn article(kind: ServiceKind) -> &'static str {
         ServiceKind::Function => "a function",
         ServiceKind::Activity => "an activity",
         ServiceKind::Service => "a service",
-    }
-}
-
-pub(super) fn empty(kind: ServiceKind, name: &Name) -> Service {
-    Service {
-        kind,
-        name: name.text.clone(),
-        span: name.span,
-        docs: Vec::new(),
-        parameters: Vec::new(),
-        locals: Vec::new(),
-        task: None,
-        interrupts: Vec::new(),
-        before: None,
-        after: None,
-        validates: Vec::new(),
-        codels: Vec::new(),
-        throws: IndexSet::new(),
-        standard: false,
-        through_ids: false,
-        broken: false,
     }
 }

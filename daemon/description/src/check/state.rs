@@ -39,7 +39,7 @@ pub(super) struct Body {
     /// Where each member of the IDS is declared.
     pub(super) ids_members: Vec<Span>,
     pub(super) tasks: IndexMap<Rc<str>, Task>,
-    pub(super) ports: IndexMap<Rc<str>, Port>,
+    pub(super) ports: IndexMap<Rc<str>, PortState>,
     pub(super) remotes: IndexMap<Rc<str>, Remote>,
     pub(super) services: IndexMap<Rc<str>, Service>,
     pub(super) states: IndexMap<Rc<str>, Span>,
@@ -65,7 +65,7 @@ pub(super) struct Task {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Port {
+pub(super) struct PortState {
     pub(super) out: bool,
     pub(super) multiple: bool,
     /// The interface that it was provided by as it is.
@@ -151,4 +151,58 @@ pub(super) struct CodelParameter {
     /// What the source turned out to be: kept when the codel is resolved again.
     pub(super) qualifier: Qualifier,
     pub(super) span: Span,
+}
+
+/// What the first use of a codel fixes for all others (K1).
+#[derive(Debug)]
+pub(super) struct Prototype {
+    pub(super) owner: BodyId,
+    pub(super) parameters: Vec<(Direction, Argument)>,
+    pub(super) span: Span,
+}
+
+/// What a codel gets for a parameter.
+#[derive(Clone, Debug)]
+pub(super) enum Argument {
+    Value(TypeId),
+    Ids(TypeId),
+    Port(usize, TypeId),
+    Remote(usize),
+}
+
+impl Service {
+    /// One that nothing was said of yet.
+    pub(super) fn new(kind: ServiceKind, name: &Name) -> Self {
+        Self {
+            kind,
+            name: name.text.clone(),
+            span: name.span,
+            docs: Vec::new(),
+            parameters: Vec::new(),
+            locals: Vec::new(),
+            task: None,
+            interrupts: Vec::new(),
+            before: None,
+            after: None,
+            validates: Vec::new(),
+            codels: Vec::new(),
+            throws: IndexSet::new(),
+            standard: false,
+            through_ids: false,
+            broken: false,
+        }
+    }
+}
+
+/// Unites two lists of exceptions.
+pub(super) fn add_throws(known: &mut IndexSet<TypeId>, fresh: &IndexSet<TypeId>) {
+    known.extend(fresh);
+}
+
+/// Joins lists of packages, or lines of documentation. An interface may come in twice, by two
+/// ways: its lines do not, or they would double with each level.
+pub(super) fn add_new(known: &mut Vec<String>, fresh: Vec<String>) {
+    let mut all: IndexSet<String> = std::mem::take(known).into_iter().collect();
+    all.extend(fresh);
+    *known = all.into_iter().collect();
 }

@@ -3,9 +3,8 @@
 use indexmap::IndexSet;
 
 use super::Checker;
-use super::property::add_throws;
 use super::room;
-use super::state::{BodyId, Role, Task};
+use super::state::{BodyId, Role, Task, add_throws};
 use crate::diagnostic::Diagnostic;
 use crate::syntax::{self, PropertyKind};
 

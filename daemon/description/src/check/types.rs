@@ -5,37 +5,13 @@ use std::collections::HashSet;
 use genom_types::{Kind, Member, TypeId};
 
 use super::Checker;
+use super::facts::{Facts, Shape};
 use super::room;
 use super::scope::Entity;
 use crate::diagnostic::Diagnostic;
 use crate::model::Span;
 use crate::parse::MAX_DEPTH;
 use crate::syntax::{Declarator, TypeSpec, TypeSpecKind};
-
-/// What tells two anonymous types apart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Shape {
-    Basic(&'static str),
-    String(Option<u32>),
-    Array(TypeId, u32),
-    Sequence(TypeId, Option<u32>),
-    Optional(TypeId),
-}
-
-/// What is remembered of each type, by id.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Facts {
-    /// Types on the way to the deepest one inside.
-    pub(super) depth: u32,
-    /// A native is inside.
-    pub(super) native: bool,
-    /// A type not complete when this was made is inside: look again.
-    pub(super) open: bool,
-    /// Began as a forward declaration.
-    pub(super) forward: bool,
-    /// Where it is declared; nothing for anonymous types.
-    pub(super) span: Option<Span>,
-}
 
 impl Checker {
     pub(super) fn add_type(&mut self, kind: Kind, span: Option<Span>) -> TypeId {

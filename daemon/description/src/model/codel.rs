@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use genom_types::TypeId;
 
-use super::{Direction, Span};
+use super::{Direction, PathStep, Span};
 
 /// Who runs a codel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -64,7 +64,7 @@ pub struct Yield {
 pub struct CodelParameter {
     /// Its name in the C prototype.
     pub name: String,
-    /// Its direction.
+    /// Whether the codel reads, makes or changes the datum.
     pub direction: Direction,
     /// Type of the datum reached (for a port its data; for a remote its input struct).
     pub ty: TypeId,
@@ -100,13 +100,4 @@ pub enum Source {
     Port(usize),
     /// A remote of the component, by index.
     Remote(usize),
-}
-
-/// One step into a value. Optionals met on the way are looked through.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum PathStep {
-    /// Member of a struct, union or exception, by index.
-    Member(usize),
-    /// Element of an array or sequence.
-    Index(u32),
 }

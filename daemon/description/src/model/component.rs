@@ -20,7 +20,7 @@ pub enum Dialect {
 /// A component, checked and complete.
 #[derive(Clone, Debug)]
 pub struct Component {
-    /// Its name.
+    /// Word after `component`.
     pub name: String,
     /// Generation of the language it was written in.
     pub dialect: Dialect,
@@ -87,7 +87,7 @@ impl Component {
 /// An interface: a partial component that others provide or use.
 #[derive(Clone, Debug)]
 pub struct Interface {
-    /// Its name.
+    /// Word after `interface`.
     pub name: String,
     /// `doc`, lines joined.
     pub doc: Option<String>,
@@ -102,7 +102,7 @@ pub struct Interface {
 /// An execution task.
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// Its name.
+    /// Word after `task`; unique within the component.
     pub name: String,
     /// `doc`.
     pub doc: Option<String>,
@@ -147,7 +147,7 @@ impl PortDirection {
 /// A data port.
 #[derive(Clone, Debug)]
 pub struct Port {
-    /// Its name.
+    /// Name without the component's: `position` of `demo/position`.
     pub name: String,
     /// Whether the component reads or writes it.
     pub direction: PortDirection,

@@ -2,38 +2,18 @@
 
 mod codel;
 mod component;
+mod path;
 mod service;
 
-pub use codel::{Codel, CodelKind, CodelParameter, Owner, PathStep, Source, Yield};
+pub use codel::{Codel, CodelKind, CodelParameter, Owner, Source, Yield};
 pub use component::{Component, Dialect, Interface, Port, PortDirection, Remote, Sink, Task};
+pub use path::PathStep;
 pub use service::{AttributeTarget, Default, Direction, Parameter, Service, ServiceKind};
 
 use std::sync::Arc;
 
+pub use genom_text::source::Span;
 use genom_types::{ScopedName, TypeId, TypeTable};
-
-/// A place in the source, resolved through the source map of its specification.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub struct Span {
-    /// File, by its rank in the source map.
-    pub file: u32,
-    /// First byte.
-    pub start: u32,
-    /// One past the last byte.
-    pub end: u32,
-}
-
-impl Span {
-    /// From the start of this place to the end of `last`, if both are in one file.
-    #[must_use]
-    pub fn to(self, last: Span) -> Span {
-        if self.file == last.file && last.end >= self.start {
-            Span { end: last.end.max(self.end), ..self }
-        } else {
-            self
-        }
-    }
-}
 
 /// Everything a set of input files declares.
 #[derive(Clone, Debug, std::default::Default)]

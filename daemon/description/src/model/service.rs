@@ -18,9 +18,9 @@ pub enum ServiceKind {
 /// A service.
 #[derive(Clone, Debug)]
 pub struct Service {
-    /// Its kind.
+    /// Attribute, function or activity.
     pub kind: ServiceKind,
-    /// Its name.
+    /// Name that requests use; unique within the component.
     pub name: String,
     /// `doc`.
     pub doc: Option<String>,
@@ -75,11 +75,11 @@ pub enum Direction {
 /// A parameter or local variable of a service.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// Its name.
+    /// Name, which is that of a member of the input or output struct.
     pub name: String,
     /// Its direction; `InOut` for a local variable.
     pub direction: Direction,
-    /// Its type.
+    /// Type as declared, typedefs included.
     pub ty: TypeId,
     /// Doc and default value, for the parameter and for members inside it.
     pub default: Option<Default>,

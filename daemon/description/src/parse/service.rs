@@ -3,8 +3,8 @@
 use super::{Parsed, Parser};
 use crate::diagnostic::Diagnostic;
 use crate::syntax::{
-    Direction, Port, Service, ServiceKind, ServiceParameter, ServiceParameters, Task, Variable,
-    VariableParameter, VariableStep,
+    Direction, PortDeclaration, Service, ServiceKind, ServiceParameter, ServiceParameters, Task,
+    Variable, VariableParameter, VariableStep,
 };
 use crate::token::TokenKind;
 
@@ -18,7 +18,7 @@ impl Parser<'_> {
         Ok(Task { name, properties })
     }
 
-    pub(super) fn port(&mut self) -> Parsed<Port> {
+    pub(super) fn port(&mut self) -> Parsed<PortDeclaration> {
         let span = self.span();
         let word = self.word().unwrap_or_default();
         self.bump();
@@ -43,7 +43,7 @@ impl Parser<'_> {
         }
         let properties = self.properties(&name)?;
         self.semicolon(span)?;
-        Ok(Port { out, multiple, paper, ty, name, properties, span })
+        Ok(PortDeclaration { out, multiple, paper, ty, name, properties, span })
     }
 
     pub(super) fn service(&mut self) -> Parsed<Service> {

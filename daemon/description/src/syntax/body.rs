@@ -9,7 +9,7 @@ use crate::token::Pragma;
 /// A component or interface, or one more part of it.
 #[derive(Clone, Debug)]
 pub struct Body {
-    /// Its name.
+    /// Word after `component` or `interface`.
     pub name: Name,
     /// What stands between the braces.
     pub exports: Vec<Export>,
@@ -22,12 +22,12 @@ pub enum Export {
     Idl(Idl),
     /// A property of the component.
     Property(Property),
-    /// Its data.
+    /// `ids { ... };` or, in the 2010 paper, `ids: T;`.
     Ids(IdsDeclaration),
     /// An execution task.
     Task(Task),
     /// A port.
-    Port(Port),
+    Port(PortDeclaration),
     /// An attribute, function, activity, or service of the papers.
     Service(Service),
     /// `event a, b;` (dialects.md A).
@@ -43,22 +43,22 @@ pub struct IdsDeclaration {
     pub name: Option<Name>,
     /// Members by type.
     pub members: Vec<super::Member>,
-    /// The keyword.
+    /// Place of the word `ids`.
     pub span: Span,
 }
 
 /// `task t {...}`
 #[derive(Clone, Debug)]
 pub struct Task {
-    /// Its name.
+    /// Word after `task`.
     pub name: Name,
-    /// Its properties.
+    /// What stands between its braces.
     pub properties: Vec<Property>,
 }
 
 /// `port [multiple] in|out T p {...}`, `inport T p`, `outport T p`.
 #[derive(Clone, Debug)]
-pub struct Port {
+pub struct PortDeclaration {
     /// Whether data flow out of the component.
     pub out: bool,
     /// `multiple`
@@ -67,11 +67,11 @@ pub struct Port {
     pub paper: bool,
     /// Type of the data.
     pub ty: TypeSpec,
-    /// Its name.
+    /// Word after the type.
     pub name: Name,
     /// Only `doc` is legal.
     pub properties: Vec<Property>,
-    /// The keyword.
+    /// Place of the word `port`, `inport` or `outport`.
     pub span: Span,
 }
 
@@ -91,13 +91,13 @@ pub enum ServiceKind {
 /// A service.
 #[derive(Clone, Debug)]
 pub struct Service {
-    /// The keyword.
+    /// Word before the name.
     pub kind: ServiceKind,
-    /// Its name.
+    /// Word after the keyword.
     pub name: Name,
-    /// Its parameters.
+    /// What stands between its parentheses.
     pub parameters: ServiceParameters,
-    /// Its properties.
+    /// What stands between its braces.
     pub properties: Vec<Property>,
     /// From keyword to name.
     pub span: Span,
@@ -255,9 +255,9 @@ pub enum PropertyKind {
 /// A time: an expression and its unit.
 #[derive(Clone, Debug)]
 pub struct Quantity {
-    /// The number.
+    /// Expression before the unit.
     pub value: Expression,
-    /// Its unit.
+    /// Word after the number.
     pub unit: TimeUnit,
 }
 
@@ -291,7 +291,7 @@ pub struct Codel {
     pub asynchronous: bool,
     /// Name of the function.
     pub name: Name,
-    /// Its parameters.
+    /// What stands between its parentheses.
     pub parameters: Vec<CodelParameter>,
     /// Triggers and yields of a state-machine codel.
     pub machine: Option<(Vec<Event>, Vec<Event>)>,
@@ -309,7 +309,7 @@ pub type Wcet = Quantity;
 pub struct Event {
     /// `pause::`
     pub pause: bool,
-    /// The state.
+    /// Name of the state, without `pause::`.
     pub name: Name,
 }
 

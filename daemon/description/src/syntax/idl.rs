@@ -9,7 +9,7 @@ use crate::token::Pragma;
 pub enum Idl {
     /// `module m {...};`
     Module {
-        /// Its name.
+        /// Word after `module`.
         name: Name,
         /// What it holds.
         statements: Vec<Idl>,
@@ -28,7 +28,7 @@ pub enum Idl {
     Forward {
         /// Whether it is a union.
         union: bool,
-        /// Its name.
+        /// Struct or union that is announced.
         name: Name,
     },
     /// A pragma within a module, whose names are those of the module.
@@ -40,9 +40,9 @@ pub enum Idl {
 pub struct Const {
     /// Declared type.
     pub ty: TypeSpec,
-    /// Its name.
+    /// Word before `=`.
     pub name: Name,
-    /// Its value.
+    /// Expression after `=`.
     pub value: Expression,
 }
 
@@ -58,7 +58,7 @@ pub struct Typedef {
 /// One exception of a statement.
 #[derive(Clone, Debug)]
 pub struct Exception {
-    /// Its name.
+    /// Word after `exception`.
     pub name: Name,
     /// Its detail, empty for none.
     pub members: Vec<Member>,
@@ -128,7 +128,7 @@ pub enum Constructed {
 /// `struct s {...}`
 #[derive(Clone, Debug)]
 pub struct Struct {
-    /// Its name.
+    /// Word after `struct`.
     pub name: Name,
     /// Its members, by type.
     pub members: Vec<Member>,
@@ -139,14 +139,14 @@ pub struct Struct {
 pub struct Member {
     /// Their common type.
     pub ty: TypeSpec,
-    /// Their names.
+    /// Names with their dimensions, separated by commas.
     pub declarators: Vec<Declarator>,
 }
 
 /// `union u switch (T) {...}`
 #[derive(Clone, Debug)]
 pub struct Union {
-    /// Its name.
+    /// Word after `union`.
     pub name: Name,
     /// Type of the discriminant.
     pub switch: TypeSpec,
@@ -159,9 +159,9 @@ pub struct Union {
 pub struct Case {
     /// Labels that select it.
     pub labels: Vec<CaseLabel>,
-    /// Its type.
+    /// Type of the member that the labels select.
     pub ty: TypeSpec,
-    /// Its name.
+    /// Name of that member, with its dimensions.
     pub declarator: Declarator,
 }
 
@@ -177,16 +177,16 @@ pub struct CaseLabel {
 /// `enum e {...}`
 #[derive(Clone, Debug)]
 pub struct Enum {
-    /// Its name.
+    /// Word after `enum`.
     pub name: Name,
-    /// Its enumerators.
+    /// Names between the braces, in order: the first is 0.
     pub enumerators: Vec<Name>,
 }
 
 /// A name with its array dimensions.
 #[derive(Clone, Debug)]
 pub struct Declarator {
-    /// The name.
+    /// Word that is declared.
     pub name: Name,
     /// Dimensions, outermost first.
     pub dimensions: Vec<Expression>,

@@ -5,17 +5,19 @@
 
 mod body;
 mod idl;
+mod name;
 
 pub use body::{
-    Body, Codel, CodelParameter, Direction, Event, Export, IdsDeclaration, Port, Property,
-    PropertyKind, Qualifier, Quantity, Service, ServiceKind, ServiceParameter, ServiceParameters,
-    Task, TimeUnit, Variable, VariableParameter, VariableStep, Wcet,
+    Body, Codel, CodelParameter, Direction, Event, Export, IdsDeclaration, PortDeclaration,
+    Property, PropertyKind, Qualifier, Quantity, Service, ServiceKind, ServiceParameter,
+    ServiceParameters, Task, TimeUnit, Variable, VariableParameter, VariableStep, Wcet,
 };
 pub use idl::{
     Binary, Case, CaseLabel, Const, Constructed, Declarator, Enum, Exception, Expression,
     ExpressionKind, Idl, InitialStep, InitialValue, Initializer, Literal, Member, Struct, TypeSpec,
     TypeSpecKind, Typedef, Unary, Union,
 };
+pub use name::{Name, Path, Text};
 
 use std::collections::HashSet;
 use std::rc::Rc;
@@ -45,45 +47,4 @@ pub enum Statement {
     Outside(Export),
     /// A pragma that takes effect here.
     Pragma(Pragma, Span),
-}
-
-/// An identifier.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Name {
-    /// As written.
-    pub text: Rc<str>,
-    /// Where.
-    pub span: Span,
-}
-
-/// A name with its scopes, such as `::demo::state`.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Path {
-    /// Starts with `::`.
-    pub absolute: bool,
-    /// At least one.
-    pub segments: Vec<Name>,
-    /// The whole of it.
-    pub span: Span,
-}
-
-impl std::fmt::Display for Path {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        for (rank, segment) in self.segments.iter().enumerate() {
-            if rank > 0 || self.absolute {
-                f.write_str("::")?;
-            }
-            f.write_str(&segment.text)?;
-        }
-        Ok(())
-    }
-}
-
-/// Adjacent string literals, joined.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Text {
-    /// The text.
-    pub text: String,
-    /// All of the literals.
-    pub span: Span,
 }

@@ -1,7 +1,7 @@
 //! Semantic tokens: what each word is, in the protocol's numbers.
 
-use genom_description::navigate::{Navigator, Paint, SymbolKind};
 use genom_description::source::SourceFile;
+use genom_description_tools::navigate::{Navigator, Paint, SymbolKind};
 use lsp_types::{
     SemanticToken, SemanticTokenModifier, SemanticTokenType, SemanticTokens, SemanticTokensLegend,
 };

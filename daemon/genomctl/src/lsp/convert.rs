@@ -1,8 +1,8 @@
 //! What descriptions say, in the protocol's words.
 
 use genom_description::diagnostic::{Diagnostic, Severity};
-use genom_description::navigate::{Completion, CompletionKind, Outline, SymbolKind};
 use genom_description::source::{SourceFile, SourceMap};
+use genom_description_tools::navigate::{Completion, CompletionKind, Outline, SymbolKind};
 use lsp_types::{
     CompletionItem, CompletionItemKind, DiagnosticRelatedInformation, DiagnosticSeverity,
     DocumentSymbol, Documentation, MarkupContent, MarkupKind, NumberOrString, Range,

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use genom_description::diagnostic::fix;
 use genom_description::model::Span;
-use genom_description::navigate::Navigator;
 use genom_description::source::SourceMap;
+use genom_description_tools::navigate::Navigator;
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, Range, TextEdit, Uri,
     WorkspaceEdit,

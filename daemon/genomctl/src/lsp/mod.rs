@@ -1,6 +1,6 @@
 //! The language server: messages in, messages out, one at a time.
 //!
-//! It keeps the texts that are open in the editor and asks `genom_description::navigate` about
+//! It keeps the texts that are open in the editor and asks `genom_description_tools::navigate` about
 //! them. A text is read again when typing pauses, or when an answer is wanted before.
 
 mod colours;

@@ -1,8 +1,8 @@
 //! Questions of the editor, and their answers.
 
-use genom_description::navigate::Navigator;
 use genom_description::source::SourceFile;
-use genom_description::tools::format_text;
+use genom_description_tools::format_text;
+use genom_description_tools::navigate::Navigator;
 use lsp_server::Request;
 use lsp_types::{
     CodeActionParams, CompletionParams, DocumentFormattingParams, DocumentSymbolParams,

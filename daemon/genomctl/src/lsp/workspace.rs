@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use genom_description::Options;
 use genom_description::diagnostic::first;
-use genom_description::navigate::Navigator;
 use genom_description::source::{Memory, tidy};
+use genom_description_tools::navigate::Navigator;
 use lsp_types::{Diagnostic, PublishDiagnosticsParams, Uri};
 
 use super::{convert, place};

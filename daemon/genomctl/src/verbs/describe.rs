@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use genom_description::tools::{describe, describe_text};
+use genom_description_tools::{describe, describe_text};
 
 use crate::failure::Failure;
 use crate::reading::Reading;

@@ -5,7 +5,7 @@ use std::io::{self, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use genom_description::source::{Disk, Files as _};
-use genom_description::tools::{FormatError, format_bytes};
+use genom_description_tools::{FormatError, format_bytes};
 
 use serde_json::Value;
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use genom_description::tools;
+use genom_description_tools as tools;
 
 use crate::failure::Failure;
 use crate::reading::Reading;

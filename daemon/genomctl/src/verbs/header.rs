@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use genom_description::tools::{self, Language};
+use genom_description_tools::{self as tools, Language};
 
 use crate::failure::Failure;
 use crate::reading::Reading;

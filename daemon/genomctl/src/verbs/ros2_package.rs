@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use genom_description::diagnostic::Diagnostic;
 use genom_description::diagnostic::render::human;
 use genom_description::model::{Component, Direction, ServiceKind, Span, Specification};
-use genom_description::navigate::Navigator;
 use genom_description::source::Disk;
+use genom_description_tools::navigate::Navigator;
 use genom_rosidl::{
     Interface, Library, MapError, Mapper, MasqueradeError, Message, Ours, Packages, Place, TypeName,
 };

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use genom_description::tools;
+use genom_description_tools as tools;
 use genom_protocol::{Code, Component, Components, Description, LeftBehind, LoadRequest, Unloaded};
 use genom_runtime::seconds;
 use serde_json::Value;

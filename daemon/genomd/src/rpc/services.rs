@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use axum::{Extension, Json};
-use genom_description::tools;
+use genom_description_tools as tools;
 use genom_protocol::{CallParameters, CallReply, Code, Inputs, Outcome, Service, Started};
 use serde_json::Value;
 

@@ -129,7 +129,7 @@ impl Workshop<'_> {
                     subject: format!("codel `{}`", codel.name),
                     place,
                     why: "the C++ function takes other parameters".to_owned(),
-                    description: genom_description::tools::prototype(types, self.model, codel),
+                    description: genom_description_tools::prototype(types, self.model, codel),
                     library: others.join("; "),
                 }));
             }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 /// A component could not be loaded: everything that is wrong, at once.
 #[derive(Debug)]
 pub struct LoadErrors {
-    /// The library.
+    /// File that was to be loaded, as it was asked for.
     pub library: PathBuf,
     /// What is wrong; never empty.
     pub errors: Vec<LoadError>,

@@ -2,78 +2,53 @@
 //! arguments in place. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
-use std::ffi::{c_char, c_void};
 use std::sync::Arc;
 
 use genom_description::model::Owner;
-use genom_runtime::body::{EventId, Frame, Returned};
+use genom_runtime::body::{Frame, Returned};
 use genom_types::{Record, foreign};
 use serde_json::{Value, json};
 
-use super::codel::{From, Prepared};
+use super::call::{Call, Roots};
+use super::codel::From;
 use super::cxx::{CxxService, Objects};
+use super::inner::Inner;
+use super::last::Last;
 use super::types::Copy;
-use super::way::Way;
 use super::zones::{self, MemoryCheck, Watched};
-use super::{Inner, Meant};
-use crate::context::Context;
 use crate::cxx::Catcher;
 use crate::detail::UNKEX;
-use crate::events::{EventCache, text};
-use crate::ffi::{Class, Thrown, WHAT};
+use crate::events::EventCache;
 use crate::last_words;
 use crate::process;
+use crate::running;
+use crate::what::WHAT;
 
 /// Marks codels that another owner runs.
 const ABSENT: u16 = u16::MAX;
 
 /// The memory of one run, with codels bound to it.
 pub(super) struct BoundFrame {
-    service: Option<usize>,
-    input: Record,
-    output: Record,
-    local: Record,
+    pub(super) service: Option<usize>,
+    pub(super) input: Record,
+    pub(super) output: Record,
+    pub(super) local: Record,
     /// For codels in C++: what they see instead of the records.
-    objects: Option<Objects>,
-    calls: Box<[Call]>,
+    pub(super) objects: Option<Objects>,
+    pub(super) calls: Box<[Call]>,
     /// By codel of the component: its rank in `calls`.
-    ranks: Box<[u16]>,
-    cache: EventCache,
+    pub(super) ranks: Box<[u16]>,
+    pub(super) cache: EventCache,
     /// What its codels may write to, and when to look whether they wrote past it.
-    watched: Watched,
-    check: MemoryCheck,
+    pub(super) watched: Watched,
+    pub(super) check: MemoryCheck,
     /// What the last C++ exception said.
-    what: [u8; WHAT],
+    pub(super) what: [u8; WHAT],
     /// Detail of the last exception.
-    detail: Box<[u64]>,
-    last: Last,
+    pub(super) detail: Box<[u64]>,
+    pub(super) last: Last,
     // Dropped after the records: their buffers may be released by code of the library.
-    inner: Arc<Inner>,
-}
-
-/// What the last call ended with.
-enum Last {
-    /// A state, success, or an exception without detail.
-    Plain,
-    /// An exception of the plan, with that many bytes of detail.
-    Detailed(EventId, usize),
-    /// An exception of the plan, with its detail.
-    Told(Value),
-    /// Something the plan does not know; exceptions of the C run time have details all the same.
-    Unknown(String, Option<Value>),
-    /// No codel returned: a C++ exception, or an argument without a place.
-    Failed(String),
-}
-
-/// A codel with its arguments.
-struct Call {
-    codel: usize,
-    /// What libffi gets: for each argument, then for the context, the address of its value.
-    arguments: Box<[*mut c_void]>,
-    /// Values of the arguments that are addresses; `arguments` leads here.
-    pointers: Box<[*mut c_void]>,
-    /// Arguments behind sequences, to find before each call.
-    dynamic: Box<[(usize, *mut u8)]>,
+    pub(super) inner: Arc<Inner>,
 }
 
 // SAFETY: the pointers lead into the frame's own records and into the component that it holds;
@@ -166,205 +141,6 @@ impl BoundFrame {
 
     fn ids(&self) -> *mut u8 {
         self.inner.ids.as_ref().map_or(std::ptr::null_mut(), |ids| ids.at as *mut u8)
-    }
-
-    /// What a codel's pointer means.
-    #[inline]
-    fn understand(
-        &mut self,
-        event: *const c_char,
-        codel: &Prepared,
-        context: &Context,
-    ) -> Returned {
-        if event.is_null() {
-            self.last = Last::Plain;
-            return self.rested(codel).unwrap_or(Returned::Ok);
-        }
-        let Some(id) = self.cache.get(event) else { return self.read(event, codel, context) };
-        self.meant(id, event, codel, context)
-    }
-
-    /// An event that is seen for the first time, or whose text may be overwritten.
-    #[cold]
-    fn read(&mut self, event: *const c_char, codel: &Prepared, context: &Context) -> Returned {
-        let constant = self.inner.library.is_constant(event as usize);
-        let Some(text) = text(event, constant || self.inner.library.contains(event as usize))
-        else {
-            tracing::error!("codel {} returned {event:p}, where no event is", codel.name);
-            return self.fail(format!("{} returned {event:p}, where no event is", codel.name));
-        };
-        let Some(id) = self.inner.shared.events.id(text) else {
-            return self.rested(codel).unwrap_or_else(|| self.unknown(event, text, context));
-        };
-        if constant {
-            self.cache.note(event, id);
-        }
-        self.meant(id, event, codel, context)
-    }
-
-    /// An event of the plan.
-    #[inline]
-    fn meant(
-        &mut self,
-        id: EventId,
-        event: *const c_char,
-        codel: &Prepared,
-        context: &Context,
-    ) -> Returned {
-        let everything = Meant { exception: true, rests: true };
-        let meant = self.inner.meant.get(usize::from(id.0)).copied().unwrap_or(everything);
-        if (meant.rests || self.check == MemoryCheck::EachCodel)
-            && let Some(failed) = self.rested(codel)
-        {
-            return failed;
-        }
-        self.last = if meant.exception { self.detailed(event, id, context) } else { Last::Plain };
-        Returned::Event(id)
-    }
-
-    /// A codel paused or ended: what to say when somebody wrote past its memory.
-    #[inline]
-    fn rested(&mut self, codel: &Prepared) -> Option<Returned> {
-        match self.check {
-            MemoryCheck::Pauses if self.watched.is_whole_nearby() => None,
-            MemoryCheck::Off => None,
-            _ => self.overwritten(codel),
-        }
-    }
-
-    #[cold]
-    fn overwritten(&mut self, codel: &Prepared) -> Option<Returned> {
-        let written = self.watched.take_written()?;
-        let told = format!("codel {} wrote {written}", codel.name);
-        tracing::error!(
-            "{}: {told}, or codels beside it did; its memory may be wrong from here on",
-            self.inner.library.path().display()
-        );
-        let _ = self.inner.damage.set(told.clone());
-        Some(self.fail(told))
-    }
-
-    /// The detail of an exception of the plan, kept for later.
-    fn detailed(&mut self, event: *const c_char, id: EventId, context: &Context) -> Last {
-        let name = self.inner.events.get(usize::from(id.0)).map_or("", String::as_str);
-        let found = context.take_detail(event, name.as_bytes(), &mut self.detail);
-        let Some(size) = found else { return Last::Plain };
-        if self.inner.details.is_plain(name) {
-            return Last::Detailed(id, size);
-        }
-        // What its pointers lead to may be gone when the runtime asks.
-        self.inner.details.to_json(name, &self.detail, size).map_or(Last::Plain, Last::Told)
-    }
-
-    #[cold]
-    fn unknown(&mut self, event: *const c_char, text: &[u8], context: &Context) -> Returned {
-        let name = String::from_utf8_lossy(text).into_owned();
-        let size = context.take_detail(event, text, &mut self.detail);
-        let detail = size.and_then(|size| self.inner.details.to_json(&name, &self.detail, size));
-        self.last = Last::Unknown(name, detail);
-        Returned::Unknown
-    }
-
-    /// No event came: this is `genom::unkex`, with what happened as its detail.
-    #[cold]
-    fn fail(&mut self, what: String) -> Returned {
-        self.last = Last::Failed(what);
-        Returned::Failed
-    }
-
-    /// A codel in C++ threw an exception of the description, or of the run time.
-    #[cold]
-    fn thrown(&mut self, name: String, detail: Option<Value>) -> Returned {
-        match self.inner.shared.events.id(name.as_bytes()) {
-            Some(id) => {
-                self.last = detail.map_or(Last::Plain, Last::Told);
-                Returned::Event(id)
-            }
-            None => {
-                self.last = Last::Unknown(name, detail);
-                Returned::Unknown
-            }
-        }
-    }
-
-    #[cold]
-    fn escaped(&mut self, codel: &str, how: Thrown) -> Returned {
-        let text = self.what.iter().take_while(|byte| **byte != 0).copied().collect::<Vec<_>>();
-        let text = String::from_utf8_lossy(&text).into_owned();
-        match how {
-            Thrown::Exception => tracing::warn!("codel {codel}: a C++ exception escaped: {text}"),
-            Thrown::Left => tracing::error!("codel {codel} ended early: {text}"),
-        }
-        self.fail(text)
-    }
-}
-
-/// Where the ways of arguments begin.
-struct Roots {
-    ids: *mut u8,
-    input: *mut u8,
-    output: *mut u8,
-    local: *mut u8,
-}
-
-impl Roots {
-    /// The way of an argument and its beginning; `None` for handles.
-    fn way<'a>(&self, from: &'a From) -> Option<(&'a Way, *mut u8)> {
-        match from {
-            From::Ids(way) => Some((way, self.ids)),
-            From::Input(way) => Some((way, self.input)),
-            From::Output(way) => Some((way, self.output)),
-            From::Local(way) => Some((way, self.local)),
-            From::Port(_) | From::Remote(_) => None,
-        }
-    }
-}
-
-impl Call {
-    fn new(inner: &Inner, codel: usize, prepared: &Prepared, roots: &Roots) -> Self {
-        let count = prepared.arguments.len();
-        let all = count + usize::from(prepared.context);
-        let mut call = Self {
-            codel,
-            arguments: vec![std::ptr::null_mut(); all].into(),
-            pointers: vec![std::ptr::null_mut(); all].into(),
-            dynamic: Box::default(),
-        };
-        let mut dynamic = Vec::new();
-        for (rank, argument) in prepared.arguments.iter().enumerate() {
-            let at = match &argument.from {
-                From::Port(port) => inner.ports.handle(*port).cast_mut().cast(),
-                From::Remote(remote) => inner.remotes.handle(*remote).cast_mut().cast(),
-                from => {
-                    let Some((way, root)) = roots.way(from) else { continue };
-                    match way.constant_offset() {
-                        Some(offset) => root.wrapping_add(offset),
-                        None => {
-                            dynamic.push((rank, root));
-                            continue;
-                        }
-                    }
-                }
-            };
-            call.set(rank, argument.class, at);
-        }
-        // The context, told at each call.
-        if prepared.context {
-            call.set(count, Class::Address, std::ptr::null_mut());
-        }
-        call.dynamic = dynamic.into();
-        call
-    }
-
-    /// Puts the datum at `at` in the place of argument `rank` (genom3.md 5.5).
-    fn set(&mut self, rank: usize, class: Class, at: *mut u8) {
-        self.arguments[rank] = match class {
-            Class::Value(_) | Class::Held => at.cast(),
-            Class::Address => {
-                self.pointers[rank] = at.cast();
-                (&raw mut self.pointers[rank]).cast()
-            }
-        };
     }
 }
 
@@ -473,7 +249,7 @@ impl Frame for BoundFrame {
         let mut catcher =
             inner.cxx.as_ref().map(|cxx| Catcher::new(&cxx.exceptions, &inner.details));
         context.enter();
-        let running = last_words::running(&prepared.words);
+        let codel = running::running(&prepared.words);
         // SAFETY: the function was found in the library under this name, which is loaded as long
         // as the component lives; the arguments lead to data of the classes that the interface was
         // made of, excluded from change by the runtime.
@@ -484,7 +260,7 @@ impl Frame for BoundFrame {
         if process::is_child() {
             last_words::child_came_back();
         }
-        drop(running);
+        drop(codel);
         context.leave();
         match returned {
             Ok(event) => self.understand(event, prepared, context),

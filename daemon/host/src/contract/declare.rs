@@ -1,7 +1,7 @@
 //! C declarations that a description asks for, as an author would write them (genom3.md 5.5, 5.6).
 
 use genom_description::model::{Codel, CodelParameter, Component, Direction, Source};
-use genom_description::tools;
+use genom_description_tools as tools;
 use genom_types::{Kind, TypeId, TypeTable};
 
 /// `genom_event f(int32_t x, demo_s *y, const genom_context self)`.

@@ -9,8 +9,9 @@ use genom_description::model::{
 use genom_runtime::plan::Plan;
 use genom_types::{DataType, Kind, TypeId};
 
+use super::declare;
+use super::difference::Difference;
 use super::table::{Argument, Table, Type};
-use super::{Difference, declare};
 use crate::ffi::Class;
 
 /// Compares every codel of the table that the component has; tells how many, and what differs.

@@ -5,6 +5,7 @@
 
 mod declare;
 mod descriptors;
+mod difference;
 mod dwarf;
 mod table;
 
@@ -14,23 +15,8 @@ use genom_description::model::Span;
 use genom_runtime::plan::Plan;
 
 use crate::library::Library;
+pub use difference::Difference;
 use table::TableError;
-
-/// A codel or type that the library and the description see differently.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{subject} ({place}): {why}\n  .gen:    {description}\n  library: {library}")]
-pub struct Difference {
-    /// The codel or exception.
-    pub subject: String,
-    /// Where the `.gen` declares it: file and line.
-    pub place: String,
-    /// The difference in a few words.
-    pub why: String,
-    /// What the description says.
-    pub description: String,
-    /// What the library says.
-    pub library: String,
-}
 
 /// What the library was compared by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,11 +8,13 @@ mod exceptions;
 mod facts;
 mod functions;
 mod layout;
+mod life;
 mod object;
 mod path;
 mod ports;
 mod shim;
 mod spelling;
+mod transfer;
 
 pub(crate) use exceptions::{Catcher, Exceptions};
 pub(crate) use functions::{Function, find};

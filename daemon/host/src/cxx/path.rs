@@ -4,7 +4,8 @@
 use genom_types::PathStep;
 
 use super::layout::{CxxType, Shape};
-use super::object::{Vector, bounded_length};
+use super::life::Vector;
+use super::transfer::bounded_length;
 
 /// The way from a root type to a datum, in C++: as `CompiledPath` is in C.
 #[derive(Clone, Debug)]

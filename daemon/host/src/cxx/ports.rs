@@ -63,7 +63,7 @@ impl Handle {
         Self { object, _bound: bound }
     }
 
-    /// Its address.
+    /// What codels get a reference to.
     pub(crate) fn address(&self) -> *const c_void {
         self.object.as_ptr().cast()
     }

@@ -5,12 +5,10 @@ use std::ffi::{c_char, c_int, c_void};
 
 use libffi::middle::{Cif, Type};
 
-use super::registers::Plan;
+use super::registers::RegisterPlan;
 use super::{Class, Scalar};
 use crate::cxx::Catcher;
-
-/// Bytes kept of what a C++ exception says: as in `genom_unkex_detail`.
-pub(crate) const WHAT: usize = 128;
+use crate::what::WHAT;
 
 unsafe extern "C" {
     fn genom_host_guarded_call(
@@ -49,7 +47,7 @@ pub(crate) enum Thrown {
 pub(crate) struct Interface {
     cif: Cif,
     /// The way past libffi.
-    registers: Option<Plan>,
+    registers: Option<RegisterPlan>,
 }
 
 // SAFETY: after it is made, the interface is only read; what its pointers lead to is its own.
@@ -62,7 +60,7 @@ impl Interface {
     pub(crate) fn new(arguments: &[Class]) -> Option<Self> {
         let types = arguments.iter().copied().map(ffi_type);
         let cif = Cif::try_new(types, Type::pointer()).ok()?;
-        Some(Self { cif, registers: Plan::new(arguments) })
+        Some(Self { cif, registers: RegisterPlan::new(arguments) })
     }
 
     /// Gives the interface away, for a function that is called from C.

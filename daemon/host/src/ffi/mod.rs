@@ -5,6 +5,6 @@ mod class;
 mod closure;
 mod registers;
 
-pub(crate) use call::{Interface, Thrown, WHAT};
+pub(crate) use call::{Interface, Thrown};
 pub(crate) use class::{Class, Scalar};
 pub(crate) use closure::{Arguments, Callback, NativeFunction};

@@ -21,7 +21,7 @@ const SUITED: bool = cfg!(all(
 
 /// Where each argument of a call goes.
 #[derive(Debug)]
-pub(super) struct Plan {
+pub(super) struct RegisterPlan {
     arguments: Box<[Argument]>,
     integers: usize,
 }
@@ -42,7 +42,7 @@ pub(super) struct Values {
     pub(super) floats: [u64; FLOATS],
 }
 
-impl Plan {
+impl RegisterPlan {
     /// The plan for these arguments; `None` when libffi has to call.
     pub(super) fn new(classes: &[Class]) -> Option<Self> {
         let (mut integers, mut floats) = (0, 0);
@@ -113,7 +113,7 @@ mod tests {
             Class::Value(Scalar::U8),
         ];
         // Other machines have no such plan, as the other test says.
-        let Some(plan) = Plan::new(&classes) else { return };
+        let Some(plan) = RegisterPlan::new(&classes) else { return };
         let (mut d, mut i, mut f, mut u) = (1.5_f64, -2_i8, 2.5_f32, 200_u8);
         let mut address = 0x1234_usize;
         let places: [*mut c_void; 5] = [
@@ -132,8 +132,8 @@ mod tests {
 
     #[test]
     fn more_arguments_than_are_passed_this_way_are_left_to_libffi() {
-        assert!(Plan::new(&[Class::Address; 15]).is_none());
-        assert!(Plan::new(&[Class::Value(Scalar::F32); 9]).is_none());
-        assert_eq!(Plan::new(&[Class::Address; 14]).is_some(), SUITED);
+        assert!(RegisterPlan::new(&[Class::Address; 15]).is_none());
+        assert!(RegisterPlan::new(&[Class::Value(Scalar::F32); 9]).is_none());
+        assert_eq!(RegisterPlan::new(&[Class::Address; 14]).is_some(), SUITED);
     }
 }

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest as _, Sha256};
 
-use super::{EmbeddedDescription, Library, OpenError, elf};
+use super::elf::{self, EmbeddedDescription};
+use super::error::OpenError;
 
 /// The contents of a file that is a library of this machine. Nothing of it runs yet.
 #[derive(Debug)]
@@ -39,13 +40,5 @@ impl Contents {
     #[must_use]
     pub fn digest(&self) -> Digest {
         Sha256::digest(&self.bytes).into()
-    }
-
-    /// Loads it: see [`Library::open`].
-    ///
-    /// # Errors
-    /// When it is not linkable.
-    pub fn open(self) -> Result<Library, OpenError> {
-        Library::open_by(self, super::Handle::open)
     }
 }

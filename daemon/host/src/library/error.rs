@@ -58,7 +58,7 @@ pub enum OpenError {
     Truncated {
         /// The file asked for.
         path: PathBuf,
-        /// Its size.
+        /// Bytes that the file has.
         bytes: u64,
         /// The size its headers announce.
         wanted: u64,
@@ -79,7 +79,7 @@ pub enum OpenError {
     UndefinedSymbol {
         /// The file asked for.
         path: PathBuf,
-        /// The symbol.
+        /// Symbol that nothing defines.
         symbol: String,
     },
     /// A library it needs is not found.

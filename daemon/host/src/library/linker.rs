@@ -9,8 +9,9 @@ use std::path::Path;
 use libloading::os::unix;
 
 use super::elf::Segment;
-use crate::ffi::WHAT;
 use crate::last_words;
+use crate::running;
+use crate::what::WHAT;
 
 unsafe extern "C" {
     /// `dlopen`, and 1 if a constructor threw: `what` then says what, with its NUL.
@@ -37,7 +38,7 @@ impl Handle {
         let name = CString::new(file.as_os_str().as_bytes()).map_err(|error| error.to_string())?;
         let words = format!("a constructor of {}", library.display());
         let (mut handle, mut what) = (std::ptr::null_mut(), [0u8; WHAT]);
-        let running = last_words::running(&words);
+        let constructor = running::running(&words);
         // SAFETY: the file was checked to be a complete shared object of this machine. Its
         // constructors run foreign code: that is what hosting a component means.
         let threw = unsafe {
@@ -49,7 +50,7 @@ impl Handle {
             let what = CStr::from_bytes_until_nul(&what).unwrap_or_default();
             last_words::constructor_threw(&what.to_string_lossy());
         }
-        drop(running);
+        drop(constructor);
         if handle.is_null() {
             // SAFETY: what the dynamic linker says of the last call of this thread, if anything.
             let said = unsafe { libc::dlerror().as_ref() }

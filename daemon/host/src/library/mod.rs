@@ -184,6 +184,16 @@ impl Library {
     }
 }
 
+impl Contents {
+    /// Loads it: see [`Library::open`].
+    ///
+    /// # Errors
+    /// When it is not linkable.
+    pub fn open(self) -> Result<Library, OpenError> {
+        Library::open_by(self, Handle::open)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::process::Command;

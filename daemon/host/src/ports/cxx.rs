@@ -2,19 +2,19 @@
 
 use genom_description::model::PortDirection;
 
-use super::Buffers;
+use super::buffers::Buffers;
 use super::element::Failure;
 use super::methods::exception;
 use super::multiple::{ENAMETOOLONG, LONGEST};
 use crate::cxx::{Action, CxxPort};
 
 /// A port of a component in C++.
-pub(super) struct Port {
+pub(super) struct PortInCxx {
     pub(super) direction: PortDirection,
     pub(super) buffers: Buffers,
 }
 
-impl Port {
+impl PortInCxx {
     /// What is missing when there is no such element, or no value yet.
     fn absent(&self) -> Failure {
         match self.direction {
@@ -49,7 +49,7 @@ impl Port {
     }
 }
 
-impl CxxPort for Port {
+impl CxxPort for PortInCxx {
     fn data(&self, id: Option<&[u8]>) -> Result<usize, (&'static str, Vec<u8>)> {
         let data = self.element(id).map(|element| element.data());
         // C codels get NULL before the first value; a reference cannot be null.

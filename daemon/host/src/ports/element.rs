@@ -5,6 +5,7 @@ use std::cell::UnsafeCell;
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use genom_description::model::PortDirection;
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
 use genom_types::{DataType, Record, Zones};
 
@@ -54,6 +55,16 @@ pub(super) enum Link {
     In(Option<Box<dyn Subscription>>),
     /// An out port.
     Out(Option<Box<dyn Publisher>>),
+}
+
+impl Link {
+    /// One to nothing yet.
+    pub(super) fn unbound(direction: PortDirection) -> Self {
+        match direction {
+            PortDirection::In => Self::In(None),
+            PortDirection::Out => Self::Out(None),
+        }
+    }
 }
 
 // SAFETY: `inner` is reached through `with`, which lets one thread in at a time.

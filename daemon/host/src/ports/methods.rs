@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use genom_description::model::PortDirection;
 
-use super::Buffers;
+use super::buffers::Buffers;
 use super::element::{Element, Failure};
 use super::multiple::{ENAMETOOLONG, Elements, LONGEST};
 use crate::detail::{MWERR, MWERR_WHAT, SYSERR, put_text};

@@ -2,6 +2,7 @@
 //!
 //! Which middleware carries the values is not known here.
 
+mod buffers;
 mod cxx;
 mod element;
 mod methods;
@@ -20,6 +21,7 @@ use genom_types::{DataType, Record, Zones};
 use crate::cxx::{CxxType, Exceptions};
 use crate::ffi::NativeFunction;
 use crate::shared::Shared;
+use buffers::Buffers;
 use element::{Element, Link};
 use multiple::Elements;
 
@@ -51,13 +53,6 @@ pub(crate) struct InCxx {
     pub(crate) exceptions: Arc<Exceptions>,
 }
 
-/// The buffer or buffers of a port.
-#[derive(Clone)]
-enum Buffers {
-    Simple(Arc<Element>),
-    Multiple(Arc<Elements>),
-}
-
 impl Ports {
     /// Handles for `ports`; `None` when there is no memory for executable code.
     pub(crate) fn new(
@@ -75,11 +70,11 @@ impl Ports {
                 let opener = Arc::clone(&opener);
                 Buffers::Multiple(Arc::new(Elements::new(rank, direction, ty, in_cxx, opener)))
             } else {
-                Buffers::Simple(Arc::new(Element::new(ty, in_cxx, unbound(direction))))
+                Buffers::Simple(Arc::new(Element::new(ty, in_cxx, Link::unbound(direction))))
             };
             let shown = match cxx {
                 Some(cxx) => {
-                    let shown = Box::new(cxx::Port { direction, buffers: buffers.clone() });
+                    let shown = Box::new(cxx::PortInCxx { direction, buffers: buffers.clone() });
                     let out = direction == PortDirection::Out;
                     let kind = (out, port.multiple);
                     Shown::Cxx(crate::cxx::Handle::new(shown, kind, &cxx.exceptions))
@@ -189,13 +184,5 @@ impl Ports {
         if let Err(failure) = buffer.write_value(value) {
             tracing::debug!("port {name}: not written: {failure:?}");
         }
-    }
-}
-
-/// Bound to nothing.
-fn unbound(direction: PortDirection) -> Link {
-    match direction {
-        PortDirection::In => Link::In(None),
-        PortDirection::Out => Link::Out(None),
     }
 }

@@ -8,7 +8,6 @@ use genom_runtime::body::Opener;
 use genom_types::DataType;
 
 use super::element::{Element, Failure, Link};
-use super::unbound;
 use crate::cxx::CxxType;
 
 /// Longest name of an element, in bytes.
@@ -58,7 +57,7 @@ impl Elements {
     /// The element of that name, made when it is not there.
     fn get_or_make(&self, name: &str) -> Arc<Element> {
         let cxx = self.cxx.as_ref();
-        let make = || Arc::new(Element::new(&self.ty, cxx, unbound(self.direction)));
+        let make = || Arc::new(Element::new(&self.ty, cxx, Link::unbound(self.direction)));
         Arc::clone(self.lock().entry(name.as_bytes().into()).or_insert_with(make))
     }
 

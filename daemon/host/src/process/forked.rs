@@ -11,7 +11,7 @@ use std::os::fd::{AsFd, AsRawFd as _};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-use crate::last_words;
+use crate::running;
 
 /// Descriptors up to this are known one by one.
 const MOST: usize = 1 << 16;
@@ -76,7 +76,7 @@ unsafe extern "C" fn on_child() {
 /// As for the system's.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn open(path: *const c_char, flags: c_int, mode: c_uint) -> c_int {
-    let flags = if last_words::in_codel() { flags } else { flags | libc::O_CLOEXEC };
+    let flags = if running::in_codel() { flags } else { flags | libc::O_CLOEXEC };
     let (call, here) = (libc::SYS_openat, libc::AT_FDCWD);
     // SAFETY: the caller's own arguments.
     c_int::try_from(unsafe { libc::syscall(call, here, path, flags, mode) }).unwrap_or(-1)
@@ -98,7 +98,7 @@ pub(super) unsafe extern "C" fn open64(path: *const c_char, flags: c_int, mode: 
 /// As for the system's.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn socket(domain: c_int, kind: c_int, protocol: c_int) -> c_int {
-    let kind = if last_words::in_codel() { kind } else { kind | libc::SOCK_CLOEXEC };
+    let kind = if running::in_codel() { kind } else { kind | libc::SOCK_CLOEXEC };
     // SAFETY: the caller's own arguments.
     let made = unsafe { libc::syscall(libc::SYS_socket, domain, kind, protocol) };
     c_int::try_from(made).unwrap_or(-1)
@@ -115,7 +115,7 @@ pub(super) unsafe extern "C" fn socketpair(
     protocol: c_int,
     both: *mut c_int,
 ) -> c_int {
-    let kind = if last_words::in_codel() { kind } else { kind | libc::SOCK_CLOEXEC };
+    let kind = if running::in_codel() { kind } else { kind | libc::SOCK_CLOEXEC };
     // SAFETY: the caller's own arguments.
     let made = unsafe { libc::syscall(libc::SYS_socketpair, domain, kind, protocol, both) };
     c_int::try_from(made).unwrap_or(-1)

@@ -9,7 +9,7 @@ use std::ffi::c_int;
 use std::ptr;
 
 use super::notes::{self, Act};
-use crate::last_words;
+use crate::running;
 
 /// `struct rlimit` of 64-bit systems.
 #[repr(C)]
@@ -87,14 +87,14 @@ unsafe fn is_refused(pid: libc::pid_t, resource: c_int, new: *const Limit) -> bo
     let needed = NEEDED.iter().any(|(number, _)| *number == resource);
     // SAFETY: it has no preconditions.
     let ours = pid == 0 || pid == unsafe { libc::getpid() };
-    if new.is_null() || !needed || !ours || !last_words::in_codel() {
+    if new.is_null() || !needed || !ours || !running::in_codel() {
         return false;
     }
     // SAFETY: the caller's promise.
     let new = unsafe { *new };
     let lowers = exchange(resource, None).is_some_and(|old| new.soft < old.soft);
     if lowers {
-        notes::add(Act::Limit, resource, 0, last_words::words());
+        notes::add(Act::Limit, resource, 0, running::words());
         // SAFETY: it leads to this thread's own.
         unsafe { *libc::__errno_location() = libc::EPERM };
     }

@@ -13,7 +13,7 @@ use std::ptr;
 use std::sync::OnceLock;
 
 use super::notes::{self, Act};
-use crate::last_words;
+use crate::running;
 
 /// Signals that a daemon relies on: to be stopped, and not to die of a peer that left.
 const OURS: [(c_int, &str); 4] = [
@@ -167,7 +167,7 @@ fn sender(info: *const libc::siginfo_t) -> i32 {
 
 extern "C" fn on_harmless(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_void) {
     let kept = Errno::keep();
-    notes::add(Act::Signal, signal, sender(info), last_words::words());
+    notes::add(Act::Signal, signal, sender(info), running::words());
     kept.put_back();
 }
 
@@ -179,7 +179,7 @@ extern "C" fn on_stop(signal: c_int, info: *mut libc::siginfo_t, context: *mut c
     let kept = Errno::keep();
     // SAFETY: it has no preconditions.
     if sender(info) == unsafe { libc::getpid() } {
-        notes::add(Act::Sent, signal, 0, last_words::words());
+        notes::add(Act::Sent, signal, 0, running::words());
     }
     let before = STOPS.get().and_then(|all| all.iter().find(|(own, _)| *own == signal)?.1.as_ref());
     if let Some(before) =

@@ -11,7 +11,7 @@
 
 #include "left.h"
 
-// Whether this thread of the daemon runs a codel (last_words.rs).
+// Whether this thread of the daemon runs a codel (running.rs).
 extern "C" bool genom_host_in_codel(void);
 // Says who ends the process, unless it ends as it should or is a child; whether it said so.
 extern "C" bool genom_host_process_ends(const char *how);

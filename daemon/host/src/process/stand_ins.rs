@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use super::notes::{self, Act};
 use super::{forked, keys, limits, standard};
-use crate::last_words;
+use crate::running;
 
 unsafe extern "C" {
     fn genom_host_stand_in();
@@ -35,14 +35,14 @@ pub(super) fn keep() {
 
 #[unsafe(no_mangle)]
 extern "C" fn genom_host_in_codel() -> bool {
-    last_words::in_codel()
+    running::in_codel()
 }
 
 /// A codel sends a signal to its own process: the handler may run on another thread.
 #[unsafe(no_mangle)]
 extern "C" fn genom_host_signal_sent(signal: c_int, pid: c_int) {
     // SAFETY: it has no preconditions.
-    if last_words::in_codel() && (pid == 0 || pid == unsafe { libc::getpid() }) {
-        notes::add(Act::Sent, signal, 0, last_words::words());
+    if running::in_codel() && (pid == 0 || pid == unsafe { libc::getpid() }) {
+        notes::add(Act::Sent, signal, 0, running::words());
     }
 }

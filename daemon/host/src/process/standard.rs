@@ -14,7 +14,7 @@ use std::sync::OnceLock;
 
 use super::forked;
 use super::notes::{self, Act};
-use crate::last_words;
+use crate::running;
 
 const NAMES: [&str; 3] = ["input", "output", "error"];
 /// Copies get descriptors from here on: above those that programs count on.
@@ -139,8 +139,8 @@ pub fn keep_off(found: OwnedFd) -> io::Result<OwnedFd> {
 /// As for the system's.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn close(descriptor: c_int) -> c_int {
-    if (0..3).contains(&descriptor) && last_words::in_codel() {
-        notes::add(Act::Close, descriptor, 0, last_words::words());
+    if (0..3).contains(&descriptor) && running::in_codel() {
+        notes::add(Act::Close, descriptor, 0, running::words());
         return 0;
     }
     forked::forget(descriptor);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use genom_description::model::{CodelKind, Owner, Span};
-use genom_description::tools::{Language, header};
+use genom_description_tools::{Language, header};
 use genom_host::{Component, Library, LoadErrors};
 use genom_runtime::body::{Body, Frame, Returned};
 use genom_runtime::plan::Plan;

@@ -1,20 +1,15 @@
 //! Time: the machine's monotonic clock, or one that a supervisor steps.
 
+mod nanos;
 mod virtual_clock;
 
 use std::sync::Arc;
-use std::time::Duration;
 
 use rustix::time::{ClockId, clock_gettime};
 
+pub use nanos::nanos;
 pub(crate) use virtual_clock::Driven;
 pub use virtual_clock::VirtualClock;
-
-/// Nanoseconds of a time; the most there are, of one of centuries.
-#[must_use]
-pub fn nanos(time: Duration) -> u64 {
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
-}
 
 /// The clock of an instance. Dates are nanoseconds.
 #[derive(Clone, Debug, Default)]

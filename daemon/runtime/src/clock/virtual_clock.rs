@@ -5,6 +5,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError, Weak};
 use std::time::Duration;
 
+use super::nanos::nanos;
+
 /// What a virtual clock drives: an instance.
 pub(crate) trait Driven: Send + Sync {
     /// Date after now at which it has something to do, if nothing happens before.
@@ -55,7 +57,7 @@ impl VirtualClock {
     /// Must not be called by a codel.
     pub fn step(&self, duration: Duration) {
         let _one = self.stepping.lock().unwrap_or_else(PoisonError::into_inner);
-        let span = super::nanos(duration);
+        let span = nanos(duration);
         let target = self.now().saturating_add(span);
         self.settle();
         loop {

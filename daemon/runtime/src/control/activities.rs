@@ -20,7 +20,7 @@ impl Engine {
             marker: Arc::new(Marker::new(compiled.start)),
             tokens: Vec::with_capacity(compiled.codels.len() + 1),
             at_stop: false,
-            end: None,
+            outcome: None,
         })
     }
 
@@ -81,8 +81,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Asks every activity of a service to stop; ids and services of those that have not ended,
-    /// whoever asked them first.
+    /// Asks every activity of a service to stop. Returns ids and services of those that have not
+    /// ended, also of those that were asked before.
     pub(crate) fn abort_all(&self, by: &str) -> Vec<(u32, usize)> {
         let mut after = Afterwards::default();
         let mut told = Vec::new();

@@ -6,7 +6,7 @@ use super::{Afterwards, Control, Stage, genom, interrupted, take_attention};
 use crate::api::{Exception, Outcome};
 use crate::engine::Engine;
 use crate::shared::Notice;
-use crate::task::run::{Bad, End, Run};
+use crate::task::run::{Bad, Run, RunOutcome};
 use crate::watcher::Change;
 
 impl Engine {
@@ -93,14 +93,18 @@ impl Engine {
     fn outcome(&self, run: &Run, by: Option<&str>) -> Outcome {
         let plan = &self.shared.plan;
         let detail = || run.frame.detail().unwrap_or(Value::Null);
-        let exception = match run.end {
-            Some(End::Success) | None => return Outcome::Success(run.frame.output().clone()),
-            Some(End::Thrown(event)) => {
+        let exception = match run.outcome {
+            Some(RunOutcome::Success) | None => {
+                return Outcome::Success(run.frame.output().clone());
+            }
+            Some(RunOutcome::Thrown(event)) => {
                 Exception { name: plan.event_name(event).to_owned(), detail: detail() }
             }
-            Some(End::Failed) => genom("unkex", detail()),
-            Some(End::Interrupted | End::Cancelled) => interrupted(by.unwrap_or("client")),
-            Some(End::Bad { from, to }) => {
+            Some(RunOutcome::Failed) => genom("unkex", detail()),
+            Some(RunOutcome::Interrupted | RunOutcome::Cancelled) => {
+                interrupted(by.unwrap_or("client"))
+            }
+            Some(RunOutcome::Bad { from, to }) => {
                 // States come first in the table of events, in order.
                 let from = plan.event_name(crate::body::EventId(from));
                 let to = match to {

@@ -15,11 +15,10 @@ use std::sync::{Arc, Mutex};
 use rtrb::{Consumer, Producer};
 use serde_json::{Value, json};
 
-use crate::api::{Exception, Inputs, Outcome, Progress, Reply};
-use crate::engine::lock;
+use crate::api::{Exception, Inputs, OnShutdown, Outcome, Progress, Reply};
+use crate::lock::lock;
 use crate::plan::Plan;
 use crate::shared::Notice;
-use crate::shutdown::{Ended, Step};
 use crate::task::run::{Marker, Run};
 use crate::ticket::Ticket;
 use crate::watcher::Change;
@@ -31,7 +30,7 @@ pub(crate) struct Request {
     pub(crate) ticket: Ticket,
 }
 
-/// Who waits for the answer to a request that is served, until somebody answers.
+/// The reply of a request that is being served: whoever takes it answers, only once.
 #[derive(Clone)]
 pub(crate) struct Asker(Arc<Mutex<Option<Reply>>>);
 
@@ -40,7 +39,7 @@ impl Asker {
         Self(Arc::new(Mutex::new(Some(reply))))
     }
 
-    /// The way to answer; `None` when somebody did.
+    /// The reply; `None` when it was taken before.
     pub(crate) fn take(&self) -> Option<Reply> {
         lock(&self.0).take()
     }
@@ -80,7 +79,7 @@ pub(crate) struct Entry {
     pub(crate) task: usize,
     pub(crate) marker: Arc<Marker>,
     pub(crate) stage: Stage,
-    /// Who asked it to stop, if anybody did: only the first counts.
+    /// Who asked it to stop first, if it was asked.
     pub(crate) by: Option<String>,
     pub(crate) reply: Option<Reply>,
 }
@@ -104,6 +103,19 @@ pub(crate) enum Phase {
     Stopped,
 }
 
+/// How far a shutdown is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// Activities of services, and requests under way, are to end (7.7.1).
+    Activities,
+    /// The permanent activity of this task is to end; those of the tasks after it have (7.7.2).
+    Permanent(usize),
+    /// Codels that did not return in time may still do so, until the deadline of the shutdown.
+    Rest,
+    /// The threads are to end.
+    Threads,
+}
+
 /// What control knows.
 pub(crate) struct Control {
     pub(crate) phase: Phase,
@@ -116,7 +128,7 @@ pub(crate) struct Control {
     pub(crate) links: Vec<TaskLink>,
     /// Requests that workers are at.
     pub(crate) serving: usize,
-    /// Control contexts nobody uses.
+    /// Free contexts of control workers.
     pub(crate) contexts: Vec<usize>,
     /// Workers that wait for a request.
     pub(crate) idle: usize,
@@ -126,14 +138,14 @@ pub(crate) struct Control {
     /// How far a shutdown is, once it was asked for.
     pub(crate) step: Option<Step>,
     /// Who is to be told that it is over.
-    pub(crate) ended: Option<Ended>,
+    pub(crate) ended: Option<OnShutdown>,
     /// The list of activities changed since the state port was written.
     pub(crate) dirty: bool,
     /// How a permanent activity failed.
     pub(crate) failure: Option<(usize, Exception)>,
 }
 
-/// What is to be done once the lock is released: replies and watchers may take their time.
+/// What is to be done once the lock is released, because replies and watchers may block.
 #[derive(Default)]
 pub(crate) struct Afterwards {
     pub(crate) replies: Vec<(Reply, Progress)>,
@@ -213,7 +225,7 @@ pub(crate) fn interrupted(by: &str) -> Exception {
     genom("interrupted", json!({ "by": by }))
 }
 
-/// Whether control was asked to look, and takes the question.
+/// Whether control was asked to look; the next call says no until it is asked again.
 pub(crate) fn take_attention(shared: &crate::shared::Shared) -> bool {
     shared.attention.swap(false, Ordering::AcqRel)
 }

@@ -12,14 +12,15 @@ use serde_json::{Value, json};
 use super::{Afterwards, Asker, Control, Phase, Request, genom, interrupted};
 use crate::api::{Exception, Inputs, Outcome, Partial, Progress, Reply};
 use crate::body::{Frame, Returned};
-use crate::engine::{Engine, Guard};
+use crate::engine::Engine;
+use crate::lock::Guard;
 use crate::ticket::Ticket;
 
-/// How often inputs are completed anew because codels changed what was left out. A codel that
-/// writes it all the time loses what it wrote last, as to any request that sets it.
+/// How often inputs are completed anew because codels changed what was left out. After that the
+/// request overwrites it, as one that gives all inputs does.
 const ROUNDS: u32 = 16;
 
-/// What a request came to before it is answered.
+/// What a request has led to when it is answered.
 enum Performed {
     /// An attribute or function is done.
     Done(Record),
@@ -302,7 +303,8 @@ impl Engine {
     }
 
     /// 7.3.6. Inputs that were completed with what was `seen` in the IDS are completed and
-    /// validated again when codels changed that meanwhile: what nobody gave is not set back.
+    /// validated again when codels changed that meanwhile, so that members which the request left
+    /// out keep what the codels wrote.
     fn transfer(
         &self,
         service: usize,

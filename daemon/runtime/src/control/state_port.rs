@@ -8,7 +8,8 @@ use serde_json::{Value, json};
 
 use super::window::{Totals, Window};
 use crate::cycles::Done;
-use crate::engine::{Engine, lock};
+use crate::engine::Engine;
+use crate::lock::lock;
 use crate::shared::TaskShared;
 
 /// How often it is written at least.

@@ -1,4 +1,4 @@
-//! A task's lately past: averages over about the last ten seconds (genom3.md 4.8, 7.8).
+//! Averages of a task over about the last ten seconds (genom3.md 4.8, 7.8).
 //!
 //! It knows no clock, task or port: the caller brings dates and totals since the start, and the
 //! window keeps one pair a second.
@@ -13,7 +13,7 @@ const STEP_NS: u64 = 1_000_000_000;
 /// What a task did since its start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Totals {
-    /// When this was so.
+    /// Date of these totals.
     pub(crate) date: u64,
     /// Times it was at work.
     pub(crate) cycles: u64,
@@ -21,7 +21,7 @@ pub(crate) struct Totals {
     pub(crate) busy_ns: u64,
 }
 
-/// Totals of the last ten seconds, and what was made of older ones.
+/// Totals of the last ten seconds, one a second, and the maximum since the start.
 #[derive(Debug, Default)]
 pub(crate) struct Window {
     /// Oldest first; the first is as old as the span, when there is one that old.
@@ -31,7 +31,7 @@ pub(crate) struct Window {
     max_load: f64,
 }
 
-/// Figures on the lately past.
+/// Averages over about the last ten seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Recent {
     /// Mean time at work, in nanoseconds.
@@ -44,7 +44,7 @@ pub(crate) struct Recent {
 }
 
 impl Window {
-    /// Takes in what was done until now, and tells the lately past.
+    /// Adds what was done until now and returns the averages.
     pub(crate) fn look(&mut self, now: Totals) -> Recent {
         match self.kept.back() {
             Some(last) if now.date < last.date.saturating_add(STEP_NS) => {}

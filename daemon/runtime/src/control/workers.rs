@@ -1,6 +1,6 @@
 //! The threads that serve requests, and the one that answers for tasks.
 //!
-//! A virtual clock has none of them: whoever asks, or steps the clock, does the work.
+//! There are none on a virtual clock: the thread that asks, or that steps the clock, does the work.
 
 use std::sync::Arc;
 use std::sync::PoisonError;
@@ -16,14 +16,14 @@ const LOOK: Duration = Duration::from_millis(50);
 const STACK: usize = 8 << 20;
 
 impl Engine {
-    /// Makes sure that somebody serves what is ready.
+    /// Makes sure that a worker serves the requests that are ready.
     pub(crate) fn find_worker(self: &Arc<Self>) {
         if self.driven.is_some() {
             return self.serve_here();
         }
         let mut control = self.lock();
         if control.ready.len() > control.idle {
-            // None left: a worker that gets free takes what is ready.
+            // All contexts are taken: the first worker that is done takes what is ready.
             let Some(context) = control.contexts.pop() else { return };
             let (engine, rank) = (Arc::clone(self), control.workers.len());
             let name = format!("{}:control-{rank}", self.name);
@@ -90,7 +90,7 @@ impl Engine {
             let often = {
                 let control = self.lock();
                 let activities = || control.entries.iter().any(|entry| entry.service.is_some());
-                // Nobody tells that a codel counts as stuck, which is not to hold up the rest.
+                // No event says that a codel counts as stuck, so look from time to time.
                 control.step.is_some() || (self.watcher.is_some() && activities())
             };
             let period = if often { LOOK } else { Duration::from_nanos(PERIOD_NS) };

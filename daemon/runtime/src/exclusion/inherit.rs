@@ -1,4 +1,4 @@
-//! Priority inheritance: whoever runs what a more urgent context waits for becomes as urgent.
+//! Priority inheritance: a context that holds up a more urgent one runs with its priority.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
@@ -7,7 +7,7 @@ use thread_priority::{
     NormalThreadSchedulePolicy, RealtimeThreadSchedulePolicy, ThreadPriority, ThreadSchedulePolicy,
 };
 
-use super::IDLE;
+use super::node::IDLE;
 
 /// Priorities of the threads behind the contexts.
 #[derive(Debug)]

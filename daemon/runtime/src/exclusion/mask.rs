@@ -3,7 +3,7 @@
 //! A node with conflicts has a bit of its own. Those without share one bit per context, which
 //! only the exclusion of everything looks at; async ones that nothing can disturb have none.
 
-use super::EVERYTHING;
+use super::node::EVERYTHING;
 use crate::plan::Nodes;
 
 /// Somebody waits, so the fast path is closed.

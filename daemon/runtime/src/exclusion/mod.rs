@@ -12,6 +12,7 @@
 mod guard;
 mod inherit;
 mod mask;
+mod node;
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
@@ -22,14 +23,10 @@ use rustix::time::Timespec;
 use crate::plan::Nodes;
 use guard::PiLock;
 use mask::{ALL, Masks, WAITERS};
+use node::{EVERYTHING, IDLE};
 
 pub use inherit::Inheritance;
 pub(crate) use inherit::set_fifo;
-
-/// Waits for nothing.
-const IDLE: u32 = u32::MAX;
-/// Waits for, or holds, everything.
-const EVERYTHING: u32 = u32::MAX - 1;
 
 /// Who runs what, and who waits.
 #[derive(Debug)]
@@ -208,7 +205,7 @@ impl Exclusion {
         let place = &self.waiting[context];
         place.ticket.store(ticket, Ordering::Relaxed);
         place.node.store(node, Ordering::Relaxed);
-        // From here on nobody takes the fast path, and whoever leaves rings.
+        // From here on all contexts take the slow path, and each that leaves wakes the waiters.
         self.running.fetch_or(WAITERS, Ordering::SeqCst);
         let mut waited = false;
         loop {

@@ -1,9 +1,9 @@
 //! The table of events: every string a codel may return, by number.
 
 use genom_description::model::Component;
-use genom_types::{Kind, TypeId, TypeTable};
+use genom_types::{Kind, ScopedName, TypeId, TypeTable};
 
-use super::{PlanError, scoped};
+use super::error::PlanError;
 use crate::body::EventId;
 
 /// An event and what it stands for.
@@ -20,7 +20,7 @@ pub struct Event {
 pub enum Meaning {
     /// A state of the component, by rank in its states.
     State {
-        /// The state.
+        /// Rank of the state in [`Component::states`](genom_description::model::Component::states).
         state: usize,
         /// `pause::`: wait for the next tick or event first.
         pause: bool,
@@ -57,6 +57,11 @@ pub(super) fn table(model: &Component, types: &TypeTable) -> Result<Vec<Event>, 
         return Err(PlanError::TooManyEvents { component, count });
     }
     Ok(events)
+}
+
+/// Full name of something in the component's scope.
+fn scoped(model: &Component, name: &str) -> String {
+    ScopedName::new([model.name.as_str(), name]).to_string()
 }
 
 /// A set of events.

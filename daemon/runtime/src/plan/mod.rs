@@ -3,6 +3,7 @@
 //! Nothing is looked up by name in a task's loop. The plan holds no memory of any instance.
 
 mod conflict;
+mod error;
 mod event;
 mod machine;
 mod node;
@@ -13,10 +14,11 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use genom_description::model::{Component, Dialect, PortDirection, Specification};
-use genom_types::{DataType, LayoutError, ScopedName};
+use genom_types::DataType;
 
 use crate::body::EventId;
 
+pub use error::PlanError;
 pub use event::{Event, EventSet, Meaning};
 pub use machine::{Machine, Transition};
 pub use node::Nodes;
@@ -26,47 +28,6 @@ pub use service::{Builtin, ServicePlan};
 /// Requests served side by side at most, however many services there are: each needs a thread
 /// and a `genom_context` of its own. What comes beyond waits for one of them.
 pub const MOST_CONTROL_WORKERS: usize = 64;
-
-/// Why a component cannot be planned.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum PlanError {
-    /// The specification has no such component.
-    #[error("there is no component number {component}: the specification has {known}")]
-    NoComponent {
-        /// What was asked for.
-        component: usize,
-        /// How many there are.
-        known: usize,
-    },
-    /// A type of a service or port has no layout.
-    #[error("{what} of component {component} has no layout in memory")]
-    Layout {
-        /// The component.
-        component: String,
-        /// What has this type.
-        what: String,
-        /// Which type, and why.
-        #[source]
-        source: LayoutError,
-    },
-    /// The model refers to something that is not there.
-    #[error("component {component} is inconsistent: {what}; report this description as a bug")]
-    Inconsistent {
-        /// The component.
-        component: String,
-        /// What is missing.
-        what: String,
-    },
-    /// More events than an [`EventId`] counts.
-    #[error("component {component} has {count} states and exceptions, more than 65535: split it")]
-    TooManyEvents {
-        /// The component.
-        component: String,
-        /// How many.
-        count: usize,
-    },
-}
 
 /// A component, compiled. One plan serves all its instances.
 #[derive(Debug)]
@@ -142,7 +103,7 @@ impl Plan {
         self.component
     }
 
-    /// The component.
+    /// Model that was compiled.
     #[must_use]
     pub fn component(&self) -> &Component {
         &self.specification.components[self.component]
@@ -249,12 +210,7 @@ fn layout(
     })
 }
 
-/// Full name of something in the component's scope.
-fn scoped(model: &Component, name: &str) -> String {
-    ScopedName::new([model.name.as_str(), name]).to_string()
-}
-
-/// The engine indexes without looking; so every index is looked at here, once.
+/// Checks every index of the model once, so that the engine need not check any while it runs.
 fn check_indices(model: &Component) -> Result<(), PlanError> {
     let codels = model.codels.len();
     let services = model.services.len();

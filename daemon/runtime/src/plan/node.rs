@@ -6,7 +6,7 @@ use super::conflict::Touching;
 
 /// Exclusion nodes of a component: its codels, then the data transfer of each service.
 ///
-/// The relation is made symmetric: at run time it does not matter who came first.
+/// The relation is symmetric: two nodes exclude each other, whichever runs first.
 #[derive(Debug)]
 pub struct Nodes {
     codels: usize,

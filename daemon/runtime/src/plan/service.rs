@@ -3,7 +3,7 @@
 use genom_description::model::{Component, Owner, Service, ServiceKind};
 use genom_types::{DataType, TypeTable};
 
-use super::PlanError;
+use super::error::PlanError;
 use super::event::{Event, EventSet};
 use super::machine::Machine;
 
@@ -23,7 +23,7 @@ pub enum Builtin {
 /// A service, compiled.
 #[derive(Debug)]
 pub struct ServicePlan {
-    /// Its kind.
+    /// Attribute, function or activity.
     pub kind: ServiceKind,
     /// Record of the `in` and `inout` parameters.
     pub input: DataType,

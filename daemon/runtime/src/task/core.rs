@@ -3,7 +3,7 @@
 //! It knows states, codels, stop requests and external events. It knows no thread, clock or
 //! exclusion: the caller says when a pass is due, and calls the codels.
 
-use super::run::{Bad, End, Mode, Run, Status, Token};
+use super::run::{Bad, Mode, Run, RunOutcome, Status, Token};
 use crate::body::Returned;
 use crate::plan::{Plan, Transition};
 
@@ -29,7 +29,8 @@ pub(crate) struct Passed {
 /// The activities of one task.
 #[derive(Debug)]
 pub(crate) struct Core {
-    /// In order of start: the order codels run in. Boxed as they came, and as they go back.
+    /// In order of start, which is the order in which codels run. Boxed, so that they move between
+    /// control and task without a copy.
     #[allow(clippy::vec_box)]
     runs: Vec<Box<Run>>,
     /// One transition of each place per tick (dialects.md A).
@@ -67,10 +68,10 @@ impl Core {
         }
         let mut passed = Passed::default();
         for run in &mut self.runs {
-            if run.end.is_none() {
+            if run.outcome.is_none() {
                 step(run, plan, self.by_period, calls, &mut passed);
             }
-            passed.moved |= run.end.is_some();
+            passed.moved |= run.outcome.is_some();
         }
         passed
     }
@@ -79,7 +80,7 @@ impl Core {
     pub(crate) fn take_ended(&mut self, mut take: impl FnMut(Box<Run>)) {
         let mut at = 0;
         while at < self.runs.len() {
-            if self.runs[at].end.is_some() {
+            if self.runs[at].outcome.is_some() {
                 take(self.runs.remove(at));
             } else {
                 at += 1;
@@ -94,7 +95,7 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
     let permanent = matches!(machine.owner, genom_description::model::Owner::Task(_));
     let ready = |state| Token { state, mode: Mode::Ready };
     match run.marker.status() {
-        Status::Cancelled => run.end = Some(End::Cancelled),
+        Status::Cancelled => run.outcome = Some(RunOutcome::Cancelled),
         Status::Init if run.at_stop && runnable => {
             run.marker.set(Status::Stop);
             enter(run, ready(machine.stop), machine.codel(machine.stop).is_some(), calls);
@@ -103,7 +104,7 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
             if run.marker.leave_init(Status::Run) {
                 enter(run, ready(machine.start), machine.codel(machine.start).is_some(), calls);
             } else {
-                run.end = Some(End::Cancelled);
+                run.outcome = Some(RunOutcome::Cancelled);
             }
         }
         Status::Run if run.marker.stop_requested() => {
@@ -111,7 +112,7 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
             let stops = machine.codel(machine.stop).is_some();
             enter(run, ready(machine.stop), stops, calls);
             if !stops && !permanent {
-                run.end = Some(End::Interrupted);
+                run.outcome = Some(RunOutcome::Interrupted);
             }
         }
         Status::Run | Status::Stop if runnable => {
@@ -127,19 +128,19 @@ fn enter(run: &mut Run, token: Token, has_codel: bool, calls: &mut impl Calls) {
     run.tokens.clear();
     if has_codel {
         run.tokens.push(token);
-        // A start shows already; a stop is a move that no codel made.
+        // The marker shows `start` from the beginning; a move to `stop` is news to watchers.
         if run.marker.show(token) {
             calls.moved(run, token);
         }
     } else {
-        run.end = Some(End::Success);
+        run.outcome = Some(RunOutcome::Success);
     }
 }
 
 /// An external event puts a token on its place; sleeping places wake into it (dialects.md A).
 fn fire(run: &mut Run, plan: &Plan, state: u16, calls: &mut impl Calls) {
     let active = matches!(run.marker.status(), Status::Run | Status::Stop);
-    if !active || run.end.is_some() || plan.machines()[run.machine].codel(state).is_none() {
+    if !active || run.outcome.is_some() || plan.machines()[run.machine].codel(state).is_none() {
         return;
     }
     run.tokens.retain(|token| token.mode != Mode::Asleep);
@@ -166,7 +167,7 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
         }
         ran = true;
         let Some(codel) = plan.machines()[run.machine].codel(state) else {
-            run.end = Some(End::Bad { from: state, to: Bad::Ok });
+            run.outcome = Some(RunOutcome::Bad { from: state, to: Bad::Ok });
             return;
         };
         let returned = calls.call(run, codel);
@@ -185,28 +186,28 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
                     Transition::Sleep(state) => Token { state, mode: Mode::Asleep },
                     Transition::End => Token { state, mode: Mode::Done },
                     Transition::Throw => {
-                        run.end = Some(End::Thrown(event));
+                        run.outcome = Some(RunOutcome::Thrown(event));
                         return;
                     }
                     Transition::Bad => {
-                        run.end = Some(End::Bad { from: state, to: Bad::Event(event) });
+                        run.outcome = Some(RunOutcome::Bad { from: state, to: Bad::Event(event) });
                         return;
                     }
                 }
             }
             Returned::Failed => {
-                run.end = Some(End::Failed);
+                run.outcome = Some(RunOutcome::Failed);
                 return;
             }
             Returned::Ok | Returned::Unknown => {
                 let to = if returned == Returned::Ok { Bad::Ok } else { Bad::Unknown };
-                run.end = Some(End::Bad { from: state, to });
+                run.outcome = Some(RunOutcome::Bad { from: state, to });
                 return;
             }
         };
         run.tokens[at] = token;
         if token.mode != Mode::Done {
-            // One that pauses where it is has not moved, for those who watch.
+            // Watchers are told of changes only: pausing again in one state is none.
             if run.marker.show(token) {
                 calls.moved(run, token);
             }
@@ -215,12 +216,12 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
     if ran {
         merge(&mut run.tokens);
         if run.tokens.is_empty() {
-            run.end = Some(End::Success);
+            run.outcome = Some(RunOutcome::Success);
         }
     }
 }
 
-/// Drops finished places, and makes a set of the rest again.
+/// Drops finished places and merges those that reached one state.
 fn merge(tokens: &mut Vec<Token>) {
     tokens.retain(|token| token.mode != Mode::Done);
     let mut at = 1;

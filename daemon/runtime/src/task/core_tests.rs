@@ -1,4 +1,4 @@
-//! The rules of a task, without task: which pass does what.
+//! The rules of a task, tested without a thread: which pass runs which codel.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use genom_types::Record;
 use serde_json::Value;
 
 use super::core::{Calls, Core, Passed};
-use super::run::{End, Marker, Run, Status, Token};
+use super::run::{Marker, Run, RunOutcome, Status, Token};
 use crate::body::{EventId, Frame, Returned};
 use crate::plan::Plan;
 
@@ -68,7 +68,7 @@ fn run(plan: &Plan) -> (Box<Run>, Arc<Marker>) {
     let frame = Box::new(NoFrame(Record::new(&plan.services()[0].output)));
     let tokens = Vec::with_capacity(8);
     let shared = Arc::clone(&marker);
-    (Box::new(Run { id: 1, machine, frame, marker, tokens, at_stop: false, end: None }), shared)
+    (Box::new(Run { id: 1, machine, frame, marker, tokens, at_stop: false, outcome: None }), shared)
 }
 
 const LOOPS: &[(&str, &str)] = &[("s", "main"), ("m", "main"), ("e", "ether")];
@@ -102,8 +102,8 @@ fn a_stop_request_is_looked_at_on_every_pass() {
     assert_eq!(passed, Passed { again: false, moved: true });
     assert_eq!(names.called, ["s", "m", "e"]);
     let mut ends = Vec::new();
-    core.take_ended(|run| ends.push(run.end));
-    assert_eq!(ends, [Some(End::Success)]);
+    core.take_ended(|run| ends.push(run.outcome));
+    assert_eq!(ends, [Some(RunOutcome::Success)]);
     assert!(core.is_empty());
 }
 

@@ -1,4 +1,4 @@
-//! A task of an instance on a virtual clock: no thread, run by whoever steps the clock.
+//! A task of an instance on a virtual clock. It has no thread: the one that steps the clock runs it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 

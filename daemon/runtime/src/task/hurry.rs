@@ -10,13 +10,13 @@ use rustix::time::Timespec;
 /// Where one thread sleeps.
 #[derive(Debug, Default)]
 pub(crate) struct Hurry {
-    /// Whether somebody asked to get up, and the sleeper has not noticed yet.
+    /// Whether the sleeper was asked to get up and has not done so yet.
     asked: AtomicU32,
 }
 
 impl Hurry {
-    /// Sleeps until a date of the monotonic clock, or until somebody asks to get up; one system
-    /// call, as `clock_nanosleep` is.
+    /// Sleeps until a date of the monotonic clock, or until [`get_up`](Self::get_up); takes one
+    /// system call, like `clock_nanosleep`.
     pub(crate) fn sleep_until(&self, date: u64) {
         let date = Timespec {
             tv_sec: i64::try_from(date / 1_000_000_000).unwrap_or(i64::MAX),
@@ -31,7 +31,7 @@ impl Hurry {
         }
     }
 
-    /// Ends the sleep of now, else the next one.
+    /// Ends the sleep that lasts, or else the next one.
     pub(crate) fn get_up(&self) {
         self.asked.store(1, Ordering::Release);
         let _ = futex::wake(&self.asked, futex::Flags::PRIVATE, 1);

@@ -1,9 +1,7 @@
-//! Ticks that a task missed, told at any moment by whoever asks: also while a codel of it does not
-//! return.
+//! Ticks that a task missed. Any thread may ask, also while a codel of the task does not return.
 //!
-//! The task counts what it served and, once it knows, what it missed. What is due at a date is
-//! known to all, so a reader needs nothing more of a thread that is stuck:
-//! `missed = due - served`, as long as the task has not counted them itself.
+//! The task counts the ticks that it served and, when it wakes up late, those that it missed. While
+//! it is stuck, a reader computes the rest from the clock: `missed = due - served`.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -15,8 +13,8 @@ const NONE: u64 = u64::MAX;
 /// What a task served and missed; written by the task alone.
 #[derive(Debug)]
 pub(crate) struct Pace {
-    /// Ticks served, and those before the first that was to be served; the one that the task
-    /// sleeps until counts: it is not missed before the next one comes.
+    /// Ticks served, counted from the epoch. The tick that the task sleeps until counts as served:
+    /// it is missed only when the next one comes.
     served: AtomicU64,
     missed: AtomicU64,
 }
@@ -42,8 +40,8 @@ impl Pace {
     /// Ticks came while it was at work, or slept beyond the one before.
     #[inline]
     pub(crate) fn missed(&self, ticks: u64) {
-        // Released after `served`: whoever sees the sum sees what it was made of, so the total
-        // never goes back.
+        // Released after `served`: a reader that sees this sum also sees the ticks served with it,
+        // so the total never decreases.
         self.missed.store(self.missed.load(Ordering::Relaxed) + ticks, Ordering::Release);
     }
 

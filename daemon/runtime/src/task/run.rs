@@ -41,7 +41,7 @@ pub(crate) struct Marker {
     status: AtomicU8,
     /// Written by control, looked at on every pass.
     stop: AtomicBool,
-    /// State of the first place of the marking, for those who look from outside.
+    /// State of the first place of the marking, for readers outside the task.
     place: AtomicU32,
 }
 
@@ -62,7 +62,7 @@ impl Marker {
         self.status.store(status as u8, Ordering::Release);
     }
 
-    /// From `Init` to `to`; `false` when the other side was faster.
+    /// From `Init` to `to`; `false` when control or task has left `Init` before.
     pub(crate) fn leave_init(&self, to: Status) -> bool {
         let (from, to) = (Status::Init as u8, to as u8);
         self.status.compare_exchange(from, to, Ordering::AcqRel, Ordering::Acquire).is_ok()
@@ -111,9 +111,10 @@ pub(crate) enum Mode {
     Ready,
 }
 
-/// How a run ended.
+/// An [`Outcome`](crate::Outcome) as the task has it: numbers only, for the task allocates nothing.
+/// Control makes the `Outcome` of it when the run comes back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum End {
+pub(crate) enum RunOutcome {
     Success,
     /// With a declared exception.
     Thrown(EventId),
@@ -135,7 +136,7 @@ pub(crate) enum End {
 pub(crate) enum Bad {
     Ok,
     Event(EventId),
-    /// The frame knows.
+    /// A string that is no event of the plan; the frame keeps it.
     Unknown,
 }
 
@@ -150,11 +151,12 @@ pub(crate) struct Run {
     pub(crate) tokens: Vec<Token>,
     /// Starts in `stop`: a permanent activity made again for the shutdown (genom3.md 7.7).
     pub(crate) at_stop: bool,
-    pub(crate) end: Option<End>,
+    /// How it ended, once it has.
+    pub(crate) outcome: Option<RunOutcome>,
 }
 
 impl std::fmt::Debug for Run {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Run({} {:?} {:?})", self.id, self.tokens, self.end)
+        write!(f, "Run({} {:?} {:?})", self.id, self.tokens, self.outcome)
     }
 }

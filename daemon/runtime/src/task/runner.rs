@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rtrb::{Consumer, Producer};
 
 use super::core::{Calls, Core, Passed};
-use super::run::{End, Mode, Run, Token};
+use super::run::{Mode, Run, RunOutcome, Token};
 use crate::body::Returned;
 use crate::shared::{Notice, Shared};
 
@@ -15,7 +15,7 @@ pub(crate) struct TaskSide {
     pub(crate) inbox: Consumer<Box<Run>>,
     /// Runs that ended.
     pub(crate) outbox: Producer<Box<Run>>,
-    /// What watchers may want to know, if there are any.
+    /// For watchers; `None` without any.
     pub(crate) notices: Option<Producer<Notice>>,
 }
 
@@ -39,7 +39,7 @@ impl Runner {
         let periodic = shared.tasks[task].timing.is_some();
         let by_period = shared.plan.steps_by_period() && periodic;
         let fired = Vec::with_capacity(model.sinks.len());
-        // As many runs as can be on their way.
+        // Room for all runs that can be with the task at once: it never allocates.
         let core = Core::new(side.inbox.buffer().capacity() + 2, by_period);
         Self { shared, task, core, side, fired, started: false, end: 0 }
     }
@@ -88,7 +88,9 @@ impl Runner {
         self.core.take_ended(|mut run| {
             any = true;
             let machine = &shared.plan.machines()[run.machine];
-            if let (Some(End::Success), Some(node)) = (run.end, shared.fetch_node(machine.owner)) {
+            if let (Some(RunOutcome::Success), Some(node)) =
+                (run.outcome, shared.fetch_node(machine.owner))
+            {
                 // dialects.md A: outputs are read from the IDS at the end.
                 let _permit = shared.exclusion.enter(task, node);
                 run.frame.fetch();

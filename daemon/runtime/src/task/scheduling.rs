@@ -26,7 +26,8 @@ impl Wanted {
         }
     }
 
-    /// Applies it to the calling thread; what is refused is said and done without.
+    /// Applies it to the calling thread. A refusal by the system is logged, and the thread runs
+    /// without it.
     pub(crate) fn apply(&self, instance: &str, task: usize, shared: &Shared) {
         // Wake-ups are not to be gathered with others'.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));

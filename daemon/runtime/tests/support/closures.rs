@@ -20,6 +20,11 @@ pub(crate) const LONG: Duration = Duration::from_secs(30);
 /// What a codel does; it returns an event without scope, or `ok`.
 pub(crate) type Codel = Arc<dyn Fn() -> &'static str + Send + Sync>;
 
+/// A closure as a codel.
+pub(crate) fn codel(work: impl Fn() -> &'static str + Send + Sync + 'static) -> Codel {
+    Arc::new(work)
+}
+
 /// A component in Rust.
 pub(crate) struct Closures {
     pub(crate) plan: Arc<Plan>,

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use genom_description::model::PortDirection;
 use genom_runtime::body::Body;
-use genom_runtime::{Ended, ShutdownError};
+use genom_runtime::{OnShutdown, ShutdownError};
 
 use super::Hosted;
 
@@ -18,7 +18,7 @@ impl Hosted {
     }
 
     /// Asks for its end and returns; `ended` is told when no codel of it runs any more.
-    pub(super) fn begin_stop(&self, ended: Ended, timeout: Duration) {
+    pub(super) fn begin_stop(&self, ended: OnShutdown, timeout: Duration) {
         self.instance.begin_shutdown(ended, timeout);
     }
 

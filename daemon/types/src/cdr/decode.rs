@@ -32,7 +32,7 @@ pub(crate) unsafe fn decode(
 }
 
 /// Boxed inside: a result is a word then, and steps return it in a register.
-type Outcome = Result<(), Box<CdrError>>;
+type Decoded = Result<(), Box<CdrError>>;
 
 struct Reader<'a> {
     graph: &'a Graph,
@@ -72,7 +72,7 @@ impl<'a> Reader<'a> {
 
     /// # Safety
     /// As [`decode`].
-    unsafe fn value(&mut self, ix: Ix, at: *mut u8, depth: usize) -> Outcome {
+    unsafe fn value(&mut self, ix: Ix, at: *mut u8, depth: usize) -> Decoded {
         for step in &plan(self.graph, ix, self.swap).steps {
             // SAFETY: a plan's offsets lie inside the value, which holds what the step says.
             unsafe { self.step(step, at.add(step.offset), depth) }?;
@@ -83,7 +83,7 @@ impl<'a> Reader<'a> {
     /// # Safety
     /// `at` holds what the step says.
     #[inline(always)]
-    unsafe fn step(&mut self, step: &Step, at: *mut u8, depth: usize) -> Outcome {
+    unsafe fn step(&mut self, step: &Step, at: *mut u8, depth: usize) -> Decoded {
         let ix = step.ix;
         // SAFETY (all below): the caller's promise, and lengths checked before use.
         match step.what {
@@ -148,7 +148,7 @@ impl<'a> Reader<'a> {
         at: *mut u8,
         bytes: usize,
         unit: usize,
-    ) -> Outcome {
+    ) -> Decoded {
         let from = self.take(ix, align, bytes)?;
         // SAFETY: the caller's promise; `from` has that many bytes.
         unsafe { std::ptr::copy_nonoverlapping(from.as_ptr(), at, bytes) };
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
 
     /// # Safety
     /// `at` has room for `count` booleans.
-    unsafe fn booleans(&mut self, ix: Ix, at: *mut u8, count: usize) -> Outcome {
+    unsafe fn booleans(&mut self, ix: Ix, at: *mut u8, count: usize) -> Decoded {
         let from = self.take(ix, 1, count)?;
         if let Some(&wrong) = from.iter().find(|&&byte| byte > 1) {
             return Err(self.error(ix, CdrProblem::Boolean(wrong)));
@@ -181,7 +181,7 @@ impl<'a> Reader<'a> {
         at: *mut u8,
         count: usize,
         limit: u32,
-    ) -> Outcome {
+    ) -> Decoded {
         let from = self.take(ix, align, 4 * count)?;
         for (index, bytes) in from.chunks_exact(4).enumerate() {
             let word = <[u8; 4]>::try_from(bytes).map_or(0, u32::from_le_bytes);
@@ -198,7 +198,7 @@ impl<'a> Reader<'a> {
     /// # Safety
     /// `at` holds a string with that bound.
     #[inline(always)]
-    unsafe fn text(&mut self, step: &Step, at: *mut u8, bound: Option<usize>) -> Outcome {
+    unsafe fn text(&mut self, step: &Step, at: *mut u8, bound: Option<usize>) -> Decoded {
         let length = self.word(step.ix, step.align)? as usize;
         let bytes = self.take(step.ix, 1, length)?;
         let text = match bytes {
@@ -231,7 +231,7 @@ impl<'a> Reader<'a> {
         run: Option<Run>,
         length: usize,
         depth: usize,
-    ) -> Outcome {
+    ) -> Decoded {
         let node = self.graph.node(element);
         // Nothing is allocated for elements that the bytes left cannot hold.
         let left = self.payload.len() - self.at.min(self.payload.len());
@@ -276,7 +276,7 @@ impl<'a> Reader<'a> {
 
     /// # Safety
     /// `at` holds a union of that node.
-    unsafe fn union(&mut self, ix: Ix, at: *mut u8, depth: usize) -> Outcome {
+    unsafe fn union(&mut self, ix: Ix, at: *mut u8, depth: usize) -> Decoded {
         let shape = &self.graph.node(ix).shape;
         let Shape::Union { switch, members, .. } = shape else { return Ok(()) };
         let mut word = 0u64;

@@ -57,7 +57,7 @@ pub(crate) unsafe fn encode_into(
 pub const SLACK: usize = 16;
 
 /// Boxed inside: a result is a word then, and steps return it in a register.
-type Outcome = Result<(), Box<CdrError>>;
+type Encoded = Result<(), Box<CdrError>>;
 
 /// Where to go on when there is no room left.
 trait More {
@@ -159,7 +159,7 @@ impl<'a> Writer<'a> {
 
     /// # Safety
     /// As [`encode`].
-    unsafe fn value(&mut self, ix: Ix, at: *const u8, depth: usize) -> Outcome {
+    unsafe fn value(&mut self, ix: Ix, at: *const u8, depth: usize) -> Encoded {
         for step in &plan(self.graph, ix, false).steps {
             // SAFETY: a plan's offsets lie inside the value, which holds what the step says.
             unsafe { self.step(step, at.add(step.offset), depth) }?;
@@ -170,7 +170,7 @@ impl<'a> Writer<'a> {
     /// # Safety
     /// `at` holds what the step says.
     #[inline(always)]
-    unsafe fn step(&mut self, step: &Step, at: *const u8, depth: usize) -> Outcome {
+    unsafe fn step(&mut self, step: &Step, at: *const u8, depth: usize) -> Encoded {
         // SAFETY (all below): the caller's promise, and lengths that `memory` vouches for.
         match step.what {
             // SAFETY: as above.
@@ -258,7 +258,7 @@ impl<'a> Writer<'a> {
         at: *const u8,
         count: usize,
         limit: u32,
-    ) -> Outcome {
+    ) -> Encoded {
         // SAFETY: the caller's promise.
         let values = unsafe { std::slice::from_raw_parts(at.cast::<u32>(), count) };
         if let Some(&value) = values.iter().find(|&&value| value >= limit) {
@@ -270,7 +270,7 @@ impl<'a> Writer<'a> {
     }
 
     #[inline(always)]
-    fn text(&mut self, step: &Step, text: &[u8], bound: Option<usize>) -> Outcome {
+    fn text(&mut self, step: &Step, text: &[u8], bound: Option<usize>) -> Encoded {
         if !text.is_ascii() && std::str::from_utf8(text).is_err() {
             return Err(self.error(step.ix, CdrProblem::Utf8));
         }
@@ -292,7 +292,7 @@ impl<'a> Writer<'a> {
 
     /// # Safety
     /// `at` holds a union of that node.
-    unsafe fn union(&mut self, ix: Ix, at: *const u8, depth: usize) -> Outcome {
+    unsafe fn union(&mut self, ix: Ix, at: *const u8, depth: usize) -> Encoded {
         let shape = &self.graph.node(ix).shape;
         let Shape::Union { switch, members, .. } = shape else { return Ok(()) };
         // SAFETY: the caller's promise; the discriminant lies first.

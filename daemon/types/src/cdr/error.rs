@@ -40,7 +40,7 @@ pub enum CdrProblem {
     /// An enum out of range.
     #[error("{value} is no enumerator, there are {count}")]
     Enumerator {
-        /// The value.
+        /// Number in the message.
         value: u32,
         /// Number of enumerators.
         count: u32,

@@ -3,7 +3,7 @@
 //! What lies in memory as it lies on the wire is one step, however many members it has. Padding
 //! is never copied: it may hold anything.
 
-use crate::cdr::step::{Plan, Run, Step, What};
+use crate::cdr::step::{CdrPlan, Run, Step, What};
 use crate::graph::{Graph, Ix, Scalar, Shape};
 
 /// Arrays of that many structs or fewer are spelled out in the list.
@@ -11,13 +11,13 @@ const UNROLL: usize = 4;
 
 /// The plan of a node. With `swap`, for the other byte order, steps hold scalars of one size only.
 #[inline]
-pub(crate) fn plan(graph: &Graph, ix: Ix, swap: bool) -> &Plan {
+pub(crate) fn plan(graph: &Graph, ix: Ix, swap: bool) -> &CdrPlan {
     let node = graph.node(ix);
     let cell = if swap { &node.swapped } else { &node.plan };
     cell.get_or_init(|| {
         let mut builder = Builder { graph, swap, steps: Vec::new(), modulus: 1, phase: 0 };
         builder.add(ix, 0);
-        Plan { steps: builder.steps }
+        CdrPlan { steps: builder.steps }
     })
 }
 

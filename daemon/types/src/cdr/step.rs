@@ -3,7 +3,7 @@
 use crate::ix::Ix;
 
 /// Steps of one type, in wire order.
-pub(crate) struct Plan {
+pub(crate) struct CdrPlan {
     pub(crate) steps: Vec<Step>,
 }
 
@@ -69,7 +69,7 @@ pub(crate) enum Run {
     },
 }
 
-impl Plan {
+impl CdrPlan {
     /// Whether any bytes that are long enough are a value.
     pub(crate) fn is_plain(&self) -> bool {
         self.steps.iter().all(|step| matches!(step.what, What::Copy { .. }))

@@ -30,7 +30,7 @@ pub enum JsonProblem {
     Range {
         /// The IDL type.
         ty: String,
-        /// The number.
+        /// Number as it was written.
         found: String,
         /// Least value.
         min: String,
@@ -42,7 +42,7 @@ pub enum JsonProblem {
     Member {
         /// The IDL type.
         ty: String,
-        /// The member.
+        /// Member that the type lacks.
         name: String,
         /// The member that was probably meant.
         nearest: Option<String>,
@@ -54,7 +54,7 @@ pub enum JsonProblem {
     Enumerator {
         /// The IDL type.
         ty: String,
-        /// The enumerator.
+        /// Word that names none of them.
         name: String,
         /// The enumerator that was probably meant.
         nearest: Option<String>,
@@ -78,7 +78,7 @@ pub enum JsonProblem {
     Index {
         /// The IDL type.
         ty: String,
-        /// The key.
+        /// Key that is no index.
         key: String,
         /// The last index that would do.
         last: usize,
@@ -89,7 +89,7 @@ pub enum JsonProblem {
     /// A union member that the discriminant does not select.
     #[error("member `{name}` of {ty} is not selected by d = {d}; {hint}")]
     Unselected {
-        /// The union.
+        /// Union type, as it is spelled in IDL.
         ty: String,
         /// The member given.
         name: String,

@@ -29,10 +29,10 @@ struct Reader {
     by_index: usize,
 }
 
-type Outcome = Result<(), JsonProblem>;
+type Filled = Result<(), JsonProblem>;
 
 impl Reader {
-    fn value(&mut self, value: &mut Edit<'_>, json: &Value) -> Outcome {
+    fn value(&mut self, value: &mut Edit<'_>, json: &Value) -> Filled {
         if self.depth >= MAX_NESTING {
             return Err(JsonProblem::Deep(MAX_NESTING));
         }
@@ -130,7 +130,7 @@ impl Reader {
         value: &mut Edit<'_>,
         json: &Value,
         step: impl FnOnce(&mut String),
-    ) -> Outcome {
+    ) -> Filled {
         let length = self.path.len();
         step(&mut self.path);
         self.value(value, json)?;
@@ -138,7 +138,7 @@ impl Reader {
         Ok(())
     }
 
-    fn room(&self, ty: &str, found: usize, most: usize) -> Outcome {
+    fn room(&self, ty: &str, found: usize, most: usize) -> Filled {
         if found > most {
             let ty = ty.to_owned();
             return Err(JsonProblem::TooLong { ty, unit: "elements", found, most });
@@ -146,7 +146,7 @@ impl Reader {
         Ok(())
     }
 
-    fn elements(&mut self, value: &mut Edit<'_>, elements: &[Value]) -> Outcome {
+    fn elements(&mut self, value: &mut Edit<'_>, elements: &[Value]) -> Filled {
         for (index, json) in elements.iter().enumerate() {
             if let Some(mut element) = value.element(index) {
                 self.inside(&mut element, json, |path| push_index(path, index))?;
@@ -163,7 +163,7 @@ impl Reader {
         keyed: &Map<String, Value>,
         most: usize,
         size: usize,
-    ) -> Outcome {
+    ) -> Filled {
         for (key, json) in keyed {
             let index = key.parse().ok().filter(|&index: &usize| index < most);
             let index = index.ok_or_else(|| JsonProblem::Index {
@@ -190,7 +190,7 @@ impl Reader {
         switch_type: &str,
         members: &[Part],
         given: &Map<String, Value>,
-    ) -> Outcome {
+    ) -> Filled {
         let ty = &value.node().name;
         if let Some(name) = given.keys().find(|name| !["d", "u"].contains(&name.as_str())) {
             let (nearest, known) = (None, "d, u".to_owned());
@@ -260,7 +260,7 @@ fn kind(value: &Edit<'_>, looks: &str, json: &Value) -> JsonProblem {
     JsonProblem::Kind { expected, found: shown(json) }
 }
 
-fn integer(value: &mut Edit<'_>, scalar: Scalar, json: &Value) -> Outcome {
+fn integer(value: &mut Edit<'_>, scalar: Scalar, json: &Value) -> Filled {
     let (looks, min, max) = match scalar {
         Scalar::Boolean => ("true or false", 0, 1),
         Scalar::Char => ("a string of one character", i8::MIN.into(), i8::MAX.into()),
@@ -311,7 +311,7 @@ fn whole(number: &Number) -> Option<i128> {
     (real.fract() == 0.0).then(|| real.clamp(-1e30, 1e30) as i128)
 }
 
-fn real(value: &mut Edit<'_>, json: &Value) -> Outcome {
+fn real(value: &mut Edit<'_>, json: &Value) -> Filled {
     let number = match json {
         Value::Null => Some(f64::NAN),
         Value::Number(number) => number.as_f64(),

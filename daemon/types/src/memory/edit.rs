@@ -2,8 +2,12 @@
 
 use std::marker::PhantomData;
 
+use super::copy::set_text;
+use super::life::{init, release};
+use super::raw::elements;
+use super::resize::resize;
+use super::view::View;
 use crate::graph::{Graph, Ix, Node, Scalar, Shape};
-use crate::memory::{View, copy, raw};
 
 /// A value in memory that belongs to the holder. Methods about another shape than the value's
 /// do nothing.
@@ -89,7 +93,7 @@ impl<'a> Edit<'a> {
     pub(crate) fn set_text(&mut self, text: &[u8]) {
         if let Shape::Text { bound } = self.node().shape {
             // SAFETY: this is a value of that shape.
-            unsafe { copy::set_text(self.at, bound, text) };
+            unsafe { set_text(self.at, bound, text) };
         }
     }
 
@@ -99,7 +103,7 @@ impl<'a> Edit<'a> {
         match self.node().shape {
             // SAFETY: this is a value of that shape.
             Shape::Sequence { element, bound } => unsafe {
-                raw::resize(self.graph, (element, bound), self.at, length, 0).is_some()
+                resize(self.graph, (element, bound), self.at, length, 0).is_some()
             },
             _ => false,
         }
@@ -111,7 +115,7 @@ impl<'a> Edit<'a> {
             Shape::Array { length, .. } => length,
             Shape::Sequence { element, bound } => {
                 // SAFETY: this is a value of that shape.
-                unsafe { raw::elements(self.graph, element, bound, self.at).1 }
+                unsafe { elements(self.graph, element, bound, self.at).1 }
             }
             _ => 0,
         }
@@ -126,7 +130,7 @@ impl<'a> Edit<'a> {
             Shape::Array { element, .. } => (element, self.at),
             // SAFETY: this is a value of that shape.
             Shape::Sequence { element, bound } => unsafe {
-                (element, raw::elements(self.graph, element, bound, self.at).0)
+                (element, elements(self.graph, element, bound, self.at).0)
             },
             _ => return None,
         };
@@ -149,7 +153,7 @@ impl<'a> Edit<'a> {
             // SAFETY: this is a value of that shape; an absent optional owns nothing.
             unsafe {
                 std::ptr::write_bytes(self.at, 0, self.node().layout.size);
-                copy::init(self.graph, self.ix, self.at);
+                init(self.graph, self.ix, self.at);
                 self.at.write(1);
             }
         }
@@ -176,7 +180,7 @@ impl<'a> Edit<'a> {
         unsafe { std::ptr::write_bytes(self.at, 0, self.node().layout.size) };
         self.inside(switch, 0).set_integer(value);
         // SAFETY: all behind the discriminant is zero.
-        unsafe { copy::init(self.graph, self.ix, self.at) };
+        unsafe { init(self.graph, self.ix, self.at) };
     }
 
     /// The member of a union that its discriminant selects.
@@ -191,6 +195,6 @@ impl<'a> Edit<'a> {
     /// Releases what the value owns and makes it empty.
     pub(crate) fn clear(&mut self) {
         // SAFETY: this is a value of that node that nobody else uses.
-        unsafe { copy::release(self.graph, self.ix, self.at, 0) };
+        unsafe { release(self.graph, self.ix, self.at, 0) };
     }
 }

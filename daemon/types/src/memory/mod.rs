@@ -6,12 +6,18 @@
 
 mod copy;
 mod edit;
+mod life;
 mod raw;
+mod repair;
+mod resize;
 mod shared;
 mod view;
 
-pub(crate) use copy::{copy, init, release, repair, set_text};
+pub(crate) use copy::{copy, set_text};
 pub(crate) use edit::Edit;
-pub(crate) use raw::{SequenceHeader, elements, integer, resize, text};
+pub(crate) use life::{init, release};
+pub(crate) use raw::{SequenceHeader, elements, integer, text};
+pub(crate) use repair::repair;
+pub(crate) use resize::resize;
 pub(crate) use shared::give_up;
 pub(crate) use view::View;

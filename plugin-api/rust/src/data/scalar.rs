@@ -32,7 +32,7 @@ scalars! {
 pub struct Bool(u8);
 
 impl Bool {
-    /// Its value.
+    /// Whether the C byte is not 0.
     #[must_use]
     pub const fn get(self) -> bool {
         self.0 != 0

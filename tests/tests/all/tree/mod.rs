@@ -1,7 +1,9 @@
 //! What holds for the files of this repository.
 
+mod circles;
 mod citations;
 mod printed;
 mod readme;
 mod reference;
 mod tidy;
+mod uses;

@@ -11,7 +11,9 @@ use genom_tests::{files, repository};
 /// down only). The daemon is the one place where all of them meet.
 const ARROWS: &[(&str, &[&str])] = &[
     ("genom-types", &[]),
-    ("genom-description", &["genom-types"]),
+    ("genom-text", &[]),
+    ("genom-description", &["genom-text", "genom-types"]),
+    ("genom-description-tools", &["genom-description", "genom-text", "genom-types"]),
     ("genom-middleware", &["genom-types"]),
     ("genom-kit", MIDDLEWARE),
     ("genom-conformance", MIDDLEWARE),
@@ -36,10 +38,22 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-allocations", &[]),
 ];
 /// `genom`: the table that libraries of Rust codels export, which the host reads.
-const HOST: &[&str] =
-    &["genom", "genom-description", "genom-middleware", "genom-runtime", "genom-types"];
-const GENOMCTL: &[&str] =
-    &["genom-description", "genom-proof", "genom-protocol", "genom-rosidl", "genom-types"];
+const HOST: &[&str] = &[
+    "genom",
+    "genom-description",
+    "genom-description-tools",
+    "genom-middleware",
+    "genom-runtime",
+    "genom-types",
+];
+const GENOMCTL: &[&str] = &[
+    "genom-description",
+    "genom-description-tools",
+    "genom-proof",
+    "genom-protocol",
+    "genom-rosidl",
+    "genom-types",
+];
 /// The one crate that knows which middlewares there are.
 const BACKENDS: &[&str] = &[
     "genom-local",

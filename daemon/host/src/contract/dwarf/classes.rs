@@ -2,7 +2,7 @@
 //! ports with virtual functions.
 
 use genom_description::model::{Parameter, Port, PortDirection};
-use genom_description::tools;
+use genom_description_tools as tools;
 use genom_types::{DataType, Kind, TypeId};
 
 use super::compare::{Comparison, Outcome, Part};

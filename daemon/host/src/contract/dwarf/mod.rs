@@ -7,11 +7,12 @@ mod node;
 mod sections;
 
 use genom_description::model::{Codel, Component, Owner, Span};
-use genom_description::tools;
+use genom_description_tools as tools;
 use genom_runtime::plan::Plan;
 use genom_types::TypeId;
 
-use super::{Difference, declare};
+use super::declare;
+use super::difference::Difference;
 use crate::cxx::{self, Function};
 use crate::library::Library;
 use compare::Comparison;

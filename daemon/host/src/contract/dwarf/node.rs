@@ -42,7 +42,7 @@ pub(super) enum Node {
     },
     /// An enum.
     Enum {
-        /// Its tag.
+        /// Word after `enum`; empty without one.
         name: String,
         /// Bytes.
         size: u64,

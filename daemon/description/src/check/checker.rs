@@ -1,0 +1,93 @@
+//! What is known while a tree is checked.
+
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
+
+use genom_types::{TypeId, TypeTable};
+
+use super::facts::{Facts, Shape};
+use super::scope::{ScopeId, Scopes};
+use super::state::{Body, BodyId, Prototype};
+use super::value::Value;
+use crate::diagnostic::{Diagnostic, Diagnostics};
+use crate::model::{Constant, Dialect, Masquerade, Span};
+
+/// Errors that get a nearest name: finding it costs a look at all names.
+const SUGGESTIONS: u32 = 50;
+
+/// Makes a model of trees; each file of this folder adds the rules of one subject.
+pub(super) struct Checker {
+    pub(super) types: TypeTable,
+    pub(super) facts: Vec<Facts>,
+    pub(super) shapes: HashMap<Shape, TypeId>,
+    pub(super) member_index: HashMap<TypeId, HashMap<String, usize>>,
+    pub(super) error_type: Option<TypeId>,
+    pub(super) scopes: Scopes,
+    pub(super) scope: ScopeId,
+    pub(super) constants: Vec<Constant>,
+    /// Values of the constants, `None` when they could not be computed.
+    pub(super) constant_values: Vec<Option<Value>>,
+    pub(super) forwards: Vec<(TypeId, Span)>,
+    pub(super) masquerades: Vec<Masquerade>,
+    pub(super) bodies: Vec<Body>,
+    pub(super) body_index: HashMap<Rc<str>, BodyId>,
+    /// Prototype of each codel, by name (K1).
+    pub(super) prototypes: HashMap<Rc<str>, Prototype>,
+    /// Names of all codels: most are new, and need not be compared with their neighbours.
+    pub(super) codel_names: HashSet<Rc<str>>,
+    /// `#pragma requires` so far.
+    pub(super) requires: Vec<String>,
+    /// `#pragma provides` so far.
+    pub(super) provided: Vec<(BodyId, Span)>,
+    /// Names that a mistake kept from being declared: nothing more is said of them.
+    pub(super) lost: HashSet<Rc<str>>,
+    pub(super) suggestions: u32,
+    pub(super) taken: Taken,
+    /// The statement being read: where what has no place of its own is said to be.
+    pub(super) place: Span,
+    pub(super) dialect: Dialect,
+    pub(super) diagnostics: Diagnostics,
+}
+
+/// What was taken of the room so far.
+#[derive(Debug, Default)]
+pub(super) struct Taken {
+    pub(super) bytes: usize,
+    /// All is taken: nothing more is made, and one error says so.
+    pub(super) full: bool,
+}
+
+impl Checker {
+    pub(super) fn new(lost: HashSet<Rc<str>>) -> Self {
+        Checker {
+            types: TypeTable::default(),
+            facts: Vec::new(),
+            shapes: HashMap::new(),
+            member_index: HashMap::new(),
+            error_type: None,
+            scopes: Scopes::new(),
+            scope: 0,
+            constants: Vec::new(),
+            constant_values: Vec::new(),
+            forwards: Vec::new(),
+            masquerades: Vec::new(),
+            bodies: Vec::new(),
+            body_index: HashMap::new(),
+            prototypes: HashMap::new(),
+            codel_names: HashSet::new(),
+            requires: Vec::new(),
+            provided: Vec::new(),
+            lost,
+            suggestions: SUGGESTIONS,
+            taken: Taken::default(),
+            place: Span::default(),
+            dialect: Dialect::Current,
+            diagnostics: Diagnostics::default(),
+        }
+    }
+
+    /// Says what was found.
+    pub(super) fn push(&mut self, diagnostic: Diagnostic) {
+        self.diagnostics.push(diagnostic);
+    }
+}

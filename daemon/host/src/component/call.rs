@@ -1,0 +1,88 @@
+//! A codel bound to the memory of one run.
+
+use std::ffi::c_void;
+
+use super::codel::{From, Prepared};
+use super::inner::Inner;
+use super::way::Way;
+use crate::ffi::Class;
+
+/// A codel with its arguments.
+pub(super) struct Call {
+    pub(super) codel: usize,
+    /// What libffi gets: for each argument, then for the context, the address of its value.
+    pub(super) arguments: Box<[*mut c_void]>,
+    /// Values of the arguments that are addresses; `arguments` leads here.
+    pub(super) pointers: Box<[*mut c_void]>,
+    /// Arguments behind sequences, to find before each call.
+    pub(super) dynamic: Box<[(usize, *mut u8)]>,
+}
+
+/// Where the ways of arguments begin.
+pub(super) struct Roots {
+    pub(super) ids: *mut u8,
+    pub(super) input: *mut u8,
+    pub(super) output: *mut u8,
+    pub(super) local: *mut u8,
+}
+
+impl Roots {
+    /// The way of an argument and its beginning; `None` for handles.
+    fn way<'a>(&self, from: &'a From) -> Option<(&'a Way, *mut u8)> {
+        match from {
+            From::Ids(way) => Some((way, self.ids)),
+            From::Input(way) => Some((way, self.input)),
+            From::Output(way) => Some((way, self.output)),
+            From::Local(way) => Some((way, self.local)),
+            From::Port(_) | From::Remote(_) => None,
+        }
+    }
+}
+
+impl Call {
+    pub(super) fn new(inner: &Inner, codel: usize, prepared: &Prepared, roots: &Roots) -> Self {
+        let count = prepared.arguments.len();
+        let all = count + usize::from(prepared.context);
+        let mut call = Self {
+            codel,
+            arguments: vec![std::ptr::null_mut(); all].into(),
+            pointers: vec![std::ptr::null_mut(); all].into(),
+            dynamic: Box::default(),
+        };
+        let mut dynamic = Vec::new();
+        for (rank, argument) in prepared.arguments.iter().enumerate() {
+            let at = match &argument.from {
+                From::Port(port) => inner.ports.handle(*port).cast_mut().cast(),
+                From::Remote(remote) => inner.remotes.handle(*remote).cast_mut().cast(),
+                from => {
+                    let Some((way, root)) = roots.way(from) else { continue };
+                    match way.constant_offset() {
+                        Some(offset) => root.wrapping_add(offset),
+                        None => {
+                            dynamic.push((rank, root));
+                            continue;
+                        }
+                    }
+                }
+            };
+            call.set(rank, argument.class, at);
+        }
+        // The context, told at each call.
+        if prepared.context {
+            call.set(count, Class::Address, std::ptr::null_mut());
+        }
+        call.dynamic = dynamic.into();
+        call
+    }
+
+    /// Puts the datum at `at` in the place of argument `rank` (genom3.md 5.5).
+    pub(super) fn set(&mut self, rank: usize, class: Class, at: *mut u8) {
+        self.arguments[rank] = match class {
+            Class::Value(_) | Class::Held => at.cast(),
+            Class::Address => {
+                self.pointers[rank] = at.cast();
+                (&raw mut self.pointers[rank]).cast()
+            }
+        };
+    }
+}

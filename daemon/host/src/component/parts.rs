@@ -1,0 +1,191 @@
+//! What an instance is made of: laid out and prepared, with all that is wrong noted.
+
+use std::sync::{Arc, OnceLock};
+
+use genom_description::model::{Port, Service};
+use genom_runtime::plan::{Event, Meaning, Plan};
+use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
+
+use super::codel::{Prepared, Workshop};
+use super::cxx::CxxTypes;
+use super::error::LoadError;
+use super::inner::{AllDescribed, Ids, InCpp, Inner, Meant, Memory, Owned};
+use super::types::{Checker, ServiceTypes};
+use crate::context::Contexts;
+use crate::cxx::{CxxType, Exceptions, Object};
+use crate::detail::{Details, MWERR, SYSERR, UNKEX};
+use crate::events::Events;
+use crate::library::Library;
+use crate::ports::{InCxx, Ports};
+use crate::remotes::{Remotes, Signature};
+use crate::shared::Shared;
+
+/// Events the host itself may hand to a library, besides declared exceptions.
+const GIVEN: &[&str] = &[
+    "::genom::fatal",
+    UNKEX,
+    SYSERR,
+    MWERR,
+    "::genom::serialization",
+    "::genom::port_io",
+    "::genom::no_such_inport",
+    "::genom::no_such_outport",
+    "::genom::no_such_service",
+    "::genom::remote_io",
+];
+
+/// What can be wrong, laid out and prepared.
+pub(super) struct Parts {
+    pub(super) ids: Option<DataType>,
+    pub(super) services: Vec<Option<ServiceTypes>>,
+    pub(super) codels: Vec<Option<Prepared>>,
+    pub(super) ports: Vec<Option<DataType>>,
+    pub(super) remotes: Vec<Option<Signature>>,
+    pub(super) details: Details,
+    pub(super) nothing: DataType,
+    pub(super) cxx: Option<(CxxTypes, Exceptions)>,
+}
+
+impl Parts {
+    pub(super) fn new(checker: &mut Checker<'_>, plan: &Plan, library: &Library) -> Option<Self> {
+        let model = plan.component();
+        if !["c", "c++"].contains(&model.lang.as_str()) {
+            checker.errors.push(LoadError::Language {
+                component: model.name.clone(),
+                place: (checker.locate)(model.span),
+                lang: model.lang.clone(),
+            });
+            return None;
+        }
+        let ids = model.ids.and_then(|ids| checker.lay_out(ids, "the ids", model.span));
+        let services: Vec<_> = model
+            .services
+            .iter()
+            .map(|service| ServiceTypes::new(checker, service, ids.as_ref(), model.dialect))
+            .collect();
+        let port =
+            |port: &Port| checker.lay_out(port.ty, &format!("port `{}`", port.name), port.span);
+        let ports: Vec<_> = model.ports.iter().map(port).collect();
+        if model.lang == "c++" && library.needs("libc++.so") {
+            checker.errors.push(LoadError::OtherLibrary { component: model.name.clone() });
+        }
+        let cxx = (model.lang == "c++")
+            .then(|| CxxTypes::new(checker, model, ids.as_ref(), &services, &ports));
+        let (ids_ref, cxx_ref) = (ids.as_ref(), cxx.as_ref());
+        let workshop = Workshop { model, library, ids: ids_ref, services: &services, cxx: cxx_ref };
+        let codels = model.codels.iter().map(|codel| workshop.prepare(checker, codel)).collect();
+        let mut details = Details::default();
+        for event in plan.events() {
+            let Meaning::Exception(Some(id)) = event.meaning else { continue };
+            let thrown = model.throws.contains(&id);
+            let has_detail = !checker.specification.types.members(id).is_empty();
+            let ty = match (has_detail, thrown) {
+                (false, _) => None,
+                (true, true) => {
+                    checker.lay_out(id, &format!("exception {}", event.name), model.span)
+                }
+                // Another component's: known if it can be.
+                (true, false) => DataType::new(&checker.specification.types, id).ok(),
+            };
+            details.add(event.name.clone(), ty);
+        }
+        let signature = |remote| {
+            let in_cxx = model.lang == "c++";
+            Signature::new(remote, in_cxx, |ty, what, span| checker.lay_out(ty, what, span))
+        };
+        let remotes = model.remotes.iter().map(signature).collect();
+        let mut table = TypeTable::default();
+        let name = ScopedName::new(["nothing"]);
+        let nothing = table.add(Kind::Struct { name, members: Vec::new() });
+        let nothing = DataType::new(&Arc::new(table), nothing).ok()?;
+        let cxx = cxx.and_then(|cxx| {
+            let exceptions = Exceptions::new(library, details.types(), GIVEN);
+            let refuse = |(name, why)| {
+                let place = (checker.locate)(model.span);
+                let what = format!("exception {name}");
+                checker.errors.push(LoadError::Type { what, place, why });
+            };
+            exceptions.map_err(refuse).ok().map(|exceptions| (cxx, exceptions))
+        });
+        Some(Self { ids, services, codels, ports, remotes, details, nothing, cxx })
+    }
+
+    /// The instance; `None` without memory for executable code. Nothing else is wrong any more.
+    pub(super) fn assemble(self, plan: &Plan, mut library: Library) -> Option<Inner> {
+        library.forget_contents();
+        let model = plan.component();
+        let events: Vec<String> = plan.events().iter().map(|event| event.name.clone()).collect();
+        let given = GIVEN.iter().copied().chain(self.details.names());
+        let table = Events::new(&library, events.iter().map(String::as_str), given);
+        let fatal = table.pointer("::genom::fatal").unwrap_or(std::ptr::null());
+        let contexts = Contexts::new(plan.contexts(), self.details.room(), fatal);
+        let shared = Arc::new(Shared { events: table, contexts });
+        let details = Arc::new(self.details);
+        let types: Vec<DataType> = self.ports.into_iter().collect::<Option<_>>()?;
+        let signatures = self.remotes.into_iter().collect::<Option<Vec<_>>>()?;
+        let in_cxx = |(cxx, exceptions): (CxxTypes, Exceptions)| {
+            let ports: Vec<CxxType> = cxx.ports.into_iter().collect::<Option<_>>()?;
+            let services = cxx.services.into_iter().collect::<Option<_>>()?;
+            let exceptions = Arc::new(exceptions);
+            let in_ports = InCxx { types: ports, exceptions: Arc::clone(&exceptions) };
+            Some((cxx.ids, in_ports, InCpp { services, exceptions }))
+        };
+        let (ids_in_cxx, ports_in_cxx, cxx) = match self.cxx {
+            Some(cxx) => {
+                let (ids, ports, cxx) = in_cxx(cxx)?;
+                (ids, Some(ports), Some(cxx))
+            }
+            None => (None, None, None),
+        };
+        let of =
+            |service: &Service| service.validates.iter().chain(&service.codels).copied().collect();
+        Some(Inner {
+            ids: self.ids.map(|ty| match ids_in_cxx {
+                Some(ty) => {
+                    let object = Object::new(&ty);
+                    let at = object.at() as usize;
+                    Ids { memory: Memory::Cxx(object), at }
+                }
+                None => {
+                    let mut record = Record::new(&ty);
+                    let at = record.as_mut_ptr() as usize;
+                    Ids { memory: Memory::C(record), at }
+                }
+            }),
+            ports: Ports::new(&model.ports, &types, ports_in_cxx.as_ref(), &shared)?,
+            remotes: {
+                let exceptions = cxx.as_ref().map(|cxx| &cxx.exceptions);
+                Remotes::new(signatures, &shared, &details, exceptions)?
+            },
+            codels: self.codels,
+            services: self.services.into_iter().collect::<Option<_>>()?,
+            owned: Owned {
+                services: model.services.iter().map(of).collect(),
+                tasks: model.tasks.iter().map(|task| task.codels.clone()).collect(),
+            },
+            cxx,
+            meant: plan
+                .events()
+                .iter()
+                .map(|event| meant(event, &details, &model.states))
+                .collect(),
+            described: AllDescribed::new(plan),
+            damage: OnceLock::new(),
+            events,
+            shared,
+            details,
+            nothing: self.nothing,
+            library,
+        })
+    }
+}
+
+fn meant(event: &Event, details: &Details, states: &[String]) -> Meant {
+    let rests = match event.meaning {
+        Meaning::State { state, pause } => {
+            pause || states.get(state).is_some_and(|name| name == "ether")
+        }
+        Meaning::Exception(_) => true,
+    };
+    Meant { exception: details.is_exception(&event.name), rests }
+}

@@ -1,0 +1,147 @@
+//! What comes back from a codel: an event, an exception, or nothing that was agreed on.
+
+use std::ffi::c_char;
+
+use genom_runtime::body::{EventId, Returned};
+use serde_json::Value;
+
+use super::codel::Prepared;
+use super::frame::BoundFrame;
+use super::inner::Meant;
+use super::last::Last;
+use super::zones::MemoryCheck;
+use crate::context::Context;
+use crate::events::text;
+use crate::ffi::Thrown;
+
+impl BoundFrame {
+    /// What a codel's pointer means.
+    #[inline]
+    pub(super) fn understand(
+        &mut self,
+        event: *const c_char,
+        codel: &Prepared,
+        context: &Context,
+    ) -> Returned {
+        if event.is_null() {
+            self.last = Last::Plain;
+            return self.rested(codel).unwrap_or(Returned::Ok);
+        }
+        let Some(id) = self.cache.get(event) else { return self.read(event, codel, context) };
+        self.meant(id, event, codel, context)
+    }
+
+    /// An event that is seen for the first time, or whose text may be overwritten.
+    #[cold]
+    fn read(&mut self, event: *const c_char, codel: &Prepared, context: &Context) -> Returned {
+        let constant = self.inner.library.is_constant(event as usize);
+        let Some(text) = text(event, constant || self.inner.library.contains(event as usize))
+        else {
+            tracing::error!("codel {} returned {event:p}, where no event is", codel.name);
+            return self.fail(format!("{} returned {event:p}, where no event is", codel.name));
+        };
+        let Some(id) = self.inner.shared.events.id(text) else {
+            return self.rested(codel).unwrap_or_else(|| self.unknown(event, text, context));
+        };
+        if constant {
+            self.cache.note(event, id);
+        }
+        self.meant(id, event, codel, context)
+    }
+
+    /// An event of the plan.
+    #[inline]
+    fn meant(
+        &mut self,
+        id: EventId,
+        event: *const c_char,
+        codel: &Prepared,
+        context: &Context,
+    ) -> Returned {
+        let everything = Meant { exception: true, rests: true };
+        let meant = self.inner.meant.get(usize::from(id.0)).copied().unwrap_or(everything);
+        if (meant.rests || self.check == MemoryCheck::EachCodel)
+            && let Some(failed) = self.rested(codel)
+        {
+            return failed;
+        }
+        self.last = if meant.exception { self.detailed(event, id, context) } else { Last::Plain };
+        Returned::Event(id)
+    }
+
+    /// A codel paused or ended: what to say when somebody wrote past its memory.
+    #[inline]
+    fn rested(&mut self, codel: &Prepared) -> Option<Returned> {
+        match self.check {
+            MemoryCheck::Pauses if self.watched.is_whole_nearby() => None,
+            MemoryCheck::Off => None,
+            _ => self.overwritten(codel),
+        }
+    }
+
+    #[cold]
+    fn overwritten(&mut self, codel: &Prepared) -> Option<Returned> {
+        let written = self.watched.take_written()?;
+        let told = format!("codel {} wrote {written}", codel.name);
+        tracing::error!(
+            "{}: {told}, or codels beside it did; its memory may be wrong from here on",
+            self.inner.library.path().display()
+        );
+        let _ = self.inner.damage.set(told.clone());
+        Some(self.fail(told))
+    }
+
+    /// The detail of an exception of the plan, kept for later.
+    fn detailed(&mut self, event: *const c_char, id: EventId, context: &Context) -> Last {
+        let name = self.inner.events.get(usize::from(id.0)).map_or("", String::as_str);
+        let found = context.take_detail(event, name.as_bytes(), &mut self.detail);
+        let Some(size) = found else { return Last::Plain };
+        if self.inner.details.is_plain(name) {
+            return Last::Detailed(id, size);
+        }
+        // What its pointers lead to may be gone when the runtime asks.
+        self.inner.details.to_json(name, &self.detail, size).map_or(Last::Plain, Last::Told)
+    }
+
+    #[cold]
+    fn unknown(&mut self, event: *const c_char, text: &[u8], context: &Context) -> Returned {
+        let name = String::from_utf8_lossy(text).into_owned();
+        let size = context.take_detail(event, text, &mut self.detail);
+        let detail = size.and_then(|size| self.inner.details.to_json(&name, &self.detail, size));
+        self.last = Last::Unknown(name, detail);
+        Returned::Unknown
+    }
+
+    /// No event came: this is `genom::unkex`, with what happened as its detail.
+    #[cold]
+    pub(super) fn fail(&mut self, what: String) -> Returned {
+        self.last = Last::Failed(what);
+        Returned::Failed
+    }
+
+    /// A codel in C++ threw an exception of the description, or of the run time.
+    #[cold]
+    pub(super) fn thrown(&mut self, name: String, detail: Option<Value>) -> Returned {
+        match self.inner.shared.events.id(name.as_bytes()) {
+            Some(id) => {
+                self.last = detail.map_or(Last::Plain, Last::Told);
+                Returned::Event(id)
+            }
+            None => {
+                self.last = Last::Unknown(name, detail);
+                Returned::Unknown
+            }
+        }
+    }
+
+    #[cold]
+    pub(super) fn escaped(&mut self, codel: &str, how: Thrown) -> Returned {
+        let text = self.what.iter().take_while(|byte| **byte != 0).copied().collect::<Vec<_>>();
+        let text = String::from_utf8_lossy(&text).into_owned();
+        match how {
+            Thrown::Exception => tracing::warn!("codel {codel}: a C++ exception escaped: {text}"),
+            Thrown::Left => tracing::error!("codel {codel} ended early: {text}"),
+        }
+        self.fail(text)
+    }
+}

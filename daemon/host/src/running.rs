@@ -1,0 +1,75 @@
+//! Which foreign code each thread of the daemon runs. One of the few unsafe modules.
+#![allow(unsafe_code)]
+
+use std::cell::Cell;
+use std::ptr;
+use std::sync::atomic::{AtomicI32, Ordering};
+
+/// The daemon's process, once it is known: a codel may fork.
+static OWN_PROCESS: AtomicI32 = AtomicI32::new(0);
+
+thread_local! {
+    /// The foreign code that this thread runs, in words. Without a destructor: signal handlers
+    /// and what runs at the exit of the process read it.
+    static RUNNING: Cell<*const str> = const { Cell::new(ptr::from_ref("")) };
+}
+
+/// Foreign code runs on this thread until this is dropped.
+pub(crate) struct Running<'a> {
+    outer: *const str,
+    /// What is pointed to outlives this.
+    _words: &'a str,
+}
+
+/// From now on this thread runs what the words say, such as ``codel `servo` of demo.so``.
+pub(crate) fn running(words: &str) -> Running<'_> {
+    Running { outer: RUNNING.replace(ptr::from_ref(words)), _words: words }
+}
+
+impl Drop for Running<'_> {
+    fn drop(&mut self) {
+        RUNNING.set(self.outer);
+    }
+}
+
+/// This process is the daemon's.
+pub(crate) fn note_own_process() {
+    // SAFETY: it has no preconditions.
+    OWN_PROCESS.store(unsafe { libc::getpid() }, Ordering::Release);
+}
+
+/// Whether this is the daemon's process, and not a child that a codel forked.
+pub(crate) fn is_own_process() -> bool {
+    // SAFETY: it has no preconditions.
+    let this = unsafe { libc::getpid() };
+    this == OWN_PROCESS.load(Ordering::Acquire)
+}
+
+/// Whether this thread of the daemon runs a codel, or a constructor of a library.
+pub(crate) fn in_codel() -> bool {
+    !words().is_empty() && is_own_process()
+}
+
+/// The foreign code that this thread runs; empty without any. Signal handlers may ask.
+pub(crate) fn words<'a>() -> &'a str {
+    // SAFETY: the words of a `Running` outlive it, and it takes them back when it is dropped.
+    unsafe { &*RUNNING.get() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn code_that_calls_other_code_runs_again_after_it() {
+        assert_eq!(words(), "");
+        let outer = running("codel `a`");
+        {
+            let _inner = running("codel `b`");
+            assert_eq!(words(), "codel `b`");
+        }
+        assert_eq!(words(), "codel `a`");
+        drop(outer);
+        assert_eq!(words(), "");
+    }
+}

@@ -1,0 +1,71 @@
+//! Codels that run now: what clients are told of them.
+
+use std::fmt;
+
+use serde::Serialize;
+
+/// A codel that runs now.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct RunningCodel {
+    /// Name of its C function.
+    pub codel: String,
+    /// Task or service it belongs to.
+    pub owner: String,
+    /// The task whose thread is in it; `None` when it serves a request.
+    pub task: Option<String>,
+    /// How long it has been running.
+    pub for_ns: u64,
+    /// Whether that is so long that it counts as stuck.
+    pub stuck: bool,
+    /// Its rank in the model, and the context that it runs in.
+    #[serde(skip)]
+    pub(crate) place: (usize, usize),
+    /// Monotonic date of its call: with the context, the call's identity.
+    #[serde(skip)]
+    pub(crate) since: u64,
+}
+
+impl RunningCodel {
+    /// What distinguishes this call from all others of the instance.
+    #[must_use]
+    pub fn call(&self) -> (usize, u64) {
+        (self.place.1, self.since)
+    }
+}
+
+impl fmt::Display for RunningCodel {
+    /// `codel NAME of OWNER, for 12 s`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "codel {} of {}, for {}", self.codel, self.owner, seconds(self.for_ns))
+    }
+}
+
+/// A time as people say it: `12 s`, `3.2 s`.
+#[must_use]
+#[allow(clippy::cast_precision_loss, reason = "two digits are shown")]
+pub fn seconds(ns: u64) -> String {
+    match ns {
+        0..10_000_000_000 => format!("{:.1} s", ns as f64 / 1e9),
+        _ => format!("{} s", ns / 1_000_000_000),
+    }
+}
+
+/// An operation needed codels to be excluded, and one does not return. Nothing was done.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{instance} is held up{}", tell(.by.as_deref()))]
+pub struct HeldUp {
+    /// Instance whose codels were to be excluded.
+    pub instance: String,
+    /// The codel that holds it up; `None` when short codels left no moment between them.
+    pub by: Option<Box<RunningCodel>>,
+}
+
+fn tell(by: Option<&RunningCodel>) -> String {
+    match by {
+        Some(codel) => {
+            let (name, owner) = (&codel.codel, &codel.owner);
+            format!(": codel {name} of {owner} has been running for {}", seconds(codel.for_ns))
+        }
+        None => ": its codels leave no moment between them".to_owned(),
+    }
+}

@@ -1,0 +1,146 @@
+//! Codels that do not return, and who waits for them.
+
+use std::sync::Arc;
+use std::sync::mpsc::channel;
+use std::time::Duration;
+
+use genom_runtime::StartError;
+
+use crate::support::closures::{Closures, LONG, codel, gate, next, request};
+
+#[test]
+fn a_codel_that_never_returns_is_named_by_the_shutdown() {
+    // genom3.md 7.7: such a codel blocks the shutdown; here for a limited time.
+    let (gate, keeper) = gate();
+    let body = Closures::new(
+        "component test {
+           task t { };
+           task u { codel<start> init() yield ether; codel<stop> tidy() yield ether; };
+           activity job() { task t; codel<start> hang() yield ether; };
+         };",
+        &[
+            ("init", codel(|| "ether")),
+            ("tidy", codel(|| "ether")),
+            (
+                "hang",
+                codel(move || {
+                    gate.pass();
+                    "ether"
+                }),
+            ),
+        ],
+    );
+    let instance = body.start();
+    let job = request(&instance, "job");
+    assert_eq!(next(&job), "accepted 3");
+    keeper.wait();
+    let error = instance.shutdown(Duration::from_millis(100)).unwrap_err();
+    assert_eq!(error.codels.iter().map(|one| one.codel.as_str()).collect::<Vec<_>>(), ["hang"]);
+    let told = error.to_string();
+    assert!(told.starts_with("test does not stop: codel hang of job has been running"), "{told}");
+    // Another instance does not care.
+    let other = Closures::new("component test { function f() { codel c(); }; };", &[]).start();
+    assert_eq!(next(&request(&other, "f")), "done");
+    other.shutdown(LONG).unwrap();
+    drop(keeper);
+}
+
+#[test]
+fn a_start_codel_that_hangs_is_named_by_the_start() {
+    let (gate, keeper) = gate();
+    let body = Closures::new(
+        "component test { task t { codel<start> hang() yield ether; }; };",
+        &[(
+            "hang",
+            codel(move || {
+                gate.pass();
+                "ether"
+            }),
+        )],
+    );
+    let wiring = Arc::new(Deaf);
+    let mut options = genom_runtime::Options::new("test", wiring);
+    options.start_timeout = Some(Duration::from_millis(20));
+    let plan = Arc::clone(&body.plan);
+    let (sender, started) = channel();
+    std::thread::spawn(move || sender.send(genom_runtime::Instance::start(plan, body, options)));
+    keeper.wait();
+    // It hangs until the start has given up, which tries for some seconds to undo what it did.
+    match started.recv_timeout(LONG).unwrap() {
+        Err(StartError::Hangs { task, codel, .. }) => {
+            assert_eq!((task.as_str(), codel.as_str()), ("t", "hang"));
+        }
+        other => panic!("{other:?}"),
+    }
+    drop(keeper);
+}
+
+struct Deaf;
+
+impl genom_runtime::Wiring for Deaf {
+    fn connect_port(&self, _: &str, _: &str) -> Result<(), genom_runtime::WiringError> {
+        Ok(())
+    }
+    fn connect_service(&self, _: &str, _: &str) -> Result<(), genom_runtime::WiringError> {
+        Ok(())
+    }
+    fn kill(&self) {}
+}
+
+#[test]
+fn connecting_waits_until_no_codel_runs() {
+    // genom3.md 7.8: connect_port excludes all codels.
+    let (gate, keeper) = gate();
+    let body = Closures::new(
+        "component test {
+           task t { };
+           activity job() { task t; codel<start> work() yield ether; };
+         };",
+        &[(
+            "work",
+            codel(move || {
+                gate.pass();
+                "ether"
+            }),
+        )],
+    );
+    let instance = Arc::new(body.start());
+    let job = request(&instance, "job");
+    keeper.wait();
+    let (sender, connected) = channel();
+    let other = Arc::clone(&instance);
+    let thread =
+        std::thread::spawn(move || other.exclusively(|_| sender.send(()).unwrap()).unwrap());
+    // It cannot have got in: the codel runs.
+    assert!(connected.recv_timeout(Duration::from_millis(20)).is_err());
+    keeper.let_one_pass();
+    connected.recv_timeout(LONG).unwrap();
+    thread.join().unwrap();
+    assert_eq!((next(&job), next(&job)), ("accepted 2".into(), "done".into()));
+    instance.shutdown(LONG).unwrap();
+}
+
+#[test]
+fn an_async_codel_that_touches_no_port_does_not_hold_up_connecting() {
+    // genom3.md 7.10: async codels may block for long without holding up other contexts.
+    let (gate, keeper) = gate();
+    let body = Closures::new(
+        "component test {
+           task t { };
+           activity job() { task t; async codel<start> listen() yield ether; };
+         };",
+        &[(
+            "listen",
+            codel(move || {
+                gate.pass();
+                "ether"
+            }),
+        )],
+    );
+    let instance = body.start();
+    let _job = request(&instance, "job");
+    keeper.wait();
+    instance.exclusively(|_| {}).unwrap();
+    drop(keeper);
+    instance.shutdown(LONG).unwrap();
+}

@@ -1,0 +1,47 @@
+//! Mistakes that can be put right without a second thought: what their help says, as an edit.
+
+use super::Diagnostic;
+use crate::source::SourceMap;
+use crate::source::Span;
+
+/// An edit that puts a mistake right.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fix {
+    /// What it does, in a few words.
+    pub title: String,
+    /// What to replace.
+    pub span: Span,
+    /// What to write there.
+    pub text: String,
+}
+
+/// The edit that the help of a diagnostic means, if it means one.
+#[must_use]
+pub fn fix(said: &Diagnostic, sources: &SourceMap) -> Option<Fix> {
+    let help = said.help.as_deref()?;
+    let written = sources.text(said.span);
+    // What a macro made is not to be changed where the macro is used.
+    let own = sources.file(said.span.file).is_some_and(|file| !file.is_synthetic());
+    if !own || sources.expansion(said.span).is_some() {
+        return None;
+    }
+    if let Some(rest) = help.strip_prefix("did you mean `") {
+        let name = rest.split('`').next()?.trim_start_matches('#');
+        // Of a path the last name is meant.
+        let last = written.rfind(|c: char| !c.is_ascii_alphanumeric() && c != '_' && c != '-');
+        let begin = last.map_or(0, |at| at + 1);
+        let wrong = written.get(begin..).filter(|word| !word.is_empty())?;
+        let start = said.span.start + u32::try_from(begin).ok()?;
+        let title = format!("change `{wrong}` to `{name}`");
+        return Some(Fix { title, span: Span { start, ..said.span }, text: name.to_owned() });
+    }
+    if said.code == "W0101" {
+        let text = help.strip_prefix("write `")?.split('`').next()?.to_owned();
+        return Some(Fix { title: format!("write `{text}`"), span: said.span, text });
+    }
+    (help == "remove the `:`" && written == ":").then(|| Fix {
+        title: help.to_owned(),
+        span: said.span,
+        text: String::new(),
+    })
+}

@@ -1,0 +1,86 @@
+//! What there is to say about a description, as data; how to show it; what each code means.
+
+mod fix;
+mod human;
+mod json;
+mod list;
+mod order;
+mod register;
+
+pub use fix::{Fix, fix};
+pub use list::Diagnostics;
+pub use order::{Rest, first, ordered};
+pub use register::{Explanation, explain, explanations};
+
+use crate::source::Span;
+
+/// Ways to show diagnostics. All sort by place and drop what is said twice.
+pub mod render {
+    pub use super::human::{human, short};
+    pub use super::json::json;
+}
+
+/// How bad it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Severity {
+    /// The description is read, but something in it is surprising.
+    Warning,
+    /// The description is refused.
+    Error,
+}
+
+/// One thing to say, with its places.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Diagnostic {
+    /// Stable code such as `E0301` or `W0103`.
+    pub code: &'static str,
+    /// How bad it is.
+    pub severity: Severity,
+    /// One sentence without final stop.
+    pub message: String,
+    /// Primary place.
+    pub span: Span,
+    /// What to write under the primary place, may be empty.
+    pub label: String,
+    /// Other places, each with its text ("declared here").
+    pub notes: Vec<(Span, String)>,
+    /// The way out, if one is known.
+    pub help: Option<String>,
+}
+
+impl Diagnostic {
+    /// An error at `span`.
+    pub fn error(code: &'static str, span: Span, message: impl Into<String>) -> Self {
+        Self::new(code, Severity::Error, span, message.into())
+    }
+
+    /// A warning at `span`.
+    pub fn warning(code: &'static str, span: Span, message: impl Into<String>) -> Self {
+        Self::new(code, Severity::Warning, span, message.into())
+    }
+
+    fn new(code: &'static str, severity: Severity, span: Span, message: String) -> Self {
+        Self { code, severity, message, span, label: String::new(), notes: Vec::new(), help: None }
+    }
+
+    /// Says more under the primary place.
+    #[must_use]
+    pub fn label(mut self, label: impl Into<String>) -> Self {
+        self.label = label.into();
+        self
+    }
+
+    /// Points at another place.
+    #[must_use]
+    pub fn note(mut self, span: Span, text: impl Into<String>) -> Self {
+        self.notes.push((span, text.into()));
+        self
+    }
+
+    /// Says the way out.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}

@@ -1,0 +1,89 @@
+//! The order in which diagnostics are shown, without echoes, and how many.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use super::{Diagnostic, Diagnostics, Severity};
+use crate::source::SourceMap;
+use crate::source::Span;
+
+/// Diagnostics in the order in which the text is read, each once.
+///
+/// What is said of an included file comes where the file is included.
+/// A file without guard that is included twice repeats its mistakes: they are shown once.
+#[must_use]
+pub fn ordered<'d>(diagnostics: &'d [Diagnostic], sources: &SourceMap) -> Vec<&'d Diagnostic> {
+    let mut sorted: Vec<_> = diagnostics.iter().collect();
+    sorted.sort_by_cached_key(|d| reading_order(d.span, sources));
+    let mut said = HashSet::new();
+    sorted.retain(|d| {
+        let path = sources.file(d.span.file).map_or(Path::new(""), |file| file.path());
+        said.insert((path, d.span.start, d.span.end, d.code, &d.message))
+    });
+    sorted
+}
+
+/// The places to pass on the way to a span: its input file, then an offset per file.
+fn reading_order(span: Span, sources: &SourceMap) -> Vec<u32> {
+    let mut places = vec![span];
+    places.extend(sources.include_chain(span));
+    let root = places.last().map_or(span.file, |place| place.file);
+    std::iter::once(root).chain(places.iter().rev().map(|place| place.start)).collect()
+}
+
+/// How many diagnostics are not shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Rest {
+    /// Errors.
+    pub errors: usize,
+    /// Warnings.
+    pub warnings: usize,
+}
+
+impl Rest {
+    /// Whether all is shown.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self == Self::default()
+    }
+}
+
+/// `... and 3 errors, 1 warning more`.
+impl std::fmt::Display for Rest {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let plural = |count: usize| if count == 1 { "" } else { "s" };
+        let (errors, warnings) = (self.errors, self.warnings);
+        f.write_str("... and ")?;
+        if errors > 0 {
+            write!(f, "{errors} error{}", plural(errors))?;
+        }
+        if errors > 0 && warnings > 0 {
+            f.write_str(", ")?;
+        }
+        if warnings > 0 {
+            write!(f, "{warnings} warning{}", plural(warnings))?;
+        }
+        f.write_str(" more")
+    }
+}
+
+/// The first diagnostics in the order in which the text is read, and how many are left.
+#[must_use]
+pub fn first(
+    diagnostics: &Diagnostics,
+    sources: &SourceMap,
+    most: usize,
+) -> (Vec<Diagnostic>, Rest) {
+    let all = ordered(diagnostics, sources);
+    let (shown, left) = all.split_at(most.min(all.len()));
+    let count = |all: &mut dyn Iterator<Item = &Diagnostic>, severity| {
+        all.filter(|said| said.severity == severity).count()
+    };
+    let kept = |severity| count(&mut diagnostics.iter(), severity);
+    let left = |severity| count(&mut left.iter().copied(), severity);
+    let rest = Rest {
+        errors: left(Severity::Error) + diagnostics.errors() - kept(Severity::Error),
+        warnings: left(Severity::Warning) + diagnostics.warnings() - kept(Severity::Warning),
+    };
+    (shown.iter().map(|said| (*said).clone()).collect(), rest)
+}
