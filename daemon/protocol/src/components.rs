@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{BackendNames, Unpaused};
+use crate::{BackendNames, RunningCodel, Spin};
 
 /// Components, in the order they were loaded.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -63,33 +63,6 @@ pub struct Component {
     /// Services of others that its codels call, by name: what can be connected to one.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remotes: Vec<String>,
-}
-
-/// A codel that runs now.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
-pub struct RunningCodel {
-    /// The codel.
-    pub codel: String,
-    /// Task or service it belongs to.
-    pub owner: String,
-    /// The task whose thread is in it; none when it serves a request.
-    pub task: Option<String>,
-    /// How long it has been running, in nanoseconds.
-    pub for_ns: u64,
-    /// Whether that is so long that it counts as stuck.
-    pub stuck: bool,
-}
-
-/// A task that keeps a processor and does not pause.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
-pub struct Spin {
-    /// The task, and what it does instead of pausing.
-    #[serde(flatten)]
-    pub unpaused: Unpaused,
-    /// Share of a processor that it got lately, from 0 to 1.
-    pub processor: f64,
 }
 
 /// A component is gone.

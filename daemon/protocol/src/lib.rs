@@ -16,6 +16,7 @@ pub mod advice;
 mod backends;
 mod clock;
 mod code;
+mod codels;
 mod components;
 mod connections;
 pub mod contexts;
@@ -31,6 +32,7 @@ mod middlewares;
 pub mod nearest;
 #[cfg(feature = "openapi")]
 pub mod openapi;
+mod outcome;
 mod policy;
 mod port_type;
 mod ports;
@@ -53,7 +55,8 @@ pub use address::{Address, Place, Subject};
 pub use backends::{BackendNames, MoveRequest, Moved};
 pub use clock::{Clock, ClockKind, StepRequest};
 pub use code::Code;
-pub use components::{Component, Components, LeftBehind, RunningCodel, Spin, Unloaded};
+pub use codels::{RunningCodel, Spin, Unpaused};
+pub use components::{Component, Components, LeftBehind, Unloaded};
 pub use connections::{Connection, ConnectionKind, ConnectionRequest, Connections, Disconnected};
 pub use daemons::{Answered, Answers, AskParameters, Daemons, VisibleDaemon};
 pub use deployment::{
@@ -72,6 +75,7 @@ pub use middlewares::{
     Capabilities, Endpoint, EndpointKind, Middleware, MiddlewareParameters, Middlewares, Refused,
     Stranger,
 };
+pub use outcome::Outcome;
 pub use policy::{NoPolicy, Policy};
 pub use port_type::{MessageType, PortType};
 pub use ports::{
@@ -82,8 +86,8 @@ pub use quality::{PortQos, QosEntry};
 pub use refusal::{Reason, Refusal};
 pub use replay::Replayed;
 pub use right::Right;
-pub use services::{CallParameters, CallReply, Inputs, Outcome, Started};
-pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics, Unpaused};
+pub use services::{CallParameters, CallReply, Inputs, Started};
+pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
 pub use tokens::{Reloaded, TokenEntry, TokenFile};
 pub use values::{Form, StreamEnd, StreamParameters};
 

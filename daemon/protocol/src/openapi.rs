@@ -1,5 +1,6 @@
 //! The schemas of all these types, for the daemon's OpenAPI document.
 
+use serde_json::{Map, Value};
 use utoipa::OpenApi;
 
 use crate::{
@@ -62,3 +63,13 @@ use crate::{
     frames::Start
 )))]
 pub struct Protocol;
+
+/// The same as JSON, by name.
+#[must_use]
+pub fn schemas() -> Map<String, Value> {
+    let components = Protocol::openapi().components.map(|all| serde_json::to_value(all.schemas));
+    match components {
+        Some(Ok(Value::Object(schemas))) => schemas,
+        _ => Map::new(),
+    }
+}

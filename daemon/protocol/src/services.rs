@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::{Activity, is_false};
+use crate::{Activity, Outcome, is_false};
 
 /// `?wait=true&zero=true`
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
@@ -47,35 +47,6 @@ pub enum CallReply {
 pub struct Started {
     /// Its number.
     pub activity: u64,
-}
-
-/// How a service ended: `result`, or `exception` and `detail`; nothing while it runs.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
-pub struct Outcome {
-    /// Outputs of the service.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[cfg_attr(feature = "openapi", schema(value_type = Option<Object>))]
-    pub result: Option<Value>,
-    /// Full name of the exception it ended with.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub exception: Option<String>,
-    /// Members of the exception; null when it has none.
-    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "told")]
-    pub detail: Option<Value>,
-}
-
-/// A member that is there, be it null.
-fn told<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<Value>, D::Error> {
-    Value::deserialize(from).map(Some)
-}
-
-impl Outcome {
-    /// Whether the service ended, well or not.
-    #[must_use]
-    pub fn ended(&self) -> bool {
-        self.result.is_some() || self.exception.is_some()
-    }
 }
 
 impl CallReply {

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::RunningCodel;
+use crate::{RunningCodel, Unpaused};
 
 /// Statistics of a component.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -39,24 +39,6 @@ pub struct TaskStatistics {
     /// What it does instead of pausing, when it has been at work for long and is not stuck.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unpaused: Option<Unpaused>,
-}
-
-/// A task whose cycle lasts although its codels return: they yield states without pause.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
-pub struct Unpaused {
-    /// The task.
-    pub task: String,
-    /// Whether it misses ticks by that.
-    pub periodic: bool,
-    /// The codel that yielded a state without pause last.
-    pub codel: String,
-    /// Task or service the codel belongs to.
-    pub owner: String,
-    /// How long the cycle has lasted.
-    pub for_ns: u64,
-    /// How often a codel yielded a state without pause in it.
-    pub steps: u64,
 }
 
 /// Statistics of a codel.

@@ -14,9 +14,9 @@ use crate::daemon::Daemon;
 use crate::hosting::{Hosted, UnloadError};
 use crate::loading::{self, LoadError};
 use crate::registry::BackendError;
+use crate::rpc::codels;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
-use crate::rpc::tasks;
 
 /// The component of that name, running.
 pub(super) fn find(daemon: &Daemon, name: &str) -> Result<Arc<Hosted>, RpcError> {
@@ -178,8 +178,8 @@ fn summary(hosted: &Hosted) -> Component {
             Some(_) => "damaged".to_owned(),
             None => hosted.stuck_in().or_else(spinning).unwrap_or_else(|| "running".to_owned()),
         },
-        stuck: hosted.stuck().iter().map(tasks::running).collect(),
-        spins: spins.iter().map(tasks::spin).collect(),
+        stuck: hosted.stuck().iter().map(codels::running).collect(),
+        spins: spins.iter().map(codels::spin).collect(),
         backend: bindings.component(),
         port_backends: bindings.ports(),
         library: hosted.library.clone(),

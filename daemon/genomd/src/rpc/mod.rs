@@ -11,6 +11,7 @@ pub(crate) mod access;
 mod activities;
 mod backends;
 mod clock;
+mod codels;
 mod components;
 mod connections;
 mod daemon;

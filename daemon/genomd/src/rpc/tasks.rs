@@ -1,16 +1,14 @@
-//! Tasks: their statistics, and the codels that they are in.
+//! Tasks and codels: their statistics.
 
 use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::{Path, State};
-use genom_protocol::{
-    CodelStatistics, Durations, RunningCodel, Spin, Statistics, TaskStatistics, Unpaused,
-};
+use genom_protocol::{CodelStatistics, Durations, Statistics, TaskStatistics};
 use genom_runtime as runtime;
 
 use crate::daemon::Daemon;
-use crate::hosting;
+use crate::rpc::codels::{running, unpaused};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 
@@ -63,31 +61,4 @@ fn codel(of: runtime::CodelStatistics) -> CodelStatistics {
 fn durations(of: runtime::Durations) -> Durations {
     let runtime::Durations { count, last_ns, mean_ns, p50_ns, p99_ns, max_ns } = of;
     Durations { count, last_ns, mean_ns, p50_ns, p99_ns, max_ns }
-}
-
-/// A codel that runs, as it is told.
-pub(super) fn running(of: &runtime::RunningCodel) -> RunningCodel {
-    RunningCodel {
-        codel: of.codel.clone(),
-        owner: of.owner.clone(),
-        task: of.task.clone(),
-        for_ns: of.for_ns,
-        stuck: of.stuck,
-    }
-}
-
-/// A task that keeps a processor, as it is told.
-pub(super) fn spin(of: &hosting::Spin) -> Spin {
-    Spin { unpaused: unpaused(&of.unpaused), processor: of.processor }
-}
-
-fn unpaused(of: &runtime::Unpaused) -> Unpaused {
-    Unpaused {
-        task: of.task.clone(),
-        periodic: of.periodic,
-        codel: of.codel.clone(),
-        owner: of.owner.clone(),
-        for_ns: of.for_ns,
-        steps: of.steps,
-    }
 }
