@@ -79,7 +79,6 @@ mod sender;
 mod server;
 mod services;
 mod told;
-mod waits;
 mod wire;
 mod within;
 

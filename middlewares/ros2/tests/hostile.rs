@@ -2,12 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
+mod raw;
 mod world;
 
-use std::convert::Infallible;
 use std::fmt::Debug;
-use std::marker::PhantomData;
-use std::net::{IpAddr, UdpSocket};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -20,160 +18,12 @@ use genom_middleware::{
 };
 use genom_ros2::ServiceMapping;
 use genom_types::{DataType, Kind, Label, Member, Record, ScopedName, TypeTable, UnionMember};
-use rustdds::bytes::Bytes;
-use rustdds::no_key::{DataWriter, SerializerAdapter};
-use rustdds::{
-    DomainParticipant, DomainParticipantBuilder, DomainParticipantStatusEvent,
-    DomainParticipantStatusListener, QosPolicyBuilder, RTPSEntity as _, RepresentationIdentifier,
-    StatusEvented as _, TopicKind, policy,
-};
+use raw::{Encoding, Newer, Noise, Parameters, Peer, Plain, SEED, Text, Writer};
 use serde_json::json;
 use tracing::field::{Field, Visit};
 use tracing::span::{Attributes, Id, Record as Fields};
 use tracing::{Event, Level, Metadata};
 use world::Domain;
-
-/// How a payload is said to be encoded.
-trait Encoding {
-    const IS: RepresentationIdentifier;
-}
-
-struct Plain;
-struct Parameters;
-struct Newer;
-struct Text;
-
-impl Encoding for Plain {
-    const IS: RepresentationIdentifier = RepresentationIdentifier::CDR_LE;
-}
-impl Encoding for Parameters {
-    const IS: RepresentationIdentifier = RepresentationIdentifier::PL_CDR_LE;
-}
-impl Encoding for Newer {
-    const IS: RepresentationIdentifier = RepresentationIdentifier::CDR2_LE;
-}
-impl Encoding for Text {
-    const IS: RepresentationIdentifier = RepresentationIdentifier::XML;
-}
-
-/// Bytes after the encapsulation header, whatever they are.
-struct Raw<E>(Vec<u8>, PhantomData<E>);
-
-struct AsIs<E>(PhantomData<E>);
-
-impl<E: Encoding> SerializerAdapter<Raw<E>> for AsIs<E> {
-    type Error = Infallible;
-
-    fn output_encoding() -> RepresentationIdentifier {
-        E::IS
-    }
-
-    fn to_bytes(raw: &Raw<E>) -> Result<Bytes, Infallible> {
-        Ok(Bytes::from(raw.0.clone()))
-    }
-}
-
-struct Peer {
-    participant: DomainParticipant,
-    publisher: rustdds::Publisher,
-    news: DomainParticipantStatusListener,
-}
-
-struct Writer<E: Encoding>(DataWriter<Raw<E>, AsIs<E>>);
-
-impl Peer {
-    fn new(domain: &Domain) -> Self {
-        let participant = DomainParticipantBuilder::new(domain.number())
-            .with_only_networks([IpAddr::from([127, 0, 0, 1])])
-            .build()
-            .unwrap();
-        let qos = QosPolicyBuilder::new().build();
-        let publisher = participant.create_publisher(&qos).unwrap();
-        let news = participant.status_listener();
-        Self { participant, publisher, news }
-    }
-
-    /// What this writer writes from now on arrives.
-    fn connected<E: Encoding>(&self, writer: &Writer<E>) {
-        let ours = |event| {
-            matches!(event, DomainParticipantStatusEvent::RemoteReaderMatched { local_writer, .. }
-                if local_writer == writer.0.guid())
-        };
-        eventually("a reader is connected", || self.news.try_recv_status().is_some_and(ours));
-    }
-
-    /// Sends a sample as `writer` would, header and payload as given, to all of the domain.
-    fn forge<E: Encoding>(&self, domain: &Domain, writer: &Writer<E>, number: u8, sample: &[u8]) {
-        let guid = writer.0.guid().to_bytes();
-        let (prefix, entity) = guid.split_at(12);
-        let length = u16::try_from(20 + sample.len()).unwrap().to_le_bytes();
-        // RTPS 2.5, 9.4.4 and 9.4.5.4: a header, and DATA, little endian, for any reader.
-        let (header, data, reader) =
-            (b"RTPS\x02\x04\x01\x12", [0x15, 0x05], [0, 0, 16, 0, 0, 0, 0, 0]);
-        let number = [0, 0, 0, 0, number, 0, 0, 0];
-        let message = [header, prefix, &data, &length, &reader, entity, &number, sample].concat();
-        let socket = UdpSocket::bind(("127.0.0.1", 0)).unwrap();
-        // 9.6.2.3: where a domain's participants hear samples for them.
-        let first = 7400 + 250 * domain.number() + 11;
-        for participant in 0..8 {
-            socket.send_to(&message, ("127.0.0.1", first + 2 * participant)).unwrap();
-        }
-    }
-
-    fn writer<E: Encoding>(&self, topic: &str, ty: &str) -> Writer<E> {
-        let qos = QosPolicyBuilder::new()
-            .reliable(rustdds::Duration::from_secs(10))
-            .history(policy::History::KeepLast { depth: 2000 })
-            .build();
-        let topic = self
-            .participant
-            .create_topic(topic.to_owned(), ty.to_owned(), &qos, TopicKind::NoKey)
-            .unwrap();
-        let writer = self.publisher.create_datawriter_no_key(&topic, Some(qos)).unwrap();
-        Writer(writer)
-    }
-}
-
-impl<E: Encoding> Writer<E> {
-    fn write(&self, payload: Vec<u8>) {
-        assert!(self.0.write(Raw(payload, PhantomData), None).is_ok());
-    }
-}
-
-/// Numbers that look random and are the same each time.
-struct Noise(u64);
-
-impl Noise {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        usize::try_from(self.next() % end as u64).unwrap()
-    }
-
-    /// A payload with some bytes changed, a length or number made huge, and often cut.
-    fn spoil(&mut self, good: &[u8]) -> Vec<u8> {
-        let mut bad = good.to_vec();
-        for _ in 0..self.below(4) {
-            let at = self.below(bad.len());
-            bad[at] = self.next().to_le_bytes()[0];
-        }
-        if self.next().is_multiple_of(3) && bad.len() >= 4 {
-            let at = self.below(bad.len() / 4) * 4;
-            bad[at..at + 4].copy_from_slice(&[0xff, 0xff, 0xff, 0x7f]);
-        }
-        if self.next().is_multiple_of(2) {
-            bad.truncate(self.below(bad.len()));
-        }
-        bad
-    }
-}
-
-const SEED: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The payload of a value.
 fn payload(value: &Record) -> Vec<u8> {

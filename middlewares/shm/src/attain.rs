@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use genom_middleware::{Address, OpenError};
 
 use crate::error::failed;
-use crate::ground::Ground;
 use crate::room;
+use crate::watch::Watcher;
 
 /// How long others may take to finish what they are doing to a service.
 const PATIENCE: Duration = Duration::from_secs(2);
@@ -27,16 +27,17 @@ pub(crate) enum Attempt<S> {
     Broken(String),
 }
 
-/// Opens, or creates, again and again until one of it works.
+/// Opens, or creates, again and again until one of it works, where more than `keep_free` bytes are
+/// left.
 pub(crate) fn attain<S>(
-    ground: &Ground,
+    (watcher, keep_free): (&Watcher, u64),
     at: &Address,
     open: impl Fn() -> Result<Attempt<S>, OpenError>,
     create: impl Fn() -> Result<Attempt<S>, OpenError>,
 ) -> Result<S, OpenError> {
-    room::check(at, ground.options.keep_free)?;
+    room::check(at, keep_free)?;
     // Who died has it no more.
-    let _ = ground.watcher.heal_dead();
+    let _ = watcher.heal_dead();
     let begin = Instant::now();
     loop {
         let attempt = match open()? {
@@ -50,7 +51,7 @@ pub(crate) fn attain<S>(
             Attempt::Broken(trouble) => (trouble, true),
         };
         if broken {
-            let _ = ground.watcher.heal();
+            let _ = watcher.heal();
         }
         if begin.elapsed() > PATIENCE {
             return Err(failed(at, &trouble));

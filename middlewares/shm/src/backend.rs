@@ -11,6 +11,7 @@ use genom_middleware::{
 };
 use iceoryx2::prelude::*;
 
+use crate::calls::Desk;
 use crate::error::{BACKEND, ShmError};
 use crate::ground::Ground;
 use crate::heal::{self, Places, Turn};
@@ -31,6 +32,7 @@ const EXPIRED: usize = 4;
 #[derive(Clone)]
 pub struct Shm {
     inner: Arc<Inner>,
+    calls: Arc<Desk>,
 }
 
 impl Shm {
@@ -91,7 +93,8 @@ impl Shm {
             node
         };
         let ground = Ground::new(node, options, watcher);
-        Ok(Self { inner: Arc::new(Inner::new(ground, watch)) })
+        let inner = Arc::new(Inner::new(ground, watch));
+        Ok(Self { calls: Desk::new(&inner), inner })
     }
 }
 
@@ -164,12 +167,12 @@ impl Services for Shm {
         handler: Arc<dyn ServiceHandler>,
     ) -> Result<Box<dyn Served>, OpenError> {
         let _busy = self.inner.ground.watcher.busy();
-        Ok(Box::new(calls::serve(&self.inner, at, service, handler)?))
+        Ok(Box::new(calls::serve(&self.calls, at, service, handler)?))
     }
 
     fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError> {
         let _busy = self.inner.ground.watcher.busy();
-        Ok(Box::new(calls::client(&self.inner, at, service)?))
+        Ok(Box::new(calls::client(&self.calls, at, service)?))
     }
 }
 

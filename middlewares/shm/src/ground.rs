@@ -193,7 +193,12 @@ impl Ground {
                 Err(error) => Err(failed(at, &error.to_string())),
             }
         };
-        attain(self, at, open, create)
+        attain(self.keeping(), at, open, create)
+    }
+
+    /// Who heals what is broken, and how much memory is left to others.
+    pub(crate) fn keeping(&self) -> (&Watcher, u64) {
+        (&self.watcher, self.options.keep_free)
     }
 
     /// Two types of one name and size may still differ: the digests tell.

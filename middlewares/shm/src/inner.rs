@@ -1,10 +1,7 @@
-//! What all ports and services of one node share.
+//! What all that is opened from one node shares.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
-use genom_middleware::{Address, OpenError};
-
-use crate::calls::Worker;
 use crate::ground::Ground;
 use crate::upkeep::Upkeep;
 use crate::watch::Watch;
@@ -20,8 +17,6 @@ impl Drop for Last {
 
 /// A node, and the threads that look after what is opened from it.
 pub(crate) struct Inner {
-    /// Made when the first service is served or called.
-    worker: Mutex<Option<Arc<Worker>>>,
     /// Its thread is stopped before the node goes.
     pub(crate) upkeep: Upkeep,
     pub(crate) ground: Arc<Ground>,
@@ -33,15 +28,6 @@ impl Inner {
     /// Nothing is open yet.
     pub(crate) fn new(ground: Ground, watch: Watch) -> Self {
         let upkeep = Upkeep::start(watch.watcher().clone());
-        Self { worker: Mutex::default(), upkeep, ground: Arc::new(ground), _last: Last(watch) }
-    }
-
-    /// The thread that hands on requests and responses.
-    pub(crate) fn worker(&self, at: &Address) -> Result<Arc<Worker>, OpenError> {
-        let mut worker = self.worker.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(worker) = &*worker {
-            return Ok(Arc::clone(worker));
-        }
-        Ok(Arc::clone(worker.insert(Arc::new(Worker::start(&self.ground, at)?))))
+        Self { upkeep, ground: Arc::new(ground), _last: Last(watch) }
     }
 }

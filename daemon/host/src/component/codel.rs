@@ -1,16 +1,16 @@
 //! Codels ready to be called: address, call interface, ways to the arguments.
 
 use genom_description::model::{Codel, CodelParameter, Component as Model, Owner, Source};
-use genom_types::{CompiledPath, DataType, PathStep};
+use genom_types::{CompiledPath, DataType, PathError, PathStep};
 
 use super::cxx::CxxTypes;
 use super::error::LoadError;
 use super::types::{Checker, Kept, ServiceTypes, steps};
 use super::way::Way;
 use crate::contract::Difference;
-use crate::cxx::{self, CxxPath, CxxType, Function};
+use crate::cxx::{self, CxxPath, CxxPathError, CxxType, Function};
 use crate::ffi::{Class, Interface};
-use crate::library::Library;
+use crate::library::{FoundFunction, Library};
 
 /// A codel of a loaded library.
 #[derive(Debug)]
@@ -47,6 +47,25 @@ pub(super) enum From {
     Remote(usize),
 }
 
+/// Why an argument has no address.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum ArgumentError {
+    #[error("the component has no ids")]
+    NoIds,
+    #[error("a task has no parameters and no local variables")]
+    NoService,
+    #[error("the service has no such parameter")]
+    NoParameter,
+    #[error("the component has no such port")]
+    NoPort,
+    #[error("the component has no such remote")]
+    NoRemote,
+    #[error("{0}")]
+    Path(#[from] PathError),
+    #[error("{0}")]
+    CxxPath(#[from] CxxPathError),
+}
+
 /// What codels of one component are prepared from.
 pub(super) struct Workshop<'a> {
     pub(super) model: &'a Model,
@@ -81,7 +100,7 @@ impl Workshop<'_> {
                         codel: codel.name.clone(),
                         parameter: parameter.name.clone(),
                         place: (checker.locate)(parameter.span),
-                        why,
+                        why: why.to_string(),
                     });
                 }
             }
@@ -102,17 +121,17 @@ impl Workshop<'_> {
     /// Address of the C function; notes why there is none.
     fn function(&self, checker: &mut Checker<'_>, codel: &Codel) -> Option<usize> {
         let found = self.library.function(&codel.name);
-        if let Ok(Some(at)) = found {
+        if let FoundFunction::At(at) = found {
             return Some(at);
         }
         checker.errors.push(LoadError::MissingCodel {
             codel: codel.name.clone(),
             place: (checker.locate)(codel.span),
             hint: match &found {
-                Err(system) => {
+                FoundFunction::InSystem(system) => {
                     format!("; {system} has a function of that name, which is no codel")
                 }
-                Ok(_) => self.hint(&codel.name),
+                _ => self.hint(&codel.name),
             },
         });
         None
@@ -153,7 +172,7 @@ impl Workshop<'_> {
         codel: &Codel,
         parameter: &CodelParameter,
         checker: &Checker<'_>,
-    ) -> Result<Argument, String> {
+    ) -> Result<Argument, ArgumentError> {
         let member = |root: (&DataType, Option<&CxxType>), rank: usize, path: &[_]| {
             let mut steps = steps(path);
             steps.insert(0, PathStep::Member(rank));
@@ -167,16 +186,15 @@ impl Workshop<'_> {
             Owner::Service(service) => self.cxx?.services.get(service)?.as_ref(),
             Owner::Task(_) => None,
         };
-        let no_service = || "a task has no parameters and no local variables".to_owned();
         let from = match &parameter.source {
             Source::Ids { path } => {
-                let ids = self.ids.ok_or("the component has no ids")?;
+                let ids = self.ids.ok_or(ArgumentError::NoIds)?;
                 let in_cxx = self.cxx.and_then(|cxx| cxx.ids.as_ref());
                 From::Ids(way((ids, in_cxx), &steps(path))?)
             }
             Source::Parameter { index, path } => {
-                let types = service().ok_or_else(no_service)?;
-                match *types.kept.get(*index).ok_or("the service has no such parameter")? {
+                let types = service().ok_or(ArgumentError::NoService)?;
+                match *types.kept.get(*index).ok_or(ArgumentError::NoParameter)? {
                     Kept::Input(rank) => {
                         let root = (&types.input, in_cxx().map(|cxx| &cxx.input));
                         From::Input(member(root, rank, path)?)
@@ -188,16 +206,16 @@ impl Workshop<'_> {
                 }
             }
             Source::Local { index, path } => {
-                let types = service().ok_or_else(no_service)?;
+                let types = service().ok_or(ArgumentError::NoService)?;
                 let root = (&types.local, in_cxx().map(|cxx| &cxx.local));
                 From::Local(member(root, *index, path)?)
             }
             Source::Port(port) => {
-                self.model.ports.get(*port).ok_or("the component has no such port")?;
+                self.model.ports.get(*port).ok_or(ArgumentError::NoPort)?;
                 From::Port(*port)
             }
             Source::Remote(remote) => {
-                self.model.remotes.get(*remote).ok_or("the component has no such remote")?;
+                self.model.remotes.get(*remote).ok_or(ArgumentError::NoRemote)?;
                 From::Remote(*remote)
             }
         };
@@ -228,10 +246,10 @@ impl Workshop<'_> {
 }
 
 /// The way from a root, in C and, for codels in C++, also there.
-fn way(root: (&DataType, Option<&CxxType>), steps: &[PathStep]) -> Result<Way, String> {
-    let in_c = CompiledPath::new(root.0, steps).map_err(|error| error.to_string())?;
+fn way(root: (&DataType, Option<&CxxType>), steps: &[PathStep]) -> Result<Way, ArgumentError> {
+    let in_c = CompiledPath::new(root.0, steps)?;
     match root.1 {
-        Some(root) => CxxPath::new(root, steps).map(Way::Cxx),
+        Some(root) => Ok(Way::Cxx(CxxPath::new(root, steps)?)),
         None => Ok(Way::C(in_c)),
     }
 }

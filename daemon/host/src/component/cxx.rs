@@ -9,7 +9,7 @@ use genom_types::{CompiledPath, DataType, PathStep, Record};
 
 use super::error::LoadError;
 use super::types::{Checker, ServiceTypes, steps};
-use crate::cxx::{CxxPath, CxxType, Object, copy, to_cxx};
+use crate::cxx::{CxxPath, CxxPathError, CxxType, Object, copy, to_cxx};
 
 /// Types of a component in C++; `None` where one is wrong, which is noted.
 pub(super) struct CxxTypes {
@@ -86,8 +86,8 @@ fn in_cxx(
     match CxxType::new(c) {
         Ok(ty) => Some(ty),
         Err(why) => {
-            let place = (checker.locate)(span);
-            checker.errors.push(LoadError::Type { what: what.to_owned(), place, why });
+            let (what, place, why) = (what.to_owned(), (checker.locate)(span), why.to_string());
+            checker.errors.push(LoadError::Type { what, place, why });
             None
         }
     }
@@ -123,7 +123,7 @@ impl CxxService {
             if let Err(why) = new.add(types, (from, to), place.as_deref(), ids, dialect) {
                 let place = (checker.locate)(parameter.span);
                 let what = format!("parameter `{}` of `{}`", parameter.name, service.name);
-                checker.errors.push(LoadError::Type { what, place, why });
+                checker.errors.push(LoadError::Type { what, place, why: why.to_string() });
             }
         }
         Some(new)
@@ -137,10 +137,10 @@ impl CxxService {
         place: Option<&[PathStep]>,
         ids: Option<&CxxType>,
         dialect: Dialect,
-    ) -> Result<(), String> {
+    ) -> Result<(), CxxPathError> {
         let request = |rank| {
             let path = CompiledPath::new(&types.input, &[PathStep::Member(rank)]);
-            path.map(From::Request).map_err(|why| why.to_string())
+            path.map(From::Request).map_err(CxxPathError::from)
         };
         let output = |this: &Self, rank| CxxPath::new(&this.output, &[PathStep::Member(rank)]);
         if let (Some(from), Some(to)) = (from, to) {

@@ -12,7 +12,7 @@ use super::error::LoadError;
 use super::inner::{AllDescribed, Ids, InCpp, Inner, Meant, Memory, Owned};
 use super::types::{Checker, ServiceTypes};
 use crate::context::Contexts;
-use crate::cxx::{CxxType, Exceptions, Object};
+use crate::cxx::{CxxType, DetailError, Exceptions, Object};
 use crate::detail::{Details, MWERR, SYSERR, UNKEX};
 use crate::events::Events;
 use crate::library::Library;
@@ -100,10 +100,10 @@ impl Parts {
         let nothing = DataType::new(&Arc::new(table), nothing).ok()?;
         let cxx = cxx.and_then(|cxx| {
             let exceptions = Exceptions::new(library, details.types(), GIVEN);
-            let refuse = |(name, why)| {
+            let refuse = |error: DetailError| {
                 let place = (checker.locate)(model.span);
-                let what = format!("exception {name}");
-                checker.errors.push(LoadError::Type { what, place, why });
+                let what = format!("exception {}", error.exception);
+                checker.errors.push(LoadError::Type { what, place, why: error.why.to_string() });
             };
             exceptions.map_err(refuse).ok().map(|exceptions| (cxx, exceptions))
         });

@@ -11,6 +11,7 @@ use genom_types::{DataType, Kind, TypeId};
 
 use super::declare;
 use super::difference::Difference;
+use super::mismatch::{Agreement, Mismatch};
 use super::table::{Argument, Table, Type};
 use crate::ffi::Class;
 
@@ -35,7 +36,7 @@ pub(super) fn compare(
             differences.push(Difference {
                 subject: format!("codel `{}`", codel.name),
                 place: locate(codel.span),
-                why,
+                why: why.to_string(),
                 description: declare::codel(model, types, codel),
                 library: format!("fn {}({})", codel.name, arguments.collect::<Vec<_>>().join(", ")),
             });
@@ -57,7 +58,7 @@ pub(super) fn compare(
             None => "the description declares no such exception".to_owned(),
             Some((id, _)) => match compare(id) {
                 Ok(()) => continue,
-                Err(why) => why,
+                Err(why) => why.to_string(),
             },
         };
         differences.push(Difference {
@@ -80,29 +81,33 @@ struct Comparison<'a> {
 }
 
 impl Comparison<'_> {
-    fn codel(&mut self, codel: &ModelCodel, told: &[Argument]) -> Result<(), String> {
+    fn codel(&mut self, codel: &ModelCodel, told: &[Argument]) -> Agreement {
         if codel.parameters.len() != told.len() {
             let (wanted, found) = (codel.parameters.len(), told.len());
-            return Err(format!(
-                "{wanted} arguments before the context are wanted, it takes {found}"
-            ));
+            return Err(Mismatch::Count {
+                what: "arguments before the context",
+                wanted,
+                and: ",",
+                takes: "takes",
+                found,
+            });
         }
         for (rank, (parameter, argument)) in codel.parameters.iter().zip(told).enumerate() {
             self.argument(parameter, argument)
-                .map_err(|why| format!("argument {} `{}`: {why}", rank + 1, parameter.name))?;
+                .map_err(|why| why.within(format!("argument {} `{}`", rank + 1, parameter.name)))?;
         }
         Ok(())
     }
 
-    fn argument(&mut self, parameter: &CodelParameter, told: &Argument) -> Result<(), String> {
+    fn argument(&mut self, parameter: &CodelParameter, told: &Argument) -> Agreement {
         let model = self.plan.component();
         let wanted = match parameter.source {
             Source::Remote(remote) => {
-                let remote = model.remotes.get(remote).ok_or("there is no such remote")?;
+                let remote = model.remotes.get(remote).ok_or(Mismatch::Absent("remote"))?;
                 return self.remote(remote, told);
             }
             Source::Port(port) => {
-                let port = model.ports.get(port).ok_or("there is no such port")?;
+                let port = model.ports.get(port).ok_or(Mismatch::Absent("port"))?;
                 match (port.direction, port.multiple) {
                     (PortDirection::In, false) => Passing::IN_PORT,
                     (PortDirection::Out, false) => Passing::OUT_PORT,
@@ -113,7 +118,7 @@ impl Comparison<'_> {
             _ => self.passing(parameter.ty, parameter.direction),
         };
         if told.passing != wanted {
-            return Err(format!("{} is wanted, not {}", way(wanted), way(told.passing)));
+            return Err(Mismatch::other(way(wanted), way(told.passing)));
         }
         let ty = match parameter.source {
             Source::Port(port) => model.ports.get(port).map_or(parameter.ty, |port| port.ty),
@@ -133,25 +138,26 @@ impl Comparison<'_> {
     }
 
     /// Compares the parameters of a remote: the type of its argument lists them.
-    fn remote(&mut self, remote: &Remote, told: &Argument) -> Result<(), String> {
+    fn remote(&mut self, remote: &Remote, told: &Argument) -> Agreement {
         if told.passing != Passing::REMOTE {
-            return Err(format!("{} is wanted, not {}", way(Passing::REMOTE), way(told.passing)));
+            return Err(Mismatch::other(way(Passing::REMOTE), way(told.passing)));
         }
         let table = self.table;
         let Some(told) = told.ty.map(|rank| &table.types[rank]) else {
-            return Err("the library tells no parameters".to_owned());
+            return Err(Mismatch::Untold("parameters"));
         };
         let (wanted, found) = (remote.parameters.len(), told.members.len());
         if wanted != found {
-            return Err(format!("{wanted} parameters are wanted, it has {found}"));
+            let (what, and, takes) = ("parameters", ",", "has");
+            return Err(Mismatch::Count { what, wanted, and, takes, found });
         }
         for (parameter, told) in remote.parameters.iter().zip(&told.members) {
-            let place = |why| format!("parameter `{}`: {why}", parameter.name);
+            let place = |why: Mismatch| why.within(format!("parameter `{}`", parameter.name));
             let wanted = self.passing(parameter.ty, parameter.direction);
             // For a parameter the offset is the number of its way of passing.
             let found = u32::try_from(told.offset).map_or(Passing(u32::MAX), Passing);
             if wanted != found {
-                return Err(place(format!("{} is wanted, not {}", way(wanted), way(found))));
+                return Err(place(Mismatch::other(way(wanted), way(found))));
             }
             self.ty(parameter.ty, told.ty).map_err(place)?;
         }
@@ -159,22 +165,23 @@ impl Comparison<'_> {
     }
 
     /// Compares a type and everything in it.
-    fn ty(&mut self, id: TypeId, told: Option<usize>) -> Result<(), String> {
+    fn ty(&mut self, id: TypeId, told: Option<usize>) -> Agreement {
         let types = &self.plan.specification().types;
         let id = types.resolve(id);
-        let Some(rank) = told else { return Err("the library tells no type".to_owned()) };
+        let Some(rank) = told else { return Err(Mismatch::Untold("type")) };
         if !self.seen.insert((id, rank)) {
             return Ok(());
         }
         let told = &self.table.types[rank];
-        let data = DataType::new(types, id).map_err(|error| error.to_string())?;
-        let differ = |what: &str, wanted: usize, found: usize| {
-            Err(format!("{}: {what} {wanted} is wanted, not {found}", types.spelling(id)))
+        let data = DataType::new(types, id)?;
+        let differ = |what, wanted: usize, found: usize| {
+            let number = Mismatch::Number { what, wanted: wanted as u64, found: found as u64 };
+            Err(number.within(types.spelling(id)))
         };
         let (kind, bound, element) = describe(types.kind(id));
         if told.kind != kind {
             let (wanted, found) = (types.spelling(id), show(self.table, Some(rank)));
-            return Err(format!("{wanted} is wanted, not {found}"));
+            return Err(Mismatch::other(wanted, found));
         }
         if told.bound != bound {
             return differ("bound or length", bound, told.bound);
@@ -182,7 +189,7 @@ impl Comparison<'_> {
         if let (Some(name), Some(found)) = (types.kind(id).name(), &told.name)
             && name.to_string() != *found
         {
-            return Err(format!("{name} is wanted, not {found}"));
+            return Err(Mismatch::other(name.to_string(), found));
         }
         if told.kind != abi::Kind::NATIVE {
             self.members(id, &data, told)?;
@@ -200,7 +207,7 @@ impl Comparison<'_> {
     }
 
     /// Compares the members of a struct, or the enumerators of an enum.
-    fn members(&mut self, id: TypeId, data: &DataType, told: &Type) -> Result<(), String> {
+    fn members(&mut self, id: TypeId, data: &DataType, told: &Type) -> Agreement {
         let types = &self.plan.specification().types;
         let names = |names: Vec<&str>| names.join(", ");
         let found: Vec<&str> = told.members.iter().map(|member| member.name.as_str()).collect();
@@ -208,10 +215,8 @@ impl Comparison<'_> {
             let wanted: Vec<&str> = enumerators.iter().map(String::as_str).collect();
             if wanted != found {
                 let (wanted, found) = (names(wanted), names(found));
-                return Err(format!(
-                    "{}: {{ {wanted} }} is wanted, not {{ {found} }}",
-                    data.name()
-                ));
+                let other = Mismatch::other(format!("{{ {wanted} }}"), format!("{{ {found} }}"));
+                return Err(other.within(data.name()));
             }
             return Ok(());
         }
@@ -219,14 +224,16 @@ impl Comparison<'_> {
         let wanted: Vec<&str> = members.iter().map(|member| member.name.as_str()).collect();
         if wanted != found {
             let (wanted, found) = (names(wanted), names(found));
-            return Err(format!("{}: members {wanted} are wanted, not {found}", data.name()));
+            let others = Mismatch::others(format!("members {wanted}"), found);
+            return Err(others.within(data.name()));
         }
         for (rank, (member, told)) in members.iter().zip(&told.members).enumerate() {
-            let place = |why| format!("{}::{}: {why}", data.name(), member.name);
+            let place = |why: Mismatch| why.within(format!("{}::{}", data.name(), member.name));
             self.ty(member.ty, told.ty).map_err(place)?;
             let offset = data.member_offset(rank).unwrap_or_default();
             if offset != told.offset {
-                return Err(place(format!("offset {offset} is wanted, not {}", told.offset)));
+                let (wanted, found) = (offset as u64, told.offset as u64);
+                return Err(place(Mismatch::Number { what: "offset", wanted, found }));
             }
         }
         Ok(())

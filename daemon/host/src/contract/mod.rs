@@ -7,6 +7,7 @@ mod declare;
 mod descriptors;
 mod difference;
 mod dwarf;
+mod mismatch;
 mod table;
 
 use std::path::Path;
@@ -60,7 +61,7 @@ pub fn check(library: &Library, plan: &Plan, locate: &dyn Fn(Span) -> String) ->
                 checked: Checked::Unchecked,
                 codels: 0,
                 differences: Vec::new(),
-                unchecked: Some(why),
+                unchecked: Some(why.to_string()),
             },
         },
         Err(error) => {

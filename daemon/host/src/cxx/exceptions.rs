@@ -9,6 +9,7 @@ use std::ffi::{CStr, CString, c_char, c_int};
 use genom_types::{DataType, Record};
 use serde_json::Value;
 
+use super::error::CxxTypeError;
 use super::layout::CxxType;
 use super::object;
 use super::shim::{self, Raise};
@@ -23,6 +24,17 @@ const DETAIL: usize = 8;
 pub(crate) struct Exceptions {
     by_type: HashMap<String, Known>,
     by_name: HashMap<String, Made>,
+}
+
+/// The detail of an exception has no C++ type.
+#[derive(Debug, thiserror::Error)]
+#[error("exception {exception}: {why}")]
+pub(crate) struct DetailError {
+    /// Full name of the exception.
+    pub(crate) exception: String,
+    /// What its type lacks.
+    #[source]
+    pub(crate) why: CxxTypeError,
 }
 
 /// An exception of the codels.
@@ -44,16 +56,16 @@ impl Exceptions {
     /// Those of `types`, with their details, and those in `given` that the host may throw.
     ///
     /// # Errors
-    /// The exception whose detail has no C++ type, and why.
+    /// The detail of an exception has no C++ type.
     pub(crate) fn new<'a>(
         library: &Library,
         types: impl Iterator<Item = (&'a str, Option<&'a DataType>)>,
         given: &[&'a str],
-    ) -> Result<Self, (String, String)> {
+    ) -> Result<Self, DetailError> {
         let mut exceptions = Self { by_type: HashMap::new(), by_name: HashMap::new() };
         for (name, detail) in types.chain(given.iter().map(|name| (*name, None))) {
             let detail = detail.map(CxxType::new).transpose();
-            let detail = detail.map_err(|why| (name.to_owned(), why))?;
+            let detail = detail.map_err(|why| DetailError { exception: name.to_owned(), why })?;
             exceptions.add(library, name, detail);
         }
         Ok(exceptions)

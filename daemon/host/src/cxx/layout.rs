@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use genom_types::{DataType, Kind, TypeId};
 
+use super::error::CxxTypeError;
 use super::facts;
 
 /// A type and everything inside it, laid out both ways. Cloning costs one reference count.
@@ -65,12 +66,9 @@ impl CxxType {
     /// The type in C++.
     ///
     /// # Errors
-    /// Why C++ has no such type, in a sentence.
-    pub(crate) fn new(c: &DataType) -> Result<Self, String> {
-        let (string, flags) = facts::sizes().ok_or(
-            "the C++ library this daemon was built with keeps std::vector in a way it does not \
-             know: lang \"c++\" needs libstdc++",
-        )?;
+    /// C++ has no such type.
+    pub(crate) fn new(c: &DataType) -> Result<Self, CxxTypeError> {
+        let (string, flags) = facts::sizes().ok_or(CxxTypeError::OtherLibrary)?;
         let mut builder = Builder { graph: Graph::default(), known: HashMap::new(), string, flags };
         let node = builder.add(c)?;
         Ok(Self { graph: Arc::new(builder.graph), node })
@@ -140,7 +138,7 @@ impl Builder {
         self.push(c, built.0, built.1, built.2)
     }
 
-    fn add(&mut self, c: &DataType) -> Result<usize, String> {
+    fn add(&mut self, c: &DataType) -> Result<usize, CxxTypeError> {
         if let Some(node) = self.known.get(&c.id()) {
             return Ok(*node);
         }
@@ -185,7 +183,7 @@ impl Builder {
             Kind::Struct { .. } | Kind::Exception { .. } => self.structure(c)?,
             Kind::Union { .. } => self.union(c)?,
             Kind::Any | Kind::Forward { .. } => {
-                return Err(format!("{} has no C++ type", c.name()));
+                return Err(CxxTypeError::None { ty: c.name().to_owned() });
             }
             _ => self.plain(c),
         };
@@ -193,7 +191,7 @@ impl Builder {
         Ok(node)
     }
 
-    fn structure(&mut self, c: &DataType) -> Result<usize, String> {
+    fn structure(&mut self, c: &DataType) -> Result<usize, CxxTypeError> {
         let (mut parts, mut end, mut align) = (Vec::new(), 0_usize, 1);
         for rank in 0..c.member_count() {
             let (Some(member), Some(c_at)) = (c.member(rank), c.member_offset(rank)) else {
@@ -212,36 +210,34 @@ impl Builder {
     }
 
     /// genom3.md 6: members of a union have no constructors, which also makes it that of C.
-    fn union(&mut self, c: &DataType) -> Result<usize, String> {
+    fn union(&mut self, c: &DataType) -> Result<usize, CxxTypeError> {
         for rank in 0..c.member_count() {
             let Some(member) = c.member(rank) else { continue };
             let node = self.add(&member)?;
             if !self.graph.nodes[node].same {
-                return Err(format!(
-                    "member '{}' of type {} not allowed in C++ union {}: put it beside the union",
-                    c.member_name(rank).unwrap_or_default(),
-                    member.name(),
-                    c.name()
-                ));
+                return Err(CxxTypeError::UnionMember {
+                    member: c.member_name(rank).unwrap_or_default().to_owned(),
+                    ty: member.name().to_owned(),
+                    union: c.name().to_owned(),
+                });
             }
         }
         Ok(self.plain(c))
     }
 
     /// The element of a sequence: C++ has no vectors of arrays.
-    fn element(&mut self, c: &DataType) -> Result<usize, String> {
+    fn element(&mut self, c: &DataType) -> Result<usize, CxxTypeError> {
         let element = inner(c)?;
         if let Kind::Array { .. } | Kind::String { bound: Some(_) } = element.kind() {
-            return Err(format!(
-                "{} has no C++ type, because {} is an array there: put it in a struct",
-                c.name(),
-                element.name()
-            ));
+            return Err(CxxTypeError::ArrayElement {
+                ty: c.name().to_owned(),
+                element: element.name().to_owned(),
+            });
         }
         self.add(&element)
     }
 }
 
-fn inner(c: &DataType) -> Result<DataType, String> {
-    c.element().ok_or_else(|| format!("{} has no element", c.name()))
+fn inner(c: &DataType) -> Result<DataType, CxxTypeError> {
+    c.element().ok_or_else(|| CxxTypeError::NoElement { ty: c.name().to_owned() })
 }

@@ -4,6 +4,7 @@
 //! C++ objects are the codels' memory; records in C layout, which everything else of the host
 //! works on, are filled from them and fill them where requests and ports begin and end.
 
+mod error;
 mod exceptions;
 mod facts;
 mod functions;
@@ -16,7 +17,8 @@ mod shim;
 mod spelling;
 mod transfer;
 
-pub(crate) use exceptions::{Catcher, Exceptions};
+pub(crate) use error::{CxxPathError, CxxTypeError};
+pub(crate) use exceptions::{Catcher, DetailError, Exceptions};
 pub(crate) use functions::{Function, find};
 pub(crate) use layout::CxxType;
 pub(crate) use object::{Object, copy, to_c, to_cxx};

@@ -1,8 +1,9 @@
 //! Ways to data inside C++ values. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
-use genom_types::PathStep;
+use genom_types::{CompiledPath, PathStep};
 
+use super::error::CxxPathError;
 use super::layout::{CxxType, Shape};
 use super::life::Vector;
 use super::transfer::bounded_length;
@@ -32,14 +33,14 @@ impl CxxPath {
     /// Resolves a way that was found right in C.
     ///
     /// # Errors
-    /// Why there is no such place, in a sentence.
-    pub(crate) fn new(root: &CxxType, steps: &[PathStep]) -> Result<Self, String> {
+    /// There is no such place in C++.
+    pub(crate) fn new(root: &CxxType, steps: &[PathStep]) -> Result<Self, CxxPathError> {
         let mut path = Self { target: root.clone(), hops: Vec::new(), offset: 0 };
         steps.iter().try_for_each(|step| path.step(*step))?;
         Ok(path)
     }
 
-    fn step(&mut self, step: PathStep) -> Result<(), String> {
+    fn step(&mut self, step: PathStep) -> Result<(), CxxPathError> {
         while let Shape::Optional { element, at, .. } = self.target.node().shape {
             self.offset += at;
             self.target = self.target.at(element);
@@ -47,7 +48,7 @@ impl CxxPath {
         let here = self.target.clone();
         let (element, bounded) = match (&here.node().shape, step) {
             (Shape::Struct { parts }, PathStep::Member(rank)) => {
-                let part = parts.get(rank).ok_or("there is no such member")?;
+                let part = parts.get(rank).ok_or(CxxPathError::Member)?;
                 self.offset += part.at;
                 self.target = here.at(part.node);
                 return Ok(());
@@ -59,9 +60,8 @@ impl CxxPath {
             }
             (Shape::Plain, _) => {
                 // As in C, and so is all inside.
-                let inside = genom_types::CompiledPath::new(here.c(), &[step]);
-                let inside = inside.map_err(|why| why.to_string())?;
-                self.offset += inside.constant_offset().ok_or("a sequence is no plain type")?;
+                let inside = CompiledPath::new(here.c(), &[step])?;
+                self.offset += inside.constant_offset().ok_or(CxxPathError::Sequence)?;
                 self.target = CxxType::new(inside.target())?;
                 return Ok(());
             }
@@ -69,12 +69,8 @@ impl CxxPath {
             (Shape::Bounded { element, bound, length_at }, PathStep::Index(_)) => {
                 (*element, Some((*length_at, *bound)))
             }
-            (Shape::Flags, PathStep::Index(_)) => {
-                return Err("an element of std::vector<bool> has no address: make it a \
-                            sequence<octet>"
-                    .to_owned());
-            }
-            _ => return Err(format!("{} has no such part", here.c().name())),
+            (Shape::Flags, PathStep::Index(_)) => return Err(CxxPathError::Bit),
+            _ => return Err(CxxPathError::Part { ty: here.c().name().to_owned() }),
         };
         let PathStep::Index(index) = step else { return Ok(()) };
         self.target = here.at(element);

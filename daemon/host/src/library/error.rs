@@ -109,9 +109,18 @@ pub enum OpenError {
     },
 }
 
+/// The dynamic linker did not open a file.
+#[derive(Debug, thiserror::Error)]
+#[error("{said}")]
+pub(super) struct LinkError {
+    /// Its message, without the name of the file.
+    pub(super) said: String,
+}
+
 impl OpenError {
-    /// Reads the dynamic linker's message `said` about the copy of `path`.
-    pub(super) fn from_linker(path: PathBuf, said: &str) -> Self {
+    /// Reads what the dynamic linker says of the copy of `path`.
+    pub(super) fn from_linker(path: PathBuf, error: &LinkError) -> Self {
+        let said = error.said.as_str();
         if let Some((_, symbol)) = said.split_once("undefined symbol: ") {
             let symbol = symbol.split([',', ' ']).next().unwrap_or(symbol).to_owned();
             return Self::UndefinedSymbol { path, symbol };

@@ -9,6 +9,7 @@ use std::path::Path;
 use libloading::os::unix;
 
 use super::elf::Segment;
+use super::error::LinkError;
 use crate::last_words;
 use crate::running;
 use crate::what::WHAT;
@@ -34,8 +35,9 @@ pub(super) struct Handle {
 impl Handle {
     /// Opens `file`, a copy of `library`, with all symbols bound now and none of them visible to
     /// others.
-    pub(super) fn open(file: &Path, library: &Path) -> Result<Self, String> {
-        let name = CString::new(file.as_os_str().as_bytes()).map_err(|error| error.to_string())?;
+    pub(super) fn open(file: &Path, library: &Path) -> Result<Self, LinkError> {
+        let name = CString::new(file.as_os_str().as_bytes())
+            .map_err(|error| LinkError { said: error.to_string() })?;
         let words = format!("a constructor of {}", library.display());
         let (mut handle, mut what) = (std::ptr::null_mut(), [0u8; WHAT]);
         let constructor = running::running(&words);
@@ -58,7 +60,7 @@ impl Handle {
                 .map(|said| unsafe { CStr::from_ptr(said) }.to_string_lossy().into_owned())
                 .unwrap_or_default();
             let own = format!("{}: ", file.display());
-            return Err(said.strip_prefix(&own).unwrap_or(&said).to_owned());
+            return Err(LinkError { said: said.strip_prefix(&own).unwrap_or(&said).to_owned() });
         }
         // SAFETY: the dynamic linker just gave this handle, to nobody else.
         let library = Some(unsafe { unix::Library::from_raw(handle) });

@@ -14,6 +14,7 @@ mod timers;
 
 pub use contents::{Contents, Digest};
 pub use elf::EmbeddedDescription;
+use error::LinkError;
 pub use error::OpenError;
 
 use std::path::{Path, PathBuf};
@@ -36,7 +37,16 @@ const SYSTEM: &[&str] = &[
 ];
 
 /// Opens a file, or says as the dynamic linker does why not.
-type Linker = fn(&Path, &Path) -> Result<Handle, String>;
+type Linker = fn(&Path, &Path) -> Result<Handle, LinkError>;
+
+/// Where a function of a library is.
+pub(crate) enum FoundFunction {
+    /// At this address.
+    At(usize),
+    /// In this library of the system, which has another of the same name: not what is meant.
+    InSystem(String),
+    Nowhere,
+}
 
 /// An open library. Closing is dropping: no thread may still run its code then.
 #[derive(Debug)]
@@ -80,10 +90,10 @@ impl Library {
         match link(copy.path(), &contents.path) {
             Ok(handle) => Ok(Self::new(contents, handle, Some(copy))),
             // A temporary directory mounted `noexec`.
-            Err(said) if said.contains("failed to map segment") => {
+            Err(error) if error.said.contains("failed to map segment") => {
                 Self::open_beside(contents, link)
             }
-            Err(said) => Err(OpenError::from_linker(contents.path, &said)),
+            Err(error) => Err(OpenError::from_linker(contents.path, &error)),
         }
     }
 
@@ -101,7 +111,7 @@ impl Library {
         });
         match loaded {
             Ok(handle) => Ok(Self::new(contents, handle, None)),
-            Err(said) => Err(OpenError::from_linker(contents.path, &said)),
+            Err(error) => Err(OpenError::from_linker(contents.path, &error)),
         }
     }
 
@@ -146,20 +156,17 @@ impl Library {
         self.symbol(name).filter(|at| self.mappings.iter().any(|own| own.range.contains(at)))
     }
 
-    /// Address of C function `name`, of this library or of one made for it.
-    ///
-    /// # Errors
-    /// The name of the system library that has a function of this name: not what is meant.
-    pub(crate) fn function(&self, name: &str) -> Result<Option<usize>, String> {
-        let Some(at) = self.symbol(name) else { return Ok(None) };
+    /// Where C function `name` is, in this library or in one made for it.
+    pub(crate) fn function(&self, name: &str) -> FoundFunction {
+        let Some(at) = self.symbol(name) else { return FoundFunction::Nowhere };
         if self.own_symbol(name).is_some() {
-            return Ok(Some(at));
+            return FoundFunction::At(at);
         }
         let file = linker::file_of(at);
         let base = file.rsplit('/').next().unwrap_or_default();
         match SYSTEM.iter().any(|system| base.starts_with(system)) {
-            true => Err(base.to_owned()),
-            false => Ok(Some(at)),
+            true => FoundFunction::InSystem(base.to_owned()),
+            false => FoundFunction::At(at),
         }
     }
 
@@ -200,8 +207,12 @@ mod tests {
 
     use super::*;
 
+    fn no_segment() -> LinkError {
+        LinkError { said: "failed to map segment from shared object".to_owned() }
+    }
+
     /// A temporary directory mounted `noexec`, as the linker of glibc tells it.
-    fn nothing_runs_in_temporary(file: &Path, library: &Path) -> Result<Handle, String> {
+    fn nothing_runs_in_temporary(file: &Path, library: &Path) -> Result<Handle, LinkError> {
         if file
             .parent()
             .unwrap()
@@ -210,13 +221,13 @@ mod tests {
             .to_string_lossy()
             .starts_with("genomd-library-")
         {
-            return Err("failed to map segment from shared object".to_owned());
+            return Err(no_segment());
         }
         Handle::open(file, library)
     }
 
-    fn nothing_runs_anywhere(_: &Path, _: &Path) -> Result<Handle, String> {
-        Err("failed to map segment from shared object".to_owned())
+    fn nothing_runs_anywhere(_: &Path, _: &Path) -> Result<Handle, LinkError> {
+        Err(no_segment())
     }
 
     #[test]

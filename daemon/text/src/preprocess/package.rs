@@ -8,6 +8,23 @@ use super::Preprocessor;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
+/// Why a package was not found.
+#[derive(Debug, thiserror::Error)]
+enum PkgConfigError {
+    /// The first line of what pkg-config says.
+    #[error("{0}")]
+    Said(String),
+    /// It refuses without a word.
+    #[error("{} says no more", program.display())]
+    Silent { program: PathBuf },
+    /// There is no pkg-config.
+    #[error("there is no program `{}` to find it", program.display())]
+    Absent { program: PathBuf },
+    /// It cannot be run.
+    #[error("cannot run `{}`: {source}", program.display())]
+    Unusable { program: PathBuf, source: io::Error },
+}
+
 /// Packages in one pragma (genom3.md 1.3).
 const MAX_PACKAGES: usize = 8;
 
@@ -37,7 +54,7 @@ impl Preprocessor<'_> {
     }
 
     /// Never through a shell: a description must not be able to run anything else.
-    fn ask(&self, packages: &[(Box<str>, Span)]) -> Result<String, String> {
+    fn ask(&self, packages: &[(Box<str>, Span)]) -> Result<String, PkgConfigError> {
         let program = self.options.pkg_config.clone().unwrap_or_else(|| {
             let given = std::env::var_os("PKG_CONFIG").filter(|value| !value.is_empty());
             given.map_or_else(|| PathBuf::from("pkg-config"), PathBuf::from)
@@ -52,13 +69,15 @@ impl Preprocessor<'_> {
             Ok(output) => {
                 let said = String::from_utf8_lossy(&output.stderr);
                 let first = said.lines().find(|line| !line.trim().is_empty());
-                let program = program.display();
-                Err(first.map_or_else(|| format!("{program} says no more"), str::to_owned))
+                Err(match first {
+                    Some(first) => PkgConfigError::Said(first.to_owned()),
+                    None => PkgConfigError::Silent { program },
+                })
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                Err(format!("there is no program `{}` to find it", program.display()))
+                Err(PkgConfigError::Absent { program })
             }
-            Err(error) => Err(format!("cannot run `{}`: {error}", program.display())),
+            Err(source) => Err(PkgConfigError::Unusable { program, source }),
         }
     }
 
@@ -89,7 +108,7 @@ impl Preprocessor<'_> {
     }
 
     /// Refused as by GenoM3, unless `-I` says where the files of the packages are.
-    fn missing(&mut self, packages: &[(Box<str>, Span)], why: &str) {
+    fn missing(&mut self, packages: &[(Box<str>, Span)], why: &PkgConfigError) {
         let names: Vec<_> = packages.iter().map(|(name, _)| format!("`{name}`")).collect();
         let span = packages.first().map_or(Span::default(), |(_, span)| *span);
         let message = format!("package {} not found: {why}", names.join(", "));

@@ -8,25 +8,25 @@ use genom_types::Record;
 use iceoryx2::port::client::RequestSendError;
 
 use super::call::Call;
+use super::desk::Desk;
 use super::frame;
 use super::meeting::REQUESTS;
 use super::request::digests;
 use crate::catalog::Kind;
 use crate::error::BACKEND;
-use crate::inner::Inner;
 
 struct ShmClient {
     at: Address,
     ty: ServiceType,
     /// What all its requests start with.
     start: Vec<u8>,
-    inner: Arc<Inner>,
+    desk: Arc<Desk>,
 }
 
 struct ShmRunning {
     call: Arc<Call>,
     /// The worker is needed until the request ends.
-    _inner: Arc<Inner>,
+    _desk: Arc<Desk>,
 }
 
 fn broken(why: &impl ToString) -> CallError {
@@ -34,12 +34,12 @@ fn broken(why: &impl ToString) -> CallError {
 }
 
 pub(crate) fn open(
-    inner: &Arc<Inner>,
+    desk: &Arc<Desk>,
     at: &Address,
     ty: &ServiceType,
 ) -> Result<impl Client + 'static, OpenError> {
     let digests = digests(ty);
-    for (_, offer) in inner.ground.find(Kind::Service, at) {
+    for (_, offer) in desk.inner.ground.find(Kind::Service, at) {
         if offer.digests != digests {
             return Err(OpenError::TypeMismatch {
                 address: at.clone(),
@@ -49,7 +49,7 @@ pub(crate) fn open(
         }
     }
     let start = frame::request(&at.to_string(), &digests);
-    Ok(ShmClient { at: at.clone(), ty: ty.clone(), start, inner: Arc::clone(inner) })
+    Ok(ShmClient { at: at.clone(), ty: ty.clone(), start, desk: Arc::clone(desk) })
 }
 
 impl Client for ShmClient {
@@ -65,8 +65,8 @@ impl Client for ShmClient {
                 theirs: type_of_port(&self.ty.input),
             });
         }
-        let worker = self.inner.worker(&self.at).map_err(|error| broken(&error))?;
-        let way = worker.callers.way(&self.inner.ground, &self.at).map_err(|e| broken(&e))?;
+        let worker = self.desk.worker(&self.at).map_err(|error| broken(&error))?;
+        let way = worker.callers.way(&self.desk.inner.ground, &self.at).map_err(|e| broken(&e))?;
         let way = way.ok_or_else(|| CallError::Nobody { address: self.at.clone() })?;
         let mut message = Vec::new();
         input
@@ -85,7 +85,7 @@ impl Client for ShmClient {
         let call = Arc::new(Call::new(pending, replies, &self.at, &self.ty, worker.bell()));
         worker.add_call(Arc::clone(&call));
         worker.bell().ring();
-        Ok(Box::new(ShmRunning { call, _inner: Arc::clone(&self.inner) }))
+        Ok(Box::new(ShmRunning { call, _desk: Arc::clone(&self.desk) }))
     }
 }
 

@@ -57,7 +57,7 @@ pub(super) fn create(ground: &Ground, at: &Address) -> Result<CallService, OpenE
             Err(error) => Err(failed(at, &error.to_string())),
         }
     };
-    attain(ground, at, || Ok(Attempt::Absent), create)
+    attain(ground.keeping(), at, || Ok(Attempt::Absent), create)
 }
 
 /// Opens that of a daemon; `None` when it is gone.
@@ -78,5 +78,5 @@ pub(super) fn open(
         ) => Ok(Attempt::Broken(error.to_string())),
         Err(error) => Err(failed(at, &error.to_string())),
     };
-    attain(ground, at, open, || Ok(Attempt::Absent))
+    attain(ground.keeping(), at, open, || Ok(Attempt::Absent))
 }

@@ -4,29 +4,29 @@ use std::sync::Arc;
 
 use genom_middleware::{Address, OpenError, Served, ServiceHandler, ServiceType};
 
+use super::desk::Desk;
 use super::hub::Hub;
 use super::request::Entry;
-use crate::inner::Inner;
 
 struct ShmServed {
     at: Address,
     entry: Arc<Entry>,
     hub: Arc<Hub>,
-    inner: Arc<Inner>,
+    desk: Arc<Desk>,
 }
 
 /// Serves until the result is dropped.
 pub(crate) fn open(
-    inner: &Arc<Inner>,
+    desk: &Arc<Desk>,
     at: &Address,
     ty: &ServiceType,
     handler: Arc<dyn ServiceHandler>,
 ) -> Result<impl Served + 'static, OpenError> {
-    let worker = inner.worker(at)?;
-    let hub = worker.hub(&inner.ground, at)?;
+    let worker = desk.worker(at)?;
+    let hub = worker.hub(&desk.inner.ground, at)?;
     let entry = Arc::new(Entry { handler, ty: ty.clone() });
     hub.add(at, &entry)?;
-    Ok(ShmServed { at: at.clone(), entry, hub, inner: Arc::clone(inner) })
+    Ok(ShmServed { at: at.clone(), entry, hub, desk: Arc::clone(desk) })
 }
 
 impl Served for ShmServed {}
@@ -34,7 +34,7 @@ impl Served for ShmServed {}
 impl Drop for ShmServed {
     fn drop(&mut self) {
         self.hub.withdraw(&self.at, &self.entry);
-        if let Ok(worker) = self.inner.worker(&self.at) {
+        if let Ok(worker) = self.desk.worker(&self.at) {
             worker.bell().ring();
         }
     }

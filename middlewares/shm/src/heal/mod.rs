@@ -18,6 +18,8 @@
 //! Passes take turns by a lock on the folder itself, which ends with the process and leaves no
 //! file behind. What living peers have mapped stays mapped, and their files are not touched.
 
+mod files;
+mod healed;
 mod nodes;
 mod places;
 mod remains;
@@ -31,54 +33,11 @@ use std::time::Instant;
 use iceoryx2::prelude::Config;
 
 use crate::catalog;
+pub(crate) use healed::Healed;
 use nodes::Nodes;
 pub(crate) use places::Places;
 use remains::Segments;
 pub(crate) use turn::Turn;
-
-/// What a pass removed.
-#[derive(Debug, Default)]
-pub(crate) struct Healed {
-    /// Nodes whose process is gone.
-    nodes: usize,
-    files: Vec<PathBuf>,
-}
-
-impl Healed {
-    /// Whether there was a node whose process is gone.
-    pub(crate) fn found_nodes(&self) -> bool {
-        self.nodes > 0
-    }
-
-    /// Removes a file that nobody needs.
-    fn remove(&mut self, file: PathBuf) {
-        if std::fs::remove_file(&file).is_ok() {
-            self.files.push(file);
-        }
-    }
-
-    fn tell(&self, begin: Instant) {
-        for file in &self.files {
-            tracing::debug!(file = %file.display(), "removed: its process is gone");
-        }
-        let milliseconds = begin.elapsed().as_millis();
-        if let Some(first) = self.files.first() {
-            tracing::warn!(
-                nodes = self.nodes,
-                damaged = self.files.len(),
-                first = %first.display(),
-                milliseconds,
-                "removed what processes left on shared memory that were killed"
-            );
-        } else if self.nodes > 0 {
-            tracing::info!(
-                nodes = self.nodes,
-                milliseconds,
-                "removed what processes left on shared memory that were killed"
-            );
-        }
-    }
-}
 
 /// A pass. Where folders cannot be read it does what it can: what needs them says why it fails.
 pub(crate) fn heal(config: &Config, places: &Places, _turn: &Turn) -> Healed {

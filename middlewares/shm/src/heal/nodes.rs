@@ -15,9 +15,9 @@ use iceoryx2::node::{
 use iceoryx2::prelude::*;
 use rustix::process::{Flock, FlockType, fcntl_getlk};
 
-use super::Healed;
+use super::files::is_unreadable;
+use super::healed::Healed;
 use super::places::{Places, entries};
-use super::remains::is_unreadable;
 use crate::raw::Ipc;
 
 /// How long a node may take to come or to go: system calls without a wait between them.

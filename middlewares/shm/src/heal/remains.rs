@@ -2,12 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::os::unix::fs::MetadataExt as _;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::Healed;
+use super::files::{ids, is_empty, is_unfinished};
+use super::healed::Healed;
 use super::nodes::{self, Tags};
 use super::places::{Places, entries};
 use super::services;
@@ -17,9 +17,6 @@ const BIRTH: Duration = Duration::from_millis(50);
 
 /// Its bytes: a version, and a count.
 const COUNTER: u64 = 16;
-
-/// Smallest identity: its upper half holds a process, and is never zero.
-const LEAST: u128 = 1 << 64;
 
 /// The segments of a prefix.
 pub(super) struct Segments {
@@ -41,31 +38,6 @@ impl Segments {
     fn of(&self, id: u128) -> impl Iterator<Item = &String> {
         self.by_id.get(&id).into_iter().flatten()
     }
-}
-
-/// The identities in the name of a segment: `PREFIX KIND _ID`, `_ID_ID` for a connection.
-pub(super) fn ids(places: &Places, name: &str) -> impl Iterator<Item = u128> + use<> {
-    let stem = name.strip_prefix(places.prefix.as_str()).unwrap_or_default();
-    let stem = stem.split('.').next().unwrap_or_default();
-    let parts: Vec<u128> = stem.split('_').filter_map(|part| part.parse().ok()).collect();
-    parts.into_iter().filter(|id| *id >= LEAST)
-}
-
-/// Whether a file was never finished: iceoryx2 gives it its size first, and the right to read it
-/// last.
-fn is_unfinished(file: &Path) -> bool {
-    is_unreadable(file) || is_empty(file)
-}
-
-/// Whether its owner may not read a file.
-pub(super) fn is_unreadable(file: &Path) -> bool {
-    const READ: u32 = 0o400;
-    fs::symlink_metadata(file).is_ok_and(|told| told.is_file() && told.mode() & READ == 0)
-}
-
-/// Whether a segment has no bytes: whoever opens it waits until it has some, without an end.
-fn is_empty(file: &Path) -> bool {
-    fs::symlink_metadata(file).is_ok_and(|told| told.is_file() && told.len() == 0)
 }
 
 /// Segments without bytes, and the processes their names tell of.

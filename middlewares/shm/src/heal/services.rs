@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use iceoryx2::prelude::Config;
 
-use super::Healed;
+use super::files::ids;
+use super::healed::Healed;
 use super::nodes::{Nodes, process};
 use super::places::{Places, entries};
-use super::remains::ids;
 
 /// The file that describes a service.
 pub(super) fn file(places: &Places, hash: &str) -> PathBuf {

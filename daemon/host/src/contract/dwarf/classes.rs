@@ -5,7 +5,8 @@ use genom_description::model::{Parameter, Port, PortDirection};
 use genom_description_tools as tools;
 use genom_types::{DataType, Kind, TypeId};
 
-use super::compare::{Comparison, Outcome, Part};
+use super::super::mismatch::{Agreement, Mismatch};
+use super::compare::{Comparison, Part};
 use super::node::At;
 use super::node::{Composite, Node};
 use crate::cxx::CxxType;
@@ -17,7 +18,13 @@ impl Comparison<'_> {
     }
 
     /// A datum that is no scalar, at a place that was not compared yet.
-    pub(super) fn object(&mut self, ty: TypeId, place: At, node: Node, at: Option<At>) -> Outcome {
+    pub(super) fn object(
+        &mut self,
+        ty: TypeId,
+        place: At,
+        node: Node,
+        at: Option<At>,
+    ) -> Agreement {
         let types = self.types();
         match (types.kind(ty), node) {
             (Kind::Native { .. }, Node::Pointer(_)) => Ok(()),
@@ -36,7 +43,7 @@ impl Comparison<'_> {
                     return Ok(());
                 }
                 let inside = self.memory(*element, found.element);
-                inside.map_err(|why| format!("`{}`: its element: {why}", self.in_cxx(ty)))
+                inside.map_err(|why| why.within(format!("`{}`: its element", self.in_cxx(ty))))
             }
             (
                 Kind::Sequence { .. }
@@ -49,28 +56,27 @@ impl Comparison<'_> {
         }
     }
 
-    fn layout_in_cxx(&self, ty: TypeId) -> Result<CxxType, String> {
-        let data = DataType::new(&self.plan.specification().types, ty);
-        CxxType::new(&data.map_err(|error| error.to_string())?)
+    fn layout_in_cxx(&self, ty: TypeId) -> Result<CxxType, Mismatch> {
+        let data = DataType::new(&self.plan.specification().types, ty)?;
+        Ok(CxxType::new(&data)?)
     }
 
     /// A class of the standard library, known by its name and size.
-    fn template(&self, ty: TypeId, found: &Composite, name: &str, at: Option<At>) -> Outcome {
+    fn template(&self, ty: TypeId, found: &Composite, name: &str, at: Option<At>) -> Agreement {
         if !found.name.starts_with(name) {
             return self.differ(ty, at);
         }
         let wanted = self.layout_in_cxx(ty)?.size() as u64;
         match found.size {
-            Some(size) if size != wanted => Err(format!(
-                "`{}` has {wanted} bytes in this host's C++ library and {size} in that of the \
-                 codels: compile them with libstdc++ and its usual options",
-                self.in_cxx(ty)
-            )),
+            Some(size) if size != wanted => {
+                let class = self.in_cxx(ty);
+                Err(Mismatch::OtherLibrary { class, ours: wanted, theirs: size })
+            }
             _ => Ok(()),
         }
     }
 
-    fn aggregate(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Outcome {
+    fn aggregate(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Agreement {
         let types = self.types();
         let layout = self.layout_in_cxx(ty)?;
         let wanted: Vec<(String, usize, Part)> = match types.kind(ty) {
@@ -94,7 +100,7 @@ impl Comparison<'_> {
     }
 
     /// An abstract struct with these virtual functions, in this order.
-    pub(super) fn abstract_port(&mut self, port: &Port, at: Option<At>) -> Outcome {
+    pub(super) fn abstract_port(&mut self, port: &Port, at: Option<At>) -> Agreement {
         let wanted: &[&str] = match (port.direction, port.multiple) {
             (PortDirection::In, _) => &["data", "read"],
             (PortDirection::Out, false) => &["data", "write"],
@@ -105,27 +111,32 @@ impl Comparison<'_> {
         // `this`, and the element's name.
         let arguments = if port.multiple { 2 } else { 1 };
         if data.parameters.len() != arguments {
-            let kind = if port.multiple { "multiple" } else { "simple" };
-            let id = if port.multiple { "the name of an element" } else { "nothing" };
-            return Err(format!("the port is {kind}: its methods take {id}"));
+            return Err(match port.multiple {
+                true => Mismatch::Methods { kind: "multiple", arguments: "the name of an element" },
+                false => Mismatch::Methods { kind: "simple", arguments: "nothing" },
+            });
         }
         let datum = self.pointer(data.result).and_then(|target| self.memory(port.ty, target));
-        datum.map_err(|why| format!("its data: {why}"))
+        datum.map_err(|why| why.within("its data"))
     }
 
     /// An abstract struct with `call`.
-    pub(super) fn abstract_remote(&mut self, parameters: &[Parameter], at: Option<At>) -> Outcome {
+    pub(super) fn abstract_remote(
+        &mut self,
+        parameters: &[Parameter],
+        at: Option<At>,
+    ) -> Agreement {
         let Some(found) = self.abstract_struct(at, &["call"])? else { return Ok(()) };
         let Some((_, call)) = found.methods.first() else { return Ok(()) };
         // `this` comes first.
         let arguments = call.parameters.get(1..).unwrap_or_default();
         let (wanted, found) = (parameters.len(), arguments.len());
         if wanted != found {
-            return Err(format!("its call takes {wanted} arguments, not {found}"));
+            return Err(Mismatch::Call { wanted, found });
         }
         for (parameter, (_, at)) in parameters.iter().zip(arguments) {
             self.passed(parameter.ty, parameter.direction, *at)
-                .map_err(|why| format!("argument `{}` of its call: {why}", parameter.name))?;
+                .map_err(|why| why.within(format!("argument `{}` of its call", parameter.name)))?;
         }
         Ok(())
     }
@@ -135,11 +146,11 @@ impl Comparison<'_> {
         &self,
         at: Option<At>,
         wanted: &[&str],
-    ) -> Result<Option<Composite>, String> {
+    ) -> Result<Option<Composite>, Mismatch> {
         let target = self.pointer(at)?;
         let Some((_, node)) = self.info.stripped(target) else { return Ok(None) };
         let Node::Struct(found) = node else {
-            return Err(format!("an object is wanted, not `{}`", self.info.spell(at)));
+            return Err(Mismatch::other("an object", self.spelled(at)));
         };
         if found.size.is_none() {
             return Ok(None);
@@ -147,7 +158,8 @@ impl Comparison<'_> {
         let names: Vec<&str> = found.methods.iter().map(|(name, _)| name.as_str()).collect();
         if names != wanted {
             let (wanted, found) = (wanted.join(", "), names.join(", "));
-            return Err(format!("an object with {wanted} is wanted, not one with {found}"));
+            let wanted = format!("an object with {wanted}");
+            return Err(Mismatch::other(wanted, format!("one with {found}")));
         }
         Ok(Some(found))
     }

@@ -9,6 +9,7 @@ use genom_runtime::plan::Plan;
 use genom_types::{DataType, Kind, TypeId, TypeTable};
 use gimli::DwAte;
 
+use super::super::mismatch::{Agreement, Mismatch};
 use super::info::DebugInfo;
 use super::node::{At, Composite, Function, Member, Node};
 use crate::ffi::{Class, Scalar};
@@ -23,8 +24,6 @@ pub(super) struct Comparison<'a> {
     seen: HashSet<(TypeId, At)>,
 }
 
-pub(super) type Outcome = Result<(), String>;
-
 impl<'a> Comparison<'a> {
     /// A comparison that has seen nothing yet.
     pub(super) fn new(info: &'a DebugInfo<'a>, plan: &'a Plan) -> Self {
@@ -37,40 +36,37 @@ impl<'a> Comparison<'a> {
     }
 
     /// Compares a codel with the function of its name.
-    pub(super) fn codel(&mut self, codel: &Codel, function: &Function) -> Outcome {
+    pub(super) fn codel(&mut self, codel: &Codel, function: &Function) -> Agreement {
         let wanted = codel.parameters.len() + usize::from(!self.cxx);
         let found = function.parameters.len();
-        if wanted != found && self.cxx {
-            return Err(format!("{wanted} arguments are wanted; it takes {found}"));
-        }
         if wanted != found {
-            return Err(format!(
-                "{wanted} arguments are wanted, the context included; it takes {found}"
-            ));
+            let and = if self.cxx { ";" } else { ", the context included;" };
+            let (what, takes) = ("arguments", "takes");
+            return Err(Mismatch::Count { what, wanted, and, takes, found });
         }
         for (rank, (parameter, (_, at))) in
             codel.parameters.iter().zip(&function.parameters).enumerate()
         {
             self.argument(parameter, *at)
-                .map_err(|why| format!("argument {} `{}`: {why}", rank + 1, parameter.name))?;
+                .map_err(|why| why.within(format!("argument {} `{}`", rank + 1, parameter.name)))?;
         }
         if !self.cxx {
             let context = function.parameters.last().and_then(|(_, at)| *at);
-            self.pointer(context).map_err(|why| format!("the context: {why}"))?;
+            self.pointer(context).map_err(|why| why.within("the context"))?;
         }
-        self.pointer(function.result).map_err(|why| format!("the result: {why}"))?;
+        self.pointer(function.result).map_err(|why| why.within("the result"))?;
         Ok(())
     }
 
-    fn argument(&mut self, parameter: &CodelParameter, at: Option<At>) -> Outcome {
+    fn argument(&mut self, parameter: &CodelParameter, at: Option<At>) -> Agreement {
         let model = self.plan.component();
         match parameter.source {
             Source::Port(rank) => {
-                let port = model.ports.get(rank).ok_or("there is no such port")?;
+                let port = model.ports.get(rank).ok_or(Mismatch::Absent("port"))?;
                 if self.cxx { self.abstract_port(port, at) } else { self.port(port, at) }
             }
             Source::Remote(rank) => {
-                let remote = model.remotes.get(rank).ok_or("there is no such remote")?;
+                let remote = model.remotes.get(rank).ok_or(Mismatch::Absent("remote"))?;
                 match self.cxx {
                     true => self.abstract_remote(&remote.parameters, at),
                     false => self.remote(&remote.parameters, at),
@@ -81,7 +77,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// A datum as an argument (genom3.md 5.5).
-    pub(super) fn passed(&mut self, ty: TypeId, direction: Direction, at: Option<At>) -> Outcome {
+    pub(super) fn passed(&mut self, ty: TypeId, direction: Direction, at: Option<At>) -> Agreement {
         let kind = self.types().resolved(ty);
         let class = match self.cxx {
             true => Class::of_cxx(kind, direction),
@@ -105,23 +101,27 @@ impl<'a> Comparison<'a> {
     }
 
     /// What a pointer leads to; `None` for `void *`, which may lead to anything.
-    pub(super) fn pointer(&self, at: Option<At>) -> Result<Option<At>, String> {
+    pub(super) fn pointer(&self, at: Option<At>) -> Result<Option<At>, Mismatch> {
         match self.info.stripped(at) {
             Some((_, Node::Pointer(target) | Node::Reference(target))) => {
                 Ok(target.filter(|_| self.info.stripped(target).is_some()))
             }
             Some((_, Node::Unknown)) => Ok(None),
-            _ => Err(format!("a pointer is wanted, not `{}`", self.info.spell(at))),
+            _ => Err(Mismatch::other("a pointer", self.spelled(at))),
         }
     }
 
-    pub(super) fn differ(&self, ty: TypeId, at: Option<At>) -> Outcome {
+    pub(super) fn differ(&self, ty: TypeId, at: Option<At>) -> Agreement {
         let wanted = if self.cxx { self.in_cxx(ty) } else { self.types().c_name(ty) };
-        let found = self.info.spell(at);
-        Err(format!("`{wanted}` is wanted, not `{found}`"))
+        Err(Mismatch::other(format!("`{wanted}`"), self.spelled(at)))
     }
 
-    fn scalar(&self, ty: TypeId, scalar: Scalar, at: Option<At>) -> Outcome {
+    /// What the library has, for a sentence.
+    pub(super) fn spelled(&self, at: Option<At>) -> String {
+        format!("`{}`", self.info.spell(at))
+    }
+
+    fn scalar(&self, ty: TypeId, scalar: Scalar, at: Option<At>) -> Agreement {
         let agrees = match self.info.stripped(at) {
             Some((_, Node::Base { size, encoding, .. })) => fits(scalar, size, encoding),
             // An enum type of C itself is as good as uint32_t.
@@ -133,7 +133,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// A datum in memory.
-    pub(super) fn memory(&mut self, ty: TypeId, at: Option<At>) -> Outcome {
+    pub(super) fn memory(&mut self, ty: TypeId, at: Option<At>) -> Agreement {
         let types = self.types();
         let ty = types.resolve(ty);
         let Some((place, node)) = self.info.stripped(at) else { return self.differ(ty, at) };
@@ -197,7 +197,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// An array; `element` is `None` for characters.
-    pub(super) fn array(&mut self, lengths: &[u64], element: Option<TypeId>, at: At) -> Outcome {
+    pub(super) fn array(&mut self, lengths: &[u64], element: Option<TypeId>, at: At) -> Agreement {
         let (mut found, mut inner) = (Vec::new(), Some(at));
         while let Some((_, Node::Array { element, lengths })) = self.info.stripped(inner) {
             found.extend(lengths);
@@ -208,20 +208,18 @@ impl<'a> Comparison<'a> {
             let length = |length: &u64| format!("[{length}]");
             let wanted: String = lengths.iter().map(length).collect();
             let wanted = if wanted.is_empty() { "a single element".to_owned() } else { wanted };
-            let found = self.info.spell(Some(at));
-            return Err(format!("an array {wanted} is wanted, not `{found}`"));
+            return Err(Mismatch::other(format!("an array {wanted}"), self.spelled(Some(at))));
         }
         match element {
             Some(element) => self.memory(element, inner),
             None if self.is_character(inner) => Ok(()),
-            None => Err(format!("characters are wanted, not `{}`", self.info.spell(inner))),
+            None => Err(Mismatch::others("characters", self.spelled(inner))),
         }
     }
 
-    fn structure(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Outcome {
+    fn structure(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Agreement {
         let types = self.types();
-        let data = DataType::new(&self.plan.specification().types, ty);
-        let data = data.map_err(|error| error.to_string())?;
+        let data = DataType::new(&self.plan.specification().types, ty)?;
         let wanted: Vec<(String, usize, Part)> = match types.kind(ty) {
             Kind::Sequence { element, bound } => {
                 let buffer = match bound {
@@ -260,7 +258,7 @@ impl<'a> Comparison<'a> {
         whole: usize,
         found: &Composite,
         at: Option<At>,
-    ) -> Outcome {
+    ) -> Agreement {
         // Only announced in this unit: nothing to compare.
         let Some(size) = found.size else { return Ok(()) };
         let names = |names: Vec<&str>| names.join(", ");
@@ -269,23 +267,29 @@ impl<'a> Comparison<'a> {
             names(found.members.iter().map(|member| member.name.as_str()).collect()),
         );
         if ours != theirs {
-            let found = self.info.spell(at);
-            return Err(format!("`{name}` has members {ours}; `{found}` has {theirs}"));
+            return Err(Mismatch::Members {
+                ours: name.to_owned(),
+                wanted: ours,
+                theirs: self.info.spell(at),
+                found: theirs,
+            });
         }
         for ((member, offset, part), found) in wanted.into_iter().zip(&found.members) {
-            self.part(part, found).map_err(|why| format!("`{name}.{member}`: {why}"))?;
+            let place = |why: Mismatch| why.within(format!("`{name}.{member}`"));
+            self.part(part, found).map_err(place)?;
             if offset as u64 != found.offset {
-                let found = found.offset;
-                return Err(format!("`{name}.{member}`: offset {offset} is wanted, not {found}"));
+                let (wanted, found) = (offset as u64, found.offset);
+                return Err(place(Mismatch::Number { what: "offset", wanted, found }));
             }
         }
         if size != whole as u64 {
-            return Err(format!("`{name}`: size {whole} is wanted, not {size}"));
+            let number = Mismatch::Number { what: "size", wanted: whole as u64, found: size };
+            return Err(number.within(format!("`{name}`")));
         }
         Ok(())
     }
 
-    fn part(&mut self, part: Part, found: &Member) -> Outcome {
+    fn part(&mut self, part: Part, found: &Member) -> Agreement {
         match part {
             Part::Any => Ok(()),
             Part::Datum(ty) => self.memory(ty, found.ty),
@@ -297,9 +301,7 @@ impl<'a> Comparison<'a> {
                 };
                 match self.info.stripped(found.ty) {
                     Some((_, Node::Base { size: has, .. })) if has == size => Ok(()),
-                    _ => {
-                        Err(format!("{size} bytes are wanted, not `{}`", self.info.spell(found.ty)))
-                    }
+                    _ => Err(Mismatch::others(format!("{size} bytes"), self.spelled(found.ty))),
                 }
             }
             Part::Pointer(element) => match self.pointer(found.ty)? {
@@ -307,7 +309,7 @@ impl<'a> Comparison<'a> {
                 None => Ok(()),
             },
             Part::Elements(element, count) => {
-                let at = found.ty.ok_or("an array is wanted")?;
+                let at = found.ty.ok_or(Mismatch::NoArray)?;
                 let (mut lengths, element) = self.dimensions(element);
                 lengths.insert(0, count);
                 self.array(&lengths, element, at)
@@ -316,18 +318,17 @@ impl<'a> Comparison<'a> {
     }
 
     /// `struct U { D _d; union { members } _u; }`.
-    pub(super) fn union(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Outcome {
+    pub(super) fn union(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Agreement {
         let Some(size) = found.size else { return Ok(()) };
         let Kind::Union { discriminant, members, .. } = self.types().kind(ty) else {
             return self.differ(ty, at);
         };
         let name = self.types().c_name(ty);
-        let data = DataType::new(&self.plan.specification().types, ty);
-        let data = data.map_err(|error| error.to_string())?;
+        let data = DataType::new(&self.plan.specification().types, ty)?;
         let [tag, body] = found.members.as_slice() else { return self.differ(ty, at) };
-        self.memory(*discriminant, tag.ty).map_err(|why| format!("`{name}._d`: {why}"))?;
+        self.memory(*discriminant, tag.ty).map_err(|why| why.within(format!("`{name}._d`")))?;
         let Some((_, Node::Union(found))) = self.info.stripped(body.ty) else {
-            return Err(format!("`{name}._u` is no union"));
+            return Err(Mismatch::NoUnion(name));
         };
         if size != data.size() as u64 || tag.offset != 0 || found.members.len() != members.len() {
             return self.differ(ty, at);
@@ -335,17 +336,17 @@ impl<'a> Comparison<'a> {
         for (rank, (wanted, found)) in members.iter().zip(&found.members).enumerate() {
             let offset = data.member_offset(rank).unwrap_or_default() as u64;
             if wanted.name != found.name || offset != body.offset + found.offset {
-                let found = &found.name;
-                return Err(format!("`{name}._u.{}` is wanted, not `{found}`", wanted.name));
+                let wanted = format!("`{name}._u.{}`", wanted.name);
+                return Err(Mismatch::other(wanted, format!("`{}`", found.name)));
             }
             self.memory(wanted.ty, found.ty)
-                .map_err(|why| format!("`{name}._u.{}`: {why}", wanted.name))?;
+                .map_err(|why| why.within(format!("`{name}._u.{}`", wanted.name)))?;
         }
         Ok(())
     }
 
     /// The handle of a port (genom3.md 5.7).
-    fn port(&mut self, port: &Port, at: Option<At>) -> Outcome {
+    fn port(&mut self, port: &Port, at: Option<At>) -> Agreement {
         let methods: &[&str] = match (port.direction, port.multiple) {
             (PortDirection::In, _) => &["data", "read"],
             (PortDirection::Out, false) => &["data", "write"],
@@ -356,34 +357,36 @@ impl<'a> Comparison<'a> {
         let Some((_, Node::Function(data))) = self.info.stripped(data) else { return Ok(()) };
         let wanted = if port.multiple { 2 } else { 1 };
         if data.parameters.len() != wanted {
-            let kind = if port.multiple { "multiple" } else { "simple" };
-            return Err(format!("the port is {kind}: its methods take {wanted} arguments"));
+            return Err(match port.multiple {
+                true => Mismatch::Methods { kind: "multiple", arguments: "2 arguments" },
+                false => Mismatch::Methods { kind: "simple", arguments: "1 arguments" },
+            });
         }
-        self.passed(port.ty, Direction::Out, data.result).map_err(|why| format!("its data: {why}"))
+        self.passed(port.ty, Direction::Out, data.result).map_err(|why| why.within("its data"))
     }
 
     /// The handle of a remote (genom3.md 5.8).
-    fn remote(&mut self, parameters: &[Parameter], at: Option<At>) -> Outcome {
+    fn remote(&mut self, parameters: &[Parameter], at: Option<At>) -> Agreement {
         let Some(handle) = self.handle(at, &["call"])? else { return Ok(()) };
         let call = handle.members.first().map_or(Ok(None), |call| self.pointer(call.ty))?;
         let Some((_, Node::Function(call))) = self.info.stripped(call) else { return Ok(()) };
         let (wanted, found) = (parameters.len() + 1, call.parameters.len());
         if wanted != found {
-            return Err(format!("its call takes {wanted} arguments, not {found}"));
+            return Err(Mismatch::Call { wanted, found });
         }
         for (parameter, (_, at)) in parameters.iter().zip(&call.parameters) {
             self.passed(parameter.ty, parameter.direction, *at)
-                .map_err(|why| format!("argument `{}` of its call: {why}", parameter.name))?;
+                .map_err(|why| why.within(format!("argument `{}` of its call", parameter.name)))?;
         }
         Ok(())
     }
 
     /// A struct of functions; `None` when the library only announces it.
-    fn handle(&self, at: Option<At>, methods: &[&str]) -> Result<Option<Composite>, String> {
+    fn handle(&self, at: Option<At>, methods: &[&str]) -> Result<Option<Composite>, Mismatch> {
         let target = self.pointer(at)?;
         let Some((_, node)) = self.info.stripped(target) else { return Ok(None) };
         let Node::Struct(found) = node else {
-            return Err(format!("a handle is wanted, not `{}`", self.info.spell(at)));
+            return Err(Mismatch::other("a handle", self.spelled(at)));
         };
         if found.size.is_none() {
             return Ok(None);
@@ -391,7 +394,8 @@ impl<'a> Comparison<'a> {
         let names: Vec<&str> = found.members.iter().map(|member| member.name.as_str()).collect();
         if names != methods {
             let (wanted, found) = (methods.join(", "), names.join(", "));
-            return Err(format!("a handle with {wanted} is wanted, not one with {found}"));
+            let wanted = format!("a handle with {wanted}");
+            return Err(Mismatch::other(wanted, format!("one with {found}")));
         }
         Ok(Some(found))
     }

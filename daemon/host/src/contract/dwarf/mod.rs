@@ -5,6 +5,7 @@ mod compare;
 mod info;
 mod node;
 mod sections;
+mod untold;
 
 use genom_description::model::{Codel, Component, Owner, Span};
 use genom_description_tools as tools;
@@ -18,6 +19,7 @@ use crate::library::Library;
 use compare::Comparison;
 use info::{DebugInfo, Wanted};
 use sections::Sections;
+pub(super) use untold::Untold;
 
 /// What the debug information tells of a component.
 pub(super) struct Compared {
@@ -32,16 +34,15 @@ pub(super) struct Compared {
 /// Compares every codel that the debug information tells about.
 ///
 /// # Errors
-/// Why it tells about none, in a sentence that says what to do.
+/// It tells about none.
 pub(super) fn compare(
     library: &Library,
     plan: &Plan,
     locate: &dyn Fn(Span) -> String,
-) -> Result<Compared, String> {
+) -> Result<Compared, Untold> {
     let model = plan.component();
     let sections = Sections::new(library.bytes())?;
-    let info = DebugInfo::new(&sections)
-        .map_err(|why| format!("its debug information cannot be read: {why}"))?;
+    let info = DebugInfo::new(&sections)?;
     let types = &plan.specification().types;
     // `struct comp_X_detail` of genom3.md 5.4.
     let throws = model.throws.iter().filter(|id| !types.members(**id).is_empty());
@@ -78,7 +79,7 @@ pub(super) fn compare(
             differences.push(Difference {
                 subject: format!("codel `{}`", codel.name),
                 place: locate(codel.span),
-                why,
+                why: why.to_string(),
                 description: match in_cxx {
                     true => tools::prototype(types, model, codel),
                     false => declare::codel(model, types, codel),
@@ -93,7 +94,7 @@ pub(super) fn compare(
             differences.push(Difference {
                 subject: format!("exception `{}`", types.spelling(*id)),
                 place: locate(model.span),
-                why,
+                why: why.to_string(),
                 description: match in_cxx {
                     true => declare::members_in_cxx(types, *id),
                     false => declare::members(types, *id),
@@ -102,15 +103,9 @@ pub(super) fn compare(
             });
         }
     }
-    let why = match info.is_split() {
-        true => {
-            "types are in .dwo files, which do not go with the library (build it without \
-             -gsplit-dwarf)"
-        }
-        false => "the library tells no types of them (build all of it with -g)",
-    };
+    let why = if info.is_split() { Untold::Split } else { Untold::OfOthers };
     if compared == 0 {
-        return Err(why.to_owned());
+        return Err(why);
     }
     let unchecked = (!untold.is_empty()).then(|| format!("codels {}: {why}", untold.join(", ")));
     Ok(Compared { codels: compared, differences, unchecked })

@@ -8,6 +8,8 @@ use flate2::read::ZlibDecoder;
 use gimli::SectionId;
 use object::{CompressionFormat, Object, ObjectSection};
 
+use super::untold::{Damage, Untold};
+
 /// Sections larger than this are not read: a damaged header may announce anything.
 const LARGEST: u64 = 1 << 30;
 
@@ -21,10 +23,9 @@ impl<'a> Sections<'a> {
     /// Reads the sections of the ELF file `bytes`.
     ///
     /// # Errors
-    /// Why there is nothing to read, in a sentence that says what to do.
-    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, String> {
-        let nothing = "the library tells no types (build it with -g)";
-        let Ok(file) = object::File::parse(bytes) else { return Err(nothing.to_owned()) };
+    /// There is nothing to read.
+    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, Untold> {
+        let Ok(file) = object::File::parse(bytes) else { return Err(Untold::Nothing) };
         let all = [
             SectionId::DebugAbbrev,
             SectionId::DebugAddr,
@@ -47,12 +48,10 @@ impl<'a> Sections<'a> {
         }
         if !contents.contains_key(SectionId::DebugInfo.name()) {
             return Err(match file.gnu_debuglink() {
-                Ok(Some((name, _))) => format!(
-                    "its debug information is in another file, {} (load the library that was not \
-                     stripped)",
-                    String::from_utf8_lossy(name)
-                ),
-                _ => nothing.to_owned(),
+                Ok(Some((name, _))) => {
+                    Untold::Elsewhere { file: String::from_utf8_lossy(name).into_owned() }
+                }
+                _ => Untold::Nothing,
             });
         }
         Ok(Self { little_endian: file.is_little_endian(), contents })
@@ -65,11 +64,14 @@ impl<'a> Sections<'a> {
 }
 
 /// The contents of a section, whether it is compressed or not.
-fn plain<'a>(section: &impl ObjectSection<'a>, name: &str) -> Result<Cow<'a, [u8]>, String> {
-    let damaged = |why: String| format!("its section {name} is damaged: {why}");
-    let data = section.compressed_data().map_err(|why| damaged(why.to_string()))?;
+fn plain<'a>(
+    section: &impl ObjectSection<'a>,
+    name: &'static str,
+) -> Result<Cow<'a, [u8]>, Untold> {
+    let damaged = |why| Untold::Damaged { section: name, why };
+    let data = section.compressed_data().map_err(|why| damaged(why.into()))?;
     if data.uncompressed_size > LARGEST {
-        return Err(damaged(format!("it says it has {} bytes", data.uncompressed_size)));
+        return Err(damaged(Damage::Huge(data.uncompressed_size)));
     }
     match data.format {
         CompressionFormat::None => Ok(Cow::Borrowed(data.data)),
@@ -77,15 +79,12 @@ fn plain<'a>(section: &impl ObjectSection<'a>, name: &str) -> Result<Cow<'a, [u8
             let mut whole = Vec::new();
             // One byte more than announced would be one too many.
             let mut decoder = ZlibDecoder::new(data.data).take(data.uncompressed_size + 1);
-            decoder.read_to_end(&mut whole).map_err(|why| damaged(why.to_string()))?;
+            decoder.read_to_end(&mut whole).map_err(|why| damaged(why.into()))?;
             if whole.len() as u64 != data.uncompressed_size {
-                return Err(damaged("it is shorter or longer than it says".to_owned()));
+                return Err(damaged(Damage::Length));
             }
             Ok(Cow::Owned(whole))
         }
-        _ => Err(format!(
-            "its section {name} is compressed in a way this daemon does not read (compress with \
-             -gz=zlib, or not at all)"
-        )),
+        _ => Err(Untold::Compressed { section: name }),
     }
 }

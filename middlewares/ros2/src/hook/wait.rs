@@ -1,24 +1,22 @@
-//! An `epoll_wait` for the whole program that signals do not cut short for RustDDS. One of the two
-//! unsafe modules of this crate.
+//! An `epoll_wait` for the whole program that signals do not cut short for RustDDS.
 //!
 //! A debugger that attaches, Ctrl-Z and `fg`, the machine's sleep, and timers of codels interrupt
 //! the waits of all threads. RustDDS 0.15 takes that for the end: its threads are gone, without a
 //! word, and ROS 2 is silent (`rtps/dp_event_loop.rs`, `discovery/discovery.rs`). The definition of
 //! a program goes before that of the C library. For all other threads, it is the same.
-#![allow(unsafe_code)]
 
 use std::ffi::c_int;
 use std::io;
 use std::ptr;
 use std::time::{Duration, Instant};
 
-use crate::hook::is_rustdds;
+use super::threads::is_rustdds;
 
 type EpollWait = unsafe extern "C" fn(c_int, *mut libc::epoll_event, c_int, c_int) -> c_int;
 
 /// Makes sure that [`epoll_wait`] is part of the program: of what nothing refers to, the linker
 /// takes nothing.
-pub(crate) fn outlast_signals() {
+pub(super) fn link() {
     std::hint::black_box::<EpollWait>(epoll_wait);
 }
 
@@ -33,7 +31,7 @@ unsafe extern "C" fn epoll_wait(
     most: c_int,
     timeout: c_int,
 ) -> c_int {
-    // Neither who waits for ever nor who does not wait at all has an end to look at.
+    // Only a wait with a finite timeout has a deadline: 0 does not wait, and -1 waits for ever.
     let time = u64::try_from(timeout).ok().filter(|time| *time > 0).map(Duration::from_millis);
     let end = time.map(|time| Instant::now() + time);
     let mut left = timeout;

@@ -1,12 +1,10 @@
 //! A `recvmsg` for the whole program, which shows what arrives to the guard before RustDDS has it.
-//! One of the two unsafe modules of this crate.
 //!
 //! RustDDS takes its datagrams with this call, on one thread a participant, and offers no place to
 //! look at them in between. The definition of a program goes before that of the C library. For all
 //! other threads it is the C library's own.
-#![allow(unsafe_code)]
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::ffi::{c_int, c_void};
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr};
 use std::ptr;
@@ -14,12 +12,10 @@ use std::sync::atomic::{AtomicPtr, Ordering};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
 
+use super::threads::is_rustdds;
 use crate::guard::{Guard, Limits, Tally};
 
 type RecvMsg = unsafe extern "C" fn(c_int, *mut libc::msghdr, c_int) -> libc::ssize_t;
-
-/// How the names of its threads begin.
-const RUSTDDS: &[u8] = b"RustDDS ";
 
 /// RustDDS takes all that a socket has before it looks at any of it: more than this, in datagrams
 /// and in bytes, has to wait until it has. What waits is found with the next datagram.
@@ -28,11 +24,14 @@ const TURN: (usize, usize) = (4096, 32 << 20);
 /// By domain: what peers may do, and where it is counted.
 static DOMAINS: Mutex<Vec<(u16, Limits, Weak<Tally>)>> = Mutex::new(Vec::new());
 
-/// Has the guard look at what participants receive that are made in a domain from now on.
-pub(crate) fn guard(domain: u16, limits: Limits) -> Arc<Tally> {
-    crate::waits::outlast_signals();
-    // Of what nothing refers to, the linker takes nothing.
+/// Makes sure that [`recvmsg`] is part of the program: of what nothing refers to, the linker takes
+/// nothing.
+pub(super) fn link() {
     std::hint::black_box::<RecvMsg>(recvmsg);
+}
+
+/// Has the guard look at what participants receive that are made in a domain from now on.
+pub(super) fn guard(domain: u16, limits: Limits) -> Arc<Tally> {
     let mut domains = DOMAINS.lock().unwrap_or_else(PoisonError::into_inner);
     let shared = domains.iter().find(|(number, ..)| *number == domain);
     let tally = shared.and_then(|(.., tally)| tally.upgrade()).unwrap_or_default();
@@ -49,8 +48,6 @@ struct Gate {
 }
 
 thread_local! {
-    /// Whether this is a thread of RustDDS's, once that was looked at.
-    static OURS: Cell<Option<bool>> = const { Cell::new(None) };
     static GATE: RefCell<Option<Box<Gate>>> = const { RefCell::new(None) };
 }
 
@@ -210,22 +207,6 @@ unsafe fn receive(socket: c_int, message: *mut libc::msghdr, flags: c_int) -> li
     let next: RecvMsg = unsafe { std::mem::transmute(next) };
     // SAFETY: the caller's own arguments.
     unsafe { next(socket, message, flags) }
-}
-
-/// Whether this is a thread of RustDDS's: it has its name before it does anything.
-pub(crate) fn is_rustdds() -> bool {
-    let looked = || {
-        // With its end, the name of a thread has at most 16 bytes.
-        let mut name = [0_u8; 16];
-        // SAFETY: the system writes no more than that.
-        let told = unsafe { libc::prctl(libc::PR_GET_NAME, name.as_mut_ptr()) };
-        told == 0 && name.starts_with(RUSTDDS)
-    };
-    OURS.with(|ours| {
-        let is = ours.get().unwrap_or_else(looked);
-        ours.set(Some(is));
-        is
-    })
 }
 
 /// Time since the machine started, its sleep included.

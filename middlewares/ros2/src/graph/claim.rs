@@ -1,0 +1,149 @@
+//! Addresses that ends of ours have, and what keeps others from having them.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use genom_middleware::{Address, EndpointKind, OpenError};
+use genom_rosidl::TypeName;
+
+use super::ends::{Entities, Made, Own, Wanted, kind_of};
+use super::known::{Graph, State};
+
+/// News of an end that is just being closed elsewhere may be under way for so long.
+const GRACE: Duration = Duration::from_millis(100);
+
+/// Keeps an end of ours known, here and to others.
+pub(crate) struct Claim {
+    graph: Arc<Graph>,
+    number: u64,
+    own: Arc<Own>,
+    /// Has others told of the change.
+    announce: Box<dyn Fn() + Send + Sync>,
+}
+
+/// Keeps writers and readers known as a node's.
+pub(crate) struct Belonging {
+    graph: Arc<Graph>,
+    number: u64,
+    announce: Box<dyn Fn() + Send + Sync>,
+}
+
+enum Conflict {
+    Types(String),
+    Taken,
+}
+
+impl Graph {
+    /// Registers an end of ours, unless another one is in the way.
+    pub(crate) fn claim(
+        self: &Arc<Self>,
+        at: &Address,
+        wanted: Wanted,
+        announce: Box<dyn Fn() + Send + Sync>,
+    ) -> Result<Claim, OpenError> {
+        let end = Instant::now() + GRACE;
+        let mut state = self.lock();
+        while let Some((conflict, ours)) = state.conflict(&wanted) {
+            let left = end.saturating_duration_since(Instant::now());
+            if ours || left.is_zero() {
+                let address = at.clone();
+                return Err(match conflict {
+                    Conflict::Types(theirs) => {
+                        OpenError::TypeMismatch { address, ours: wanted.types, theirs }
+                    }
+                    Conflict::Taken => OpenError::Taken { address },
+                });
+            }
+            let waited = self.changed.wait_timeout(state, left);
+            state = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+        let own = Arc::new(Own { wanted, made: Mutex::default() });
+        let number = state.next;
+        state.next += 1;
+        state.own.insert(number, Arc::clone(&own));
+        drop(state);
+        self.touch();
+        Ok(Claim { graph: Arc::clone(self), number, own, announce })
+    }
+
+    /// Tells of writers and readers that are no end of ours.
+    pub(crate) fn belong(
+        self: &Arc<Self>,
+        entities: Entities,
+        announce: Box<dyn Fn() + Send + Sync>,
+    ) -> Belonging {
+        let mut state = self.lock();
+        let number = state.next;
+        state.next += 1;
+        state.others.insert(number, entities);
+        drop(state);
+        announce();
+        Belonging { graph: Arc::clone(self), number, announce }
+    }
+}
+
+impl State {
+    /// What is in the way of an end, and whether that is ours.
+    fn conflict(&self, wanted: &Wanted) -> Option<(Conflict, bool)> {
+        let port = wanted.kind != EndpointKind::Service;
+        let alone = wanted.kind != EndpointKind::Subscription;
+        let mut taken = None;
+        let own = self.own.values().map(|own| &own.wanted);
+        for other in own.filter(|other| other.address == wanted.address) {
+            if (other.kind != EndpointKind::Service) != port {
+                continue;
+            }
+            if port && other.digest != wanted.digest {
+                return Some((Conflict::Types(other.types.clone()), true));
+            }
+            if alone && other.kind == wanted.kind {
+                taken = Some((Conflict::Taken, true));
+            }
+        }
+        for (guid, found) in self.found.iter().filter(|(_, found)| found.topic == wanted.topic) {
+            let told = self.told_of(guid);
+            let same =
+                told.map_or(found.dds_type == wanted.dds_type, |end| end.digest == wanted.digest);
+            let clash = (port && !same)
+                || (alone && told.is_some_and(|end| kind_of(end.kind) == Some(wanted.kind)));
+            if !clash || self.is_dead(guid) {
+                continue;
+            }
+            if port && !same {
+                let foreign = || TypeName::from_dds(&found.dds_type);
+                let theirs = told.map_or_else(foreign, |end| end.types.clone());
+                return Some((Conflict::Types(theirs), false));
+            }
+            taken.get_or_insert((Conflict::Taken, false));
+        }
+        taken
+    }
+}
+
+impl Claim {
+    pub(crate) fn wanted(&self) -> &Wanted {
+        &self.own.wanted
+    }
+
+    /// The DDS writers and readers of the end are made: others are told.
+    pub(crate) fn made(&self, made: Made) {
+        *self.own.made() = Some(made);
+        self.graph.touch();
+        (self.announce)();
+    }
+}
+
+impl Drop for Belonging {
+    fn drop(&mut self) {
+        self.graph.lock().others.remove(&self.number);
+        (self.announce)();
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        self.graph.lock().own.remove(&self.number);
+        self.graph.touch();
+        (self.announce)();
+    }
+}
