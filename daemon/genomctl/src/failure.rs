@@ -210,6 +210,7 @@ impl Failure {
         ExitCode::from(match self {
             Failure::Usage { .. } => 2,
             Failure::Unreachable { .. } | Failure::Lost { .. } | Failure::Silent { .. } => 3,
+            Failure::Refused(refusal) if refusal.code == "daemon_silent" => 3,
             _ => 1,
         })
     }
