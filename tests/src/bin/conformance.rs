@@ -7,7 +7,8 @@ use std::process::{Command, ExitCode, Stdio};
 
 use genom_tests::conformance::Table;
 
-const CRATES: [&str; 4] = ["genom-local", "genom-shm", "genom-zenoh", "genom-ros2"];
+const CRATES: [&str; 5] =
+    ["genom-local", "genom-shm", "genom-zenoh", "genom-ros2", "genom-example"];
 
 fn main() -> ExitCode {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
