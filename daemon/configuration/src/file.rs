@@ -3,15 +3,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use genom_registry::nearest::nearest_key;
+use genom_protocol::nearest::nearest_key;
+use genom_protocol::{
+    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, Place,
+};
 use genom_registry::{Sections, check};
 use genom_runtime::{ACTIVITY_LIMIT, STUCK_AFTER};
 use serde::{Deserialize, Serialize};
 
-use crate::backends::BackendNames;
-use crate::clock::ClockKind;
-use crate::component::LoadRequest;
-use crate::deployment::{CallEntry, ConnectionEntry, Deployment};
 use crate::error::{ConfigError, WhichDaemon};
 use crate::levels;
 use crate::offers::Offers;
@@ -208,12 +207,15 @@ impl Config {
             let named = component.backend.iter().chain(component.ports.values());
             named.flat_map(BackendNames::names)
         });
-        let of_connections = self.connection.iter().filter_map(|one| one.backend.as_ref());
+        let of_connections = self.connection.iter().flat_map(|one| {
+            let place: Option<Place> = one.outport.parse().ok();
+            one.backend.clone().into_iter().chain(place.and_then(|place| place.backend))
+        });
         let all = std::iter::once(&self.backend).chain(self.backends.keys());
-        for name in all.chain(of_components).chain(of_connections) {
-            if let Err(error) = check(name) {
+        for name in all.chain(of_components).cloned().chain(of_connections) {
+            if let Err(error) = check(&name) {
                 let line =
-                    text.lines().position(|line| holds_word(line, name)).map_or(1, |at| at + 1);
+                    text.lines().position(|line| holds_word(line, &name)).map_or(1, |at| at + 1);
                 let (path, message) = (path.to_owned(), error.to_string());
                 return Err(ConfigError::Mistake { path, line, message, nearest: None });
             }

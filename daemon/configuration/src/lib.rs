@@ -6,30 +6,22 @@
 
 #![forbid(unsafe_code)]
 
-mod backends;
-mod clock;
-mod component;
-mod deployment;
 mod error;
 mod file;
 pub mod levels;
 mod offers;
 mod overrides;
 pub mod place;
-pub mod policy;
-mod qos;
-mod right;
 mod rpc;
 mod spot;
+pub mod terms;
 
-pub use backends::BackendNames;
-pub use clock::ClockKind;
-pub use component::{LoadRequest, TaskEntry};
-pub use deployment::{CallEntry, ConnectionEntry, Deployment};
 pub use error::{ConfigError, MOST_ACTIVITIES, UsageError, WhichDaemon};
 pub use file::{Config, MemoryCheck, Telemetry};
+pub use genom_protocol::{
+    BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, PortQos,
+    QosEntry, Right, TaskEntry,
+};
 pub use offers::Offers;
-pub use qos::{PortQos, QosEntry};
-pub use right::Right;
 pub use rpc::{Rpc, RpcSettings, Tls};
 pub use spot::Spot;

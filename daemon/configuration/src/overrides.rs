@@ -1,7 +1,7 @@
 //! What the command line sets of the configuration: `--set rpc.max_body=1024`.
 
+use genom_protocol::nearest::nearest_key;
 use genom_registry::Sections;
-use genom_registry::nearest::nearest_key;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 

@@ -1,6 +1,7 @@
-//! Where an in port reads: an address, and on which middleware when that is said.
+//! Where an in port reads or a remote calls: an address, and on which middleware when that is said.
 
 use genom_middleware::Address;
+use genom_protocol::address::NoPlace;
 use genom_registry::{BackendError, check};
 
 /// `demo/position`, or `zenoh:robot/pose`.
@@ -16,8 +17,8 @@ pub struct Place {
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
     /// Not of the form.
-    #[error("`{0}` is no COMPONENT/PORT, nor BACKEND:NAME/NAME")]
-    Form(String),
+    #[error(transparent)]
+    Form(#[from] NoPlace),
     /// No such middleware.
     #[error(transparent)]
     Backend(#[from] BackendError),
@@ -25,22 +26,15 @@ pub enum PlaceError {
 
 impl Place {
     /// Reads an address, with or without a middleware before it.
+    ///
+    /// # Errors
+    /// The text is no address, or no middleware has the name before it.
     pub fn parse(text: &str) -> Result<Self, PlaceError> {
-        let form = || PlaceError::Form(text.to_owned());
-        let (backend, rest) = match text.split_once(':') {
-            Some((backend, rest)) if !backend.contains('/') => (Some(backend), rest),
-            _ => (None, text),
-        };
-        // Absolute names of foreign middlewares: `ros2:/scan`.
-        let absolute = rest.strip_prefix('/').filter(|name| backend.is_some() && !name.is_empty());
-        let address = match absolute {
-            Some(name) => Address::new("", name),
-            None => Address::parse(rest).ok_or_else(form)?,
-        };
-        if let Some(backend) = backend {
+        let genom_protocol::Place { backend, address } = text.parse()?;
+        if let Some(backend) = &backend {
             check(backend)?;
         }
-        Ok(Self { backend: backend.map(str::to_owned), address })
+        Ok(Self { backend, address: Address::new(&address.component, address.name()) })
     }
 }
 
@@ -49,11 +43,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_middleware_may_stand_before_an_address() {
+    fn the_middleware_before_an_address_has_to_be_known() {
         let place = Place::parse("shm:demo/cameras/left").unwrap();
         assert_eq!(place.backend.as_deref(), Some("shm"));
         assert_eq!(place.address, Address::new("demo", "cameras/left"));
-        assert_eq!(Place::parse("demo/position").unwrap().backend, None);
+        assert_eq!(Place::parse("ros2:/left/scan").unwrap().address, Address::new("", "left/scan"));
         assert!(matches!(Place::parse("shm:"), Err(PlaceError::Form(_))));
         let told = Place::parse("smh:demo/position").unwrap_err().to_string();
         assert!(told.contains("did you mean `shm`?"), "{told}");

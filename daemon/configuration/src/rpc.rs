@@ -4,10 +4,11 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use genom_protocol::Right;
+use genom_protocol::socket::default_path;
 use serde::{Deserialize, Serialize};
 
 use crate::error::UsageError;
-use crate::right::Right;
 
 /// Section `[rpc]`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -113,7 +114,7 @@ impl RpcSettings {
             return Err(UsageError::NoConnections);
         }
         Ok(Self {
-            socket: config.socket.unwrap_or_else(default_socket),
+            socket: config.socket.unwrap_or_else(default_path),
             listen: config.listen,
             token_file: config.token_file,
             tls: config.tls,
@@ -124,17 +125,6 @@ impl RpcSettings {
             max_streams_per_token: config.max_streams_per_token,
             keep_results: Duration::from_secs(config.keep_results),
         })
-    }
-}
-
-/// Where a daemon of this user listens when nothing else is said; `genomctl` has the same rule.
-fn default_socket() -> PathBuf {
-    match std::env::var_os("XDG_RUNTIME_DIR").filter(|dir| !dir.is_empty()) {
-        Some(dir) => PathBuf::from(dir).join("genomd.sock"),
-        None => {
-            let user = rustix::process::getuid().as_raw();
-            PathBuf::from(format!("/tmp/genomd-{user}/genomd.sock"))
-        }
     }
 }
 

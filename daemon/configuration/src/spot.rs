@@ -7,8 +7,8 @@ use std::path::Path;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::component::LoadRequest;
-use crate::deployment::{CallEntry, ConnectionEntry};
+use genom_protocol::LoadRequest;
+use genom_protocol::{CallEntry, ConnectionEntry};
 
 /// An entry, and a key in it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -1,23 +1,20 @@
-//! HTTP/1.1 with JSON bodies to the daemon, over its Unix socket or TCP, or sealed through it to
-//! another one (`far`).
+//! Asks the daemon for routes of its control plane: over its Unix socket or TCP, or sealed through
+//! it another one (`far`).
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use http_body_util::Full;
+use genom_protocol::routes::{self, Route, Stream};
+use hyper::Method;
 use hyper::body::Bytes;
-use hyper::client::conn::http1;
-use hyper::{Method, Request, header};
-use hyper_util::rt::TokioIo;
 use serde_json::Value;
 
 use crate::body::Body;
 use crate::connection::Connection;
 use crate::contexts;
-use crate::escape;
-use crate::failure::{Failure, Refusal};
+use crate::failure::Failure;
 use crate::far::Far;
-use crate::patience::Watch;
+use crate::http::{self, Response};
 use crate::sse::EventStream;
 use crate::target::Target;
 
@@ -34,48 +31,6 @@ pub(crate) struct Client {
 impl std::fmt::Debug for Client {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         self.given.fmt(f)
-    }
-}
-
-/// What came back.
-pub(crate) struct Reply {
-    /// As HTTP has it.
-    pub(crate) status: u16,
-    pub(crate) body: Body,
-}
-
-impl Reply {
-    pub(crate) fn is_success(&self) -> bool {
-        (200..300).contains(&self.status)
-    }
-
-    /// The whole reply as JSON; what was refused is a failure.
-    pub(crate) async fn json(self, target: &Target) -> Result<Value, Failure> {
-        if !self.is_success() {
-            return Err(self.refusal(target).await);
-        }
-        let bytes = self.body.whole().await?.ok_or_else(|| target.lost())?;
-        if bytes.is_empty() {
-            return Ok(Value::Null);
-        }
-        serde_json::from_slice(&bytes).map_err(|error| target.misread(error.to_string()))
-    }
-
-    /// Why it was refused.
-    pub(crate) async fn refusal(self, target: &Target) -> Failure {
-        let status = self.status;
-        let bytes = match self.body.whole().await {
-            Ok(Some(bytes)) => bytes,
-            Ok(None) => return target.lost(),
-            Err(failure) => return failure,
-        };
-        let mut reply: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
-        // It is told on standard error, and in words.
-        escape::all(&mut reply);
-        match serde_json::from_value::<Refusal>(reply["error"].take()) {
-            Ok(refusal) => Failure::Refused(refusal),
-            Err(_) => target.misread(format!("status {status} without an error")),
-        }
     }
 }
 
@@ -96,52 +51,48 @@ impl Client {
         self.way().map_or_else(|_| "?".to_owned(), |target| target.to_string())
     }
 
-    /// Asks, and waits for the whole reply.
-    pub(crate) async fn request(
+    /// Asks, and waits for the whole reply: of the type that the route answers, which the caller
+    /// reads it as.
+    pub(crate) async fn request<R, Q, B>(
         &self,
-        method: Method,
-        path: &str,
-        body: Option<&Value>,
+        route: &Route<R, Q, B>,
+        body: Vec<u8>,
     ) -> Result<Value, Failure> {
-        let (reply, target) = self.send(method, path, body).await?;
-        reply.json(&target).await
+        let (response, target) = self.send(route, body.into(), None).await?;
+        response.json(&target).await
     }
 
     /// Opens a stream of server-sent events.
-    pub(crate) async fn stream(&self, path: &str) -> Result<EventStream, Failure> {
-        self.resume(path, None).await
+    pub(crate) async fn stream<T, Q>(
+        &self,
+        route: &Route<Stream<T>, Q>,
+    ) -> Result<EventStream, Failure> {
+        self.resume(route, None).await
     }
 
     /// Opens a stream where another one broke: after the event of that number.
-    pub(crate) async fn resume(
+    pub(crate) async fn resume<T, Q>(
         &self,
-        path: &str,
+        route: &Route<Stream<T>, Q>,
         after: Option<u64>,
     ) -> Result<EventStream, Failure> {
-        let (reply, target) = self.send_bytes(Method::GET, path, Bytes::new(), after).await?;
-        match reply.is_success() {
-            true => Ok(EventStream::new(reply.body)),
-            false => Err(reply.refusal(&target).await),
+        let (response, target) = self.send(route, Bytes::new(), after).await?;
+        match response.is_success() {
+            true => Ok(EventStream::new(response.body)),
+            false => Err(response.refusal(&target).await),
         }
     }
 
-    /// `POST` of bytes.
-    pub(crate) async fn post_bytes(&self, path: &str, body: Vec<u8>) -> Result<Value, Failure> {
-        let (reply, target) = self.send_bytes(Method::POST, path, body.into(), None).await?;
-        reply.json(&target).await
-    }
-
     /// Asks, and gives the reply's body as it comes.
-    pub(crate) async fn open(
+    pub(crate) async fn open<Q, B>(
         &self,
-        method: Method,
-        path: &str,
-        body: &Value,
+        route: &Route<routes::Bytes, Q, B>,
+        body: Vec<u8>,
     ) -> Result<Body, Failure> {
-        let (reply, target) = self.send(method, path, Some(body)).await?;
-        match reply.is_success() {
-            true => Ok(reply.body),
-            false => Err(reply.refusal(&target).await),
+        let (response, target) = self.send(route, body.into(), None).await?;
+        match response.is_success() {
+            true => Ok(response.body),
+            false => Err(response.refusal(&target).await),
         }
     }
 
@@ -155,32 +106,22 @@ impl Client {
         Failure::Reply { target: self.target(), why }
     }
 
-    async fn send(
+    async fn send<R, Q, B>(
         &self,
-        method: Method,
-        path: &str,
-        body: Option<&Value>,
-    ) -> Result<(Reply, Arc<Target>), Failure> {
-        let bytes = body.map_or_else(Bytes::new, |body| Bytes::from(body.to_string()));
-        self.send_bytes(method, path, bytes, None).await
-    }
-
-    async fn send_bytes(
-        &self,
-        method: Method,
-        path: &str,
+        route: &Route<R, Q, B>,
         bytes: Bytes,
         after: Option<u64>,
-    ) -> Result<(Reply, Arc<Target>), Failure> {
+    ) -> Result<(Response, Arc<Target>), Failure> {
+        let (method, path) = (method(route.method), route.path.as_str());
         let target = self.way()?;
-        let reply = match target.daemon.clone() {
-            None => near(&target, method, path, bytes, after).await?,
+        let response = match target.daemon.clone() {
+            None => http::ask(&target, method, path, bytes, after).await?,
             Some(daemon) => {
                 let far = self.met(daemon).await?;
                 far.request(method, path, &bytes, after).await?
             }
         };
-        Ok((reply, target))
+        Ok((response, target))
     }
 
     /// The session with a daemon behind this one.
@@ -198,36 +139,11 @@ impl Client {
     }
 }
 
-/// Asks the daemon that the way leads to.
-pub(crate) async fn near(
-    target: &Arc<Target>,
-    method: Method,
-    path: &str,
-    bytes: Bytes,
-    after: Option<u64>,
-) -> Result<Reply, Failure> {
-    let mut request = Request::builder()
-        .method(method)
-        .uri(path)
-        .header(header::HOST, "genomd")
-        .header(header::CONTENT_TYPE, "application/json");
-    if let Some(authorization) = target.authorization() {
-        request = request.header(header::AUTHORIZATION, authorization);
+fn method(of: routes::Method) -> Method {
+    match of {
+        routes::Method::Get => Method::GET,
+        routes::Method::Put => Method::PUT,
+        routes::Method::Post => Method::POST,
+        routes::Method::Delete => Method::DELETE,
     }
-    if let Some(after) = after {
-        request = request.header("last-event-id", after);
-    }
-    let request =
-        request.body(Full::new(bytes)).map_err(|error| target.misread(error.to_string()))?;
-    let (stream, process) = target.open().await?;
-    let watch = Watch::new(target, process);
-    let (mut sender, connection) = http1::handshake(TokioIo::new(stream))
-        .await
-        .map_err(|error| target.misread(error.to_string()))?;
-    // It ends when the reply's body has been read or dropped.
-    tokio::spawn(connection);
-    let response = watch.over(sender.send_request(request)).await?.map_err(|error| {
-        if error.is_parse() { target.misread(error.to_string()) } else { target.lost() }
-    })?;
-    Ok(Reply { status: response.status().as_u16(), body: Body::Near(response.into_body(), watch) })
 }

@@ -11,11 +11,13 @@ use clap::{ArgMatches, Command, FromArgMatches as _};
 use clap_complete::CompleteEnv;
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate};
 use genom_description::diagnostic::explanations;
-use serde_json::Value;
+use genom_protocol::{
+    Activity, Address, Component, Parameter, Port, PortDirection, PortParameters, Service,
+    ServiceKind, routes,
+};
 
 use crate::connection::Connection;
 use crate::escape;
-use crate::names::{Path2, url};
 use crate::session::Session;
 
 /// A daemon that does not answer must not hold up a shell.
@@ -123,32 +125,24 @@ impl Line {
         Some(Self { matches, connection })
     }
 
-    /// The address typed for an argument of the verb.
-    fn typed_path(&self, argument: &str) -> Option<String> {
+    /// The in port or remote typed for `connect`.
+    fn reader(&self) -> Option<&Address> {
         let (_, verb) = self.matches.subcommand()?;
-        verb.try_get_one::<Path2>(argument).ok()?.map(ToString::to_string)
+        verb.try_get_one::<Address>("inport").ok()?
     }
 
     /// What was typed for an argument of the verb.
-    fn typed(&self, argument: &str) -> Option<String> {
+    fn typed(&self, argument: &str) -> Option<&str> {
         let (_, verb) = self.matches.subcommand()?;
-        verb.try_get_one::<String>(argument).ok()?.cloned()
+        verb.try_get_one::<String>(argument).ok()?.map(String::as_str)
     }
 
-    /// Whether the word before names a remote.
-    async fn remote_typed(&self, session: &Session) -> bool {
-        let Some(typed) = self.typed_path("inport") else { return false };
-        let remotes = remotes(session).await.unwrap_or_default();
-        remotes.iter().any(|(address, _)| *address == typed)
-    }
-
-    /// What a service must be like that the remote typed before calls.
-    async fn wanted_of_service(&self, session: &Session) -> Option<Value> {
-        let typed = self.typed_path("inport")?;
-        let (component, remote) = typed.split_once('/')?;
-        let described = session.get(&url(["components", component])).await.ok()?;
-        let mut remotes = described["uses"].as_array()?.iter();
-        Some(remotes.find(|one| one["name"] == *remote)?["digest"].clone())
+    /// Digest of the services that the remote typed before may call; `None` when none was typed.
+    async fn remote(&self, session: &Session) -> Option<String> {
+        let reader = self.reader()?;
+        let described = session.ask(routes::component(&reader.component)).await.ok()?.content;
+        let remote = described.uses.into_iter().find(|remote| remote.name == reader.name())?;
+        Some(remote.digest)
     }
 
     fn ask(&self, names: Names) -> Vec<Candidate> {
@@ -162,151 +156,129 @@ impl Line {
     }
 
     async fn candidates(&self, session: &Session, names: Names) -> Option<Vec<Candidate>> {
-        let get = async |path: String| session.get(&path).await.ok();
-        let component = || self.typed("component");
-        let of_component = |what: &[&str]| {
-            let component = component()?;
-            let segments = ["components", component.as_str()].into_iter();
-            Some(url(segments.chain(what.iter().copied())))
-        };
         Some(match names {
-            Names::Components => {
-                list(&get("/components".into()).await?["components"], "name", "component")
-            }
+            Names::Components => components(session).await?,
             Names::Services | Names::Startable => {
-                let mut reply = get(of_component(&[])?).await?;
-                let activity = |service: &Value| service["kind"] == "activity";
-                if let Some(services) = reply["services"].as_array_mut() {
-                    services.retain(|one| matches!(names, Names::Services) || activity(one));
-                    // What every component has comes last.
-                    services.sort_by_key(|one| one["standard"] == true);
+                let route = routes::component(self.typed("component")?);
+                let mut services = session.ask(route).await.ok()?.content.services;
+                if matches!(names, Names::Startable) {
+                    services.retain(|one| one.kind == ServiceKind::Activity);
                 }
-                list(&reply["services"], "name", "doc")
+                // What every component has comes last.
+                services.sort_by_key(|one| one.standard);
+                services.into_iter().map(|one| (one.name, first_line(one.doc))).collect()
             }
             Names::Inputs => {
-                let service = self.typed("service")?;
-                let reply = get(of_component(&["services", &service])?).await?;
-                let inputs = reply["parameters"].as_array()?.iter();
-                let inputs = inputs.filter(|one| one["direction"] != "out");
-                inputs
-                    .filter_map(|one| Some((format!("{}=", one["name"].as_str()?), about(one))))
-                    .collect()
+                let route = routes::service(self.typed("component")?, self.typed("service")?);
+                let parameters = session.ask(route).await.ok()?.content.parameters;
+                let inputs = parameters.iter().filter(|one| one.direction.is_input());
+                inputs.map(|one| (format!("{}=", one.name), Some(about(one)))).collect()
             }
             Names::Activities => {
-                let reply = get(of_component(&["activities"])?).await?;
-                let all = reply["activities"].as_array()?.iter();
-                let mut found: Vec<Candidate> = all
-                    .map(|one| {
-                        let told = format!("{} {}", text(&one["service"]), text(&one["status"]));
-                        (one["activity"].to_string(), Some(told))
-                    })
-                    .collect();
-                found.reverse();
-                found
+                let route = routes::activities(self.typed("component")?);
+                let all = session.ask(route).await.ok()?.content.activities;
+                let told = |one: &Activity| format!("{} {}", one.service, one.status);
+                all.iter().rev().map(|one| (one.activity.to_string(), Some(told(one)))).collect()
             }
             Names::Events => {
-                let reply = get(of_component(&[])?).await?;
-                let events = reply["events"].as_array()?.iter();
-                events.map(|event| (text(event), None)).collect()
+                let route = routes::component(self.typed("component")?);
+                let events = session.ask(route).await.ok()?.content.events;
+                events.into_iter().map(|event| (event, None)).collect()
             }
             Names::Connected => {
-                list(&get("/connections".into()).await?["connections"], "in", "out")
+                let all = session.ask(routes::connections()).await.ok()?.content.connections;
+                all.into_iter().map(|one| (one.inport, Some(one.outport))).collect()
             }
-            Names::Outports if self.remote_typed(session).await => {
-                services(session, self.wanted_of_service(session).await).await?
-            }
-            Names::Ports | Names::Inports | Names::Readers | Names::Outports => {
-                let mut reply = get("/ports?values=false".into()).await?;
-                if let Some(ports) = reply["ports"].as_array_mut() {
-                    // What another type has cannot be connected; of a port that is not there,
-                    // such as an element to come, nothing is known.
-                    let reader = self.typed_path("inport");
-                    let reader =
-                        ports.iter().find(|port| port["address"].as_str() == reader.as_deref());
-                    let wanted = reader.map(|port| port["digest"].clone());
-                    ports.retain(|port| match names {
-                        Names::Inports | Names::Readers => port["direction"] == "in",
-                        Names::Outports => {
-                            let fits =
-                                wanted.as_ref().is_none_or(|wanted| port["digest"] == *wanted);
-                            port["direction"] == "out" && fits
-                        }
-                        _ => true,
-                    });
-                }
-                let mut all = list(&reply["ports"], "address", "type");
-                if let Names::Readers = names {
-                    all.extend(remotes(session).await?);
-                }
+            Names::Ports => ports(session, |_| true).await?,
+            Names::Inports => ports(session, |port| port.direction == PortDirection::In).await?,
+            Names::Readers => {
+                let mut all = ports(session, |port| port.direction == PortDirection::In).await?;
+                all.extend(remotes(session).await?);
                 all
             }
+            Names::Outports => match self.remote(session).await {
+                Some(digest) => services(session, &digest).await?,
+                None => self.outports(session).await?,
+            },
             Names::Movable => {
-                let components = get("/components".into()).await?;
-                let ports = get("/ports?values=false".into()).await?;
-                let mut all = list(&components["components"], "name", "component");
-                all.extend(list(&ports["ports"], "address", "type"));
+                let mut all = components(session).await?;
+                all.extend(ports(session, |_| true).await?);
                 all
             }
             Names::Policies | Names::Codes => Vec::new(),
             Names::Backends => {
-                list(&get("/middlewares".into()).await?["middlewares"], "name", "version")
+                let all = session.ask(routes::middlewares()).await.ok()?.content.middlewares;
+                all.into_iter().map(|one| (one.name, Some(one.version))).collect()
             }
         })
     }
+
+    /// Out ports of the type of the in port typed before; all, when that is not there, as an
+    /// element to come.
+    async fn outports(&self, session: &Session) -> Option<Vec<Candidate>> {
+        let reader = self.reader().map(Address::to_string);
+        let all = all_ports(session).await?;
+        let reader = all.iter().find(|port| Some(&port.address) == reader.as_ref());
+        let wanted = reader.map(|port| port.digest.clone());
+        let fits = |port: &Port| wanted.as_ref().is_none_or(|wanted| port.digest == *wanted);
+        let outports = all.iter().filter(|port| port.direction == PortDirection::Out && fits(port));
+        Some(outports.map(port).collect())
+    }
+}
+
+/// Instances, each with its component.
+async fn components(session: &Session) -> Option<Vec<Candidate>> {
+    let all = session.ask(routes::components()).await.ok()?.content.components;
+    Some(all.into_iter().map(|one| (one.name, Some(one.component))).collect())
+}
+
+async fn all_ports(session: &Session) -> Option<Vec<Port>> {
+    let query = PortParameters { values: Some(false) };
+    Some(session.ask(routes::ports().with(&query)).await.ok()?.content.ports)
+}
+
+/// Ports that are wanted, each with its type.
+async fn ports(session: &Session, wanted: impl Fn(&Port) -> bool) -> Option<Vec<Candidate>> {
+    Some(all_ports(session).await?.iter().filter(|port| wanted(port)).map(port).collect())
+}
+
+fn port(of: &Port) -> Candidate {
+    (of.address.clone(), Some(of.ty.clone()))
 }
 
 /// Remotes of all components.
 async fn remotes(session: &Session) -> Option<Vec<Candidate>> {
-    let reply = session.get("/components").await.ok()?;
+    let all = session.ask(routes::components()).await.ok()?.content.components;
+    let remotes = all.iter().flat_map(|component| {
+        component.remotes.iter().map(|remote| format!("{}/{remote}", component.name))
+    });
+    Some(remotes.map(|address| (address, Some("remote".to_owned()))).collect())
+}
+
+/// Services of all components that a remote of this digest may call.
+async fn services(session: &Session, digest: &str) -> Option<Vec<Candidate>> {
     let mut all = Vec::new();
-    for component in reply["components"].as_array()? {
-        for remote in component["remotes"].as_array().into_iter().flatten() {
-            let address = format!("{}/{}", text(&component["name"]), text(remote));
-            all.push((address, Some("remote".to_owned())));
-        }
+    for Component { name, .. } in session.ask(routes::components()).await.ok()?.content.components {
+        let described = session.ask(routes::component(&name)).await.ok()?.content;
+        let fits = |one: &Service| !one.standard && one.call_digest == digest;
+        let services = described.services.into_iter().filter(fits);
+        all.extend(services.map(|one| (format!("{name}/{}", one.name), first_line(one.doc))));
     }
     Some(all)
 }
 
-/// Services of all components that are as wanted, but for those that every component has.
-async fn services(session: &Session, wanted: Option<Value>) -> Option<Vec<Candidate>> {
-    let reply = session.get("/components").await.ok()?;
-    let mut all = Vec::new();
-    for component in reply["components"].as_array()? {
-        let name = text(&component["name"]);
-        let described = session.get(&url(["components", name.as_str()])).await.ok()?;
-        let fits = |one: &&Value| {
-            one["standard"] != true
-                && wanted.as_ref().is_none_or(|wanted| one["call_digest"] == *wanted)
-        };
-        let own = described["services"].as_array()?.iter().filter(fits);
-        let own: Value = own.cloned().collect();
-        let own = list(&own, "name", "doc").into_iter();
-        all.extend(own.map(|(service, doc)| (format!("{name}/{service}"), doc)));
-    }
-    Some(all)
-}
-
-/// Names and a word about each, from a list of objects.
-fn list(all: &Value, name: &str, help: &str) -> Vec<Candidate> {
-    let first_line = |one: &Value| one[help].as_str()?.lines().next().map(str::to_owned);
-    let all = all.as_array().map(Vec::as_slice).unwrap_or_default().iter();
-    all.map(|one| (text(&one[name]), first_line(one))).collect()
+fn first_line(doc: Option<String>) -> Option<String> {
+    doc?.lines().next().map(str::to_owned)
 }
 
 /// Type, default and documentation of an input.
-fn about(input: &Value) -> Option<String> {
-    let mut told = text(&input["type"]);
-    let shown = input.get("current").or(input.get("default")).filter(|value| !value.is_null());
-    if let Some(default) = shown {
-        told.push_str(&format!(" = {default}"));
+fn about(input: &Parameter) -> String {
+    let mut about = input.ty.clone();
+    if let Some(value) = input.current.as_ref().or(input.default.as_ref()) {
+        about.push_str(&format!(" = {value}"));
     }
-    if let Some(doc) = input["doc"].as_str() {
-        told.push_str(&format!(": {doc}"));
+    if let Some(doc) = &input.doc {
+        about.push_str(&format!(": {doc}"));
     }
-    Some(told)
-}
-
-fn text(value: &Value) -> String {
-    value.as_str().unwrap_or_default().to_owned()
+    about
 }

@@ -4,11 +4,11 @@ use std::io;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use serde::Deserialize;
+use genom_protocol::Reason;
 use serde_json::{Value, json};
 
-use crate::contexts::Chosen;
-use crate::recording::file::WriteError;
+use crate::chosen::Chosen;
+use crate::escape;
 use crate::terminal::{Tone, coloured_errors};
 
 /// Why a verb failed.
@@ -34,9 +34,9 @@ pub(crate) enum Failure {
     Silent { target: String, limit: Duration, stopped: Option<i32> },
     /// The daemon refused; nothing was changed.
     #[error("{}", .0.message)]
-    Refused(Refusal),
+    Refused(Reason),
     /// The service ran and ended with an exception.
-    #[error("{what} ended with {exception}{}", shown(.detail))]
+    #[error("{what} ended with {exception}{}", members(.detail))]
     Exception { what: String, exception: String, detail: Value },
     /// The reply is not one of a genomd of this version.
     #[error("the reply of genomd on {target} is not understood: {why}")]
@@ -50,22 +50,6 @@ pub(crate) enum Failure {
     /// Files or the terminal.
     #[error(transparent)]
     Io(#[from] io::Error),
-}
-
-/// The daemon's one shape of errors.
-#[derive(Clone, Debug, Deserialize)]
-pub(crate) struct Refusal {
-    /// Stable name of the reason, such as `no_such_service`.
-    #[serde(default)]
-    pub(crate) code: String,
-    /// One sentence.
-    pub(crate) message: String,
-    /// The place in the request, as a JSON pointer or a path.
-    #[serde(default, rename = "where")]
-    pub(crate) place: Option<String>,
-    /// The way out.
-    #[serde(default)]
-    pub(crate) help: Option<String>,
 }
 
 fn plural(count: usize, word: &str) -> String {
@@ -98,18 +82,11 @@ fn by(chosen: Option<&Chosen>) -> String {
     chosen.map_or_else(String::new, |chosen| format!(" ({chosen})"))
 }
 
-fn shown(detail: &Value) -> String {
+fn members(detail: &Value) -> String {
     match detail {
         Value::Null => String::new(),
         Value::Object(members) if members.is_empty() => String::new(),
         detail => format!(" {detail}"),
-    }
-}
-
-impl From<WriteError> for Failure {
-    fn from(error: WriteError) -> Self {
-        let code = if matches!(error, WriteError::Full { .. }) { "full" } else { "file" };
-        Self::refused(code, error.to_string())
     }
 }
 
@@ -134,7 +111,12 @@ impl Failure {
 
     /// A refusal of genomctl's own, in the daemon's shape.
     pub(crate) fn refused(code: &str, message: String) -> Self {
-        Failure::Refused(Refusal { code: code.to_owned(), message, place: None, help: None })
+        Failure::Refused(Reason::new(code, message))
+    }
+
+    /// The same with a way out.
+    pub(crate) fn refused_with(code: &str, message: String, help: String) -> Self {
+        Failure::Refused(Reason { help: Some(help), ..Reason::new(code, message) })
     }
 
     /// A recording could not be written or read.
@@ -162,7 +144,7 @@ impl Failure {
 
     fn place(&self) -> Option<&str> {
         match self {
-            Failure::Refused(refusal) => refusal.place.as_deref().filter(|at| !at.is_empty()),
+            Failure::Refused(reason) => reason.place.as_deref().filter(|at| !at.is_empty()),
             _ => None,
         }
     }
@@ -186,7 +168,7 @@ impl Failure {
             Failure::Silent { .. } => {
                 Some("look at its process and its log; --timeout SECONDS waits longer".to_owned())
             }
-            Failure::Refused(refusal) => refusal.help.clone(),
+            Failure::Refused(reason) => reason.help.clone(),
             _ => None,
         }
     }
@@ -198,7 +180,7 @@ impl Failure {
             Failure::Unreachable { .. } => "unreachable",
             Failure::Lost { .. } => "lost",
             Failure::Silent { .. } => "silent",
-            Failure::Refused(refusal) => &refusal.code,
+            Failure::Refused(reason) => &reason.code,
             // The outcome itself was printed on standard output.
             Failure::Exception { .. } => "exception",
             Failure::Reply { .. } => "not_understood",
@@ -219,7 +201,7 @@ impl Failure {
             return ExitCode::SUCCESS;
         }
         use io::Write as _;
-        let text = if json { format!("{}\n", self.data()) } else { self.text() };
+        let text = if json { escape::json(&format!("{}\n", self.data())) } else { self.text() };
         let text = match text.strip_prefix("error:") {
             Some(rest) if coloured_errors() => format!("{}{rest}", Tone::Bad.paint("error:")),
             _ => text,
@@ -228,6 +210,7 @@ impl Failure {
         ExitCode::from(match self {
             Failure::Usage { .. } => 2,
             Failure::Unreachable { .. } | Failure::Lost { .. } | Failure::Silent { .. } => 3,
+            Failure::Refused(refusal) if refusal.code == "daemon_silent" => 3,
             _ => 1,
         })
     }

@@ -7,15 +7,14 @@ use std::sync::Arc;
 
 use genom_proof::message::{self, Answer, Question, Request};
 use genom_proof::{Greeting, HandshakeError, Session};
+use genom_protocol::{Answers, AskParameters, Code, routes};
 use hyper::Method;
 use hyper::body::Bytes;
-use serde::Deserialize;
 use tokio::sync::mpsc;
 
 use crate::body::Body;
-use crate::client::{Reply, near};
-use crate::failure::{Failure, Refusal};
-use crate::names::url;
+use crate::failure::Failure;
+use crate::http::{self, Response};
 use crate::patience::patiently;
 use crate::target::Target;
 
@@ -29,41 +28,29 @@ pub(crate) struct Far {
     session: Session,
 }
 
-#[derive(Deserialize)]
-struct Answers {
-    answers: Vec<Answered>,
-}
-
-#[derive(Deserialize)]
-struct Answered {
-    at: String,
-    message: String,
-}
-
 impl Far {
     /// Finds the one daemon of that name that holds the token.
     pub(crate) async fn meet(target: Arc<Target>, daemon: String) -> Result<Self, Failure> {
         let Some(token) = target.proof() else {
-            return Err(Failure::Refused(Refusal {
-                code: "unauthorized".to_owned(),
-                message: format!("a token is needed here: daemon {daemon} asks who you are"),
-                place: None,
-                help: Some("--token-file FILE, of those that its own token file knows".to_owned()),
-            }));
+            return Err(Failure::refused_with(
+                Code::Unauthorized.name(),
+                format!("a token is needed here: daemon {daemon} asks who you are"),
+                "--token-file FILE, of those that its own token file knows".to_owned(),
+            ));
         };
         let greeting = Greeting::new(&token, &daemon)?;
-        let path = url(["daemons", &daemon, "hello"]);
+        let hello = routes::hello(&daemon);
         let said: Bytes = greeting.message().into();
-        let reply = near(&target, Method::POST, &path, said, None).await?;
-        let told: Answers = serde_json::from_value(reply.json(&target).await?)
+        let response = http::ask(&target, Method::POST, &hello.path, said, None).await?;
+        let heard: Answers = serde_json::from_value(response.json(&target).await?)
             .map_err(|error| target.misread(error.to_string()))?;
         let answers: Vec<_> =
-            told.answers.into_iter().map(|one| (one.at, one.message.into_bytes())).collect();
+            heard.answers.into_iter().map(|one| (one.at, one.message.into_bytes())).collect();
         let session = greeting.meet(&answers).map_err(|error| {
             let code = match error {
                 HandshakeError::Several { .. } => "several_daemons",
                 HandshakeError::Impostor { .. } => "not_proved",
-                _ => "daemon_silent",
+                _ => Code::DaemonSilent.name(),
             };
             Failure::refused(code, error.to_string())
         })?;
@@ -77,14 +64,14 @@ impl Far {
         waits: bool,
     ) -> Result<(Answer, Vec<u8>), Failure> {
         let (number, sealed) = self.session.seal(&message::encode(question, body));
-        let path = url(["daemons", &self.daemon, "questions"]);
-        // An end of the middleware is a word of letters and digits.
-        let path = format!("{path}?at={}&wait={waits}", self.session.at());
-        let reply = near(&self.target, Method::POST, &path, sealed.into(), None).await?;
-        if !reply.is_success() {
-            return Err(reply.refusal(&self.target).await);
+        let query = AskParameters { at: self.session.at().to_owned(), wait: waits };
+        let route = routes::question(&self.daemon).with(&query);
+        let response =
+            http::ask(&self.target, Method::POST, &route.path, sealed.into(), None).await?;
+        if !response.is_success() {
+            return Err(response.refusal(&self.target).await);
         }
-        let bytes = reply.body.whole().await?.ok_or_else(|| self.target.lost())?;
+        let bytes = response.body.whole().await?.ok_or_else(|| self.target.lost())?;
         let forged = |error: &dyn std::fmt::Display| {
             Failure::refused("not_proved", format!("{error}; ask again"))
         };
@@ -101,7 +88,7 @@ impl Far {
     ) -> Result<T, Failure> {
         let about = Question::Request(Request {
             method: Method::GET.to_string(),
-            path: "/".to_owned(),
+            path: routes::about().path,
             last_event_id: None,
         });
         let about = &about;
@@ -117,8 +104,8 @@ impl Far {
         path: &str,
         body: &[u8],
         after: Option<u64>,
-    ) -> Result<Reply, Failure> {
-        let waits = path.contains("wait=") || path == "/deployment";
+    ) -> Result<Response, Failure> {
+        let waits = path.contains("wait=") || path == routes::dump().path;
         let question = Question::Request(Request {
             method: method.to_string(),
             path: path.to_owned(),
@@ -135,7 +122,7 @@ impl Far {
                 Body::Far(pieces)
             }
         };
-        Ok(Reply { status: answer.status, body })
+        Ok(Response { status: answer.status, body })
     }
 
     /// Fetches a stream for as long as it is read. Should the reader end without a word, the

@@ -8,6 +8,7 @@
 mod agreement;
 mod args;
 mod body;
+mod chosen;
 mod client;
 mod complete;
 mod connection;
@@ -16,12 +17,13 @@ mod doctor;
 mod escape;
 mod failure;
 mod far;
+mod http;
 mod inputs;
 mod lsp;
 mod names;
-mod parameter;
 mod patience;
 mod private;
+mod process;
 mod prompt;
 mod reading;
 mod recording;
@@ -34,6 +36,7 @@ mod top;
 mod traffic;
 mod units;
 mod verbs;
+mod within;
 
 use std::process::ExitCode;
 

@@ -115,14 +115,6 @@ async fn answers(target: &Target) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Whether a process is stopped, by a signal or a debugger.
-pub(crate) fn is_stopped(process: i32) -> bool {
-    let status = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
-    // The name before may hold anything.
-    let state = status.rsplit_once(')').and_then(|(_, rest)| rest.trim_start().chars().next());
-    matches!(state, Some('T' | 't'))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,19 +3,12 @@
 
 use std::io::{self, BufRead, Write};
 
-use serde::Deserialize;
+use genom_protocol::{CallParameters, CallReply, Code, Inputs, Parameter, Reason, Service, routes};
 use serde_json::{Map, Value};
 
-use crate::failure::{Failure, Refusal};
-use crate::names::url;
-use crate::parameter::Parameter;
-use crate::session::Session;
+use crate::failure::Failure;
+use crate::session::{Reply, Session};
 use crate::{inputs, terminal};
-
-#[derive(Debug, Deserialize)]
-struct Service {
-    parameters: Vec<Parameter>,
-}
 
 /// How often an input is asked for, all in all.
 const TRIES: u32 = 3;
@@ -28,19 +21,19 @@ pub(crate) async fn call(
     service: &str,
     words: &[String],
     zero: bool,
-) -> Result<Value, Failure> {
-    let path = url(["components", component, "services", service]);
-    let asked = if zero { format!("{path}?zero=true") } else { path.clone() };
+) -> Result<Reply<CallReply>, Failure> {
+    let query = CallParameters { zero, ..CallParameters::default() };
+    let call = || routes::call(component, service).with(&query);
     if !words.is_empty() || session.json || !terminal::somebody_there() {
-        return session.post(&asked, &inputs::parse(words)?).await;
+        return session.send(call(), &Inputs(inputs::parse(words)?)).await;
     }
-    let described: Service = session.read(session.get(&path).await?)?;
+    let described = session.ask(routes::service(component, service)).await?.content;
     let mut form = Form::new(described);
     form.fill(&mut io::stdin().lock(), &mut io::stderr().lock())?;
     loop {
-        match session.post(&asked, &form.given()).await {
-            Err(Failure::Refused(refusal)) if refusal.code == "bad_input" => {
-                form.mend(refusal, &mut io::stdin().lock(), &mut io::stderr().lock())?;
+        match session.send(call(), &Inputs(form.given())).await {
+            Err(Failure::Refused(reason)) if reason.is(Code::BadInput) => {
+                form.mend(reason, &mut io::stdin().lock(), &mut io::stderr().lock())?;
             }
             answer => return answer,
         }
@@ -56,7 +49,7 @@ struct Form {
 
 impl Form {
     fn new(service: Service) -> Self {
-        let inputs = service.parameters.into_iter().filter(|one| one.direction != "out");
+        let inputs = service.parameters.into_iter().filter(|one| one.direction.is_input());
         Self { parameters: inputs.map(|one| (one, 0)).collect(), given: Map::new() }
     }
 
@@ -74,7 +67,7 @@ impl Form {
     /// them, or comes too often.
     fn mend(
         &mut self,
-        refusal: Refusal,
+        refusal: Reason,
         answers: &mut impl BufRead,
         out: &mut impl Write,
     ) -> Result<(), Failure> {
@@ -138,7 +131,10 @@ mod tests {
             parameter("x", "out", json!(2.0)),
             parameter("mode", "inout", Value::Null),
         ];
-        serde_json::from_value(json!({ "parameters": parameters })).unwrap()
+        serde_json::from_value(json!({
+            "name": "goto", "kind": "activity", "parameters": parameters,
+        }))
+        .unwrap()
     }
 
     /// What is given after these answers, and what was asked.
@@ -166,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_refused_answer_is_asked_for_again_but_not_for_ever() {
-        let refusal = |place: &str| -> Refusal {
+        let refusal = |place: &str| -> Reason {
             let refusal = json!({"code": "bad_input", "message": "no number", "where": place});
             serde_json::from_value(refusal).unwrap()
         };

@@ -3,7 +3,8 @@
 use std::io::{self, Write as _};
 use std::time::Duration;
 
-use hyper::Method;
+use genom_protocol::routes::Route;
+use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
@@ -16,6 +17,15 @@ use crate::terminal::{Progress, Terminal};
 
 /// From then on, a wait is shown.
 const LONG: Duration = Duration::from_secs(1);
+
+/// A reply of the daemon.
+#[derive(Clone, Debug)]
+pub(crate) struct Reply<R> {
+    /// As it was sent; with `--json`, which alone prints it.
+    pub(crate) sent: Value,
+    /// As its type. Without `--json`, what a terminal would obey in its texts is escaped.
+    pub(crate) content: R,
+}
 
 /// One run of `genomctl`.
 #[derive(Debug)]
@@ -37,35 +47,35 @@ impl Session {
         Self { client, given, json, terminal: Terminal::of_output() }
     }
 
-    /// `GET path`.
-    pub(crate) async fn get(&self, path: &str) -> Result<Value, Failure> {
-        self.ask(Method::GET, path, None).await
+    /// Asks for what takes no body.
+    pub(crate) async fn ask<R: DeserializeOwned, Q>(
+        &self,
+        route: Route<R, Q>,
+    ) -> Result<Reply<R>, Failure> {
+        let sent = self.whole(&route, Vec::new()).await?;
+        self.reply(sent)
     }
 
-    /// `POST path` with a JSON body.
-    pub(crate) async fn post(&self, path: &str, body: &Value) -> Result<Value, Failure> {
-        self.ask(Method::POST, path, Some(body)).await
-    }
-
-    /// `PUT path` with a JSON body.
-    pub(crate) async fn put(&self, path: &str, body: &Value) -> Result<Value, Failure> {
-        self.ask(Method::PUT, path, Some(body)).await
-    }
-
-    /// `DELETE path`.
-    pub(crate) async fn delete(&self, path: &str) -> Result<Value, Failure> {
-        self.ask(Method::DELETE, path, None).await
+    /// Asks with a body.
+    pub(crate) async fn send<R: DeserializeOwned, Q, B: Serialize>(
+        &self,
+        route: Route<R, Q, B>,
+        body: &B,
+    ) -> Result<Reply<R>, Failure> {
+        // None of the bodies can fail to be JSON.
+        let body = serde_json::to_vec(body).unwrap_or_default();
+        let sent = self.whole(&route, body).await?;
+        self.reply(sent)
     }
 
     /// Asks; what takes long is seen to take long.
-    async fn ask(
+    async fn whole<R, Q, B>(
         &self,
-        method: Method,
-        path: &str,
-        body: Option<&Value>,
+        route: &Route<R, Q, B>,
+        body: Vec<u8>,
     ) -> Result<Value, Failure> {
         let mut progress = Progress::default();
-        let asking = self.client.request(method, path, body);
+        let asking = self.client.request(route, body);
         if self.json || !progress.seen() {
             return asking.await;
         }
@@ -82,25 +92,49 @@ impl Session {
         }
     }
 
-    /// Prints a reply: as it is with `--json`, else as `render` words it.
-    pub(crate) fn show<R: DeserializeOwned>(
+    /// A reply as the type that its route answers.
+    pub(crate) fn reply<R: DeserializeOwned>(&self, sent: Value) -> Result<Reply<R>, Failure> {
+        let kept = if self.json { sent.clone() } else { Value::Null };
+        let mut read = sent;
+        if !self.json {
+            escape::all(&mut read);
+        }
+        let content =
+            serde_json::from_value(read).map_err(|error| self.client.misread(error.to_string()))?;
+        Ok(Reply { sent: kept, content })
+    }
+
+    /// Prints a reply: as it was sent with `--json`, else as `render` words it.
+    pub(crate) fn show<R>(
         &self,
-        reply: Value,
+        reply: &Reply<R>,
         render: impl FnOnce(&R) -> String,
     ) -> Result<(), Failure> {
         if self.json {
-            return self.print(&format!("{reply}\n"));
+            return self.print(&format!("{}\n", reply.sent));
         }
-        self.print(&render(&self.read(reply)?))
+        self.print(&render(&reply.content))
     }
 
-    /// Prints a reply as a table that fits the terminal, or as it is with `--json`.
-    pub(crate) fn show_table<R: DeserializeOwned>(
+    /// Prints a reply as a table that fits the terminal, or as it was sent with `--json`.
+    pub(crate) fn show_table<R>(
         &self,
-        reply: Value,
+        reply: &Reply<R>,
         table: impl FnOnce(&R) -> Table,
     ) -> Result<(), Failure> {
         self.show(reply, |reply| table(reply).text(self.terminal))
+    }
+
+    /// Prints what genomctl itself has to say: as JSON with `--json`, else as a table.
+    pub(crate) fn show_own(
+        &self,
+        data: &impl Serialize,
+        table: impl FnOnce() -> Table,
+    ) -> Result<(), Failure> {
+        if self.json {
+            return self.print(&format!("{}\n", json!(data)));
+        }
+        self.print(&table().text(self.terminal))
     }
 
     /// Prints a text that no daemon sent; with `--json` as the one member of an object.
@@ -119,12 +153,6 @@ impl Session {
             io::stderr().lock().write_all(format!("{clear}{text}\n").as_bytes())?;
         }
         Ok(())
-    }
-
-    /// The reply as the type a verb expects, with its texts as they may be shown.
-    pub(crate) fn read<R: DeserializeOwned>(&self, mut reply: Value) -> Result<R, Failure> {
-        escape::all(&mut reply);
-        serde_json::from_value(reply).map_err(|error| self.client.misread(error.to_string()))
     }
 
     /// Writes on standard output, at once: the reader may be a pipe that follows a stream.

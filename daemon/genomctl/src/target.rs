@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use serde::Deserialize;
+use genom_protocol::TokenFile;
+use genom_protocol::socket::default_path;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::{TcpStream, UnixStream};
 use tokio::sync::oneshot;
@@ -16,11 +17,11 @@ use tokio_rustls::rustls::pki_types::pem::PemObject as _;
 use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer, ServerName};
 use tokio_rustls::rustls::{ClientConfig, RootCertStore};
 
+use crate::chosen::Chosen;
 use crate::connection::{Connection, Host, Tcp};
-use crate::contexts::Chosen;
 use crate::failure::Failure;
-use crate::patience::is_stopped;
 use crate::private;
+use crate::process::is_stopped;
 
 /// A daemon and the way to it.
 #[derive(Debug)]
@@ -81,10 +82,10 @@ impl Target {
         let token = token_file.map(|path| read_token(&path)).transpose()?;
         let mut daemon = None;
         let way = match host {
-            None => Way::Socket(socket.unwrap_or_else(default_socket)),
+            None => Way::Socket(socket.unwrap_or_else(default_path)),
             Some(Host::Zenoh(name)) => {
                 daemon = Some(name);
-                Way::Socket(socket.unwrap_or_else(default_socket))
+                Way::Socket(socket.unwrap_or_else(default_path))
             }
             Some(Host::Tcp(host)) => {
                 if host.tls.unwrap_or(ca.is_some() || !host.is_here()) {
@@ -228,36 +229,18 @@ fn connector(ca: &Path, cert: Option<&Path>) -> Result<TlsConnector, Failure> {
 
 /// A token alone, or the first of a daemon's token file.
 fn read_token(path: &Path) -> Result<Secret, Failure> {
-    #[derive(Deserialize)]
-    struct Tokens {
-        token: Vec<One>,
-    }
-    #[derive(Deserialize)]
-    struct One {
-        token: String,
-    }
     let refuse = |why: String, help: &str| {
         Failure::usage(format!("the token file {}: {why}", path.display()), help)
     };
     let text = private::read(path, "token file")?;
-    let of_file = toml::from_str::<Tokens>(&text).ok().and_then(|all| all.token.into_iter().next());
+    let of_file =
+        toml::from_str::<TokenFile>(&text).ok().and_then(|all| all.token.into_iter().next());
     let token = of_file.map_or_else(|| text.trim().to_owned(), |one| one.token);
     let plain = token.bytes().all(|byte| byte.is_ascii_graphic());
     if token.is_empty() || !plain {
         return Err(refuse("it holds no token".to_owned(), "one line, the token alone"));
     }
     Ok(Secret(token))
-}
-
-/// Where a daemon of this user listens when nothing else is said; `genomd` has the same rule.
-fn default_socket() -> PathBuf {
-    match std::env::var_os("XDG_RUNTIME_DIR").filter(|dir| !dir.is_empty()) {
-        Some(dir) => PathBuf::from(dir).join("genomd.sock"),
-        None => {
-            let user = rustix::process::getuid().as_raw();
-            PathBuf::from(format!("/tmp/genomd-{user}/genomd.sock"))
-        }
-    }
 }
 
 #[cfg(test)]

@@ -1,26 +1,16 @@
 //! Rates of a port, from two readings of its counters: exact however fast the port is.
 
-use serde::Deserialize;
+use genom_protocol::{Address, Traffic, routes};
 use serde_json::{Value, json};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::failure::Failure;
-use crate::names::{Path2, encode, url};
+use crate::names::element;
 use crate::session::Session;
 
-/// Squares of intervals come in this unit of time.
-const UNIT_NS: f64 = 100.0;
-
-/// The counters of a port. Dates are those of the components' clock.
-#[derive(Clone, Debug, Default, Deserialize)]
-pub(crate) struct Reading {
-    samples: u64,
-    first_ns: Option<u64>,
-    last_ns: Option<u64>,
-    squares: u64,
-    weighed: u64,
-    bytes: u64,
-}
+/// Squares of intervals come in this unit of time, in nanoseconds.
+#[allow(clippy::cast_precision_loss, reason = "it is small")]
+const UNIT: f64 = Traffic::UNIT as f64;
 
 /// What passed between two readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,42 +25,36 @@ pub(crate) struct Rate {
     pub(crate) size: Option<f64>,
 }
 
-impl Reading {
-    /// Asks the daemon.
-    pub(crate) async fn take(session: &Session, at: &Path2) -> Result<Self, Failure> {
-        let (port, element) = at.port();
-        let mut path = url(["components", &at.component, "ports", port, "traffic"]);
-        if let Some(element) = element {
-            path.push_str(&format!("?element={}", encode(element)));
-        }
-        session.read(session.get(&path).await?)
-    }
+/// Asks the daemon for the counters of a port.
+async fn reading(session: &Session, at: &Address) -> Result<Traffic, Failure> {
+    let route = routes::traffic(&at.component, &at.port).with(&element(at));
+    Ok(session.ask(route).await?.content.traffic)
+}
 
-    /// What passed since an earlier reading.
-    #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
-    pub(crate) fn since(&self, earlier: &Reading) -> Rate {
-        let samples = self.samples.saturating_sub(earlier.samples);
-        let (start, intervals) = match earlier.last_ns {
-            Some(last) => (Some(last), samples),
-            // The first sample ends no interval.
-            None => (self.first_ns, samples.saturating_sub(1)),
-        };
-        let span = self.last_ns.zip(start).map_or(0, |(end, start)| end.saturating_sub(start));
-        let (hertz, jitter) = if intervals == 0 || span == 0 {
-            (None, 0.0)
-        } else {
-            let mean = span as f64 / intervals as f64;
-            let squares = self.squares.wrapping_sub(earlier.squares) as f64 * UNIT_NS * UNIT_NS;
-            let variance = (squares / intervals as f64 - mean * mean).max(0.0);
-            // Intervals are rounded down to the unit: less than that is no jitter.
-            let deviation = variance.sqrt();
-            (Some(1e9 / mean), if deviation < UNIT_NS { 0.0 } else { deviation / 1e9 })
-        };
-        let weighed = self.weighed.saturating_sub(earlier.weighed);
-        let bytes = self.bytes.wrapping_sub(earlier.bytes);
-        let size = (weighed > 0).then(|| bytes as f64 / weighed as f64);
-        Rate { samples, hertz, jitter, size }
-    }
+/// What passed between two readings.
+#[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
+fn between(earlier: &Traffic, now: &Traffic) -> Rate {
+    let samples = now.counts.samples.saturating_sub(earlier.counts.samples);
+    let (start, intervals) = match earlier.last_ns {
+        Some(last) => (Some(last), samples),
+        // The first sample ends no interval.
+        None => (now.first_ns, samples.saturating_sub(1)),
+    };
+    let span = now.last_ns.zip(start).map_or(0, |(end, start)| end.saturating_sub(start));
+    let (hertz, jitter) = if intervals == 0 || span == 0 {
+        (None, 0.0)
+    } else {
+        let mean = span as f64 / intervals as f64;
+        let squares = now.squares.wrapping_sub(earlier.squares) as f64 * UNIT * UNIT;
+        let variance = (squares / intervals as f64 - mean * mean).max(0.0);
+        // Intervals are rounded down to the unit: less than that is no jitter.
+        let deviation = variance.sqrt();
+        (Some(1e9 / mean), if deviation < UNIT { 0.0 } else { deviation / 1e9 })
+    };
+    let weighed = now.weighed.saturating_sub(earlier.weighed);
+    let bytes = now.bytes.wrapping_sub(earlier.bytes);
+    let size = (weighed > 0).then(|| bytes as f64 / weighed as f64);
+    Rate { samples, hertz, jitter, size }
 }
 
 impl Rate {
@@ -80,7 +64,7 @@ impl Rate {
     }
 
     /// The same as data.
-    pub(crate) fn data(&self, port: &Path2) -> Value {
+    pub(crate) fn data(&self, port: &Address) -> Value {
         json!({
             "address": port.to_string(), "samples": self.samples, "hertz": self.hertz,
             "jitter": self.jitter, "sample_bytes": self.size,
@@ -108,7 +92,7 @@ impl Watch {
     pub(crate) async fn run(
         &self,
         session: &Session,
-        port: &Path2,
+        port: &Address,
         render: fn(&Rate) -> String,
     ) -> Result<(), Failure> {
         let show = |rate: &Rate| {
@@ -116,7 +100,7 @@ impl Watch {
             session.print(&format!("{text}\n"))
         };
         if self.total {
-            return show(&Reading::take(session, port).await?.since(&Reading::default()));
+            return show(&between(&Traffic::default(), &reading(session, port).await?));
         }
         let window = std::time::Duration::try_from_secs_f64(self.window)
             .ok()
@@ -128,14 +112,14 @@ impl Watch {
         let mut interrupt = signal(SignalKind::interrupt())?;
         let mut ticks = tokio::time::interval(window);
         ticks.tick().await;
-        let mut before = Reading::take(session, port).await?;
+        let mut before = reading(session, port).await?;
         for _ in 0..self.count.unwrap_or(u64::MAX) {
             tokio::select! {
                 _ = ticks.tick() => {}
                 _ = interrupt.recv() => return Ok(()),
             }
-            let now = Reading::take(session, port).await?;
-            show(&now.since(&before))?;
+            let now = reading(session, port).await?;
+            show(&between(&before, &now))?;
             before = now;
         }
         Ok(())
@@ -145,16 +129,17 @@ impl Watch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use genom_protocol::Counts;
 
-    fn reading(samples: u64, last_ms: u64, squares: u64) -> Reading {
-        let last_ns = Some(last_ms * 1_000_000);
-        Reading {
-            samples,
+    fn reading(samples: u64, last_ms: u64, squares: u64) -> Traffic {
+        Traffic {
+            counts: Counts { samples, ..Counts::default() },
             first_ns: Some(0),
-            last_ns,
+            last_ns: Some(last_ms * 1_000_000),
             squares,
             weighed: samples,
             bytes: samples * 8,
+            ..Traffic::default()
         }
     }
 
@@ -164,10 +149,10 @@ mod tests {
         let square = 50_000_u64.pow(2);
         let before = reading(100, 495, 99 * square);
         let after = reading(300, 1_495, 299 * square);
-        let rate = after.since(&before);
+        let rate = between(&before, &after);
         assert_eq!((rate.samples, rate.hertz, rate.jitter), (200, Some(200.0), 0.0));
         assert_eq!(rate.bandwidth(), Some(1600.0));
-        let total = before.since(&Reading::default());
+        let total = between(&Traffic::default(), &before);
         assert_eq!((total.samples, total.hertz), (100, Some(200.0)));
     }
 
@@ -175,15 +160,15 @@ mod tests {
     fn uneven_intervals_are_jitter() {
         // 4 ms and 6 ms in turn: 1 ms around the mean.
         let squares = 40_000_u64.pow(2) + 60_000_u64.pow(2);
-        let rate = reading(3, 10, squares).since(&Reading::default());
+        let rate = between(&Traffic::default(), &reading(3, 10, squares));
         assert_eq!(rate.hertz, Some(200.0));
         assert!((rate.jitter - 0.001).abs() < 1e-9, "{}", rate.jitter);
     }
 
     #[test]
     fn silence_has_no_rate() {
-        let rate = reading(5, 20, 0).since(&reading(5, 20, 0));
+        let rate = between(&reading(5, 20, 0), &reading(5, 20, 0));
         assert_eq!((rate.samples, rate.hertz, rate.size), (0, None, None));
-        assert_eq!(Reading::default().since(&Reading::default()).hertz, None);
+        assert_eq!(between(&Traffic::default(), &Traffic::default()).hertz, None);
     }
 }

@@ -3,7 +3,6 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Parser, ValueHint};
 
 use crate::config::{ClockKind, Config};
@@ -71,7 +70,7 @@ pub(crate) struct Cli {
     pub(crate) token_file: Option<PathBuf>,
     /// Time of the components: that of the machine, or one that `genomctl step` advances
     /// [default: monotonic].
-    #[arg(long, value_name = "CLOCK", value_parser = clock())]
+    #[arg(long, value_name = "CLOCK")]
     pub(crate) clock: Option<ClockKind>,
     /// What to log on standard error: error, warn, info, debug, trace, or a filter such as
     /// info,genomd=debug [default: info].
@@ -94,20 +93,6 @@ pub(crate) struct Cli {
     /// Print the version, the middlewares this daemon knows and their versions.
     #[arg(long, short = 'V')]
     pub(crate) version: bool,
-}
-
-/// `--clock`: its words are those of the configuration.
-fn clock() -> impl TypedValueParser<Value = ClockKind> {
-    let words = [
-        PossibleValue::new("monotonic").help("The machine's monotonic clock"),
-        PossibleValue::new("virtual").help(
-            "One that stands still until a supervisor steps it: same inputs, same codel calls",
-        ),
-    ];
-    PossibleValuesParser::new(words).map(|word| match word.as_str() {
-        "virtual" => ClockKind::Virtual,
-        _ => ClockKind::Monotonic,
-    })
 }
 
 impl Cli {

@@ -6,9 +6,9 @@ use std::sync::LazyLock;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use genom_host::StandardError;
-use serde_json::{Map, Value, json};
+use genom_protocol::{Level as Grade, LogEntry};
 use tracing::field::{Field, Visit};
-use tracing::{Event, Subscriber};
+use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::filter::{LevelFilter, filter_fn};
 use tracing_subscriber::layer::{Context, SubscriberExt as _};
 use tracing_subscriber::util::SubscriberInitExt as _;
@@ -79,13 +79,13 @@ impl<S: Subscriber> Layer<S> for Keep {
         let mut words = Words::default();
         event.record(&mut words);
         let about = event.metadata();
-        let mut entry = Map::new();
-        entry.insert("time".into(), now().into());
-        entry.insert("level".into(), about.level().as_str().to_lowercase().into());
-        entry.insert("origin".into(), about.target().into());
-        entry.extend(words.component.map(|name| ("component".to_owned(), Value::from(name))));
-        entry.insert("message".into(), (words.message + &words.rest).into());
-        PAST.add(entry.into());
+        PAST.add(&LogEntry {
+            time: now(),
+            level: grade(*about.level()),
+            origin: about.target().to_owned(),
+            component: words.component,
+            message: words.message + &words.rest,
+        });
     }
 }
 
@@ -95,9 +95,20 @@ fn now() -> f64 {
 }
 
 /// Stands for entries that a reader did not get.
-pub(crate) fn missed(count: u64) -> Value {
+pub(crate) fn missed(count: u64) -> LogEntry {
     let message = format!("{count} entries before this one are not kept any more");
-    json!({"time": now(), "level": "warn", "origin": "genomd", "message": message})
+    let (level, origin) = (Grade::Warn, "genomd".to_owned());
+    LogEntry { time: now(), level, origin, component: None, message }
+}
+
+fn grade(level: Level) -> Grade {
+    match level {
+        Level::ERROR => Grade::Error,
+        Level::WARN => Grade::Warn,
+        Level::INFO => Grade::Info,
+        Level::DEBUG => Grade::Debug,
+        Level::TRACE => Grade::Trace,
+    }
 }
 
 /// The fields of an event: the message, the component it is about, and the rest as `key=value`.

@@ -25,7 +25,7 @@ use std::process::ExitCode;
 use clap::{CommandFactory as _, Parser as _};
 use genom_configuration as config;
 use genom_ports::dates;
-use genom_registry::{self as registry, nearest};
+use genom_registry as registry;
 use genom_supervisor::{
     bus, deploy, ending, flag, hosting, limits, loading, recording, spans, vigil, wires, wiring,
 };

@@ -5,12 +5,12 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use genom_protocol::{Counts, Traffic};
 use genom_runtime::Clock;
 use genom_types::{DataType, Record};
 
-/// Squares of intervals are summed in this unit: sums of a day of them, or of one of minutes,
-/// fit 64 bits.
-const UNIT: u64 = 100;
+/// Unit of the intervals whose squares are summed, in nanoseconds.
+const UNIT: u64 = Traffic::UNIT;
 
 /// Samples of variable size are weighed for so long after somebody asked.
 const WEIGHED_FOR: u64 = 5_000_000_000;
@@ -38,38 +38,6 @@ pub struct Gauge {
     size: Option<u64>,
     /// That of the components: rates are in their time.
     clock: Clock,
-}
-
-/// A gauge as read.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, utoipa::ToSchema)]
-pub struct Counts {
-    /// Samples published, or new ones read.
-    pub samples: u64,
-    /// Samples that middlewares gave up.
-    pub dropped: u64,
-    /// Writes or reads that failed.
-    pub failed: u64,
-    /// Age of the last sample, in nanoseconds.
-    pub age_ns: Option<u64>,
-}
-
-/// Counts from which rates are made, as differences between two readings.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, utoipa::ToSchema)]
-pub struct Traffic {
-    #[serde(flatten)]
-    counts: Counts,
-    /// The date now, on the components' clock.
-    now_ns: u64,
-    /// Date of the first sample.
-    first_ns: Option<u64>,
-    /// Date of the last sample.
-    last_ns: Option<u64>,
-    /// Sum of the squares of the intervals between samples, in (100 ns)^2, modulo 2^64.
-    squares: u64,
-    /// Samples of which `bytes` is the sum.
-    weighed: u64,
-    /// Bytes of those samples: in memory, or as CDR when their size varies.
-    bytes: u64,
 }
 
 impl Gauge {

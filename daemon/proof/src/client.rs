@@ -19,7 +19,7 @@ pub struct Greeting {
 #[non_exhaustive]
 pub enum HandshakeError {
     /// None answers.
-    #[error("daemon `{0}` does not answer: it may have gone just now, ask again")]
+    #[error("daemon `{0}` does not answer: its process may be stopped, or have gone just now")]
     Silent(String),
     /// One answers, and holds no such token.
     #[error(

@@ -4,16 +4,13 @@
 
 #![forbid(unsafe_code)]
 
-pub mod nearest;
-
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 use genom_middleware::{Backend, Middleware};
+use genom_protocol::nearest::{nearest, nearest_key};
 use serde::Deserialize;
-
-use crate::nearest::{nearest, nearest_key};
 
 /// A middleware this daemon was built with.
 #[derive(Clone, Copy, Debug)]

@@ -6,106 +6,11 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use genom_ports::dates::Dates;
+pub use genom_protocol::{Change, StepStatus};
 use serde::Serialize;
 use serde_json::Value;
-use strum::VariantNames;
 use tokio::sync::broadcast;
 use tokio::sync::broadcast::error::RecvError;
-
-/// Something that changed.
-#[derive(Clone, Debug, Serialize, VariantNames)]
-#[serde(tag = "event", rename_all = "snake_case")]
-#[strum(serialize_all = "snake_case")]
-#[allow(missing_docs, reason = "the variants say what their fields are")]
-pub enum Change {
-    /// A component runs.
-    ComponentLoaded { component: String, backend: String },
-    /// A component stopped and is gone.
-    ComponentUnloaded { component: String },
-    /// A component did not stop in time: its name is free, and what is left of it cannot go yet.
-    ComponentLeft { component: String, why: String },
-    /// A codel has been running for so long that it counts as stuck.
-    CodelStuck {
-        component: String,
-        codel: String,
-        /// Its task or service.
-        owner: String,
-        /// The task whose thread it holds; none when it serves a request.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        task: Option<String>,
-        seconds: f64,
-    },
-    /// A codel that counted as stuck returned, after so long.
-    CodelReturned { component: String, codel: String, owner: String, seconds: f64 },
-    /// A task keeps a processor and does not pause: a codel yields states again and again.
-    CodelSpins {
-        component: String,
-        codel: String,
-        /// Its task or service.
-        owner: String,
-        task: String,
-        seconds: f64,
-    },
-    /// A component stopped by itself; the reason was logged.
-    ComponentFailed { component: String, why: String },
-    /// An activity was accepted.
-    ActivityStarted { component: String, service: String, activity: u64 },
-    /// An activity entered a state.
-    Transition { component: String, service: String, activity: u64, state: String, paused: bool },
-    /// An activity ended, with outputs or an exception.
-    ActivityEnded {
-        component: String,
-        service: String,
-        activity: u64,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        exception: Option<String>,
-    },
-    /// Ticks came while a task was still at work.
-    Overrun { component: String, task: String, ticks: u64 },
-    /// An in port was connected.
-    Connected {
-        #[serde(rename = "in")]
-        inport: String,
-        #[serde(rename = "out")]
-        outport: String,
-        backend: String,
-        policy: String,
-    },
-    /// An in port was disconnected.
-    Disconnected {
-        #[serde(rename = "in")]
-        inport: String,
-    },
-    /// A component, or one of its ports, moved to other middlewares.
-    BackendChanged {
-        component: String,
-        #[serde(skip_serializing_if = "Option::is_none")]
-        port: Option<String>,
-        backend: String,
-    },
-    /// A remote was connected to a service.
-    RemoteConnected { remote: String, service: String },
-    /// A remote was disconnected.
-    RemoteDisconnected { remote: String },
-    /// An external event was fired.
-    EventFired { component: String, name: String },
-    /// A deployment takes a step.
-    DeploymentStep { step: String, status: StepStatus },
-    /// A connection of a deployment waits for its other side.
-    DeploymentWaits { step: String },
-    /// The daemon stops.
-    Stopping {},
-}
-
-/// How far a deployment is with a step.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum StepStatus {
-    /// It is being taken.
-    Begun,
-    /// It was taken.
-    Done,
-}
 
 /// Something told, and its number.
 #[derive(Clone, Debug)]
@@ -147,7 +52,7 @@ impl Bus {
 
     /// Tells a change to all listeners.
     pub fn tell(&self, change: &Change) {
-        self.0.add(serde_json::to_value(change).unwrap_or_default());
+        self.0.add(change);
     }
 
     /// Hears the kept changes after number `after` (none: from now on), and those to come.
@@ -224,8 +129,8 @@ impl Numbers {
     }
 
     /// Numbers it and tells it to all listeners.
-    pub fn add(&self, data: Value) {
-        let data = Arc::new(data);
+    pub fn add(&self, told: &impl Serialize) {
+        let data = Arc::new(serde_json::to_value(told).unwrap_or_default());
         let mut past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
         past.last += 1;
         let numbered = Numbered { id: past.last, moment: self.dates.moment(), data };

@@ -1,8 +1,7 @@
 //! How a service ended: told to callers, recordings and collectors of spans alike.
 
-use serde::Serialize;
+use genom_protocol::Outcome;
 use serde_json::Value;
-use utoipa::ToSchema;
 
 /// How a service ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,11 +19,11 @@ pub enum Ending {
 
 impl Ending {
     /// As a reply.
-    pub fn told(&self) -> Told {
+    pub fn told(&self) -> Outcome {
         match self.clone() {
-            Ending::Done(outputs) => Told { result: Some(outputs), ..Told::default() },
+            Ending::Done(outputs) => Outcome { result: Some(outputs), ..Outcome::default() },
             Ending::Exception { name, detail } => {
-                Told { exception: Some(name), detail: Some(detail), ..Told::default() }
+                Outcome { exception: Some(name), detail: Some(detail), ..Outcome::default() }
             }
         }
     }
@@ -36,20 +35,4 @@ impl Ending {
             Ending::Exception { name, .. } => Some(name),
         }
     }
-}
-
-/// How a service ended, as a reply: `result`, or `exception` and `detail`.
-#[derive(Clone, Debug, Default, Serialize, ToSchema)]
-#[schema(as = Ending)]
-pub struct Told {
-    /// Outputs of the service.
-    #[schema(value_type = Option<Object>)]
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub result: Option<Value>,
-    /// Full name of the exception it ended with.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub exception: Option<String>,
-    /// Members of the exception.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub detail: Option<Value>,
 }

@@ -107,9 +107,10 @@ impl Relay for Zenoh {
         while let Ok(reply) = replies.recv_timeout(end.saturating_duration_since(Instant::now()))
             && answers.len() < MOST_ANSWERS
         {
+            // An error is zenoh's own word that somebody who shows did not answer in time.
+            let Ok(sample) = reply.result() else { continue };
             let from = reply.replier_id().map_or_else(|| "?".to_owned(), |id| id.zid().to_string());
-            let bytes = reply.result().map(|sample| sample.payload().to_bytes().into_owned());
-            answers.push((from, bytes.unwrap_or_default()));
+            answers.push((from, sample.payload().to_bytes().into_owned()));
         }
         Ok(answers)
     }

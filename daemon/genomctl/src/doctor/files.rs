@@ -1,6 +1,8 @@
 //! What files tell of a machine.
 
-use super::{Finding, Machine, memory};
+use super::finding::Finding;
+use super::machine::Machine;
+use super::memory;
 use crate::units::bytes;
 
 /// Less shared memory than this holds few images.
@@ -11,7 +13,8 @@ const SMALL_BUFFER: u64 = 2 << 20;
 const SYS_NICE: u32 = 23;
 const IPC_LOCK: u32 = 14;
 
-pub(super) fn findings(machine: &Machine) -> Vec<Finding> {
+/// Everything that files tell.
+pub(crate) fn findings(machine: &Machine) -> Vec<Finding> {
     let mut found = vec![
         shared_memory(machine),
         memory::nodes(machine, &memory::roots(machine)),

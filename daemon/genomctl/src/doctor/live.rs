@@ -5,10 +5,13 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use serde_json::Value;
+use genom_protocol::{
+    Components, LeftBehind, Middleware, Refused, RunningCodel, Spin, Unpaused, advice, routes,
+};
 
+use super::finding::Finding;
+use super::machine::Machine;
 use super::memory::{self, PREFIXES};
-use super::{Finding, Machine};
 use crate::failure::Failure;
 use crate::session::Session;
 
@@ -56,8 +59,8 @@ fn echo() -> std::io::Result<()> {
 /// Its version, its tasks and its stale socket.
 async fn daemon(session: &Session) -> Vec<Finding> {
     const ABOUT: &str = "daemon";
-    let about = match session.get("/").await {
-        Ok(about) => about,
+    let about = match session.ask(routes::about()).await {
+        Ok(about) => about.content,
         Err(Failure::Unreachable { target, chosen, source }) => {
             let what = match source.kind() {
                 std::io::ErrorKind::ConnectionRefused => {
@@ -73,7 +76,7 @@ async fn daemon(session: &Session) -> Vec<Finding> {
             return vec![Finding::problem(ABOUT, failure.to_string(), "restart it")];
         }
     };
-    let version = about["genomd"].as_str().unwrap_or_default();
+    let version = about.genomd;
     let own = env!("CARGO_PKG_VERSION");
     let mut found = vec![if version == own {
         Finding::ok(ABOUT, format!("genomd {version} runs"))
@@ -81,123 +84,52 @@ async fn daemon(session: &Session) -> Vec<Finding> {
         let what = format!("genomd is {version}, genomctl is {own}");
         Finding::problem(ABOUT, what, "install both of one version")
     }];
-    if let Ok(known) = session.get("/middlewares").await {
-        let of = |one: &Value| Some(one["version"].as_str()?.to_owned());
-        let known = known["middlewares"].as_array().map(Vec::as_slice).unwrap_or_default();
-        let versions: Vec<_> = known.iter().filter_map(of).collect();
+    if let Ok(known) = session.ask(routes::middlewares()).await {
+        let known = known.content.middlewares;
+        let versions: Vec<_> = known.iter().map(|one| one.version.as_str()).collect();
         found.push(Finding::ok("middlewares", versions.join("; ")));
         found.extend(known.iter().flat_map(refused));
-        found.extend(shared_memory(known));
+        found.extend(shared_memory(&known));
     }
-    found.extend(tasks(session).await);
+    found.extend(components(session).await);
     found
 }
 
 /// What peers sent to a middleware that would have harmed.
-fn refused(middleware: &Value) -> Vec<Finding> {
-    let name = middleware["name"].as_str().unwrap_or_default();
-    let all = middleware["refused"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let told = |one: &Value| {
-        let (why, peer) = (one["why"].as_str().unwrap_or_default(), one["peer"].as_str());
+fn refused(middleware: &Middleware) -> impl Iterator<Item = Finding> {
+    let name = &middleware.name;
+    middleware.refused.iter().map(move |Refused { why, count, peer }| {
         let peer = peer.map_or_else(String::new, |peer| format!(", the last one from {peer}"));
-        let what = format!("{name} refused {} messages: {why}{peer}", one["count"]);
+        let what = format!("{name} refused {count} messages: {why}{peer}");
         let fix = format!("see who sends that; configs/{name}.toml tells of limits");
         Finding::note("refused", what, fix)
-    };
-    all.iter().map(told).collect()
+    })
 }
 
 /// What is left and damaged where this very daemon keeps its shared memory.
-fn shared_memory(known: &[Value]) -> Vec<Finding> {
-    let Some(shm) = known.iter().find(|one| one["name"] == "shm") else { return Vec::new() };
-    let meet = |key: &str| shm["meet"][key].as_str();
-    let (Some(root), Some(prefix)) = (meet("root"), meet("prefix")) else { return Vec::new() };
+fn shared_memory(known: &[Middleware]) -> Vec<Finding> {
+    let Some(shm) = known.iter().find(|one| one.name == "shm") else { return Vec::new() };
+    let (Some(root), Some(prefix)) = (shm.meet.get("root"), shm.meet.get("prefix")) else {
+        return Vec::new();
+    };
     if PREFIXES.iter().any(|known| prefix.starts_with(known)) {
         // Looked at already.
         return Vec::new();
     }
     let machine = Machine::at(Path::new("/"));
-    vec![memory::nodes(&machine, &[root.to_owned()]), memory::segments(&machine, &[prefix])]
+    vec![memory::nodes(&machine, &[root.clone()]), memory::segments(&machine, &[prefix])]
 }
 
-/// Ends of a component's ports that do not meet others, though both are there.
-async fn unmet(session: &Session, component: &str) -> Vec<Finding> {
-    let mut found = Vec::new();
-    let path = crate::names::url(["components", component]);
-    let Ok(told) = session.get(&path).await else { return found };
-    let ports = told["ports"].as_array().map(Vec::as_slice).unwrap_or_default();
-    for port in ports.iter().filter_map(|port| port["name"].as_str()) {
-        let path = crate::names::url(["components", component, "ports", port, "why"]);
-        let Ok(told) = session.get(&path).await else { continue };
-        let told = told["findings"].as_array().map(Vec::as_slice).unwrap_or_default();
-        for one in told.iter().filter(|one| one["unmet"] == true) {
-            let text = |key: &str| one[key].as_str().unwrap_or_default().to_owned();
-            found.push(Finding::problem("ports", text("what"), text("fix")));
-        }
-    }
-    found
-}
-
-/// Codels of a component that do not return.
-fn stuck(component: &Value) -> Vec<Finding> {
-    let name = component["name"].as_str().unwrap_or_default();
-    let codels = component["stuck"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let told = codels.iter().map(|one| {
-        let text = |key: &str| one[key].as_str().unwrap_or_default();
-        let whose =
-            one["task"].as_str().map_or("a request".to_owned(), |task| format!("task {task}"));
-        let time = one["for_ns"].as_u64().unwrap_or_default() / 1_000_000_000;
-        let (codel, owner) = (text("codel"), text("owner"));
-        let what = format!("{whose} of {name} is stuck in {codel} of {owner} for {time} s");
-        let fix = format!(
-            "look at what the codel waits for (gdb -p); `genomctl unload {name}` leaves it behind"
-        );
-        Finding::problem("codels", what, fix)
-    });
-    told.collect()
-}
-
-/// Tasks of a component that keep a processor and do not pause.
-fn spins(component: &Value) -> Vec<Finding> {
-    let name = component["name"].as_str().unwrap_or_default();
-    let all = component["spins"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let told = all.iter().map(|one| {
-        let text = |key: &str| one[key].as_str().unwrap_or_default();
-        let time = one["for_ns"].as_u64().unwrap_or_default() / 1_000_000_000;
-        let share = one["processor"].as_f64().unwrap_or_default() * 100.0;
-        let (task, codel, owner) = (text("task"), text("codel"), text("owner"));
-        let what = format!(
-            "task {task} of {name} does not pause: codel {codel} of {owner} yields without pause for \
-             {time} s ({share:.0} % of a processor)"
-        );
-        let fix = format!("let {codel} yield `pause::` and the state, or end");
-        Finding::problem("codels", what, fix)
-    });
-    told.collect()
-}
-
-/// What is left of components that did not stop.
-fn left_behind(listed: &Value) -> Vec<Finding> {
-    let all = listed["left_behind"].as_array().map(Vec::as_slice).unwrap_or_default();
-    let told = all.iter().map(|one| {
-        let text = |key: &str| one[key].as_str().unwrap_or_default();
-        let what = format!("of {} ({}): {}", text("was"), text("component"), text("state"));
-        let fix = "it goes when its codel returns; restart genomd to be rid of it";
-        Finding::problem("left behind", what, fix)
-    });
-    told.collect()
-}
-
-/// Tasks that miss ticks, and ports that do not meet.
-async fn tasks(session: &Session) -> Vec<Finding> {
-    let mut found = Vec::new();
-    let Ok(listed) = session.get("/components").await else { return found };
-    found.extend(left_behind(&listed));
-    let names = listed["components"].as_array().map(Vec::as_slice).unwrap_or_default();
-    for (one, name) in names.iter().filter_map(|one| Some((one, one["name"].as_str()?))) {
-        found.extend(stuck(one));
-        found.extend(spins(one));
-        if one["state"] == "damaged" {
+/// What is wrong with components, and with what is left of some.
+async fn components(session: &Session) -> Vec<Finding> {
+    let Ok(listed) = session.ask(routes::components()).await else { return Vec::new() };
+    let Components { components, left_behind, .. } = listed.content;
+    let mut found: Vec<Finding> = left_behind.iter().map(left).collect();
+    for component in &components {
+        let name = &component.name;
+        found.extend(component.stuck.iter().map(|codel| stuck(name, codel)));
+        found.extend(component.spins.iter().map(|spin| spins(name, spin)));
+        if component.state == "damaged" {
             let what = format!("codels of {name} wrote past the memory they were given");
             let fix = format!(
                 "`genomctl logs --level error` says which; mend it, `genomctl unload {name}` and load it"
@@ -205,17 +137,53 @@ async fn tasks(session: &Session) -> Vec<Finding> {
             found.push(Finding::problem("memory", what, fix));
         }
         found.extend(unmet(session, name).await);
-        let path = crate::names::url(["components", name, "tasks"]);
-        let Ok(told) = session.get(&path).await else { continue };
-        let tasks = told["tasks"].as_array().map(Vec::as_slice).unwrap_or_default();
-        for task in tasks.iter().filter(|task| task["overruns"].as_u64() > Some(0)) {
-            let task_name = task["name"].as_str().unwrap_or_default();
-            let what = format!("task {task_name} of {name} missed {} ticks", task["overruns"]);
-            let fix = format!(
-                "`genomctl stats {name}`; a longer period, shorter codels, or a real-time priority"
-            );
-            found.push(Finding::note("tasks", what, fix));
+        let Ok(statistics) = session.ask(routes::statistics(name)).await else { continue };
+        for task in statistics.content.tasks.iter().filter(|task| task.overruns > 0) {
+            let what = format!("task {} of {name} missed {} ticks", task.name, task.overruns);
+            found.push(Finding::note("tasks", what, advice::overruns(name)));
         }
+    }
+    found
+}
+
+/// What is left of a component that did not stop.
+fn left(LeftBehind { was, component, state }: &LeftBehind) -> Finding {
+    let what = format!("of {was} ({component}): {state}");
+    let fix = "it goes when its codel returns; restart genomd to be rid of it";
+    Finding::problem("left behind", what, fix)
+}
+
+/// A codel of a component that does not return.
+fn stuck(name: &str, running: &RunningCodel) -> Finding {
+    let RunningCodel { codel, owner, task, for_ns, .. } = running;
+    let whose = task.as_ref().map_or("a request".to_owned(), |task| format!("task {task}"));
+    let time = for_ns / 1_000_000_000;
+    let what = format!("{whose} of {name} is stuck in {codel} of {owner} for {time} s");
+    let fix = format!(
+        "look at what the codel waits for (gdb -p); `genomctl unload {name}` leaves it behind"
+    );
+    Finding::problem("codels", what, fix)
+}
+
+/// A task of a component that keeps a processor and does not pause.
+fn spins(name: &str, Spin { unpaused, processor }: &Spin) -> Finding {
+    let Unpaused { task, codel, owner, for_ns, .. } = unpaused;
+    let (time, share) = (for_ns / 1_000_000_000, processor * 100.0);
+    let what = format!(
+        "task {task} of {name} does not pause: codel {codel} of {owner} yields without pause for \
+         {time} s ({share:.0} % of a processor)"
+    );
+    Finding::problem("codels", what, advice::unpaused(codel))
+}
+
+/// Ends of a component's ports that do not meet others, though both are there.
+async fn unmet(session: &Session, component: &str) -> Vec<Finding> {
+    let mut found = Vec::new();
+    let Ok(described) = session.ask(routes::component(component)).await else { return found };
+    for port in &described.content.ports {
+        let Ok(why) = session.ask(routes::why(component, &port.name)).await else { continue };
+        let unmet = why.content.findings.into_iter().filter(|one| one.unmet);
+        found.extend(unmet.map(|one| Finding::problem("ports", one.what, one.fix)));
     }
     found
 }

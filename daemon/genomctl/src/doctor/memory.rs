@@ -3,7 +3,8 @@
 use std::fs;
 use std::os::unix::fs::MetadataExt as _;
 
-use super::{Finding, Machine};
+use super::finding::Finding;
+use super::machine::Machine;
 
 /// Starts of the names of segments: those of genomd unless it is told another, and iceoryx2's own.
 pub(super) const PREFIXES: [&str; 2] = ["genomd_", "iox2_"];

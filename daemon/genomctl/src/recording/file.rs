@@ -9,16 +9,16 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
-
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use genom_protocol::frames::{Channel, Lost, Sample, Start};
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Attachment, McapError, WriteOptions, Writer};
 
-use super::frames::{Channel, Lost, Sample, Start};
 use super::room::{Counted, Room};
+use crate::failure::Failure;
 
 /// What a file ends with at most, besides what grows with it.
 const END: u64 = 4096;
@@ -62,6 +62,13 @@ pub(crate) enum WriteError {
          `genomctl recover` makes a whole file of it", path.display()
     )]
     Broken { path: PathBuf, written: u64, why: String },
+}
+
+impl From<WriteError> for Failure {
+    fn from(error: WriteError) -> Self {
+        let code = if matches!(error, WriteError::Full { .. }) { "full" } else { "file" };
+        Self::refused(code, error.to_string())
+    }
 }
 
 /// What became of a channel.
@@ -109,7 +116,7 @@ impl Recorder {
     }
 
     /// A sample comes; one of a channel that never was announced is given up.
-    pub(crate) fn sample(&mut self, sample: &Sample) -> Result<(), WriteError> {
+    pub(crate) fn sample(&mut self, sample: &Sample<'_>) -> Result<(), WriteError> {
         let Some(told) = self.channels.get(&sample.channel) else { return Ok(()) };
         let header = MessageHeader {
             channel_id: told.id,
@@ -119,7 +126,7 @@ impl Recorder {
         };
         self.unsaved += 1;
         self.reach(HEAD + sample.message.len() as u64)?;
-        let written = self.writer.write_to_known_channel(&header, &sample.message);
+        let written = self.writer.write_to_known_channel(&header, sample.message);
         written.map_err(|why| broken(&self.path, &self.written, &why))?;
         if let Some(told) = self.channels.get_mut(&sample.channel) {
             told.messages += 1;
@@ -128,7 +135,7 @@ impl Recorder {
     }
 
     /// Samples were lost on their way here.
-    pub(crate) fn lost(&mut self, lost: &Lost) {
+    pub(crate) fn lost(&mut self, lost: Lost) {
         if let Some(told) = self.channels.get_mut(&lost.channel) {
             told.lost = lost.lost;
         }
@@ -201,7 +208,7 @@ fn begin(
         name: "genom".to_owned(),
         metadata: BTreeMap::from([
             ("genomd".to_owned(), start.genomd.clone()),
-            ("clock".to_owned(), start.clock.clone()),
+            ("clock".to_owned(), start.clock.to_string()),
         ]),
     })?;
     writer.attach(&Attachment {

@@ -1,5 +1,6 @@
 //! Recordings: the daemon's frames in, MCAP files out, and back.
 
+pub(crate) mod error;
 pub(crate) mod file;
 pub(crate) mod frames;
 pub(crate) mod reader;

@@ -14,6 +14,7 @@ use mcap::sans_io::indexed_reader::{IndexedReadEvent, IndexedReader, IndexedRead
 use mcap::sans_io::summary_reader::{SummaryReadEvent, SummaryReader};
 use mcap::{Channel, McapError, Schema, Summary};
 
+use super::error::ReadError;
 use super::walk::{Extent, Part, begins_well, records, walk};
 
 /// A file that is being read.
@@ -35,25 +36,6 @@ pub(crate) struct Recorded {
     pub(crate) channel: u16,
     pub(crate) date: u64,
     pub(crate) message: Vec<u8>,
-}
-
-/// The file cannot be read.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum ReadError {
-    #[error(transparent)]
-    Io(#[from] std::io::Error),
-    #[error("it is no MCAP file")]
-    NotMcap,
-    #[error("it is a damaged MCAP file: {0}")]
-    Mcap(#[from] McapError),
-    #[error(
-        "it has no index, and its chunks are compressed ({0}): `mcap recover` reads such files"
-    )]
-    Compressed(String),
-    #[error("it is damaged: something in it is said to be larger than the file")]
-    Beyond,
-    #[error("it is damaged: a sample is dated years after the one before it")]
-    Dates,
 }
 
 impl Recording {

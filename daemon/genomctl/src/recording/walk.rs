@@ -8,7 +8,7 @@ use std::path::Path;
 use mcap::records::{Record, op};
 use mcap::{MAGIC, parse_record};
 
-use super::reader::ReadError;
+use super::error::ReadError;
 
 /// Before the content of a record: what it is, and how long.
 const HEAD: usize = 9;

@@ -1,5 +1,6 @@
 //! Draws a snapshot: tasks, activities, ports, as many as there is room for.
 
+use genom_protocol::Status;
 use ratatui::Frame;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
@@ -11,6 +12,9 @@ use ratatui::widgets::{Row, Table};
 use super::snapshot::Snapshot;
 use crate::units::duration;
 
+/// Activities that are drawn at most.
+const ACTIVITIES: usize = 8;
+
 /// Draws it; the ports start at the `scroll`-th.
 pub(super) fn draw(
     frame: &mut Frame<'_>,
@@ -21,14 +25,15 @@ pub(super) fn draw(
 ) {
     let [title, tasks, activities, ports, foot] = Layout::vertical([
         Constraint::Length(1),
-        Constraint::Length(height(now.tasks.len())),
-        Constraint::Length(height(now.activities.len().min(8))),
+        Constraint::Length(height(now.tasks().count())),
+        Constraint::Length(height(now.activities().len().min(ACTIVITIES))),
         Constraint::Min(1),
         Constraint::Length(u16::from(!help.is_empty())),
     ])
     .areas(frame.area());
-    let running = now.activities.iter().filter(|(_, one)| one.status == "running").count();
-    let wrong = now.components.iter().filter_map(|one| {
+    let activities_now = now.activities();
+    let running = activities_now.iter().filter(|(_, one)| one.status == Status::Running).count();
+    let wrong = now.components.iter().map(|one| &one.component).filter_map(|one| {
         let is = if one.state.starts_with("stuck") { "is " } else { "" };
         let wrong = !is.is_empty() || one.state.starts_with("spins");
         wrong.then(|| format!("{} {is}{}; ", one.name, one.state))
@@ -75,7 +80,7 @@ fn table(
 }
 
 fn draw_tasks(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
-    let rows = now.tasks.iter().map(|(component, task)| {
+    let rows = now.tasks().map(|(component, task)| {
         let period = task.period_ns.map_or_else(|| "-".to_owned(), duration);
         let late = task.period_ns.is_some_and(|period| task.cycles.max_ns > period);
         Row::new([
@@ -97,11 +102,12 @@ fn draw_tasks(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
 }
 
 fn draw_activities(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
-    let rows = now.activities.iter().map(|(component, one)| {
-        let state = one.exception.clone().unwrap_or_else(|| one.state.clone());
+    let rows = now.activities().into_iter().map(|(component, one)| {
+        let exception = one.outcome.exception.clone();
+        let style = alarm(exception.is_some());
+        let state = exception.or_else(|| one.state.clone()).unwrap_or_default();
         let name = format!("{component}/{}", one.service);
-        Row::new([name, one.activity.to_string(), one.status.clone(), state])
-            .style(alarm(one.exception.is_some()))
+        Row::new([name, one.activity.to_string(), one.status.to_string(), state]).style(style)
     });
     let widths =
         [Constraint::Min(16), Constraint::Length(8), Constraint::Length(10), Constraint::Fill(2)];
@@ -121,8 +127,8 @@ fn draw_ports(
         let dropped = port.traffic.map_or(0, |traffic| traffic.dropped);
         Row::new([
             port.address.clone(),
-            port.direction.clone(),
-            port.backend.clone(),
+            port.direction.to_string(),
+            port.backend.to_string(),
             rate.map_or_else(dash, |rate| format!("{rate:.1} Hz")),
             port.traffic.map_or_else(dash, |traffic| traffic.samples.to_string()),
             dropped.to_string(),
@@ -145,7 +151,8 @@ fn draw_ports(
 
 /// The table as plain text, all of it, so many columns wide.
 pub(crate) fn text(now: &Snapshot, before: Option<&Snapshot>, width: u16) -> String {
-    let rows = [now.tasks.len(), now.activities.len().min(8), now.ports.len()];
+    let activities = now.activities().len().min(ACTIVITIES);
+    let rows = [now.tasks().count(), activities, now.ports.len()];
     let all: u16 = rows.iter().map(|&rows| height(rows)).sum();
     // This backend draws into memory and cannot fail.
     let Ok(mut terminal) = Terminal::new(TestBackend::new(width, all + 1));
@@ -163,48 +170,70 @@ pub(crate) fn text(now: &Snapshot, before: Option<&Snapshot>, width: u16) -> Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::top::snapshot::{Activity, Component, Durations, Port, Task, Traffic};
+    use crate::top::snapshot::Seen;
     use expect_test::expect;
+    use genom_protocol::{
+        Activity, BackendNames, Component, Counts, Durations, Outcome, Port, PortDirection,
+        TaskStatistics,
+    };
     use std::time::{Duration, Instant};
 
     fn durations(ns: u64) -> Durations {
-        Durations { count: 900, mean_ns: ns, p99_ns: ns, max_ns: ns }
+        Durations { count: 900, last_ns: ns, mean_ns: ns, p50_ns: ns, p99_ns: ns, max_ns: ns }
     }
 
     fn snapshot(samples: u64, taken: Instant) -> Snapshot {
-        let task = Task {
+        let task = TaskStatistics {
             name: "main".into(),
             period_ns: Some(5_000_000),
             real_time: false,
             cycles: durations(900),
             lateness: durations(85_000),
             overruns: 3,
+            stuck: None,
+            unpaused: None,
         };
         let activity = Activity {
             activity: 2,
             service: "goto".into(),
-            status: "running".into(),
-            state: "main".into(),
-            exception: None,
+            status: Status::Running,
+            state: Some("main".into()),
+            outcome: Outcome::default(),
         };
-        let port = |address: &str, direction: &str, connected: Option<&str>, traffic| Port {
+        let port = |address: &str, direction, connected: Option<&str>, traffic| Port {
             address: address.into(),
-            direction: direction.into(),
-            backend: "shm".into(),
+            name: String::new(),
+            direction,
+            multiple: false,
+            ty: "double".into(),
+            digest: None,
+            doc: None,
+            value: None,
+            backend: BackendNames::one("shm"),
             connected: connected.map(str::to_owned),
             traffic,
         };
+        let component = Component {
+            name: "demo".into(),
+            component: "demo".into(),
+            state: "running".into(),
+            stuck: Vec::new(),
+            spins: Vec::new(),
+            backend: BackendNames::one("shm"),
+            port_backends: Default::default(),
+            library: "demo.so".into(),
+            activities: 1,
+            remotes: Vec::new(),
+        };
+        let passed = Counts { samples, ..Counts::default() };
         Snapshot {
             daemon: "/run/genomd.sock".into(),
-            components: vec![Component { name: "demo".into(), state: "running".into() }],
-            tasks: vec![("demo".into(), task)],
-            activities: vec![("demo".into(), activity)],
+            components: vec![Seen { component, tasks: vec![task], log: vec![activity] }],
             ports: vec![
-                port("demo/position", "out", None, Some(Traffic { samples, dropped: 0 })),
-                port("demo/parameter", "in", Some("joystick/gain"), None),
+                port("demo/position", PortDirection::Out, None, Some(passed)),
+                port("demo/parameter", PortDirection::In, Some("joystick/gain"), None),
             ],
             taken,
-            data: serde_json::Value::Null,
         }
     }
 
@@ -232,7 +261,7 @@ mod tests {
     #[test]
     fn a_component_that_is_stuck_is_told_in_the_title_in_red() {
         let mut now = snapshot(1, Instant::now());
-        now.components[0].state = "stuck in demo_move for 12 s".into();
+        now.components[0].component.state = "stuck in demo_move for 12 s".into();
         let told = "demo is stuck in demo_move for 12 s; genomd on ";
         assert!(text(&now, None, 100).starts_with(told));
         let mut terminal = Terminal::new(TestBackend::new(100, 12)).unwrap();

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use crossterm::event::{self, Event, KeyCode, KeyEvent, KeyEventKind, KeyModifiers};
+use genom_protocol::routes;
 use tokio::sync::mpsc;
 
 use super::draw::draw;
@@ -67,8 +68,8 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
 
 /// Tells all activities to stop and waits for nothing; what came of it, in a few words.
 async fn stop(session: &Session) -> String {
-    let told = match session.delete("/activities").await {
-        Ok(reply) => reply["aborted"].as_array().map_or(0, Vec::len),
+    let told = match session.ask(routes::stop()).await {
+        Ok(reply) => reply.content.aborted.len(),
         Err(failure) => return format!("NOT STOPPED: {failure}"),
     };
     match told {

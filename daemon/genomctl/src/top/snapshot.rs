@@ -2,11 +2,10 @@
 
 use std::time::{Duration, Instant};
 
-use serde::Deserialize;
-use serde_json::{Value, json};
+use genom_protocol::{Activity, Component, Port, PortParameters, Status, TaskStatistics, routes};
+use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::names::url;
 use crate::session::Session;
 
 /// A daemon at one moment.
@@ -14,109 +13,71 @@ use crate::session::Session;
 pub(crate) struct Snapshot {
     /// Who was asked.
     pub(crate) daemon: String,
-    pub(crate) components: Vec<Component>,
-    /// Component, then task.
-    pub(crate) tasks: Vec<(String, Task)>,
-    /// Component, then activity; those that run come first.
-    pub(crate) activities: Vec<(String, Activity)>,
+    pub(crate) components: Vec<Seen>,
     pub(crate) ports: Vec<Port>,
     /// When the ports were asked: rates come from two snapshots.
     pub(crate) taken: Instant,
-    /// The daemon's replies, for `--json`.
-    pub(crate) data: Value,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-pub(crate) struct Component {
-    pub(crate) name: String,
-    /// `running`, or what it is stuck or spins in.
-    pub(crate) state: String,
+/// A component, and what it does.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct Seen {
+    #[serde(flatten)]
+    pub(crate) component: Component,
+    pub(crate) tasks: Vec<TaskStatistics>,
+    /// Its activities.
+    pub(crate) log: Vec<Activity>,
 }
 
-#[derive(Clone, Debug, Deserialize)]
-pub(crate) struct Task {
-    pub(crate) name: String,
-    pub(crate) period_ns: Option<u64>,
-    pub(crate) real_time: bool,
-    pub(crate) cycles: Durations,
-    pub(crate) lateness: Durations,
-    pub(crate) overruns: u64,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-pub(crate) struct Durations {
-    pub(crate) count: u64,
-    pub(crate) mean_ns: u64,
-    pub(crate) p99_ns: u64,
-    pub(crate) max_ns: u64,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-pub(crate) struct Activity {
-    pub(crate) activity: u64,
-    pub(crate) service: String,
-    pub(crate) status: String,
-    #[serde(default)]
-    pub(crate) state: String,
-    #[serde(default)]
-    pub(crate) exception: Option<String>,
-}
-
-#[derive(Clone, Debug, Deserialize)]
-pub(crate) struct Port {
-    pub(crate) address: String,
-    pub(crate) direction: String,
-    pub(crate) backend: String,
-    #[serde(default)]
-    pub(crate) connected: Option<String>,
-    #[serde(default)]
-    pub(crate) traffic: Option<Traffic>,
-}
-
-#[derive(Clone, Copy, Debug, Deserialize)]
-pub(crate) struct Traffic {
-    pub(crate) samples: u64,
-    pub(crate) dropped: u64,
+/// The same as data.
+#[derive(Serialize)]
+pub(crate) struct Data<'a> {
+    components: &'a [Seen],
+    ports: &'a [Port],
 }
 
 impl Snapshot {
     /// Asks the daemon. A component that goes in between is left out.
     pub(crate) async fn take(session: &Session) -> Result<Self, Failure> {
-        let mut listed = session.get("/components").await?;
-        let components: Vec<Component> = session.read(listed["components"].clone())?;
-        let (mut tasks, mut activities) = (Vec::new(), Vec::new());
-        for (rank, component) in components.iter().enumerate() {
+        let mut components = Vec::new();
+        for component in session.ask(routes::components()).await?.content.components {
             let name = component.name.as_str();
-            let Ok(mut told) = session.get(&url(["components", name, "tasks"])).await else {
-                continue;
-            };
-            let of_component: Vec<Task> = session.read(told["tasks"].clone())?;
-            tasks.extend(of_component.into_iter().map(|task| (name.to_owned(), task)));
-            let Ok(mut log) = session.get(&url(["components", name, "activities"])).await else {
-                continue;
-            };
-            let of_component: Vec<Activity> = session.read(log["activities"].clone())?;
-            activities.extend(of_component.into_iter().map(|one| (name.to_owned(), one)));
-            listed["components"][rank]["tasks"] = told["tasks"].take();
-            listed["components"][rank]["log"] = log["activities"].take();
+            let Ok(statistics) = session.ask(routes::statistics(name)).await else { continue };
+            let Ok(activities) = session.ask(routes::activities(name)).await else { continue };
+            let (tasks, log) = (statistics.content.tasks, activities.content.activities);
+            components.push(Seen { component, tasks, log });
         }
-        activities.sort_by_key(|(_, one)| one.status != "running");
-        let mut ports = session.get("/ports?values=false").await?;
-        let taken = Instant::now();
-        Ok(Self {
-            daemon: session.client.target(),
-            ports: session.read(ports["ports"].clone())?,
-            data: json!({"components": listed["components"].take(), "ports": ports["ports"].take()}),
-            components,
-            tasks,
-            activities,
-            taken,
-        })
+        let query = PortParameters { values: Some(false) };
+        let ports = session.ask(routes::ports().with(&query)).await?.content.ports;
+        let daemon = session.client.target();
+        Ok(Self { daemon, components, ports, taken: Instant::now() })
+    }
+
+    /// As data, for `--json`.
+    pub(crate) fn data(&self) -> Data<'_> {
+        Data { components: &self.components, ports: &self.ports }
+    }
+
+    /// Tasks, each with the name of its component.
+    pub(super) fn tasks(&self) -> impl Iterator<Item = (&str, &TaskStatistics)> {
+        let all = self.components.iter();
+        all.flat_map(|one| one.tasks.iter().map(|task| (one.component.name.as_str(), task)))
+    }
+
+    /// Activities, each with the name of its component; those that run come first.
+    pub(super) fn activities(&self) -> Vec<(&str, &Activity)> {
+        let all = self.components.iter();
+        fn named(one: &Seen) -> impl Iterator<Item = (&str, &Activity)> {
+            one.log.iter().map(|activity| (one.component.name.as_str(), activity))
+        }
+        let mut all: Vec<_> = all.flat_map(named).collect();
+        all.sort_by_key(|(_, activity)| activity.status != Status::Running);
+        all
     }
 
     /// Samples a second through a port since an earlier snapshot.
     #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
-    pub(crate) fn rate(&self, port: &Port, earlier: &Snapshot) -> Option<f64> {
+    pub(super) fn rate(&self, port: &Port, earlier: &Snapshot) -> Option<f64> {
         let before = earlier.ports.iter().find(|other| other.address == port.address)?.traffic?;
         let passed = port.traffic?.samples.checked_sub(before.samples)?;
         let span = self.taken.saturating_duration_since(earlier.taken);

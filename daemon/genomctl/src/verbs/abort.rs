@@ -1,13 +1,11 @@
 //! `genomctl abort`: asks activities to stop.
 
 use clap_complete::engine::ArgValueCompleter;
-use serde::Deserialize;
-use serde_json::Value;
+use genom_protocol::{Aborted, AbortedActivity, AllAborted, routes};
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
-use crate::session::Session;
+use crate::session::{Reply, Session};
 
 /// Ask activities to stop: each runs its `stop` codel, then ends.
 #[derive(Debug, clap::Args)]
@@ -24,55 +22,40 @@ pub(crate) struct Args {
     all: bool,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    aborted: Vec<u64>,
-}
-
-/// Activities that were told to stop.
-#[derive(Debug, Deserialize)]
-pub(super) struct Told {
-    pub(super) aborted: Vec<One>,
-}
-
-/// One of them.
-#[derive(Debug, Deserialize)]
-pub(super) struct One {
-    pub(super) component: String,
-    pub(super) service: String,
-    pub(super) activity: u64,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     if let (Some(component), Some(activity)) = (&args.component, &args.activity) {
-        let path = url(["components", component, "activities", activity]);
-        return session.show(session.delete(&path).await?, render);
+        let reply = session.ask(routes::abort(component, activity)).await?;
+        return session.show(&reply, render);
     }
-    session.show(all(session, args.component.as_deref()).await?, render_all)
+    session.show(&all(session, args.component.as_deref()).await?, render_all)
 }
 
 /// Tells all activities to stop, of this component or of all.
-pub(super) async fn all(session: &Session, component: Option<&str>) -> Result<Value, Failure> {
+pub(super) async fn all(
+    session: &Session,
+    component: Option<&str>,
+) -> Result<Reply<AllAborted>, Failure> {
     match component {
-        Some(component) => session.delete(&url(["components", component, "activities"])).await,
-        None => session.delete("/activities").await,
+        Some(component) => session.ask(routes::abort_all(component)).await,
+        None => session.ask(routes::stop()).await,
     }
 }
 
-fn render(reply: &Reply) -> String {
+fn render(reply: &Aborted) -> String {
     if reply.aborted.is_empty() {
         return "no activity runs\n".to_owned();
     }
     reply.aborted.iter().map(|number| format!("activity {number} told to stop\n")).collect()
 }
 
-pub(super) fn render_all(told: &Told) -> String {
-    if told.aborted.is_empty() {
+pub(super) fn render_all(reply: &AllAborted) -> String {
+    if reply.aborted.is_empty() {
         return "no activity runs\n".to_owned();
     }
-    let told = told.aborted.iter();
-    told.map(|One { component, service, activity }| {
-        format!("{component}/{service}, activity {activity}, told to stop\n")
-    })
-    .collect()
+    let aborted = reply.aborted.iter();
+    aborted
+        .map(|AbortedActivity { component, service, activity }| {
+            format!("{component}/{service}, activity {activity}, told to stop\n")
+        })
+        .collect()
 }

@@ -1,11 +1,10 @@
 //! `genomctl activities`: what runs, and what ended lately.
 
 use clap_complete::engine::ArgValueCompleter;
-use serde::Deserialize;
+use genom_protocol::{Activities, routes};
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
 use crate::session::Session;
 use crate::table::Table;
 
@@ -17,28 +16,12 @@ pub(crate) struct Args {
     component: String,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    activities: Vec<Activity>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Activity {
-    activity: u64,
-    service: String,
-    status: String,
-    #[serde(default)]
-    state: String,
-    #[serde(default)]
-    exception: Option<String>,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let reply = session.get(&url(["components", &args.component, "activities"])).await?;
-    session.show_table(reply, render)
+    let reply = session.ask(routes::activities(&args.component)).await?;
+    session.show_table(&reply, render)
 }
 
-fn render(reply: &Reply) -> Table {
+fn render(reply: &Activities) -> Table {
     let rows: Vec<_> = reply
         .activities
         .iter()
@@ -46,8 +29,8 @@ fn render(reply: &Reply) -> Table {
             vec![
                 activity.activity.to_string(),
                 activity.service.clone(),
-                activity.status.clone(),
-                activity.exception.clone().unwrap_or_else(|| activity.state.clone()),
+                activity.status.to_string(),
+                activity.outcome.exception.clone().or(activity.state.clone()).unwrap_or_default(),
             ]
         })
         .collect();

@@ -4,9 +4,8 @@ use std::io::{self, Write as _};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use hyper::Method;
-use serde::Deserialize;
-use serde_json::{Map, Value};
+use genom_protocol::{Applied, Change, DeploymentRequest, StepStatus, routes};
+use serde_json::Value;
 use tokio::time::{Instant, interval_at};
 
 use crate::escape;
@@ -37,14 +36,6 @@ pub(crate) struct Args {
     timeout: f64,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    steps: Vec<String>,
-    applied: bool,
-    #[serde(default)]
-    beside: Vec<String>,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let text = std::fs::read_to_string(&args.file).map_err(|error| {
         Failure::usage(
@@ -54,33 +45,34 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     })?;
     // The daemon has another working directory, and paths in the file start from the file's.
     let file = std::path::absolute(&args.file)?;
-    let mut body = Map::new();
-    body.insert("text".into(), text.into());
-    body.insert("file".into(), file.to_string_lossy().into_owned().into());
-    body.insert("dry_run".into(), args.dry_run.into());
-    body.insert("prune".into(), args.prune.into());
-    body.insert("timeout".into(), args.timeout.into());
-    body.extend(args.daemon.map(|name| ("daemon".to_owned(), Value::from(name))));
-    let body = Value::Object(body);
-    if args.dry_run {
-        return session.show(session.post("/deployment", &body).await?, render);
+    let request = DeploymentRequest {
+        text,
+        // A name that is no text is one only for messages: files beside it are not found then.
+        file: file.to_string_lossy().into_owned().into(),
+        daemon: args.daemon,
+        prune: args.prune,
+        dry_run: args.dry_run,
+        timeout: Some(args.timeout),
+    };
+    if request.dry_run {
+        return session.show(&session.send(routes::apply(), &request).await?, render);
     }
     // Open before anything is done, so that nothing is missed.
-    let mut told = session.client.stream("/events").await?;
-    let mut asked =
-        std::pin::pin!(session.client.request(Method::POST, "/deployment", Some(&body)));
+    let mut changes = session.client.stream(&routes::events()).await?;
+    let (route, body) = (routes::apply(), serde_json::to_vec(&request).unwrap_or_default());
+    let mut asked = std::pin::pin!(session.client.request(&route, body));
     let mut ticks = interval_at(Instant::now() + LONG, LONG);
     let mut at_work = AtWork::default();
     let reply = loop {
         tokio::select! {
             biased;
-            Ok(Some(event)) = told.next() => at_work.hear(&event.data),
+            Ok(Some(event)) = changes.next() => at_work.hear(&event.data),
             reply = &mut asked => break reply?,
             _ = ticks.tick() => at_work.look(),
         }
     };
     drop(at_work);
-    session.show(reply, render)
+    session.show(&session.reply::<Applied>(reply)?, render)
 }
 
 /// What takes longer is told also where nobody looks.
@@ -104,20 +96,19 @@ impl AtWork {
     fn hear(&mut self, data: &str) {
         let Ok(mut change) = serde_json::from_str::<Value>(data) else { return };
         escape::all(&mut change);
-        let Some(step) = change["step"].as_str() else { return };
-        match (change["event"].as_str(), change["status"].as_str()) {
-            (Some("deployment_waits"), _) => {
-                self.waits.push((step.to_owned(), Instant::now()));
+        match serde_json::from_value(change) {
+            Ok(Change::DeploymentWaits { step }) => {
                 if !self.progress.seen() {
                     line(&format!("waiting: {step}"));
                 }
+                self.waits.push((step, Instant::now()));
             }
-            (Some("deployment_step"), Some("begun")) => {
-                self.step = Some((step.to_owned(), Instant::now()));
+            Ok(Change::DeploymentStep { step, status: StepStatus::Begun }) => {
+                self.step = Some((step, Instant::now()));
                 self.told = false;
             }
-            (Some("deployment_step"), _) => {
-                self.waits.retain(|(waits, _)| waits != step);
+            Ok(Change::DeploymentStep { step, status: StepStatus::Done }) => {
+                self.waits.retain(|(waits, _)| *waits != step);
                 self.step = None;
             }
             _ => return,
@@ -155,7 +146,7 @@ fn line(text: &str) {
     let _ = io::stderr().lock().write_all(format!("{text}\n").as_bytes());
 }
 
-fn render(reply: &Reply) -> String {
+fn render(reply: &Applied) -> String {
     let mut out = String::new();
     if reply.steps.is_empty() {
         out.push_str(match reply.beside.is_empty() {

@@ -1,6 +1,6 @@
 //! `genomctl backends`: the middlewares of the daemon.
 
-use serde::Deserialize;
+use genom_protocol::{Capabilities, Endpoint, MiddlewareParameters, Middlewares, Stranger, routes};
 
 use crate::failure::Failure;
 use crate::session::Session;
@@ -15,54 +15,13 @@ pub(crate) struct Args {
     visible: bool,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    default: String,
-    middlewares: Vec<Middleware>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Middleware {
-    name: String,
-    version: String,
-    #[serde(default)]
-    capabilities: Option<Capabilities>,
-    #[serde(default)]
-    endpoints: Vec<Endpoint>,
-    #[serde(default)]
-    strangers: Vec<Stranger>,
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-enum Stranger {
-    Reader { address: String },
-    Session { name: String, role: String },
-}
-
-#[derive(Debug, Deserialize)]
-struct Capabilities {
-    variable_size: bool,
-    zero_copy: bool,
-    cross_process: bool,
-    cross_host: bool,
-    native_services: bool,
-}
-
-#[derive(Debug, Deserialize)]
-struct Endpoint {
-    kind: String,
-    address: String,
-    ty: String,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let path = if args.visible { "/middlewares?visible=true" } else { "/middlewares" };
-    let reply = session.get(path).await?;
-    session.show(reply, |reply| render(reply, session.terminal))
+    let query = MiddlewareParameters { visible: args.visible };
+    let reply = session.ask(routes::middlewares().with(&query)).await?;
+    session.show(&reply, |reply| render(reply, session.terminal))
 }
 
-fn render(reply: &Reply, terminal: Terminal) -> String {
+fn render(reply: &Middlewares, terminal: Terminal) -> String {
     let rows: Vec<_> = reply
         .middlewares
         .iter()
@@ -78,7 +37,7 @@ fn render(reply: &Reply, terminal: Terminal) -> String {
     let header = vec!["BACKEND", "VERSION", "CAPABILITIES"];
     let mut out = Table { header, rows }.text(terminal);
     for middleware in &reply.middlewares {
-        for endpoint in &middleware.endpoints {
+        for endpoint in middleware.endpoints.iter().flatten() {
             let Endpoint { kind, address, ty } = endpoint;
             out.push_str(&format!("{}: {kind} {address} ({ty})\n", middleware.name));
         }

@@ -1,8 +1,10 @@
 //! `genomctl bw`: how many bytes pass through a port.
 
+use genom_protocol::Address;
+
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::Path2;
+use crate::names::address;
 use crate::session::Session;
 use crate::traffic::{Rate, Watch};
 use crate::units::bytes;
@@ -15,8 +17,8 @@ use clap_complete::engine::ArgValueCompleter;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
-    #[arg(add = ArgValueCompleter::from(Names::Ports))]
-    port: Path2,
+    #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Ports))]
+    port: Address,
     #[command(flatten)]
     watch: Watch,
 }

@@ -31,11 +31,10 @@ pub(crate) struct Args {
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let reply =
         prompt::call(session, &args.component, &args.service, &args.inputs, args.zero).await?;
-    let so_far: outcome::Outcome = session.read(reply.clone())?;
-    match so_far.activity {
-        Some(activity) if !so_far.ended() => {
+    match reply.content.activity() {
+        Some(activity) if reply.content.outcome().is_none() => {
             start::wait_for(session, &args.component, &args.service, activity).await
         }
-        _ => outcome::show(session, &format!("{}/{}", args.component, args.service), reply),
+        _ => outcome::show_call(session, &format!("{}/{}", args.component, args.service), &reply),
     }
 }

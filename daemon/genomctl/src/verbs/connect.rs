@@ -1,12 +1,11 @@
 //! `genomctl connect`: an in port to an out port, or a remote to a service.
 
 use clap_complete::engine::ArgValueCompleter;
-use serde::Deserialize;
-use serde_json::{Map, Value};
+use genom_protocol::{Address, Connection, ConnectionRequest, Place, routes};
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::Path2;
+use crate::names::{address, place};
 use crate::session::Session;
 
 /// Connect an in port to an out port, of this daemon or of another one; or a remote to a
@@ -14,12 +13,12 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT; or a remote.
-    #[arg(add = ArgValueCompleter::from(Names::Readers))]
-    inport: Path2,
+    #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Readers))]
+    inport: Address,
     /// The out port that feeds it, or the service that a remote calls; a middleware may stand
     /// before it: shm:robot/position.
-    #[arg(add = ArgValueCompleter::from(Names::Outports))]
-    outport: Path2,
+    #[arg(value_parser = place, add = ArgValueCompleter::from(Names::Outports))]
+    outport: Place,
     /// What the reader gets of the samples it has not read: latest, queue:N or ring:N.
     #[arg(long, add = ArgValueCompleter::from(Names::Policies))]
     policy: Option<String>,
@@ -32,33 +31,20 @@ pub(crate) struct Args {
     wait: bool,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    #[serde(rename = "in")]
-    inport: String,
-    #[serde(rename = "out")]
-    outport: String,
-    /// None for a remote that calls a service of the same daemon.
-    backend: Option<String>,
-    /// None for a remote.
-    policy: Option<String>,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let mut body = Map::new();
-    body.insert("in".into(), args.inport.to_string().into());
-    body.insert("out".into(), args.outport.to_string().into());
-    body.extend(args.policy.map(|policy| ("policy".to_owned(), Value::from(policy))));
-    body.extend(args.backend.map(|backend| ("backend".to_owned(), Value::from(backend))));
-    if args.wait {
-        body.insert("wait".into(), true.into());
-    }
-    let reply = session.post("/connections", &Value::Object(body)).await?;
-    session.show(reply, render)
+    let request = ConnectionRequest {
+        inport: args.inport.to_string(),
+        outport: args.outport.to_string(),
+        policy: args.policy,
+        backend: args.backend,
+        wait: args.wait,
+    };
+    let reply = session.send(routes::connect(), &request).await?;
+    session.show(&reply, render)
 }
 
-fn render(reply: &Reply) -> String {
-    let Reply { inport, outport, backend, policy } = reply;
+fn render(reply: &Connection) -> String {
+    let Connection { inport, outport, backend, policy, .. } = reply;
     match (backend, policy) {
         (Some(backend), Some(policy)) => {
             format!("{inport} reads {outport} ({backend}, {policy})\n")

@@ -1,6 +1,6 @@
 //! `genomctl connections`: what feeds what.
 
-use serde::Deserialize;
+use genom_protocol::{Connections, routes};
 
 use crate::failure::Failure;
 use crate::session::Session;
@@ -10,29 +10,12 @@ use crate::table::Table;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    connections: Vec<Connection>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Connection {
-    #[serde(rename = "in")]
-    inport: String,
-    #[serde(rename = "out")]
-    outport: String,
-    /// None for a remote that calls a service of the same daemon.
-    backend: Option<String>,
-    /// None for a remote.
-    policy: Option<String>,
-}
-
 pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
-    let reply = session.get("/connections").await?;
-    session.show_table(reply, render)
+    let reply = session.ask(routes::connections()).await?;
+    session.show_table(&reply, render)
 }
 
-fn render(reply: &Reply) -> Table {
+fn render(reply: &Connections) -> Table {
     let rows: Vec<_> = reply
         .connections
         .iter()

@@ -1,9 +1,10 @@
 //! `genomctl context`: names for daemons.
 
 use clap::Subcommand;
+use genom_protocol::contexts::{Context, Contexts};
 use serde_json::json;
 
-use crate::contexts::{Context, Contexts};
+use crate::contexts;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::Table;
@@ -40,58 +41,58 @@ enum What {
 }
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
-    let mut contexts = Contexts::read()?;
+    let mut kept = contexts::read()?;
     match &args.what {
         What::Add { name } => {
-            let context = Context::of(&session.given);
+            let context = contexts::of(&session.given);
             if context == Context::default() {
                 return Err(Failure::usage(
                     "nothing says which daemon this is",
                     format!("genomctl context add {name} --host https://robot:7300 --ca ca.pem"),
                 ));
             }
-            contexts.context.insert(name.clone(), context);
-            contexts.write()?;
-            if contexts.current.as_ref() != Some(name) {
+            kept.context.insert(name.clone(), context);
+            contexts::write(&kept)?;
+            if kept.current.as_ref() != Some(name) {
                 session.tell(&format!(
                     "kept: --context {name} talks to it, `genomctl context use {name}` does from \
                      now on"
                 ))?;
             }
-            return done(session, &contexts);
+            return print(session, &kept);
         }
         What::Use { name } => {
             if let Some(name) = name {
-                contexts.named(name)?;
+                contexts::named(&kept, name)?;
             }
-            contexts.current = name.clone();
+            kept.current = name.clone();
         }
         What::List if session.json => {
-            return session.print(&format!("{}\n", json!(contexts)));
+            return session.print(&format!("{}\n", json!(kept)));
         }
         What::List => {
-            let rows: Vec<_> = contexts
+            let rows: Vec<_> = kept
                 .context
                 .iter()
                 .map(|(name, context)| {
-                    let star = if contexts.current.as_ref() == Some(name) { "*" } else { "" };
-                    vec![format!("{name}{star}"), context.target()]
+                    let star = if kept.current.as_ref() == Some(name) { "*" } else { "" };
+                    vec![format!("{name}{star}"), contexts::target(context)]
                 })
                 .collect();
             let table = Table { header: vec!["CONTEXT", "DAEMON"], rows };
             return session.print(&table.text(session.terminal));
         }
         What::Remove { name } => {
-            contexts.named(name)?;
-            contexts.context.remove(name);
-            contexts.current = contexts.current.filter(|current| current != name);
+            contexts::named(&kept, name)?;
+            kept.context.remove(name);
+            kept.current = kept.current.filter(|current| current != name);
         }
     }
-    contexts.write()?;
-    done(session, &contexts)
+    contexts::write(&kept)?;
+    print(session, &kept)
 }
 
 /// With `--json`, what is kept now.
-fn done(session: &Session, contexts: &Contexts) -> Result<(), Failure> {
-    if session.json { session.print(&format!("{}\n", json!(contexts))) } else { Ok(()) }
+fn print(session: &Session, kept: &Contexts) -> Result<(), Failure> {
+    if session.json { session.print(&format!("{}\n", json!(kept))) } else { Ok(()) }
 }

@@ -1,6 +1,6 @@
 //! `genomctl daemons`: other daemons that this one sees.
 
-use serde::Deserialize;
+use genom_protocol::{Daemons, routes};
 
 use crate::failure::Failure;
 use crate::session::Session;
@@ -13,24 +13,12 @@ use crate::table::Table;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    own: Option<String>,
-    daemons: Vec<Visible>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Visible {
-    name: String,
-    backend: String,
-}
-
 pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
-    let reply = session.get("/daemons").await?;
-    session.show_table(reply, render)
+    let reply = session.ask(routes::daemons()).await?;
+    session.show_table(&reply, render)
 }
 
-fn render(reply: &Reply) -> Table {
+fn render(reply: &Daemons) -> Table {
     let rows = reply
         .daemons
         .iter()

@@ -1,23 +1,27 @@
 //! `genomctl disconnect`: an in port from what feeds it.
 
+use clap_complete::engine::ArgValueCompleter;
+use genom_protocol::{Address, routes};
+
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::{Path2, url};
+use crate::names::address;
 use crate::session::Session;
-use clap_complete::engine::ArgValueCompleter;
 
 /// Disconnect an in port or a remote.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
-    #[arg(add = ArgValueCompleter::from(Names::Connected))]
-    inport: Path2,
+    #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Connected))]
+    inport: Address,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let (port, element) = args.inport.port();
-    let mut segments = vec!["connections", &args.inport.component, port];
-    segments.extend(element);
-    let reply = session.delete(&url(segments)).await?;
-    session.show(reply, |_: &serde_json::Value| format!("{} disconnected\n", args.inport))
+    let Address { component, port, element } = &args.inport;
+    let route = match element {
+        None => routes::disconnect(component, port),
+        Some(element) => routes::disconnect_element(component, port, element),
+    };
+    let reply = session.ask(route).await?;
+    session.show(&reply, |_| format!("{} disconnected\n", args.inport))
 }

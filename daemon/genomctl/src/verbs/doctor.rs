@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
-use crate::doctor::{Finding, Level, Machine, live};
+use crate::doctor::{Finding, Level, Machine, findings, live};
 use crate::escape;
 use crate::failure::Failure;
 use crate::session::Session;
@@ -27,7 +27,7 @@ pub(crate) struct Args {
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let machine = Machine::at(args.root.as_deref().unwrap_or(Path::new("/")));
-    let mut findings = machine.findings();
+    let mut findings = findings(&machine);
     if args.root.is_none() {
         findings.extend(live(session, args.config.as_deref()).await);
     }

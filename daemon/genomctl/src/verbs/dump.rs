@@ -1,6 +1,6 @@
 //! `genomctl dump`: the running system as a deployment file.
 
-use serde::Deserialize;
+use genom_protocol::{Dumped, routes};
 
 use crate::failure::Failure;
 use crate::session::Session;
@@ -9,12 +9,7 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    text: String,
-}
-
 pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
-    let reply = session.get("/deployment").await?;
-    session.show(reply, |reply: &Reply| reply.text.clone())
+    let reply = session.ask(routes::dump()).await?;
+    session.show(&reply, |reply: &Dumped| reply.text.clone())
 }

@@ -1,13 +1,14 @@
 //! `genomctl echo`: values of a port as they come.
 
 use clap_complete::engine::ArgValueCompleter;
+use genom_protocol::{Address, Code, PortParameters, StreamEnd, StreamParameters, routes};
 use serde_json::{Map, Value};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::complete::Names;
 use crate::escape;
 use crate::failure::Failure;
-use crate::names::{Path2, encode, url};
+use crate::names::address;
 use crate::session::Session;
 use crate::sse::Event;
 
@@ -17,8 +18,8 @@ use crate::sse::Event;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
-    #[arg(add = ArgValueCompleter::from(Names::Ports))]
-    port: Path2,
+    #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Ports))]
+    port: Address,
     /// Stop after this many values.
     #[arg(short = 'n', long, value_name = "COUNT")]
     count: Option<u64>,
@@ -35,20 +36,14 @@ pub(crate) struct Args {
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let (port, element) = args.port.port();
-    let mut path = url(["components", &args.port.component, "ports", port, "stream"]);
-    let mut query = Vec::new();
-    query.extend(args.rate.map(|rate| format!("rate={rate}")));
-    query.extend(element.map(|element| format!("element={}", encode(element))));
-    if !query.is_empty() {
-        path.push('?');
-        path.push_str(&query.join("&"));
-    }
-    let mut events = session.client.stream(&path).await?;
+    let Address { component, port, element } = &args.port;
+    let query = StreamParameters { element: element.clone(), rate: args.rate, form: None };
+    let route = routes::values(component, port).with(&query);
+    let mut events = session.client.stream(&route).await?;
     // Before anything is said: who reads a line may interrupt at once.
     let mut interrupt = signal(SignalKind::interrupt())?;
     if let Some(element) = element {
-        tell_absent(session, &args.port, port, element).await?;
+        tell_absent(session, &args.port, element).await?;
     }
     let mut left = args.count.unwrap_or(u64::MAX);
     while left > 0 {
@@ -129,19 +124,13 @@ fn member<'a>(value: &'a Value, way: &str) -> Result<&'a Value, Failure> {
 }
 
 /// Says that an element of a multiple port is not there, or not yet.
-async fn tell_absent(
-    session: &Session,
-    address: &Path2,
-    port: &str,
-    element: &str,
-) -> Result<(), Failure> {
-    let component = &address.component;
-    let told =
-        session.get(&format!("{}?values=false", url(["components", component, "ports"]))).await?;
-    let all = told["ports"].as_array().map(Vec::as_slice).unwrap_or_default();
+async fn tell_absent(session: &Session, at: &Address, element: &str) -> Result<(), Failure> {
+    let Address { component, port, .. } = at;
+    let query = PortParameters { values: Some(false) };
+    let reply = session.ask(routes::ports_of(component).with(&query)).await?;
     let start = format!("{component}/{port}/");
-    let there: Vec<&str> =
-        all.iter().filter_map(|one| one["address"].as_str()?.strip_prefix(&start)).collect();
+    let all = reply.content.ports.iter();
+    let there: Vec<&str> = all.filter_map(|one| one.address.strip_prefix(&start)).collect();
     if there.contains(&element) {
         return Ok(());
     }
@@ -163,8 +152,9 @@ fn render(data: &str, json: bool) -> String {
     }
 }
 
-fn ended(port: &Path2, why: &str) -> Failure {
-    Failure::refused("ended", format!("{port} is no more: {}", escape::line(why)))
+fn ended(port: &Address, data: &str) -> Failure {
+    let why = serde_json::from_str(data).map_or_else(|_| data.to_owned(), |end: StreamEnd| end.why);
+    Failure::refused(Code::Ended.name(), format!("{port} is no more: {}", escape::line(&why)))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! `genomctl events`: what changes in the daemon, as it happens.
 
-use serde_json::Value;
+use genom_protocol::{AnyChange, routes};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::escape;
@@ -17,10 +17,8 @@ pub(crate) struct Args {
     count: Option<u64>,
 }
 
-const PATH: &str = "/events";
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let mut events = session.client.stream(PATH).await?;
+    let mut events = session.client.stream(&routes::events()).await?;
     // Before anything is said: who reads a line may interrupt at once.
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut left = args.count.unwrap_or(u64::MAX);
@@ -34,7 +32,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         let Some(event) = event else {
             // The daemon gives up readers that stand still: whoever comes back hears the rest.
             let after = last.take().ok_or_else(|| session.client.lost())?;
-            let resumed = session.client.resume(PATH, Some(after)).await;
+            let resumed = session.client.resume(&routes::events(), Some(after)).await;
             events = resumed.map_err(|_| session.client.lost())?;
             continue;
         };
@@ -48,11 +46,10 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
 
 /// The kind of event, then its members as `key=value`.
 fn render(data: &str) -> String {
-    let Ok(Value::Object(members)) = serde_json::from_str(data) else {
+    let Ok(AnyChange { event: mut line, members }) = serde_json::from_str(data) else {
         return format!("{}\n", escape::line(data));
     };
-    let mut line = members.get("event").and_then(Value::as_str).unwrap_or_default().to_owned();
-    for (key, value) in members.iter().filter(|(key, _)| *key != "event") {
+    for (key, value) in &members {
         let value = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
         line.push_str(&format!(" {key}={value}"));
     }

@@ -1,8 +1,9 @@
 //! `genomctl fire`: an external event.
 
+use genom_protocol::routes;
+
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
 use crate::session::Session;
 use clap_complete::engine::ArgValueCompleter;
 
@@ -18,8 +19,6 @@ pub(crate) struct Args {
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let path = url(["components", &args.component, "events", &args.event]);
-    let reply = session.post(&path, &serde_json::json!({})).await?;
-    session
-        .show(reply, |_: &serde_json::Value| format!("{}/{} fired\n", args.component, args.event))
+    let reply = session.ask(routes::fire(&args.component, &args.event)).await?;
+    session.show(&reply, |_| format!("{}/{} fired\n", args.component, args.event))
 }

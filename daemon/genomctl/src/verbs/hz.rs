@@ -1,8 +1,10 @@
 //! `genomctl hz`: how often a port is written or read.
 
+use genom_protocol::Address;
+
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::Path2;
+use crate::names::address;
 use crate::session::Session;
 use crate::traffic::{Rate, Watch};
 use crate::units::seconds;
@@ -14,8 +16,8 @@ use clap_complete::engine::ArgValueCompleter;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
-    #[arg(add = ArgValueCompleter::from(Names::Ports))]
-    port: Path2,
+    #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Ports))]
+    port: Address,
     #[command(flatten)]
     watch: Watch,
 }

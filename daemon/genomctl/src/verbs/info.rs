@@ -1,12 +1,12 @@
 //! `genomctl info`: what a component offers.
 
 use clap_complete::engine::ArgValueCompleter;
-use serde::Deserialize;
+use genom_protocol::{
+    Component, Description, Parameter, PortDescription, Service, ServiceKind, routes,
+};
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
-use crate::parameter::Parameter;
 use crate::session::Session;
 
 /// Describe a component, or one of its services.
@@ -23,76 +23,20 @@ pub(crate) struct Args {
     service: Option<String>,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    name: String,
-    component: String,
-    version: String,
-    #[serde(default)]
-    doc: Option<String>,
-    backend: String,
-    library: String,
-    services: Vec<Service>,
-    ports: Vec<Port>,
-    tasks: Vec<Task>,
-    #[serde(default)]
-    events: Vec<String>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Service {
-    name: String,
-    kind: String,
-    #[serde(default)]
-    doc: Option<String>,
-    #[serde(default)]
-    task: Option<String>,
-    parameters: Vec<Parameter>,
-    #[serde(default)]
-    throws: Vec<String>,
-    #[serde(default)]
-    interrupts: Vec<String>,
-    #[serde(default)]
-    standard: bool,
-    /// The middlewares that it is offered on, if the daemon tells.
-    #[serde(default)]
-    served: Option<Vec<String>>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Port {
-    name: String,
-    direction: String,
-    multiple: bool,
-    #[serde(rename = "type")]
-    ty: String,
-    #[serde(default)]
-    doc: Option<String>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Task {
-    name: String,
-    #[serde(default)]
-    period: Option<f64>,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let mut segments = vec!["components", &args.component];
     if let Some(service) = &args.service {
-        segments.extend(["services", service]);
-        let reply = session.get(&url(segments)).await?;
-        return session.show(reply, |service: &Service| render_service(service, ""));
+        let reply = session.ask(routes::service(&args.component, service)).await?;
+        return session.show(&reply, |service| render_service(service, ""));
     }
-    let reply = session.get(&url(segments)).await?;
-    session.show(reply, render)
+    session.show(&session.ask(routes::component(&args.component)).await?, render)
 }
 
-fn render(reply: &Reply) -> String {
-    let mut out = format!("{} ({} {})\n", reply.name, reply.component, reply.version);
+fn render(reply: &Description) -> String {
+    let Component { name, component, backend, library, .. } = &reply.instance;
+    let mut out = format!("{name} ({component} {})\n", reply.version);
     push_doc(&mut out, "  ", reply.doc.as_deref());
-    out.push_str(&format!("  backend {}, library {}\n", reply.backend, reply.library));
-    for backend in reply.backend.split('+') {
+    out.push_str(&format!("  backend {backend}, library {}\n", library.display()));
+    for backend in backend.names() {
         let there = |served: &Vec<String>| served.iter().any(|on| on == backend);
         let absent = reply.services.iter();
         let absent = absent.filter(|one| one.served.as_ref().is_some_and(|on| !there(on)));
@@ -114,7 +58,7 @@ fn render(reply: &Reply) -> String {
     }
     for port in &reply.ports {
         let multiple = if port.multiple { "multiple " } else { "" };
-        let Port { direction, ty, name, .. } = port;
+        let PortDescription { direction, ty, name, .. } = port;
         out.push_str(&format!("port {multiple}{direction} {ty} {name}\n"));
         push_doc(&mut out, "    ", port.doc.as_deref());
     }
@@ -132,7 +76,7 @@ fn render(reply: &Reply) -> String {
 
 fn render_service(service: &Service, prefix: &str) -> String {
     let Service { kind, name, .. } = service;
-    let keeps = kind == "attribute";
+    let keeps = *kind == ServiceKind::Attribute;
     let parameters: Vec<String> =
         service.parameters.iter().map(|one| signature(one, keeps)).collect();
     let mut out = format!("{prefix}{kind} {name}({})\n", parameters.join(", "));
@@ -165,7 +109,7 @@ fn render_service(service: &Service, prefix: &str) -> String {
 fn signature(parameter: &Parameter, keeps: bool) -> String {
     let Parameter { direction, ty, name, .. } = parameter;
     match &parameter.default {
-        _ if keeps && direction != "out" => format!("{direction} {ty} {name} = ?"),
+        _ if keeps && direction.is_input() => format!("{direction} {ty} {name} = ?"),
         Some(default) => format!("{direction} {ty} {name} = {default}"),
         None => format!("{direction} {ty} {name}"),
     }
@@ -187,7 +131,7 @@ mod tests {
     fn a_component_reads_like_its_description() {
         let reply = serde_json::from_value(json!({
             "name": "arm", "component": "demo", "version": "1.0", "doc": "A servo.",
-            "backend": "shm", "library": "/x/demo.so",
+            "backend": "shm", "library": "/x/demo.so", "state": "running", "activities": 0,
             "tasks": [{"name": "main", "period": 0.005}],
             "ports": [{"name": "position", "direction": "out", "multiple": false, "type": "double"}],
             "events": ["emergency"],

@@ -1,6 +1,6 @@
 //! `genomctl kill`: asks the daemon to stop, and waits until it has.
 
-use serde_json::{Value, json};
+use genom_protocol::routes;
 
 use crate::failure::Failure;
 use crate::session::Session;
@@ -11,8 +11,8 @@ pub(crate) struct Args {}
 
 pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
     // The event stream is the sign of life: it closes when the daemon is gone.
-    let mut alive = session.client.stream("/events").await?;
-    let reply = session.post("/shutdown", &json!({})).await?;
+    let mut alive = session.client.stream(&routes::events()).await?;
+    let reply = session.ask(routes::shutdown()).await?;
     while let Ok(Some(_)) = alive.next().await {}
-    session.show(reply, |_: &Value| "stopped\n".to_owned())
+    session.show(&reply, |_| "stopped\n".to_owned())
 }

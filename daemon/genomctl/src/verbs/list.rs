@@ -1,6 +1,6 @@
 //! `genomctl list`: the components that run.
 
-use serde::Deserialize;
+use genom_protocol::{Component, Components, LeftBehind, routes};
 
 use crate::failure::Failure;
 use crate::session::Session;
@@ -10,52 +10,26 @@ use crate::table::Table;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    components: Vec<Component>,
-    #[serde(default)]
-    loading: Vec<String>,
-    #[serde(default)]
-    left_behind: Vec<Left>,
-}
-
-/// What is left of a component that did not stop in time: it has no name any more.
-#[derive(Debug, Deserialize)]
-struct Left {
-    component: String,
-    state: String,
-}
-
-#[derive(Debug, Deserialize)]
-struct Component {
-    name: String,
-    component: String,
-    state: String,
-    backend: String,
-    activities: usize,
-    library: String,
-}
-
 pub(super) async fn run(_: Args, session: &Session) -> Result<(), Failure> {
-    let reply = session.get("/components").await?;
-    session.show_table(reply, render)
+    let reply = session.ask(routes::components()).await?;
+    session.show_table(&reply, render)
 }
 
-fn render(reply: &Reply) -> Table {
+fn render(reply: &Components) -> Table {
     let none = || "-".to_owned();
     let row = |component: &Component| {
         vec![
             component.name.clone(),
             component.component.clone(),
             component.state.clone(),
-            component.backend.clone(),
+            component.backend.to_string(),
             component.activities.to_string(),
-            component.library.clone(),
+            component.library.display().to_string(),
         ]
     };
     let loading =
         |name: &String| vec![name.clone(), none(), "loading".to_owned(), none(), none(), none()];
-    let left = |left: &Left| {
+    let left = |left: &LeftBehind| {
         vec![none(), left.component.clone(), left.state.clone(), none(), none(), none()]
     };
     let mut rows: Vec<_> = reply.components.iter().map(row).collect();

@@ -3,8 +3,7 @@
 use clap_complete::engine::{ArgValueCompleter, PathCompleter};
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-use serde_json::{Map, Value};
+use genom_protocol::{BackendNames, Component, LoadRequest, routes};
 
 use crate::complete::Names;
 use crate::failure::Failure;
@@ -33,30 +32,23 @@ fn is_component(path: &Path) -> bool {
     path.is_dir() || matches!(extension, Some("so" | "gen"))
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    name: String,
-    component: String,
-    backend: String,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let mut body = Map::new();
-    body.insert("library".into(), absolute(&args.library)?);
-    if let Some(path) = &args.gen_file {
-        body.insert("gen".into(), absolute(path)?);
-    }
-    body.extend(args.name.map(|name| ("name".to_owned(), Value::from(name))));
-    body.extend(args.backend.map(|backend| ("backend".to_owned(), Value::from(backend))));
-    let reply = session.post("/components", &Value::Object(body)).await?;
-    session.show(reply, render)
+    let request = LoadRequest {
+        library: absolute(&args.library)?,
+        gen_file: args.gen_file.as_deref().map(absolute).transpose()?,
+        name: args.name,
+        backend: args.backend.as_deref().map(BackendNames::from),
+        ..LoadRequest::default()
+    };
+    let reply = session.send(routes::load(), &request).await?;
+    session.show(&reply, render)
 }
 
 /// The daemon has another working directory: what exists here is sent with its full path.
-fn absolute(path: &Path) -> Result<Value, Failure> {
+fn absolute(path: &Path) -> Result<PathBuf, Failure> {
     let full = if path.exists() { std::path::absolute(path)? } else { path.to_owned() };
     match full.to_str() {
-        Some(text) => Ok(text.into()),
+        Some(_) => Ok(full),
         None => Err(Failure::usage(
             format!("{} is not UTF-8", path.display()),
             "rename the file, or its directory",
@@ -64,7 +56,7 @@ fn absolute(path: &Path) -> Result<Value, Failure> {
     }
 }
 
-fn render(reply: &Reply) -> String {
-    let Reply { name, component, backend } = reply;
+fn render(reply: &Component) -> String {
+    let Component { name, component, backend, .. } = reply;
     format!("{name} runs (component {component}, backend {backend})\n")
 }

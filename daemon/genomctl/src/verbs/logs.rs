@@ -1,12 +1,11 @@
 //! `genomctl logs`: what the daemon logged, and what it logs.
 
 use clap_complete::engine::ArgValueCompleter;
-use serde::Deserialize;
+use genom_protocol::{Level, LogEntry, LogParameters, Logs, routes};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::encode;
 use crate::session::Session;
 use crate::terminal::{Terminal, Tone};
 
@@ -30,62 +29,20 @@ pub(crate) struct Args {
     follow: bool,
 }
 
-#[derive(Clone, Copy, Debug, clap::ValueEnum)]
-enum Level {
-    Error,
-    Warn,
-    Info,
-    Debug,
-    Trace,
-}
-
-impl Level {
-    fn name(self) -> &'static str {
-        match self {
-            Level::Error => "error",
-            Level::Warn => "warn",
-            Level::Info => "info",
-            Level::Debug => "debug",
-            Level::Trace => "trace",
-        }
-    }
-}
-
-#[derive(Debug, Deserialize)]
-struct Reply {
-    logs: Vec<Entry>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Entry {
-    time: f64,
-    level: String,
-    #[serde(default)]
-    component: Option<String>,
-    message: String,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let mut query = format!("?level={}", args.level.name());
-    if let Some(component) = &args.component {
-        query.push_str(&format!("&component={}", encode(component)));
-    }
-    if let Some(last) = args.last {
-        query.push_str(&format!("&last={last}"));
-    }
+    let level = Some(args.level.to_string());
+    let mut query = LogParameters { level, component: args.component, last: args.last };
     if !args.follow {
-        let reply = session.get(&format!("/logs{query}")).await?;
-        return session.show(reply, |reply: &Reply| {
+        let reply = session.ask(routes::logs().with(&query)).await?;
+        return session.show(&reply, |reply: &Logs| {
             reply.logs.iter().map(|entry| render(entry, session.terminal)).collect()
         });
     }
-    if args.last.is_none() {
-        // All that is kept, then what comes.
-        query.push_str("&last=1024");
-    }
+    // All that is kept, then what comes.
+    query.last.get_or_insert(1024);
     // Before anything is said: who reads a line may interrupt at once.
     let mut interrupt = signal(SignalKind::interrupt())?;
-    let mut stream = session.client.stream(&format!("/logs/stream{query}")).await?;
+    let mut stream = session.client.stream(&routes::log_stream().with(&query)).await?;
     loop {
         let event = tokio::select! {
             event = stream.next() => event?,
@@ -96,20 +53,20 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
             session.print(&format!("{}\n", event.data))?;
         } else {
             let data = serde_json::from_str(&event.data).unwrap_or_default();
-            session.print(&render(&session.read(data)?, session.terminal))?;
+            session.print(&render(&session.reply(data)?.content, session.terminal))?;
         }
     }
 }
 
 /// `12:34:56.789 WARN  demo: message`, in UTC as the daemon's own log.
-fn render(entry: &Entry, terminal: Terminal) -> String {
+fn render(entry: &LogEntry, terminal: Terminal) -> String {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a date")]
     let milliseconds = (entry.time * 1e3) as u64;
     let (seconds, rest) = (milliseconds / 1000, milliseconds % 1000);
     let (hour, minute, second) = (seconds / 3600 % 24, seconds / 60 % 60, seconds % 60);
     let component = entry.component.as_ref().map_or_else(String::new, |name| format!("{name}: "));
-    let level = format!("{:<5}", entry.level.to_uppercase());
-    let tone = Tone::of(&entry.level).filter(|_| terminal.colour);
+    let level = format!("{:<5}", entry.level.to_string().to_uppercase());
+    let tone = Tone::of(entry.level.into()).filter(|_| terminal.colour);
     let level = tone.map_or(level.clone(), |tone| tone.paint(&level));
     format!("{hour:02}:{minute:02}:{second:02}.{rest:03} {level} {component}{}\n", entry.message)
 }
@@ -120,9 +77,10 @@ mod tests {
 
     #[test]
     fn an_entry_is_one_line_with_its_time_and_component() {
-        let entry = Entry {
+        let entry = LogEntry {
             time: 86_399.25,
-            level: "warn".into(),
+            level: Level::Warn,
+            origin: "genomd".into(),
             component: Some("demo".into()),
             message: "odd".into(),
         };

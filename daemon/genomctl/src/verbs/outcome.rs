@@ -1,48 +1,45 @@
-//! How a service ended, as the daemon tells it and as it is shown.
+//! How a service ended, as it is shown.
 
-use serde::Deserialize;
+use genom_protocol::{Activity, CallReply, Outcome};
 use serde_json::Value;
 
 use crate::failure::Failure;
-use crate::session::Session;
+use crate::session::{Reply, Session};
 
-/// Reply to a call, a start or a wait.
-#[derive(Debug, Deserialize)]
-pub(crate) struct Outcome {
-    /// Number of the activity; none for attributes and functions.
-    pub(crate) activity: Option<u64>,
-    /// Outputs, once it ended well.
-    pub(crate) result: Option<Value>,
-    /// Full name of the exception it ended with.
-    pub(crate) exception: Option<String>,
-    /// Members of the exception.
-    #[serde(default)]
-    pub(crate) detail: Value,
+/// Prints how an activity ended, or fails with its exception. `what` names it.
+pub(crate) fn show(session: &Session, what: &str, reply: &Reply<Activity>) -> Result<(), Failure> {
+    print(session, what, &reply.sent, None, Some(&reply.content.outcome))
 }
 
-impl Outcome {
-    /// Whether it ended, well or not.
-    pub(crate) fn ended(&self) -> bool {
-        self.result.is_some() || self.exception.is_some()
-    }
+/// Prints the reply to a call or a start, or fails with its exception. `what` names the service.
+pub(crate) fn show_call(
+    session: &Session,
+    what: &str,
+    reply: &Reply<CallReply>,
+) -> Result<(), Failure> {
+    print(session, what, &reply.sent, reply.content.activity(), reply.content.outcome())
 }
 
-/// Prints the outcome, or fails with its exception. `what` names the service or activity.
-pub(crate) fn show(session: &Session, what: &str, reply: Value) -> Result<(), Failure> {
-    let outcome: Outcome = session.read(reply.clone())?;
+fn print(
+    session: &Session,
+    what: &str,
+    sent: &Value,
+    activity: Option<u64>,
+    outcome: Option<&Outcome>,
+) -> Result<(), Failure> {
     if session.json {
-        session.print(&format!("{reply}\n"))?;
+        session.print(&format!("{sent}\n"))?;
     }
-    if let Some(exception) = outcome.exception {
-        let detail = outcome.detail;
+    if let Some(exception) = outcome.and_then(|outcome| outcome.exception.clone()) {
+        let detail = outcome.and_then(|outcome| outcome.detail.clone()).unwrap_or_default();
         return Err(Failure::Exception { what: what.to_owned(), exception, detail });
     }
-    if session.json { Ok(()) } else { session.print(&render(&outcome)) }
+    if session.json { Ok(()) } else { session.print(&render(activity, outcome)) }
 }
 
 /// Outputs one a line; an activity that runs says its number; nothing to say gives `done`.
-pub(crate) fn render(outcome: &Outcome) -> String {
-    match (&outcome.result, outcome.activity) {
+fn render(activity: Option<u64>, outcome: Option<&Outcome>) -> String {
+    match (outcome.and_then(|outcome| outcome.result.as_ref()), activity) {
         (None, Some(activity)) => format!("activity {activity}\n"),
         (Some(Value::Object(outputs)), _) if !outputs.is_empty() => {
             outputs.iter().map(|(name, value)| format!("{name} = {value}\n")).collect()
@@ -57,7 +54,8 @@ mod tests {
     use serde_json::json;
 
     fn check(reply: Value, shown: &str) {
-        assert_eq!(render(&serde_json::from_value(reply).unwrap()), shown);
+        let reply: CallReply = serde_json::from_value(reply).unwrap();
+        assert_eq!(render(reply.activity(), reply.outcome()), shown);
     }
 
     #[test]

@@ -1,12 +1,11 @@
 //! `genomctl ports`: ports with their connections and values.
 
 use clap_complete::engine::ArgValueCompleter;
-use serde::Deserialize;
+use genom_protocol::{Ports, routes};
 use serde_json::Value;
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
 use crate::session::Session;
 use crate::table::Table;
 
@@ -18,40 +17,22 @@ pub(crate) struct Args {
     component: Option<String>,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    ports: Vec<Port>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Port {
-    address: String,
-    direction: String,
-    #[serde(rename = "type")]
-    ty: String,
-    #[serde(default)]
-    connected: Option<String>,
-    #[serde(default)]
-    value: Option<Value>,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let path = match &args.component {
-        Some(component) => url(["components", component, "ports"]),
-        None => "/ports".to_owned(),
+    let route = match &args.component {
+        Some(component) => routes::ports_of(component),
+        None => routes::ports(),
     };
-    let reply = session.get(&path).await?;
-    session.show_table(reply, render)
+    session.show_table(&session.ask(route).await?, render)
 }
 
-fn render(reply: &Reply) -> Table {
+fn render(reply: &Ports) -> Table {
     let rows: Vec<_> = reply
         .ports
         .iter()
         .map(|port| {
             vec![
                 port.address.clone(),
-                port.direction.clone(),
+                port.direction.to_string(),
                 port.ty.clone(),
                 port.connected.clone().unwrap_or_else(|| "-".to_owned()),
                 port.value.as_ref().map_or_else(|| "-".to_owned(), short),

@@ -1,13 +1,13 @@
 //! `genomctl pub`: a value to an in port, from outside.
 
 use clap_complete::engine::ArgValueCompleter;
-use serde::Deserialize;
+use genom_protocol::{Address, Published, routes};
 use serde_json::Value;
 
 use crate::complete::Names;
 use crate::failure::Failure;
 use crate::inputs;
-use crate::names::{Path2, encode, url};
+use crate::names::{address, element};
 use crate::session::Session;
 
 /// Publish a value to an in port.
@@ -17,27 +17,17 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
-    #[arg(add = ArgValueCompleter::from(Names::Inports))]
-    port: Path2,
+    #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Inports))]
+    port: Address,
     /// The value: 0.5, '{"position": 1.0}' or position=1.0.
     #[arg(required = true, allow_negative_numbers = true)]
     value: Vec<String>,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    address: String,
-    value: Value,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let (port, element) = args.port.port();
-    let mut path = url(["components", &args.port.component, "ports", port]);
-    if let Some(element) = element {
-        path.push_str(&format!("?element={}", encode(element)));
-    }
-    let reply = session.post(&path, &value(&args.value)?).await?;
-    session.show(reply, |reply: &Reply| format!("{} = {}\n", reply.address, reply.value))
+    let route = routes::publish(&args.port.component, &args.port.port).with(&element(&args.port));
+    let reply = session.send(route, &value(&args.value)?).await?;
+    session.show(&reply, |reply: &Published| format!("{} = {}\n", reply.address, reply.value))
 }
 
 /// One word of JSON is the value itself; else `key=value` words are members.

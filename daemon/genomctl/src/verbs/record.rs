@@ -5,15 +5,17 @@ use std::io::{IsTerminal as _, Write as _};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use hyper::Method;
+use genom_protocol::frames::Frame;
+use genom_protocol::{RecordingRequest, routes};
 use serde_json::{Value, json};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::failure::Failure;
 use crate::recording::file::{Recorder, Told, WriteError};
-use crate::recording::frames::{Frame, Frames};
+use crate::recording::frames::Frames;
 use crate::session::Session;
 use crate::table::Table;
+use crate::within::seconds;
 
 /// How often the file is brought up to date, and the terminal.
 const SAVE: Duration = Duration::from_secs(1);
@@ -40,11 +42,6 @@ pub(crate) struct Args {
     duration: Option<Duration>,
 }
 
-fn seconds(text: &str) -> Result<Duration, String> {
-    let number = text.parse().map_err(|_| "a number of seconds is wanted".to_owned())?;
-    Duration::try_from_secs_f64(number).map_err(|error| error.to_string())
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut terminate = signal(SignalKind::terminate())?;
@@ -52,8 +49,9 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         let message = format!("{} is there already", args.output.display());
         return Err(Failure::usage(message, "name another file, or replace it with --force"));
     }
-    let wanted = json!({ "ports": args.ports });
-    let mut frames = Frames::new(session.client.open(Method::POST, "/recordings", &wanted).await?);
+    let request = json!(RecordingRequest { ports: args.ports.clone() });
+    let body = session.client.open(&routes::record(), request.to_string().into_bytes()).await?;
+    let mut frames = Frames::new(body);
     let start = match frames.next().await? {
         Some(Frame::Start(start)) => start,
         Some(_) => return Err(session.client.misread("a recording without a start".to_owned())),
@@ -77,10 +75,10 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
                     Ok(Some(Frame::Channel(channel))) => recorder.channel(channel),
                     Ok(Some(Frame::Sample(sample))) => recorder.sample(&sample),
                     Ok(Some(Frame::Lost(lost))) => {
-                        recorder.lost(&lost);
+                        recorder.lost(lost);
                         Ok(())
                     }
-                    Ok(Some(Frame::End)) => break true,
+                    Ok(Some(Frame::End(_))) => break true,
                     Ok(Some(Frame::Start(_)) | None) => break false,
                     Err(failure) => {
                         silent = Some(failure);
@@ -115,8 +113,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         if enough {
             ending = true;
             // The daemon sends what it has taken until now, and then the end.
-            let path = format!("/recordings/{}", start.recording);
-            if session.delete(&path).await.is_err() {
+            let number = start.recording.to_string();
+            if session.ask(routes::end_recording(&number)).await.is_err() {
                 break false;
             }
         }
@@ -125,7 +123,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
         tell("\n");
     }
     let channels = recorder.finish(complete)?;
-    session.show_table(reply(&args, &channels, complete), |_: &Value| render(&channels))?;
+    session.show_own(&reply(&args, &channels, complete), || render(&channels))?;
     match full.map(Failure::from).or(silent) {
         Some(failure) => Err(failure),
         None if complete => Ok(()),

@@ -10,7 +10,7 @@ use mcap::{Attachment, McapError, WriteOptions, Writer};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
-use crate::recording::reader::ReadError;
+use crate::recording::error::ReadError;
 use crate::recording::walk::{Extent, Part, records, walk};
 use crate::session::Session;
 use crate::table::Table;
@@ -59,7 +59,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         .map(|(topic, messages)| json!({"topic": topic, "messages": messages}))
         .collect();
     let reply = json!({"file": args.output, "bytes_given_up": lost, "channels": topics});
-    session.show_table(reply, |_: &Value| {
+    session.show_own(&reply, || {
         let rows = copy.topics.values();
         let rows = rows.map(|(topic, messages)| vec![topic.clone(), messages.to_string()]);
         Table { header: vec!["TOPIC", "MESSAGES"], rows: rows.collect() }

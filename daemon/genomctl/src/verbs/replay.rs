@@ -5,19 +5,21 @@ use std::io::Write as _;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use serde_json::{Value, json};
+use genom_protocol::{
+    Address, Code, PortDirection, PortParameters, Ports, StepRequest, replay, routes,
+};
+use serde_json::json;
 use tokio::time::Instant;
 
 use crate::failure::Failure;
-use crate::names::{Path2, url};
-use crate::recording::reader::{ReadError, Recorded, Recording};
+use crate::names::address;
+use crate::recording::error::ReadError;
+use crate::recording::reader::{Recorded, Recording};
 use crate::session::Session;
 use crate::table::Table;
 
 /// What is sent at once, at most.
 const BATCH: usize = 256 << 10;
-/// The daemon's longest step.
-const LONGEST_STEP: u64 = 3_600_000_000_000;
 
 /// Publish the samples of a recording to in ports, with their original timing.
 ///
@@ -42,7 +44,7 @@ pub(crate) struct Args {
 
 /// An in port to feed.
 struct Target {
-    port: Path2,
+    port: Address,
     published: u64,
 }
 
@@ -86,18 +88,12 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
             }
         }
         let Some(target) = targets.get(&sample.channel) else { continue };
-        part(&mut batch, target.port.to_string().as_bytes());
-        part(&mut batch, &sample.message);
+        replay::append(&mut batch, &target.port.to_string(), &sample.message);
         *counts.entry(sample.channel).or_default() += 1;
     }
     send(session, &mut batch, &mut counts, &mut targets).await?;
     pace.end(session).await?;
     show(session, &targets, true)
-}
-
-fn part(batch: &mut Vec<u8>, bytes: &[u8]) {
-    batch.extend_from_slice(&u32::try_from(bytes.len()).unwrap_or(u32::MAX).to_le_bytes());
-    batch.extend_from_slice(bytes);
 }
 
 async fn send(
@@ -109,7 +105,7 @@ async fn send(
     if batch.is_empty() {
         return Ok(());
     }
-    session.client.post_bytes("/replay", std::mem::take(batch)).await?;
+    session.client.request(&routes::replay(), std::mem::take(batch)).await?;
     for (channel, count) in std::mem::take(counts) {
         if let Some(target) = targets.get_mut(&channel) {
             target.published += count;
@@ -119,11 +115,11 @@ async fn send(
 }
 
 fn show(session: &Session, targets: &BTreeMap<u16, Target>, complete: bool) -> Result<(), Failure> {
-    let ports: Vec<Value> = targets
+    let ports: Vec<_> = targets
         .values()
         .map(|target| json!({"port": target.port.to_string(), "published": target.published}))
         .collect();
-    session.show_table(json!({"complete": complete, "ports": ports}), |_: &Value| {
+    session.show_own(&json!({"complete": complete, "ports": ports}), || {
         let rows: Vec<Vec<String>> = targets
             .values()
             .map(|target| vec![target.port.to_string(), target.published.to_string()])
@@ -145,11 +141,11 @@ async fn choose(
             let message = format!("--to {text} is no TOPIC=PORT");
             return Err(Failure::usage(message, "write for instance /gps/pose=arm/target"));
         };
-        let port: Path2 =
-            port.parse().map_err(|why: String| Failure::usage(why, "the port is the second"))?;
+        let port = address(port).map_err(|why| Failure::usage(why, "the port is the second"))?;
         asked.insert(topic.to_owned(), port);
     }
-    let known = session.get("/ports?values=false").await?;
+    let query = PortParameters { values: Some(false) };
+    let known = session.ask(routes::ports().with(&query)).await?.content;
     let mut targets = BTreeMap::new();
     let mut found: Vec<String> = Vec::new();
     for (number, channel) in recording.channels() {
@@ -161,7 +157,7 @@ async fn choose(
         let port = match asked.remove(topic) {
             Some(port) => port,
             None if !args.to.is_empty() => continue,
-            None => match topic.parse::<Path2>() {
+            None => match topic.parse::<Address>() {
                 Ok(port) if is_inport(&known, &port) => port,
                 _ => {
                     tell(&format!("left out: {topic}, which is no in port of this daemon\n"));
@@ -184,13 +180,11 @@ async fn choose(
     Ok(targets)
 }
 
-fn is_inport(known: &Value, port: &Path2) -> bool {
-    let all = known["ports"].as_array().map_or(&[][..], Vec::as_slice);
-    all.iter().any(|one| {
-        let address = one["address"].as_str().unwrap_or_default();
-        let element = port.to_string();
-        let multiple = one["multiple"] == true && element.starts_with(&format!("{address}/"));
-        one["direction"] == "in" && (element == address || multiple)
+fn is_inport(known: &Ports, port: &Address) -> bool {
+    let wanted = port.to_string();
+    known.ports.iter().any(|one| {
+        let element = one.multiple && wanted.starts_with(&format!("{}/", one.address));
+        one.direction == PortDirection::In && (wanted == one.address || element)
     })
 }
 
@@ -199,17 +193,17 @@ async fn check_type(
     session: &Session,
     topic: &str,
     schema: &[u8],
-    port: &Path2,
+    port: &Address,
 ) -> Result<(), Failure> {
-    let path = url(["components", &port.component, "ports", port.port().0, "type"]);
-    let ty = session.get(&path).await?;
-    let definition = ty["message"]["definition"].as_str().unwrap_or_default();
+    let message =
+        session.ask(routes::port_type(&port.component, &port.port)).await?.content.message;
+    let definition = message.definition.unwrap_or_default();
     if lines(definition.as_bytes()) == lines(schema) {
         return Ok(());
     }
-    let name = ty["message"]["name"].as_str().unwrap_or_default();
+    let name = message.name;
     let message = format!("/{topic} was recorded with another type than {port} has now ({name})");
-    Err(Failure::refused("type_mismatch", message))
+    Err(Failure::refused(Code::TypeMismatch.name(), message))
 }
 
 /// What a definition says, comments and blanks apart.
@@ -285,7 +279,7 @@ impl Pace {
             }
             Pace::Stepped { now, .. } => {
                 while *now < date {
-                    *now = step(session, (date - *now).min(LONGEST_STEP)).await?;
+                    *now = step(session, (date - *now).min(StepRequest::LONGEST)).await?;
                 }
             }
         }
@@ -308,8 +302,7 @@ fn after(date: u64, begin: u64, rate: f64) -> Duration {
 }
 
 async fn step(session: &Session, nanoseconds: u64) -> Result<u64, Failure> {
-    let reply = session.post("/clock", &json!({ "nanoseconds": nanoseconds })).await?;
-    Ok(reply["now"].as_u64().unwrap_or_default())
+    Ok(session.send(routes::step(), &StepRequest { nanoseconds }).await?.content.now)
 }
 
 #[cfg(test)]

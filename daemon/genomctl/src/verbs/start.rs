@@ -1,12 +1,13 @@
 //! `genomctl start`: an activity, and on request its end.
 
+use clap_complete::engine::ArgValueCompleter;
+use genom_protocol::routes;
+
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
 use crate::prompt;
 use crate::session::Session;
-use crate::verbs::outcome::{self, Outcome};
-use clap_complete::engine::ArgValueCompleter;
+use crate::verbs::outcome;
 use tokio::signal::unix::{SignalKind, signal};
 
 /// Start an activity; its number is printed at once.
@@ -33,12 +34,11 @@ pub(crate) struct Args {
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let reply =
         prompt::call(session, &args.component, &args.service, &args.inputs, args.zero).await?;
-    let so_far: Outcome = session.read(reply.clone())?;
-    match so_far.activity {
-        Some(activity) if args.wait && !so_far.ended() => {
+    match reply.content.activity() {
+        Some(activity) if args.wait && reply.content.outcome().is_none() => {
             wait_for(session, &args.component, &args.service, activity).await
         }
-        _ => outcome::show(session, &format!("{}/{}", args.component, args.service), reply),
+        _ => outcome::show_call(session, &format!("{}/{}", args.component, args.service), &reply),
     }
 }
 
@@ -56,23 +56,22 @@ pub(super) async fn wait_for(
     let end = super::wait::until_ended(session, component, activity, &what);
     tokio::pin!(end);
     tokio::select! {
-        reply = &mut end => return outcome::show(session, &what, reply?),
+        reply = &mut end => return outcome::show(session, &what, &reply?),
         _ = interrupt.recv() => {}
     }
     session.tell(&format!("{what} is told to stop; Ctrl-C again leaves it alone"))?;
     let number = activity.to_string();
-    match session.delete(&url(["components", component, "activities", &number])).await {
+    match session.ask(routes::abort(component, &number)).await {
         // It ended by itself in between.
         Ok(_) | Err(Failure::Refused(_)) => {}
         Err(failure) => return Err(failure),
     }
     tokio::select! {
-        reply = end => outcome::show(session, &what, reply?),
-        _ = interrupt.recv() => Err(Failure::Refused(crate::failure::Refusal {
-            code: "left".to_owned(),
-            message: format!("{what} was told to stop, and still runs"),
-            place: None,
-            help: Some(format!("`genomctl wait {component} {activity}` tells how it ends")),
-        })),
+        reply = end => outcome::show(session, &what, &reply?),
+        _ = interrupt.recv() => Err(Failure::refused_with(
+            "left",
+            format!("{what} was told to stop, and still runs"),
+            format!("`genomctl wait {component} {activity}` tells how it ends"),
+        )),
     }
 }

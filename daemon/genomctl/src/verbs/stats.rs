@@ -1,11 +1,10 @@
 //! `genomctl stats`: how the tasks do.
 
 use clap_complete::engine::ArgValueCompleter;
-use serde::Deserialize;
+use genom_protocol::{RunningCodel, Statistics, Unpaused, routes};
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
 use crate::session::Session;
 use crate::table::Table;
 use crate::units::duration;
@@ -18,50 +17,15 @@ pub(crate) struct Args {
     component: String,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reply {
-    tasks: Vec<Task>,
-}
-
-#[derive(Debug, Deserialize)]
-struct Task {
-    name: String,
-    period_ns: Option<u64>,
-    real_time: bool,
-    cycles: Durations,
-    lateness: Durations,
-    overruns: u64,
-    #[serde(default)]
-    stuck: Option<Stuck>,
-    #[serde(default)]
-    unpaused: Option<Stuck>,
-}
-
-/// The codel that a task is in.
-#[derive(Debug, Deserialize)]
-struct Stuck {
-    codel: String,
-    for_ns: u64,
-}
-
-#[derive(Debug, Deserialize)]
-struct Durations {
-    count: u64,
-    mean_ns: u64,
-    p99_ns: u64,
-    max_ns: u64,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let reply = session.get(&url(["components", &args.component, "tasks"])).await?;
-    let told: Reply = session.read(reply.clone())?;
-    session.show_table(reply, render)?;
-    for task in &told.tasks {
-        if let Some(Stuck { codel, for_ns }) = &task.stuck {
+    let reply = session.ask(routes::statistics(&args.component)).await?;
+    session.show_table(&reply, render)?;
+    for task in &reply.content.tasks {
+        if let Some(RunningCodel { codel, for_ns, .. }) = &task.stuck {
             let (name, time) = (&task.name, for_ns / 1_000_000_000);
             session.tell(&format!("task {name} is stuck in {codel} for {time} s"))?;
         }
-        if let Some(Stuck { codel, for_ns }) = &task.unpaused {
+        if let Some(Unpaused { codel, for_ns, .. }) = &task.unpaused {
             let (name, time) = (&task.name, for_ns / 1_000_000_000);
             session.tell(&format!("task {name} did not pause for {time} s, lately in {codel}"))?;
         }
@@ -69,7 +33,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     Ok(())
 }
 
-fn render(reply: &Reply) -> Table {
+fn render(reply: &Statistics) -> Table {
     let rows: Vec<_> = reply
         .tasks
         .iter()
@@ -111,7 +75,7 @@ mod tests {
         let reply = serde_json::from_value(json!({"tasks": [{
             "name": "main", "period_ns": 5_000_000, "real_time": false,
             "cycles": durations(900), "lateness": durations(85_000), "overruns": 0,
-        }]}));
+        }], "codels": [], "lost_changes": 0}));
         expect![[r#"
             TASK  PERIOD    REAL-TIME  CYCLES  OVERRUNS  WORK    LONGEST  LATENESS P99
             main  5.000 ms  no         7       0         900 ns  900 ns   85.000 us

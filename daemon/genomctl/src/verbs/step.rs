@@ -1,6 +1,6 @@
 //! `genomctl step`: advances the virtual clock of a daemon.
 
-use serde_json::{Value, json};
+use genom_protocol::{Clock, StepRequest, routes};
 
 use crate::failure::Failure;
 use crate::session::Session;
@@ -14,9 +14,8 @@ pub(crate) struct Args {
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let reply = session.post("/clock", &json!({"nanoseconds": args.duration})).await?;
-    session.show(reply, |reply: &Value| {
-        let now = reply["now"].as_u64().unwrap_or_default();
+    let reply = session.send(routes::step(), &StepRequest { nanoseconds: args.duration }).await?;
+    session.show(&reply, |Clock { now, .. }| {
         format!("{}.{:09} s\n", now / 1_000_000_000, now % 1_000_000_000)
     })
 }

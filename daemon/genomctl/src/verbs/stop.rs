@@ -2,12 +2,14 @@
 
 use std::time::{Duration, Instant};
 
+use genom_protocol::{AbortedActivity, Code, LookParameters, Status, routes};
+use serde::Serialize;
 use serde_json::json;
 
-use super::abort::{self, One, Told};
-use crate::failure::{Failure, Refusal};
-use crate::names::url;
+use super::abort;
+use crate::failure::Failure;
 use crate::session::Session;
+use crate::within::seconds;
 
 /// Stop everything: tell every activity of every component to stop, and wait until all have ended.
 ///
@@ -16,69 +18,74 @@ use crate::session::Session;
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// How long the activities may take to end, together, in seconds.
-    #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
-    within: f64,
+    #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
+    within: Duration,
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let within = Duration::try_from_secs_f64(args.within)
-        .map_err(|_| Failure::usage(format!("--within {}: no time", args.within), "try 10"))?;
-    let mut reply = abort::all(session, None).await?;
-    let told: Told = session.read(reply.clone())?;
+    let aborted = abort::all(session, None).await?.content;
     if !session.json {
-        session.print(&abort::render_all(&told))?;
+        session.print(&abort::render_all(&aborted))?;
     }
-    let end = Instant::now() + within;
-    let mut left = Vec::new();
-    for one in &told.aborted {
+    let end = Instant::now() + args.within;
+    let mut running = Vec::new();
+    for one in &aborted.aborted {
         if let Some(state) = state_after(session, one, end).await? {
-            left.push((one, state));
+            running.push(Running { activity: one.clone(), state });
         }
     }
+    let names: Vec<String> = running.iter().map(Running::to_string).collect();
     if session.json {
-        let left = left.iter().map(|(one, state)| {
-            json!({"component": one.component, "service": one.service,
-                   "activity": one.activity, "state": state})
-        });
-        reply["running"] = left.collect();
-        session.print(&format!("{reply}\n"))?;
-    } else if left.is_empty() && !told.aborted.is_empty() {
+        session.print(&format!("{}\n", json!(Stopped { aborted: aborted.aborted, running })))?;
+    } else if running.is_empty() && !aborted.aborted.is_empty() {
         session.print("all have ended\n")?;
     }
-    if left.is_empty() {
+    if names.is_empty() {
         return Ok(());
     }
-    let told = left.iter().map(|(One { component, service, activity }, state)| {
-        format!("{component}/{service} (activity {activity}, {state})")
-    });
-    Err(Failure::Refused(Refusal {
-        code: "timeout".to_owned(),
-        message: format!(
-            "after {} s run still: {}",
-            args.within,
-            told.collect::<Vec<_>>().join(", ")
-        ),
-        place: None,
-        help: Some(
-            "`genomctl doctor` names codels that do not return; `genomctl unload COMPONENT` takes \
-             a component down"
-                .to_owned(),
-        ),
-    }))
+    Err(Failure::refused_with(
+        Code::Timeout.name(),
+        format!("after {} s run still: {}", args.within.as_secs_f64(), names.join(", ")),
+        "`genomctl doctor` names codels that do not return; `genomctl unload COMPONENT` takes a \
+         component down"
+            .to_owned(),
+    ))
+}
+
+/// What was told to stop, and what of it has not ended; for `--json`.
+#[derive(Serialize)]
+struct Stopped {
+    aborted: Vec<AbortedActivity>,
+    running: Vec<Running>,
+}
+
+/// An activity that did not end in time.
+#[derive(Serialize)]
+struct Running {
+    #[serde(flatten)]
+    activity: AbortedActivity,
+    state: String,
+}
+
+impl std::fmt::Display for Running {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let AbortedActivity { component, service, activity } = &self.activity;
+        write!(f, "{component}/{service} (activity {activity}, {})", self.state)
+    }
 }
 
 /// The state of an activity that runs at the end of the time; `None` when it ended.
 async fn state_after(
     session: &Session,
-    one: &One,
+    one: &AbortedActivity,
     end: Instant,
 ) -> Result<Option<String>, Failure> {
     let number = one.activity.to_string();
-    let path = url(["components", &one.component, "activities", &number]);
     let left = end.saturating_duration_since(Instant::now()).as_secs_f64();
-    match session.get(&format!("{path}?wait={left}")).await {
-        Ok(looked) if looked["status"] == "running" => {
-            Ok(Some(looked["state"].as_str().unwrap_or("running").to_owned()))
+    let query = LookParameters { wait: Some(left) };
+    match session.ask(routes::activity(&one.component, &number).with(&query)).await {
+        Ok(looked) if looked.content.status == Status::Running => {
+            Ok(Some(looked.content.state.unwrap_or_else(|| Status::Running.to_string())))
         }
         // It ended, and so did its component perhaps.
         Ok(_) | Err(Failure::Refused(_)) => Ok(None),

@@ -5,8 +5,7 @@ use std::io::{Read as _, Write as _};
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::PathBuf;
 
-use clap::ValueEnum;
-use serde::Deserialize;
+use genom_protocol::{Reloaded, Right, routes};
 use serde_json::json;
 
 use crate::failure::Failure;
@@ -39,27 +38,10 @@ enum What {
     Reload,
 }
 
-#[derive(Debug, Deserialize)]
-struct Reloaded {
-    tokens: usize,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Right {
-    /// Look.
-    Read,
-    /// Services, activities, events, values of in ports.
-    Call,
-    /// Connect, move between middlewares.
-    Wire,
-    /// Load, unload, deploy, stop; and all the others.
-    Admin,
-}
-
 pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     if let Some(What::Reload) = args.what {
-        let reply = session.post("/tokens/reload", &json!({})).await?;
-        return session.show(reply, |reply: &Reloaded| format!("{} tokens known\n", reply.tokens));
+        let reply = session.ask(routes::reload_tokens()).await?;
+        return session.show(&reply, |reply: &Reloaded| format!("{} tokens known\n", reply.tokens));
     }
     let name = args.name.as_deref().unwrap_or_default();
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.@".contains(c);
@@ -72,12 +54,7 @@ pub(super) async fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let mut random = [0; 32];
     File::open("/dev/urandom")?.read_exact(&mut random)?;
     let token: String = random.iter().map(|byte| format!("{byte:02x}")).collect();
-    let rights: Vec<_> = args
-        .rights
-        .iter()
-        .filter_map(|right| right.to_possible_value())
-        .map(|value| format!("{:?}", value.get_name()))
-        .collect();
+    let rights: Vec<_> = args.rights.iter().map(|right| format!("\"{right}\"")).collect();
     let entry = format!(
         "[[token]]\nname = \"{name}\"\ntoken = \"{token}\"\nrights = [{}]\n",
         rights.join(", ")

@@ -3,6 +3,8 @@
 use std::io::{self, IsTerminal as _};
 use std::time::Duration;
 
+use serde_json::json;
+
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::top::{self, Snapshot};
@@ -33,7 +35,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
     let first = Snapshot::take(session).await?;
     if session.json {
-        return session.print(&format!("{}\n", first.data));
+        return session.print(&format!("{}\n", json!(first.data())));
     }
     // Rates come from two looks.
     tokio::time::sleep(delay).await;

@@ -1,8 +1,9 @@
 //! `genomctl unload`: stops a component and takes it out of the daemon.
 
+use genom_protocol::routes;
+
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
 use crate::session::Session;
 use clap_complete::engine::ArgValueCompleter;
 
@@ -15,6 +16,6 @@ pub(crate) struct Args {
 }
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let reply = session.delete(&url(["components", &args.component])).await?;
-    session.show(reply, |_: &serde_json::Value| format!("{} unloaded\n", args.component))
+    let reply = session.ask(routes::unload(&args.component)).await?;
+    session.show(&reply, |_| format!("{} unloaded\n", args.component))
 }

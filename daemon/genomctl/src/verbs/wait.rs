@@ -3,15 +3,13 @@
 use clap_complete::engine::ArgValueCompleter;
 use std::time::Instant;
 
-use serde::Deserialize;
-use serde_json::Value;
+use genom_protocol::{Activity, Code, LookParameters, routes};
 
 use crate::complete::Names;
 use crate::failure::Failure;
-use crate::names::url;
-use crate::session::Session;
+use crate::session::{Reply, Session};
 use crate::terminal::Progress;
-use crate::verbs::outcome::{self, Outcome};
+use crate::verbs::outcome;
 
 /// Wait until an activity has ended, and tell how.
 #[derive(Debug, clap::Args)]
@@ -27,35 +25,28 @@ pub(crate) struct Args {
     timeout: Option<f64>,
 }
 
-#[derive(Debug, Deserialize)]
-struct Found {
-    activity: u64,
-}
-
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let activity = match args.activity.parse() {
         Ok(number) => number,
         Err(_) => {
-            let url = url(["components", &args.component, "activities", &args.activity]);
-            session.read::<Found>(session.get(&url).await?)?.activity
+            let found = session.ask(routes::activity(&args.component, &args.activity)).await?;
+            found.content.activity
         }
     };
     let what = format!("{} activity {activity}", args.component);
     let Some(seconds) = args.timeout else {
         let reply = until_ended(session, &args.component, activity, &what).await?;
-        return outcome::show(session, &what, reply);
+        return outcome::show(session, &what, &reply);
     };
-    let reply = session.get(&path(&args.component, activity, seconds)).await?;
-    let outcome: Outcome = session.read(reply.clone())?;
-    if outcome.ended() {
-        return outcome::show(session, &what, reply);
+    let reply = look(session, &args.component, activity, seconds).await?;
+    if reply.content.outcome.ended() {
+        return outcome::show(session, &what, &reply);
     }
-    Err(Failure::Refused(crate::failure::Refusal {
-        code: "timeout".to_owned(),
-        message: format!("{what} still runs after {seconds} s"),
-        place: None,
-        help: Some(format!("`genomctl abort {} {activity}` stops it", args.component)),
-    }))
+    Err(Failure::refused_with(
+        Code::Timeout.name(),
+        format!("{what} still runs after {seconds} s"),
+        format!("`genomctl abort {} {activity}` stops it", args.component),
+    ))
 }
 
 /// Asks again and again, each time for as long as the daemon holds a request; on a terminal, `what`
@@ -65,7 +56,7 @@ pub(super) async fn until_ended(
     component: &str,
     activity: u64,
     what: &str,
-) -> Result<Value, Failure> {
+) -> Result<Reply<Activity>, Failure> {
     let mut progress = Progress::default();
     let hold = if session.json || !progress.seen() { 60.0 } else { 0.5 };
     let begin = Instant::now();
@@ -73,19 +64,24 @@ pub(super) async fn until_ended(
         progress.show(what);
     }
     loop {
-        let reply = session.get(&path(component, activity, hold)).await?;
-        let outcome: Outcome = session.read(reply.clone())?;
-        if outcome.ended() {
+        let reply = look(session, component, activity, hold).await?;
+        if reply.content.outcome.ended() {
             return Ok(reply);
         }
         if hold < 1.0 {
-            let state = reply["state"].as_str().unwrap_or("waiting");
+            let state = reply.content.state.as_deref().unwrap_or("waiting");
             progress.show(&format!("{what}: {state}, {} s", begin.elapsed().as_secs()));
         }
     }
 }
 
-fn path(component: &str, activity: u64, seconds: f64) -> String {
-    let number = activity.to_string();
-    format!("{}?wait={seconds}", url(["components", component, "activities", &number]))
+/// Looks at an activity when it has ended, or after so many seconds.
+async fn look(
+    session: &Session,
+    component: &str,
+    activity: u64,
+    seconds: f64,
+) -> Result<Reply<Activity>, Failure> {
+    let query = LookParameters { wait: Some(seconds) };
+    session.ask(routes::activity(component, &activity.to_string()).with(&query)).await
 }

@@ -3,12 +3,12 @@
 use std::io;
 use std::time::{Duration, Instant};
 
-use hyper::Method;
-use serde_json::Value;
+use genom_protocol::{Code, Ready, ReadyParameters, routes};
 
-use crate::failure::{Failure, Refusal};
+use crate::failure::Failure;
 use crate::session::Session;
 use crate::terminal::Progress;
+use crate::within::seconds;
 
 /// Wait until the daemon has loaded all components that it was started with.
 ///
@@ -20,8 +20,8 @@ pub(crate) struct Args {
     #[arg(long)]
     deployed: bool,
     /// Give up after this many seconds.
-    #[arg(long, value_name = "SECONDS", default_value_t = 60.0)]
-    within: f64,
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = seconds)]
+    within: Duration,
 }
 
 /// Between two attempts to reach a daemon that is not there yet.
@@ -30,30 +30,29 @@ const LOOK: Duration = Duration::from_millis(50);
 const HOLD: f64 = 1.0;
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
-    let within = Duration::try_from_secs_f64(args.within)
-        .map_err(|_| Failure::usage(format!("--within {}: no time", args.within), "try 60"))?;
     let (begin, mut progress) = (Instant::now(), Progress::default());
     let mut seen = false;
     loop {
-        let left = within.saturating_sub(begin.elapsed());
+        let left = args.within.saturating_sub(begin.elapsed());
         let hold = left.as_secs_f64().min(HOLD);
-        let path = format!("/ready?wait={hold}&deployed={}", args.deployed);
-        let why = match session.client.request(Method::GET, &path, None).await {
-            Ok(reply) => return session.show(reply, |_: &Value| "ready\n".to_owned()),
-            Err(Failure::Refused(refusal)) if refusal.code == "not_ready" => {
+        let query = ReadyParameters { wait: Some(hold), deployed: Some(args.deployed) };
+        let why = match session.client.request(&routes::ready().with(&query), Vec::new()).await {
+            Ok(sent) => {
+                return session.show(&session.reply::<Ready>(sent)?, |_| "ready\n".to_owned());
+            }
+            Err(Failure::Refused(reason)) if reason.is(Code::NotReady) => {
                 seen = true;
-                progress.show(&format!("{}, {} s", refusal.message, begin.elapsed().as_secs()));
-                let Refusal { message, .. } = refusal;
-                Failure::Refused(Refusal {
-                    code: "timeout".to_owned(),
-                    message: format!("not ready after {} s: {message}", args.within),
-                    place: None,
-                    help: Some("`genomctl logs` tells how far it is".to_owned()),
-                })
+                progress.show(&format!("{}, {} s", reason.message, begin.elapsed().as_secs()));
+                let within = args.within.as_secs_f64();
+                Failure::refused_with(
+                    Code::Timeout.name(),
+                    format!("not ready after {within} s: {}", reason.message),
+                    "`genomctl logs` tells how far it is".to_owned(),
+                )
             }
             // It was there.
             Err(Failure::Unreachable { .. }) if seen => return Err(session.client.lost()),
-            Err(Failure::Refused(refusal)) if refusal.code == "stopping" => {
+            Err(Failure::Refused(reason)) if reason.is(Code::Stopping) => {
                 return Err(session.client.lost());
             }
             Err(failure) if comes_later(&failure) => {
@@ -63,7 +62,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
             }
             Err(failure) => return Err(failure),
         };
-        if begin.elapsed() >= within {
+        if begin.elapsed() >= args.within {
             return Err(why);
         }
     }

@@ -9,6 +9,7 @@ use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
+use genom_protocol::Code;
 
 use crate::config::Right;
 use crate::rpc::error::RpcError;
@@ -117,7 +118,7 @@ fn what(request: &Request) -> String {
 const KNOWN: &str = "the file at rpc.token_file of the daemon's configuration lists the known ones";
 
 fn unknown(message: &str) -> RpcError {
-    RpcError::new(StatusCode::UNAUTHORIZED, "unauthorized", message)
+    RpcError::new(StatusCode::UNAUTHORIZED, Code::Unauthorized, message)
 }
 
 /// The rights that the routes ask for, by path and method: `None` for what anybody may read.
@@ -171,7 +172,7 @@ pub(super) async fn check(
 
 fn too_busy(full: Full) -> RpcError {
     let message = format!("{} are under way already", stream::told(full));
-    RpcError::new(StatusCode::SERVICE_UNAVAILABLE, "too_many_requests", message)
+    RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::TooManyRequests, message)
         .help("wait for one to be answered, or raise rpc.max_connections_per_token")
 }
 

@@ -5,53 +5,15 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
+use genom_protocol::{
+    Aborted, AbortedActivity, Activities, Activity as Look, AllAborted, Code, LookParameters,
+};
 
 use crate::daemon::Daemon;
-use crate::hosting::{Activity, Hosted, Look};
+use crate::hosting::{Activity, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{self, Parameters};
-
-/// `?wait=SECONDS`
-#[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct LookParameters {
-    /// Answer when the activity has ended, or after so many seconds.
-    #[param(minimum = 0)]
-    wait: Option<f64>,
-}
-
-/// Activities, by number.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Activities {
-    activities: Vec<Look>,
-}
-
-/// Activities that were asked to stop.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Aborted {
-    /// Their numbers.
-    aborted: Vec<u64>,
-}
-
-/// Activities of any components that were asked to stop.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct AllAborted {
-    aborted: Vec<One>,
-}
-
-/// One activity of those of all components.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = AbortedActivity)]
-pub(crate) struct One {
-    component: String,
-    service: String,
-    /// Its number.
-    activity: u64,
-}
 
 /// List the activities of a component, running and lately ended.
 #[utoipa::path(
@@ -92,7 +54,7 @@ pub(crate) async fn look(
         Ok(_) => find(&hosted, &activity)?,
         Err(_) => of_service(&hosted, &activity)?.pop().ok_or_else(|| {
             let message = format!("no {component}/{activity} runs, nor did lately");
-            RpcError::new(StatusCode::NOT_FOUND, "no_such_activity", message)
+            RpcError::new(StatusCode::NOT_FOUND, Code::NoSuchActivity, message)
                 .help(format!("`genomctl info {component} {activity}` tells what it is"))
         })?,
     };
@@ -122,7 +84,7 @@ pub(crate) async fn abort(
             let found = find(&hosted, &activity)?;
             if found.ending().is_some() {
                 let message = format!("activity {number} of {component} has already ended");
-                return Err(RpcError::conflict("ended", message));
+                return Err(RpcError::conflict(Code::Ended, message));
             }
             vec![found]
         }
@@ -164,21 +126,22 @@ pub(crate) async fn abort_all(
 )]
 pub(crate) async fn stop(State(daemon): State<Arc<Daemon>>) -> Json<AllAborted> {
     let all = daemon.components.all();
-    let aborted: Vec<One> = all.iter().flat_map(|hosted| aborted(hosted)).collect();
+    let aborted: Vec<AbortedActivity> = all.iter().flat_map(|hosted| aborted(hosted)).collect();
     tracing::info!("all activities were told to stop: {} ran", aborted.len());
     Json(AllAborted { aborted })
 }
 
-fn aborted(hosted: &Hosted) -> Vec<One> {
+fn aborted(hosted: &Hosted) -> Vec<AbortedActivity> {
     let told = hosted.abort_all().into_iter();
     let component = || hosted.name.clone();
-    told.map(|(activity, service)| One { component: component(), service, activity }).collect()
+    told.map(|(activity, service)| AbortedActivity { component: component(), service, activity })
+        .collect()
 }
 
 fn find(hosted: &Hosted, number: &str) -> Result<Arc<Activity>, RpcError> {
     number.parse().ok().and_then(|number| hosted.activities.get(number)).ok_or_else(|| {
         let message = format!("{} has no activity `{number}`", hosted.name);
-        RpcError::new(StatusCode::NOT_FOUND, "no_such_activity", message).help(format!(
+        RpcError::new(StatusCode::NOT_FOUND, Code::NoSuchActivity, message).help(format!(
             "it never was, or it ended long ago: `genomctl activities {}` lists them",
             hosted.name
         ))
@@ -190,7 +153,7 @@ fn of_service(hosted: &Hosted, service: &str) -> Result<Vec<Arc<Activity>>, RpcE
     if !services.iter().any(|found| found.name == service) {
         let what = format!("{} has no activity or service", hosted.name);
         let names = services.iter().map(|service| service.name.as_str());
-        return Err(RpcError::unknown("no_such_activity", what, service, names));
+        return Err(RpcError::unknown(Code::NoSuchActivity, what, service, names));
     }
     let all = hosted.activities.all();
     Ok(all.into_iter().filter(|activity| activity.service == service).collect())

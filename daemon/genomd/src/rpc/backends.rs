@@ -5,10 +5,8 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use genom_protocol::{Code, MoveRequest, Moved};
 
-use crate::config::BackendNames;
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
@@ -16,32 +14,13 @@ use crate::rpc::{components, ports};
 use crate::wiring::publish::BindError;
 use crate::wiring::switch::switch;
 
-/// Where a component, or one of its ports, is to move.
-#[derive(Debug, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Move {
-    /// Where to.
-    backend: BackendNames,
-    /// One port only.
-    #[serde(default)]
-    port: Option<String>,
-}
-
-/// Where it is now.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Moved {
-    component: String,
-    port: Option<String>,
-    backend: BackendNames,
-}
-
 /// Move a running component, or one of its ports, to other middlewares.
 #[utoipa::path(
     put,
     path = "/components/{component}/backend",
     tag = "wiring",
     security(("token" = ["wire"])),
-    request_body = Move,
+    request_body = MoveRequest,
     responses(
         (status = 200, body = Moved), (status = 404), (status = 422), (status = 502), (status = 503)
     )
@@ -49,7 +28,7 @@ pub(crate) struct Moved {
 pub(crate) async fn change(
     State(daemon): State<Arc<Daemon>>,
     Path(component): Path<String>,
-    Body(wanted): Body<Move>,
+    Body(wanted): Body<MoveRequest>,
 ) -> Result<Json<Moved>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let port = wanted.port.as_deref().map(|port| ports::find(&hosted, port)).transpose()?;
@@ -65,7 +44,7 @@ pub(crate) async fn change(
         }
         Ok(Err(BindError::HeldUp(error))) => Err(RpcError::held_up(&error)),
         Ok(Err(error)) => {
-            Err(RpcError::new(StatusCode::BAD_GATEWAY, "middleware_failed", error.to_string())
+            Err(RpcError::new(StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, error.to_string())
                 .help("nothing was changed"))
         }
         Err(error) => Err(RpcError::internal(error.to_string())),

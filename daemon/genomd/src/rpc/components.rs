@@ -1,23 +1,20 @@
 //! Components: list, load, describe, unload.
 
-use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_description_tools as tools;
-use genom_runtime::{RunningCodel, seconds};
-use serde::Serialize;
+use genom_protocol::{Code, Component, Components, Description, LeftBehind, LoadRequest, Unloaded};
+use genom_runtime::seconds;
 use serde_json::Value;
-use utoipa::ToSchema;
 
-use crate::config::{BackendNames, LoadRequest};
 use crate::daemon::Daemon;
-use crate::hosting::{Hosted, Spin, UnloadError};
+use crate::hosting::{Hosted, UnloadError};
 use crate::loading::{self, LoadError};
 use crate::registry::BackendError;
+use crate::rpc::codels;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
 
@@ -27,75 +24,12 @@ pub(super) fn find(daemon: &Daemon, name: &str) -> Result<Arc<Hosted>, RpcError>
     match components.iter().find(|hosted| hosted.name == name) {
         Some(hosted) => Ok(Arc::clone(hosted)),
         None => Err(RpcError::unknown(
-            "no_such_component",
+            Code::NoSuchComponent,
             "no component",
             name,
             components.iter().map(|hosted| hosted.name.as_str()),
         )),
     }
-}
-
-/// Components, in the order they were loaded.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Components {
-    components: Vec<Summary>,
-    /// Names of those that are being loaded, or are to be at the daemon's start; absent without any.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    loading: Vec<String>,
-    /// What is left of components that did not stop in time; absent when nothing is.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    left_behind: Vec<Left>,
-}
-
-/// What is left of a component: threads in codels that do not return. Its name is free.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = LeftBehind)]
-pub(crate) struct Left {
-    /// The name it had.
-    was: String,
-    /// Name in the description.
-    component: String,
-    /// `left behind: stuck in CODEL for 12 s`.
-    state: String,
-}
-
-/// A component that runs.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Component)]
-pub(crate) struct Summary {
-    /// Instance name.
-    name: String,
-    /// Name in the description.
-    component: String,
-    /// `running`, `damaged` (its codels wrote past the memory they were given),
-    /// `stuck in CODEL for 12 s`, or `spins in CODEL for 12 s`.
-    state: String,
-    /// Codels that have not returned for so long that they count as stuck; absent without any.
-    #[schema(value_type = Vec<Object>)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    stuck: Vec<RunningCodel>,
-    /// Tasks that keep a processor and do not pause; absent without any.
-    #[schema(value_type = Vec<Object>)]
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    spins: Vec<Spin>,
-    /// Middlewares of its services, and of ports that have no others.
-    backend: BackendNames,
-    /// Middlewares of ports that have others.
-    port_backends: BTreeMap<String, BackendNames>,
-    /// File of the library.
-    #[schema(value_type = String)]
-    library: PathBuf,
-    /// Activities that run.
-    activities: usize,
-    /// Services of others that its codels call, by name: what can be connected to one.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    remotes: Vec<String>,
-}
-
-/// A component is gone.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Unloaded {
-    unloaded: bool,
 }
 
 /// List the components that run.
@@ -113,7 +47,7 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Components> 
         let state = longest.map_or("left behind: about to end".to_owned(), |codel| {
             format!("left behind: stuck in {} for {}", codel.codel, seconds(codel.for_ns))
         });
-        Left { was: remnant.was, component: remnant.component, state }
+        LeftBehind { was: remnant.was, component: remnant.component, state }
     });
     let loading = loading(&daemon);
     Json(Components { components, loading, left_behind: left_behind.collect() })
@@ -139,7 +73,7 @@ fn loading(daemon: &Daemon) -> Vec<String> {
     path = "/components/{component}",
     tag = "components",
     security(("token" = ["read"])),
-    responses((status = 200, body = Summary), (status = 404))
+    responses((status = 200, body = Description), (status = 404))
 )]
 pub(crate) async fn describe(
     State(daemon): State<Arc<Daemon>>,
@@ -151,8 +85,9 @@ pub(crate) async fn describe(
     for (index, service) in reply["services"].as_array_mut().into_iter().flatten().enumerate() {
         service["served"] = hosted.served_on(index).into();
     }
-    // There by name only: what each calls stands here.
-    reply["uses"] = reply["remotes"].take();
+    // `remotes` has their names alone; what each calls is told here.
+    let remotes = reply.as_object_mut().and_then(|reply| reply.shift_remove("remotes"));
+    reply["uses"] = remotes.unwrap_or_default();
     let own = serde_json::to_value(summary(&hosted));
     if let (Value::Object(reply), Ok(Value::Object(own))) = (&mut reply, own) {
         reply.extend(own);
@@ -185,12 +120,12 @@ pub(crate) async fn schema(
     tag = "components",
     security(("token" = ["admin"])),
     request_body = LoadRequest,
-    responses((status = 201, body = Summary), (status = 404), (status = 409), (status = 422))
+    responses((status = 201, body = Component), (status = 404), (status = 409), (status = 422))
 )]
 pub(crate) async fn load(
     State(daemon): State<Arc<Daemon>>,
     Body(request): Body<LoadRequest>,
-) -> Result<(StatusCode, Json<Summary>), RpcError> {
+) -> Result<(StatusCode, Json<Component>), RpcError> {
     let worker = Arc::clone(&daemon);
     let loaded = tokio::task::spawn_blocking(move || loading::load(&worker, &request)).await;
     match loaded {
@@ -217,18 +152,18 @@ pub(crate) async fn unload(
     match tokio::task::spawn_blocking(move || worker.unload(&component)).await {
         Ok(Ok(())) => Ok(Json(Unloaded { unloaded: true })),
         Ok(Err(error @ UnloadError::NotThere(_))) => {
-            Err(RpcError::conflict("unloading", error.to_string()))
+            Err(RpcError::conflict(Code::Unloading, error.to_string()))
         }
         Ok(Err(error @ UnloadError::Stuck { .. })) => {
             let status = StatusCode::SERVICE_UNAVAILABLE;
-            Err(RpcError::new(status, "left_behind", error.to_string())
+            Err(RpcError::new(status, Code::LeftBehind, error.to_string())
                 .help("`genomctl list` tells until it has ended; restart genomd to be rid of it"))
         }
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
 }
 
-fn summary(hosted: &Hosted) -> Summary {
+fn summary(hosted: &Hosted) -> Component {
     let bindings = &hosted.wires.bindings;
     let spins = hosted.spins();
     let spinning = || {
@@ -236,15 +171,15 @@ fn summary(hosted: &Hosted) -> Summary {
         let (codel, time) = (&longest.unpaused.codel, seconds(longest.unpaused.for_ns));
         Some(format!("spins in {codel} for {time}"))
     };
-    Summary {
+    Component {
         name: hosted.name.clone(),
         component: hosted.model().name.clone(),
         state: match hosted.damage() {
             Some(_) => "damaged".to_owned(),
             None => hosted.stuck_in().or_else(spinning).unwrap_or_else(|| "running".to_owned()),
         },
-        spins,
-        stuck: hosted.stuck(),
+        stuck: hosted.stuck().iter().map(codels::running).collect(),
+        spins: spins.iter().map(codels::spin).collect(),
         backend: bindings.component(),
         port_backends: bindings.ports(),
         library: hosted.library.clone(),
@@ -256,14 +191,14 @@ fn summary(hosted: &Hosted) -> Summary {
 fn refused(error: &LoadError) -> RpcError {
     let message = error.to_string();
     match error {
-        LoadError::Taken(_) => RpcError::conflict("name_taken", message)
+        LoadError::Taken(_) => RpcError::conflict(Code::NameTaken, message)
             .help("give this instance another name")
             .place("/name"),
         LoadError::Backend(BackendError::Unknown { .. }) => {
             RpcError::bad_input(message).place("/backend")
         }
         LoadError::Locate(_) => {
-            RpcError::new(StatusCode::NOT_FOUND, "no_such_library", message).place("/library")
+            RpcError::new(StatusCode::NOT_FOUND, Code::NoSuchLibrary, message).place("/library")
         }
         LoadError::NoSuch { what, typed, .. } => RpcError::bad_input(message).place(format!(
             "/{}/{typed}",
@@ -278,8 +213,8 @@ fn refused(error: &LoadError) -> RpcError {
         LoadError::Qos { port, .. } => {
             RpcError::bad_input(message).place(format!("/qos/ports/{port}"))
         }
-        LoadError::Stopping => RpcError::conflict("stopping", message),
-        _ => RpcError::new(StatusCode::UNPROCESSABLE_ENTITY, "not_loadable", message)
+        LoadError::Stopping => RpcError::conflict(Code::Stopping, message),
+        _ => RpcError::new(StatusCode::UNPROCESSABLE_ENTITY, Code::NotLoadable, message)
             .place("/library"),
     }
 }

@@ -5,10 +5,12 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use genom_protocol::{
+    Code, Connection as Made, ConnectionKind, ConnectionRequest, Connections, Disconnected,
+    NoPolicy, Policy,
+};
 
-use crate::config::policy;
+use crate::config::terms;
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
@@ -16,63 +18,6 @@ use crate::rpc::{components, ports};
 use crate::wires::{Connection, RemoteConnection};
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
 use crate::wiring::{self, ConnectError, ConnectRequest};
-
-/// A connection to make.
-#[derive(Debug, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-#[schema(as = ConnectionWanted)]
-pub(crate) struct Wanted {
-    /// The in port, `COMPONENT/PORT` or `COMPONENT/PORT/ELEMENT`; or a remote.
-    #[serde(rename = "in")]
-    inport: String,
-    /// The out port that feeds it; or the service that a remote calls.
-    #[serde(rename = "out")]
-    outport: String,
-    /// What the reader gets of the samples it has not read: `latest`, `queue:N` or `ring:N`.
-    #[serde(default)]
-    #[schema(
-        pattern = "^(latest|(queue|ring):([1-9][0-9]{0,3}|[1-5][0-9]{4}|6[0-4][0-9]{3}|65[0-4][0-9]{2}|655[0-2][0-9]|6553[0-6]))$"
-    )]
-    policy: Option<String>,
-    /// Middleware to use; by default that of the out port.
-    #[serde(default)]
-    backend: Option<String>,
-    /// Connect also when the out port does not exist yet.
-    #[serde(default)]
-    wait: bool,
-}
-
-/// Connections of all components.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Connections {
-    connections: Vec<Made>,
-}
-
-/// A connection.
-#[derive(Debug, Serialize, ToSchema)]
-#[schema(as = Connection)]
-pub(crate) struct Made {
-    /// `port`, or `service` for a remote.
-    kind: &'static str,
-    /// The in port, or the remote.
-    #[serde(rename = "in")]
-    inport: String,
-    /// The out port, or the service.
-    #[serde(rename = "out")]
-    outport: String,
-    /// Its middleware; none for a remote within the daemon.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    backend: Option<String>,
-    /// Its policy; none for a remote.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    policy: Option<String>,
-}
-
-/// An in port or a remote is connected no more.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Disconnected {
-    disconnected: String,
-}
 
 /// List the connections.
 #[utoipa::path(
@@ -99,29 +44,29 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Connections>
     path = "/connections",
     tag = "wiring",
     security(("token" = ["wire"])),
-    request_body = Wanted,
+    request_body = ConnectionRequest,
     responses(
-        (status = 201, body = Made), (status = 404), (status = 409), (status = 422), (status = 502),
+        (status = 201, body = genom_protocol::Connection), (status = 404), (status = 409), (status = 422), (status = 502),
         (status = 503)
     )
 )]
 pub(crate) async fn connect(
     State(daemon): State<Arc<Daemon>>,
-    Body(wanted): Body<Wanted>,
+    Body(wanted): Body<ConnectionRequest>,
 ) -> Result<(StatusCode, Json<Made>), RpcError> {
     if remote::named(&daemon, &wanted.inport).is_some() {
         return connect_remote(daemon, wanted).await;
     }
     let policy = match &wanted.policy {
-        None => genom_middleware::Policy::Latest,
-        Some(text) => {
-            policy::parse(text).ok_or_else(|| RpcError::bad_input(policy::HELP).place("/policy"))?
-        }
+        None => Policy::default(),
+        Some(text) => text
+            .parse()
+            .map_err(|error: NoPolicy| RpcError::bad_input(error.to_string()).place("/policy"))?,
     };
     let request = ConnectRequest {
         inport: wanted.inport,
         outport: wanted.outport,
-        policy,
+        policy: terms::policy(policy),
         backend: wanted.backend,
         wait: wanted.wait,
         patience: wiring::connect::Patience::Full,
@@ -140,9 +85,9 @@ pub(crate) async fn connect(
 
 async fn connect_remote(
     daemon: Arc<Daemon>,
-    wanted: Wanted,
+    wanted: ConnectionRequest,
 ) -> Result<(StatusCode, Json<Made>), RpcError> {
-    let Wanted { inport: remote, outport: service, policy, backend, wait } = wanted;
+    let ConnectionRequest { inport: remote, outport: service, policy, backend, wait } = wanted;
     if policy.is_some() {
         let message = format!("{remote} is a remote: it takes a service, and no policy");
         return Err(RpcError::bad_input(message).place("/policy"));
@@ -159,17 +104,17 @@ async fn connect_remote(
         Ok(Err(error)) => {
             let (status, code, place) = match &error {
                 RemoteError::NoSuchRemote { .. } => {
-                    (StatusCode::NOT_FOUND, "no_such_remote", "/in")
+                    (StatusCode::NOT_FOUND, Code::NoSuchRemote, "/in")
                 }
                 RemoteError::NoSuchService { .. } => {
-                    (StatusCode::NOT_FOUND, "no_such_service", "/out")
+                    (StatusCode::NOT_FOUND, Code::NoSuchService, "/out")
                 }
-                RemoteError::Differs { .. } => (StatusCode::CONFLICT, "type_mismatch", "/out"),
+                RemoteError::Differs { .. } => (StatusCode::CONFLICT, Code::TypeMismatch, "/out"),
                 RemoteError::Backend(error) => {
                     return Err(RpcError::bad_input(error.to_string()).place("/backend"));
                 }
                 RemoteError::HeldUp(error) => return Err(RpcError::held_up(error)),
-                RemoteError::Failed(_) => (StatusCode::BAD_GATEWAY, "middleware_failed", "/out"),
+                RemoteError::Failed(_) => (StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, "/out"),
             };
             Err(RpcError::new(status, code, error.to_string()).place(place))
         }
@@ -236,7 +181,7 @@ async fn take_away(
         Ok(Err(error)) => Err(RpcError::held_up(&error)),
         Ok(Ok(true)) => Ok(Json(Disconnected { disconnected: address.to_string() })),
         Ok(Ok(false)) => {
-            Err(RpcError::conflict("not_connected", format!("{address} is not connected")))
+            Err(RpcError::conflict(Code::NotConnected, format!("{address} is not connected")))
         }
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
@@ -244,17 +189,17 @@ async fn take_away(
 
 fn made(connection: &Connection) -> Made {
     Made {
-        kind: "port",
+        kind: ConnectionKind::Port,
         inport: connection.inport.to_string(),
         outport: connection.outport.to_string(),
         backend: Some(connection.backend.to_string()),
-        policy: Some(policy::text(connection.policy)),
+        policy: Some(terms::told_policy(connection.policy).to_string()),
     }
 }
 
 fn remote_made(connection: &RemoteConnection) -> Made {
     Made {
-        kind: "service",
+        kind: ConnectionKind::Service,
         inport: connection.remote.to_string(),
         outport: connection.service.to_string(),
         backend: connection.backend.clone(),
@@ -268,15 +213,15 @@ fn refused(error: &ConnectError) -> RpcError {
         ConnectError::HeldUp(error) => RpcError::held_up(error),
         // The code says it already, which codels see in the message alone.
         ConnectError::NoSuchInport { message, .. } => {
-            RpcError::new(StatusCode::NOT_FOUND, "no_such_inport", message).place("/in")
+            RpcError::new(StatusCode::NOT_FOUND, Code::NoSuchInport, message).place("/in")
         }
         ConnectError::NoSuchOutport { message, .. } => {
-            RpcError::new(StatusCode::NOT_FOUND, "no_such_outport", message).place("/out")
+            RpcError::new(StatusCode::NOT_FOUND, Code::NoSuchOutport, message).place("/out")
         }
-        ConnectError::Type { .. } => RpcError::conflict("type_mismatch", message).place("/out"),
+        ConnectError::Type { .. } => RpcError::conflict(Code::TypeMismatch, message).place("/out"),
         ConnectError::Backend(_) => RpcError::bad_input(message).place("/backend"),
         ConnectError::Failed(_) => {
-            RpcError::new(StatusCode::BAD_GATEWAY, "middleware_failed", message)
+            RpcError::new(StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, message)
         }
     };
     match error.help() {

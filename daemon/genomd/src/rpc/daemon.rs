@@ -5,31 +5,9 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use serde::Serialize;
-use utoipa::ToSchema;
+use genom_protocol::{About, Stopping, routes};
 
 use crate::daemon::Daemon;
-
-/// What this daemon is.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct About {
-    /// Its version.
-    genomd: &'static str,
-    /// Its process.
-    pid: u32,
-    /// Its default middleware.
-    backend: String,
-    /// TCP address it listens on as well.
-    listen: Option<String>,
-    /// Where its interface is described.
-    openapi: &'static str,
-}
-
-/// A daemon that was asked to stop.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Stopping {
-    stopping: bool,
-}
 
 /// Tell what this daemon is.
 #[utoipa::path(
@@ -41,11 +19,11 @@ pub(crate) struct Stopping {
 )]
 pub(crate) async fn about(State(daemon): State<Arc<Daemon>>) -> Json<About> {
     Json(About {
-        genomd: env!("CARGO_PKG_VERSION"),
+        genomd: env!("CARGO_PKG_VERSION").to_owned(),
         pid: std::process::id(),
         backend: daemon.settings.backend.clone(),
         listen: daemon.rpc.listen.map(|address| address.to_string()),
-        openapi: "/openapi.json",
+        openapi: routes::document().path,
     })
 }
 

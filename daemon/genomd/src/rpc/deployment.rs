@@ -1,15 +1,14 @@
 //! The whole wiring as one document: dump, plan, apply.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::{Extension, Json};
-use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment};
+use serde_json::{Map, Value};
 
 use crate::config::{Config, ConfigError, Deployment, Right, Spot};
 use crate::daemon::Daemon;
@@ -26,64 +25,6 @@ const PATIENCE: f64 = 10.0;
 /// The longest it may be told to wait.
 const LONGEST: Duration = Duration::from_secs(86_400);
 
-/// A deployment to apply.
-#[derive(Debug, Deserialize, ToSchema)]
-#[serde(deny_unknown_fields)]
-#[schema(as = DeploymentWanted)]
-pub(crate) struct Wanted {
-    /// The file's text.
-    text: String,
-    /// The file's name, for messages and for relative paths in it.
-    #[schema(value_type = String)]
-    file: PathBuf,
-    /// Which daemon of the file this is; by default the name the daemon was started with.
-    #[serde(default)]
-    daemon: Option<String>,
-    /// Take away components and connections that the file does not have.
-    #[serde(default)]
-    prune: bool,
-    /// Only tell what would be done.
-    #[serde(default)]
-    dry_run: bool,
-    /// Seconds each connection may wait for its other side.
-    #[serde(default)]
-    #[schema(minimum = 0, maximum = 86400)]
-    timeout: Option<f64>,
-}
-
-/// What runs, as a deployment.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Dumped {
-    /// The deployment.
-    #[schema(value_type = Object)]
-    deployment: Running,
-    /// The same as the text of a file.
-    text: String,
-}
-
-/// What runs, and the options of the middlewares under it.
-#[derive(Debug, Serialize)]
-struct Running {
-    /// The default middleware.
-    backend: String,
-    /// Options of middlewares, for those who may know: keys and passwords may stand there.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    backends: BTreeMap<String, toml::Table>,
-    #[serde(flatten)]
-    runs: Deployment,
-}
-
-/// What was done, or would be.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Applied {
-    /// The steps, in order.
-    steps: Vec<String>,
-    /// Whether they were taken.
-    applied: bool,
-    /// Components and connections that the file does not have, and that are there still.
-    beside: Vec<String>,
-}
-
 /// Tell what runs, as a deployment file.
 ///
 /// Options of middlewares are in it for those who have the right `admin`.
@@ -99,11 +40,11 @@ pub(crate) async fn dump(
     Extension(holder): Extension<Holder>,
 ) -> Result<Json<Dumped>, RpcError> {
     let backends = match holder.may(Right::Admin, "") {
-        Ok(()) => daemon.settings.backends.clone(),
+        Ok(()) => options(&daemon.settings.backends)?,
         Err(_) => BTreeMap::new(),
     };
     let (backend, runs) = (daemon.settings.backend.clone(), deploy::dump::dump(&daemon));
-    let deployment = Running { backend, backends, runs };
+    let deployment = RunningDeployment { backend, backends, runs };
     let text =
         toml::to_string(&deployment).map_err(|error| RpcError::internal(error.to_string()))?;
     Ok(Json(Dumped { deployment, text }))
@@ -115,12 +56,12 @@ pub(crate) async fn dump(
     path = "/deployment",
     tag = "deployment",
     security(("token" = ["admin"])),
-    request_body = Wanted,
+    request_body = DeploymentRequest,
     responses((status = 200, body = Applied), (status = 409), (status = 422))
 )]
 pub(crate) async fn apply(
     State(daemon): State<Arc<Daemon>>,
-    Body(wanted): Body<Wanted>,
+    Body(wanted): Body<DeploymentRequest>,
 ) -> Result<(StatusCode, Json<Applied>), RpcError> {
     let seconds = wanted.timeout.unwrap_or(PATIENCE);
     let patience = Duration::try_from_secs_f64(seconds).ok().filter(|time| *time <= LONGEST);
@@ -155,7 +96,15 @@ pub(crate) async fn apply(
     }
 }
 
-fn read(daemon: &Daemon, wanted: &Wanted) -> Result<Deployment, RpcError> {
+/// Options of middlewares, which are TOML where they come from.
+fn options(
+    of: &BTreeMap<String, toml::Table>,
+) -> Result<BTreeMap<String, Map<String, Value>>, RpcError> {
+    let told = serde_json::to_value(of).and_then(serde_json::from_value);
+    told.map_err(|error| RpcError::internal(error.to_string()))
+}
+
+fn read(daemon: &Daemon, wanted: &DeploymentRequest) -> Result<Deployment, RpcError> {
     let mistake = |error: ConfigError| RpcError::bad_input(error.to_string()).place("/text");
     let mut config = Config::parse(&wanted.file, &wanted.text).map_err(mistake)?;
     config.check(&wanted.file, &wanted.text).map_err(mistake)?;
@@ -174,20 +123,21 @@ fn read(daemon: &Daemon, wanted: &Wanted) -> Result<Deployment, RpcError> {
     Ok(deployment)
 }
 
-fn impossible(error: &PlanError, wanted: &Wanted) -> RpcError {
-    RpcError::conflict("no_plan", told(&error.place(), wanted, error)).help("nothing was changed")
+fn impossible(error: &PlanError, wanted: &DeploymentRequest) -> RpcError {
+    RpcError::conflict(Code::NoPlan, told(&error.place(), wanted, error))
+        .help("nothing was changed")
 }
 
 /// The message, with file, line and key before it when they are known.
-fn told(place: &Spot, wanted: &Wanted, error: &impl std::fmt::Display) -> String {
+fn told(place: &Spot, wanted: &DeploymentRequest, error: &impl std::fmt::Display) -> String {
     match place.told(&wanted.file, &wanted.text) {
         Some(place) => format!("{place}: {error}"),
         None => error.to_string(),
     }
 }
 
-fn failed(error: &ApplyError, wanted: &Wanted) -> RpcError {
-    let code = if error.timeout { "timeout" } else { "not_applied" };
+fn failed(error: &ApplyError, wanted: &DeploymentRequest) -> RpcError {
+    let code = if error.timeout { Code::Timeout } else { Code::NotApplied };
     let help = if error.left.is_empty() { "everything is as it was before" } else { "see above" };
     RpcError::conflict(code, told(&error.place, wanted, error)).help(help)
 }

@@ -14,7 +14,6 @@ use utoipa::openapi::{ContentBuilder, OpenApi, Ref, RefOr, ResponseBuilder, Tag}
 
 use crate::config::Right;
 use crate::rpc::access::Asked;
-use crate::rpc::error::Refusal;
 
 /// What every operation may answer, whatever it does: the doors before the handlers.
 const EVERYWHERE: [StatusCode; 5] = [
@@ -65,14 +64,10 @@ pub(crate) async fn page() -> Html<&'static str> {
     Html(include_str!("docs.html"))
 }
 
-/// Shapes that no operation names itself.
-#[derive(utoipa::OpenApi)]
-#[openapi(components(schemas(Refusal)))]
-struct Shared;
-
-/// What the operations are added to.
+/// What the operations are added to: the shapes of all that they say, and of what streams and
+/// recordings say, which no operation refers to.
 pub(super) fn begun() -> OpenApi {
-    <Shared as utoipa::OpenApi>::openapi()
+    <genom_protocol::openapi::Protocol as utoipa::OpenApi>::openapi()
 }
 
 /// Adds what holds for all operations.
@@ -143,7 +138,7 @@ pub(super) fn rights(document: &OpenApi) -> Asked {
             let stated = serde_json::to_value(&operation.security).unwrap_or_default();
             // What states nothing is for administrators, not for everybody.
             let right = match stated.pointer("/0/token/0").and_then(|right| right.as_str()) {
-                Some(right) => Some(Right::named(right).unwrap_or(Right::Admin)),
+                Some(right) => Some(right.parse().unwrap_or(Right::Admin)),
                 None if stated.pointer("/0").is_some() => None,
                 None => Some(Right::Admin),
             };

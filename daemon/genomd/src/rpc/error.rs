@@ -3,11 +3,9 @@
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
+use genom_protocol::nearest::suggest;
+use genom_protocol::{Code, Reason, Refusal};
 use genom_runtime::HeldUp;
-use serde::Serialize;
-use utoipa::ToSchema;
-
-use crate::nearest::suggest;
 
 /// Why a request was refused. Nothing was changed.
 #[derive(Clone, Debug)]
@@ -16,36 +14,14 @@ pub(crate) struct RpcError {
     reason: Reason,
 }
 
-/// The body of every refusal.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Refusal {
-    error: Reason,
-}
-
-/// Why a request was refused.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-pub(crate) struct Reason {
-    /// Stable name of the reason.
-    code: &'static str,
-    /// One sentence.
-    message: String,
-    /// Place in the request: a JSON pointer into the body, or a parameter.
-    #[serde(rename = "where", skip_serializing_if = "Option::is_none")]
-    place: Option<String>,
-    /// The way out.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    help: Option<String>,
-}
-
 impl RpcError {
-    pub(crate) fn new(status: StatusCode, code: &'static str, message: impl Into<String>) -> Self {
-        let reason = Reason { code, message: message.into(), place: None, help: None };
-        Self { status, reason }
+    pub(crate) fn new(status: StatusCode, code: Code, message: impl Into<String>) -> Self {
+        Self { status, reason: Reason::new(code, message) }
     }
 
     /// 404 for a name among others; suggests the nearest.
     pub(crate) fn unknown<'a>(
-        code: &'static str,
+        code: Code,
         what: impl std::fmt::Display,
         typed: &str,
         candidates: impl IntoIterator<Item = &'a str>,
@@ -56,18 +32,18 @@ impl RpcError {
 
     /// 422 for an input of the wrong shape.
     pub(crate) fn bad_input(message: impl Into<String>) -> Self {
-        Self::new(StatusCode::UNPROCESSABLE_ENTITY, "bad_input", message)
+        Self::new(StatusCode::UNPROCESSABLE_ENTITY, Code::BadInput, message)
     }
 
     /// 409 for what cannot be done now.
-    pub(crate) fn conflict(code: &'static str, message: impl Into<String>) -> Self {
+    pub(crate) fn conflict(code: Code, message: impl Into<String>) -> Self {
         Self::new(StatusCode::CONFLICT, code, message)
     }
 
     /// 503: a codel of a component does not return, so that what was asked cannot be done.
     pub(crate) fn held_up(error: &HeldUp) -> Self {
         let name = &error.instance;
-        Self::new(StatusCode::SERVICE_UNAVAILABLE, "held_up", error.to_string()).help(format!(
+        Self::new(StatusCode::SERVICE_UNAVAILABLE, Code::HeldUp, error.to_string()).help(format!(
             "nothing was done; when it returns, ask again; `genomctl unload {name}` stops the rest \
              of the component and frees its name"
         ))
@@ -76,13 +52,13 @@ impl RpcError {
     /// 413: more than the daemon is ready to read.
     pub(crate) fn too_large() -> Self {
         let message = "the request's body is too large";
-        Self::new(StatusCode::PAYLOAD_TOO_LARGE, "too_large", message)
+        Self::new(StatusCode::PAYLOAD_TOO_LARGE, Code::TooLarge, message)
             .help("rpc.max_body of the daemon's configuration is the limit")
     }
 
     /// 500: the daemon itself failed.
     pub(crate) fn internal(message: impl Into<String>) -> Self {
-        Self::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", message)
+        Self::new(StatusCode::INTERNAL_SERVER_ERROR, Code::Internal, message)
     }
 
     /// The HTTP status.

@@ -7,39 +7,22 @@ use axum::extract::{Path, State};
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
 use axum::{Extension, Json};
-use serde::{Deserialize, Serialize};
+use genom_protocol::nearest::suggest;
+use genom_protocol::{ChangeParameters, Code, Fired};
 use serde_json::json;
 use strum::VariantNames as _;
 use tokio_stream::Stream;
-use utoipa::{IntoParams, ToSchema};
 
 use crate::bus::{Change, Heard};
 use crate::daemon::Daemon;
-use crate::nearest::suggest;
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::input::Parameters;
 use crate::rpc::stream;
 
-/// `?only=KIND,KIND`
-#[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct StreamParameters {
-    /// Changes of these kinds only, as `connected,disconnected`; that the daemon stops, and that
-    /// changes were missed, is told all the same.
-    only: Option<String>,
-}
-
 /// Which changes a listener wants to hear.
 struct Wanted(Option<Vec<String>>);
-
-/// An event was fired.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Fired {
-    fired: bool,
-}
 
 /// Fire an external event of a component.
 #[utoipa::path(
@@ -58,7 +41,7 @@ pub(crate) async fn fire(
     let Some(index) = sinks.iter().position(|sink| sink.name == event) else {
         let what = format!("{component} has no event");
         let names = sinks.iter().map(|sink| sink.name.as_str());
-        return Err(RpcError::unknown("no_such_event", what, &event, names));
+        return Err(RpcError::unknown(Code::NoSuchEvent, what, &event, names));
     };
     hosted.fire(index);
     daemon.bus.tell(&Change::EventFired { component, name: event });
@@ -76,7 +59,7 @@ pub(crate) async fn fire(
     tag = "events",
     security(("token" = ["read"])),
     params(
-        StreamParameters,
+        ChangeParameters,
         ("Last-Event-ID" = Option<u64>, Header, description = "Number of the last event heard")
     ),
     responses(
@@ -88,7 +71,7 @@ pub(crate) async fn stream(
     State(daemon): State<Arc<Daemon>>,
     Extension(holder): Extension<Holder>,
     headers: HeaderMap,
-    Parameters(parameters): Parameters<StreamParameters>,
+    Parameters(parameters): Parameters<ChangeParameters>,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
     let wanted = Wanted::parse(parameters.only.as_deref())?;
     let after = stream::last_heard(&headers);

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use axum::http::StatusCode;
+use genom_protocol::Code;
 
 use crate::config::Right;
 use crate::rpc::error::RpcError;
@@ -38,7 +39,7 @@ impl Holder {
         let held: Vec<_> = self.rights.iter().map(Right::to_string).collect();
         let held = if held.is_empty() { "no right".to_owned() } else { held.join(", ") };
         let message = format!("{what} needs the right `{right}`; {} has {held}", self.who);
-        Err(RpcError::new(StatusCode::FORBIDDEN, "right_missing", message)
+        Err(RpcError::new(StatusCode::FORBIDDEN, Code::RightMissing, message)
             .help("use another token, or add the right in the daemon's token file"))
     }
 }

@@ -9,10 +9,11 @@ use axum::http::StatusCode;
 use axum::http::request::Parts;
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
+use genom_protocol::Code;
+use genom_protocol::nearest::nearest_key;
 use serde::de::DeserializeOwned;
 use tokio::time::timeout;
 
-use crate::nearest::nearest;
 use crate::rpc::error::RpcError;
 
 /// A peer that has not sent its body by then is given up.
@@ -52,7 +53,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Parameters<T> 
     async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Self, RpcError> {
         Query::from_request_parts(parts, state).await.map(|Query(found)| Self(found)).map_err(
             |rejection: QueryRejection| {
-                RpcError::new(StatusCode::BAD_REQUEST, "bad_query", rejection.body_text())
+                RpcError::new(StatusCode::BAD_REQUEST, Code::BadQuery, rejection.body_text())
             },
         )
     }
@@ -73,32 +74,26 @@ pub(super) async fn read_whole(request: Request, next: Next) -> Response {
 
 fn too_slow() -> RpcError {
     let message = format!("the request's body did not come within {SLOWEST_WRITER:?}");
-    RpcError::new(StatusCode::REQUEST_TIMEOUT, "too_slow", message)
+    RpcError::new(StatusCode::REQUEST_TIMEOUT, Code::TooSlow, message)
 }
 
 fn unreadable(rejection: BytesRejection) -> RpcError {
     match rejection.status() {
         StatusCode::PAYLOAD_TOO_LARGE => RpcError::too_large(),
-        _ => RpcError::new(StatusCode::BAD_REQUEST, "unreadable", rejection.body_text()),
+        _ => RpcError::new(StatusCode::BAD_REQUEST, Code::Unreadable, rejection.body_text()),
     }
 }
 
 /// 400 for text that is no JSON, 422 for JSON of another shape.
 fn misshapen(error: &serde_json::Error) -> RpcError {
     if !error.is_data() {
-        return RpcError::new(StatusCode::BAD_REQUEST, "malformed", error.to_string());
+        return RpcError::new(StatusCode::BAD_REQUEST, Code::Malformed, error.to_string());
     }
     let message = error.to_string();
-    // Serde says: unknown field `x`, expected one of `a`, `b` at line 1 column 2.
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let near = message
-        .starts_with("unknown field")
-        .then(|| quoted.next().and_then(|unknown| nearest(unknown, quoted)))
-        .flatten()
-        .map(|near| format!("did you mean `{near}`?"));
-    let refused = RpcError::bad_input(message.clone());
+    let near = nearest_key(&message);
+    let refused = RpcError::bad_input(message);
     match near {
-        Some(help) => refused.help(help),
+        Some(near) => refused.help(format!("did you mean `{near}`?")),
         None => refused,
     }
 }

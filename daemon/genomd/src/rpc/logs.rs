@@ -7,58 +7,41 @@ use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
 use axum::{Extension, Json};
-use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use genom_protocol::nearest::suggest;
+use genom_protocol::{Level, LogEntry, LogParameters, Logs};
+use serde::Deserialize as _;
+use serde_json::{Value, json};
+use strum::VariantNames as _;
 use tokio_stream::Stream;
-use utoipa::{IntoParams, ToSchema};
 
 use crate::bus::{Heard, Numbered};
 use crate::daemon::Daemon;
 use crate::logs;
-use crate::nearest::suggest;
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::input::Parameters;
 use crate::rpc::stream;
 
-/// From the gravest on.
-const LEVELS: [&str; 5] = ["error", "warn", "info", "debug", "trace"];
-
-/// `?level=LEVEL&component=NAME&last=COUNT`
-#[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct LogParameters {
-    /// This level and graver ones.
-    #[param(pattern = "^(error|warn|info|debug|trace)$")]
-    level: Option<String>,
-    /// What is about this component.
-    component: Option<String>,
-    /// At most so many entries, the latest; in a stream, so many before it starts.
-    last: Option<usize>,
-}
-
 /// Which entries are wanted.
 struct Wanted {
-    rank: usize,
+    level: Level,
     component: Option<String>,
 }
 
 impl Wanted {
     fn new(level: Option<&str>, component: Option<String>) -> Result<Self, RpcError> {
         let level = level.unwrap_or("trace");
-        let rank = LEVELS.iter().position(|known| *known == level).ok_or_else(|| {
+        let level = level.parse().map_err(|_| {
             RpcError::bad_input(format!("level: there is no level `{level}`"))
                 .place("level")
-                .help(suggest(level, LEVELS))
+                .help(suggest(level, Level::VARIANTS.iter().copied()))
         })?;
-        Ok(Self { rank, component })
+        Ok(Self { level, component })
     }
 
     fn has(&self, entry: &Numbered) -> bool {
-        let level = entry.data["level"].as_str().unwrap_or_default();
-        LEVELS.iter().position(|known| *known == level).is_some_and(|rank| rank <= self.rank)
+        Level::deserialize(&entry.data["level"]).is_ok_and(|level| level <= self.level)
             && self.component.as_deref().is_none_or(|name| entry.data["component"] == name)
     }
 }
@@ -68,14 +51,6 @@ fn latest(all: Vec<Numbered>, wanted: &Wanted, last: Option<usize>) -> Vec<Numbe
     let mut found: Vec<_> = all.into_iter().filter(|entry| wanted.has(entry)).collect();
     found.drain(..found.len().saturating_sub(last.unwrap_or(usize::MAX)));
     found
-}
-
-/// What was logged.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Logs {
-    /// Entries, oldest first: `level`, `component`, `message` and more.
-    #[schema(value_type = Vec<Object>)]
-    logs: Vec<Value>,
 }
 
 /// Tell what the daemon logged lately.
@@ -101,8 +76,8 @@ pub(crate) async fn list(
         components::find(&daemon, name)?;
     }
     let entries = latest(all, &wanted, last);
-    let logs = entries.iter().map(|entry| Value::clone(&entry.data)).collect();
-    Ok(Json(Logs { logs }))
+    let logs = entries.iter().filter_map(|entry| LogEntry::deserialize(&*entry.data).ok());
+    Ok(Json(Logs { logs: logs.collect() }))
 }
 
 /// Follow what the daemon logs, from the last `last` entries on, or since `Last-Event-ID`.
@@ -152,7 +127,7 @@ pub(crate) async fn stream(
                 None => return,
                 Some(Heard::Told(entry)) if !wanted.has(&entry) => continue,
                 Some(Heard::Told(entry)) => event(entry.id, &entry.data),
-                Some(Heard::Missed { count, last }) => event(last, &logs::missed(count)),
+                Some(Heard::Missed { count, last }) => event(last, &json!(logs::missed(count))),
             };
             if !writer.send(event).await {
                 return;

@@ -11,6 +11,7 @@ pub(crate) mod access;
 mod activities;
 mod backends;
 mod clock;
+mod codels;
 mod components;
 mod connections;
 mod daemon;
@@ -50,6 +51,7 @@ use axum::http::{HeaderMap, Method, StatusCode, Uri, header};
 use axum::middleware::{Next, from_fn, from_fn_with_state};
 use axum::response::{IntoResponse as _, Response};
 use axum::{Extension, Router};
+use genom_protocol::Code;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -125,13 +127,13 @@ pub(crate) fn router(daemon: Arc<Daemon>, tokens: &Arc<Tokens>, door: Door) -> R
 }
 
 async fn no_such_path(uri: Uri) -> RpcError {
-    RpcError::new(StatusCode::NOT_FOUND, "no_such_path", format!("no resource `{}`", uri.path()))
+    RpcError::new(StatusCode::NOT_FOUND, Code::NoSuchPath, format!("no resource `{}`", uri.path()))
         .help("GET / lists them")
 }
 
 async fn no_such_method(method: Method, uri: Uri) -> RpcError {
     let message = format!("`{}` takes no {method}", uri.path());
-    RpcError::new(StatusCode::METHOD_NOT_ALLOWED, "no_such_method", message)
+    RpcError::new(StatusCode::METHOD_NOT_ALLOWED, Code::NoSuchMethod, message)
 }
 
 /// A page of some web site must not drive a robot through its visitor's loopback; our own page
@@ -139,7 +141,7 @@ async fn no_such_method(method: Method, uri: Uri) -> RpcError {
 async fn refuse_browsers(State(guarded): State<bool>, request: Request, next: Next) -> Response {
     if request.headers().contains_key(header::ORIGIN) && !(guarded && own_page(request.headers())) {
         let message = "requests from web pages are not served";
-        return RpcError::new(StatusCode::FORBIDDEN, "origin", message).into_response();
+        return RpcError::new(StatusCode::FORBIDDEN, Code::Origin, message).into_response();
     }
     next.run(request).await
 }

@@ -5,93 +5,21 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_description::model;
 use genom_middleware::OpenError;
+use genom_protocol::{
+    Code, Port, PortDirection, PortParameters, PortTraffic, PortType, Ports, Published,
+    ValueParameters,
+};
 use genom_types::Record;
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use utoipa::{IntoParams, ToSchema};
 
-use crate::config::BackendNames;
 use crate::daemon::Daemon;
 use crate::hosting::{self, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{Body, Parameters};
-use crate::wires::gauge::{Counts, Traffic};
 use crate::wiring::feed::{self, FeedError};
-
-/// `?element=ID`
-#[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct ValueParameters {
-    /// Element of a multiple port.
-    element: Option<String>,
-}
-
-/// `?values=BOOLEAN`
-#[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct ListParameters {
-    /// Whether to tell last values, which may be large; as usual.
-    values: Option<bool>,
-}
-
-/// Ports, and elements of multiple ones.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Ports {
-    ports: Vec<Port>,
-}
-
-/// A port, or an element of a multiple one.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Port {
-    /// `COMPONENT/PORT` or `COMPONENT/PORT/ELEMENT`.
-    address: String,
-    /// Its name in the description.
-    name: String,
-    /// `in` or `out`.
-    direction: &'static str,
-    multiple: bool,
-    /// Name of its type.
-    #[serde(rename = "type")]
-    ty: String,
-    /// Digest of its type: ports of one digest can be connected.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    digest: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    doc: Option<String>,
-    /// The out port that feeds it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    connected: Option<String>,
-    /// Its middlewares.
-    backend: BackendNames,
-    /// What passed through it.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    traffic: Option<Counts>,
-    /// Its last value, if it ever had one.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    value: Option<Value>,
-}
-
-/// Counts of a port.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct PortTraffic {
-    #[serde(flatten)]
-    traffic: Traffic,
-    /// The port.
-    address: String,
-}
-
-/// A value was published.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Published {
-    /// The in port.
-    address: String,
-    /// The whole value.
-    value: Value,
-}
 
 /// List the ports of all components.
 #[utoipa::path(
@@ -99,12 +27,12 @@ pub(crate) struct Published {
     path = "/ports",
     tag = "ports",
     security(("token" = ["read"])),
-    params(ListParameters),
+    params(PortParameters),
     responses((status = 200, body = Ports))
 )]
 pub(crate) async fn all(
     State(daemon): State<Arc<Daemon>>,
-    Parameters(parameters): Parameters<ListParameters>,
+    Parameters(parameters): Parameters<PortParameters>,
 ) -> Json<Ports> {
     let components = daemon.components.all();
     let described = |hosted: &Arc<Hosted>| described(hosted, &parameters);
@@ -117,13 +45,13 @@ pub(crate) async fn all(
     path = "/components/{component}/ports",
     tag = "ports",
     security(("token" = ["read"])),
-    params(ListParameters),
+    params(PortParameters),
     responses((status = 200, body = Ports), (status = 404))
 )]
 pub(crate) async fn of_component(
     State(daemon): State<Arc<Daemon>>,
     Path(component): Path<String>,
-    Parameters(parameters): Parameters<ListParameters>,
+    Parameters(parameters): Parameters<PortParameters>,
 ) -> Result<Json<Ports>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     Ok(Json(Ports { ports: described(&hosted, &parameters) }))
@@ -190,16 +118,16 @@ pub(crate) async fn publish(
 pub(super) fn not_published(error: &FeedError) -> RpcError {
     let message = error.to_string();
     match error {
-        FeedError::OutPort(_) => RpcError::conflict("out_port", message),
-        FeedError::Connected { inport, .. } => RpcError::conflict("connected", message)
+        FeedError::OutPort(_) => RpcError::conflict(Code::OutPort, message),
+        FeedError::Connected { inport, .. } => RpcError::conflict(Code::Connected, message)
             .help(format!("`genomctl disconnect {inport}` first, to feed it from here")),
         FeedError::HeldUp(error) => RpcError::held_up(error),
         FeedError::Value(error) => RpcError::bad_input(message).inside(&error.path),
         FeedError::Message(_) => RpcError::bad_input(message),
-        FeedError::Open(OpenError::Taken { .. }) => RpcError::conflict("taken", message)
+        FeedError::Open(OpenError::Taken { .. }) => RpcError::conflict(Code::Taken, message)
             .help("another program publishes there: stop it first"),
         FeedError::Backend(_) | FeedError::Open(_) | FeedError::Publish { .. } => {
-            RpcError::new(StatusCode::BAD_GATEWAY, "middleware_failed", message)
+            RpcError::new(StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, message)
         }
     }
 }
@@ -212,12 +140,12 @@ pub(super) fn not_published(error: &FeedError) -> RpcError {
     path = "/components/{component}/ports/{port}/type",
     tag = "ports",
     security(("token" = ["read"])),
-    responses((status = 200, body = Object), (status = 404))
+    responses((status = 200, body = PortType), (status = 404))
 )]
 pub(crate) async fn layout(
     State(daemon): State<Arc<Daemon>>,
     Path((component, port)): Path<(String, String)>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<PortType>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &port)?;
     match hosted.port_type(index) {
@@ -246,7 +174,7 @@ pub(crate) async fn traffic(
     let address = hosted.address(&port, element.as_deref());
     let Some(gauge) = hosted.wires.gauge(index, element.as_deref()) else {
         let message = format!("nothing passes through {address}: it is not connected");
-        return Err(RpcError::conflict("not_connected", message)
+        return Err(RpcError::conflict(Code::NotConnected, message)
             .help(format!("`genomctl connect {address} COMPONENT/PORT`")));
     };
     Ok(Json(PortTraffic { traffic: gauge.traffic(), address: address.to_string() }))
@@ -258,7 +186,7 @@ pub(super) fn find(hosted: &Hosted, port: &str) -> Result<usize, RpcError> {
     ports.iter().position(|found| found.name == port).ok_or_else(|| {
         let what = format!("{} has no port", hosted.name);
         let names = ports.iter().map(|port| port.name.as_str());
-        RpcError::unknown("no_such_port", what, port, names)
+        RpcError::unknown(Code::NoSuchPort, what, port, names)
     })
 }
 
@@ -290,7 +218,7 @@ pub(super) fn elements(hosted: &Hosted, port: usize) -> Vec<Option<String>> {
     }
 }
 
-fn described(hosted: &Hosted, parameters: &ListParameters) -> Vec<Port> {
+fn described(hosted: &Hosted, parameters: &PortParameters) -> Vec<Port> {
     let values = parameters.values.unwrap_or(true);
     let one = |index, element: Option<&str>| {
         let value = values.then(|| hosted.port_value(index, element)).flatten();
@@ -314,7 +242,7 @@ fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
     Port {
         address: hosted.address(&port.name, element).to_string(),
         name: port.name.clone(),
-        direction: port.direction.as_str(),
+        direction: direction(port.direction),
         multiple: port.multiple,
         ty: hosted.specification().types.spelling(port.ty),
         digest: hosted.port_type(index).map(|ty| ty.digest().to_owned()),
@@ -323,5 +251,12 @@ fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
         backend: hosted.wires.bindings.port(&port.name),
         traffic: hosted.wires.gauge(index, element).map(|gauge| gauge.counts()),
         value: None,
+    }
+}
+
+fn direction(of: model::PortDirection) -> PortDirection {
+    match of {
+        model::PortDirection::In => PortDirection::In,
+        model::PortDirection::Out => PortDirection::Out,
     }
 }

@@ -5,32 +5,11 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
+use genom_protocol::{Code, Ready, ReadyParameters};
 
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{self, Parameters};
-
-/// `?wait=SECONDS&deployed=true`
-#[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct ReadyParameters {
-    /// Answer when it is so, or after so many seconds.
-    #[param(minimum = 0)]
-    wait: Option<f64>,
-    /// Ready is it only with the connections, calls and activities of its configuration made.
-    deployed: Option<bool>,
-}
-
-/// The daemon is ready.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Ready {
-    ready: bool,
-    /// Whether connections, calls and activities of its configuration are made, too.
-    deployed: bool,
-}
 
 /// Tell whether the daemon has loaded what it was started with.
 ///
@@ -59,7 +38,7 @@ pub(crate) async fn ready(
         }
     }
     if daemon.stopping() {
-        return Err(unavailable("stopping", "the daemon stops".to_owned()));
+        return Err(unavailable(Code::Stopping, "the daemon stops".to_owned()));
     }
     if wanted.is_up() {
         return Ok(Json(Ready { ready: true, deployed: startup.deployed.is_up() }));
@@ -70,9 +49,9 @@ pub(crate) async fn ready(
         [now] => format!("{now} is being loaded"),
         [now, next @ ..] => format!("{now} is being loaded, then {}", next.join(", ")),
     };
-    Err(unavailable("not_ready", message).help("`genomctl wait-ready` waits until it is"))
+    Err(unavailable(Code::NotReady, message).help("`genomctl wait-ready` waits until it is"))
 }
 
-fn unavailable(code: &'static str, message: String) -> RpcError {
+fn unavailable(code: Code, message: String) -> RpcError {
     RpcError::new(StatusCode::SERVICE_UNAVAILABLE, code, message)
 }

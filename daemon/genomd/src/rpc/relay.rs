@@ -18,8 +18,7 @@ use axum::http::StatusCode;
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
 use genom_middleware::Middleware;
-use serde::Serialize;
-use utoipa::ToSchema;
+use genom_protocol::{Code, Daemons, VisibleDaemon};
 
 use crate::daemon::Daemon;
 use crate::registry;
@@ -29,22 +28,6 @@ pub(crate) use answering::announce;
 
 /// By this header clients of old asked for another daemon, with their token beside it.
 const OLD_HEADER: &str = "genomd-daemon";
-
-/// Daemons that are visible.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Daemons {
-    /// Name of this one, where it is visible.
-    own: Option<String>,
-    daemons: Vec<Visible>,
-}
-
-/// A daemon on a middleware.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Visible {
-    name: String,
-    /// The middleware.
-    backend: &'static str,
-}
 
 /// List the daemons that are visible on middlewares.
 ///
@@ -62,7 +45,8 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Daemons> {
     for (backend, open) in relays(&daemon) {
         match open.relay().map(|relay| relay.daemons()) {
             Some(Ok(names)) => {
-                daemons.extend(names.into_iter().map(|name| Visible { name, backend }));
+                let visible = |name| VisibleDaemon { name, backend: backend.to_owned() };
+                daemons.extend(names.into_iter().map(visible));
             }
             Some(Err(error)) => tracing::warn!("daemons on {backend}: {error}"),
             None => {}
@@ -84,7 +68,7 @@ pub(super) async fn refuse_old(request: Request, next: Next) -> Response {
     }
     let message = "requests to other daemons are not passed on with a token any more: it would go \
                    to whoever answers to the name";
-    RpcError::new(StatusCode::BAD_REQUEST, "old_client", message)
+    RpcError::new(StatusCode::BAD_REQUEST, Code::OldClient, message)
         .help("use the genomctl or the Python client of this version")
         .into_response()
 }

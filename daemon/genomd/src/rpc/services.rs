@@ -6,64 +6,25 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use axum::{Extension, Json};
 use genom_description_tools as tools;
-use serde::{Deserialize, Serialize};
+use genom_protocol::{CallParameters, CallReply, Code, Inputs, Outcome, Service, Started};
 use serde_json::Value;
-use utoipa::{IntoParams, ToSchema};
 
 use crate::config::Right;
 use crate::daemon::Daemon;
-use crate::ending::{Ending, Told};
-use crate::hosting::{Answer, Hosted, InputError, Look, Rest};
+use crate::ending::Ending;
+use crate::hosting::{Answer, Hosted, InputError, Rest};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::input::{Body, Parameters};
-
-/// `?wait=true&zero=true`
-#[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct CallParameters {
-    /// Answer only when the activity has ended.
-    #[serde(default)]
-    wait: bool,
-    /// What is left out takes its default, or zero; also of an attribute.
-    #[serde(default)]
-    zero: bool,
-}
 
 fn find(hosted: &Hosted, service: &str) -> Result<usize, RpcError> {
     let services = &hosted.model().services;
     services.iter().position(|found| found.name == service).ok_or_else(|| {
         let what = format!("{} has no service", hosted.name);
         let names = services.iter().map(|service| service.name.as_str());
-        RpcError::unknown("no_such_service", what, service, names)
+        RpcError::unknown(Code::NoSuchService, what, service, names)
     })
-}
-
-/// Answer to a call.
-#[derive(Debug, Serialize, ToSchema)]
-#[serde(untagged)]
-pub(crate) enum Reply {
-    /// An attribute or a function ended.
-    Ended(Told),
-    /// An activity ended, which was waited for.
-    Look(Look),
-    /// An activity runs.
-    Started(Started),
-}
-
-/// Inputs of a service by name; none at all is as good as `{}`.
-#[derive(ToSchema)]
-#[schema(value_type = Object)]
-#[allow(dead_code, reason = "only its shape is told")]
-pub(crate) struct Inputs(Value);
-
-/// An activity was accepted.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Started {
-    /// Its number.
-    activity: u64,
 }
 
 /// Describe a service: parameters, docs, defaults, codels, exceptions.
@@ -76,7 +37,7 @@ pub(crate) struct Started {
     path = "/components/{component}/services/{service}",
     tag = "services",
     security(("token" = ["read"])),
-    responses((status = 200, body = Object), (status = 404))
+    responses((status = 200, body = Service), (status = 404))
 )]
 pub(crate) async fn describe(
     State(daemon): State<Arc<Daemon>>,
@@ -123,7 +84,7 @@ pub(crate) async fn describe(
     params(CallParameters),
     request_body = Option<Inputs>,
     responses(
-        (status = 200, body = Told), (status = 202, body = Started), (status = 404),
+        (status = 200, body = Outcome), (status = 202, body = Started), (status = 404),
         (status = 409), (status = 422), (status = 429), (status = 503)
     )
 )]
@@ -133,7 +94,7 @@ pub(crate) async fn call(
     Path((component, service)): Path<(String, String)>,
     Parameters(parameters): Parameters<CallParameters>,
     Body(inputs): Body<Value>,
-) -> Result<(StatusCode, Json<Reply>), RpcError> {
+) -> Result<(StatusCode, Json<CallReply>), RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &service)?;
     // Some services that every component has do what other resources ask more for.
@@ -158,19 +119,21 @@ pub(crate) async fn call(
     let answer = hosted.request(index, asked).await;
     match answer {
         Answer::Ended(ending) => refusal(&hosted, &service, &ending)
-            .map_or_else(|| Ok((StatusCode::OK, Json(Reply::Ended(ending.told())))), Err),
+            .map_or_else(|| Ok((StatusCode::OK, Json(CallReply::Ended(ending.told())))), Err),
         Answer::Accepted(activity) if parameters.wait => {
             activity.ended().await;
-            Ok((StatusCode::OK, Json(Reply::Look(activity.look(None)))))
+            Ok((StatusCode::OK, Json(CallReply::Activity(activity.look(None)))))
         }
-        Answer::Accepted(activity) => {
-            Ok((StatusCode::ACCEPTED, Json(Reply::Started(Started { activity: activity.number }))))
-        }
+        Answer::Accepted(activity) => Ok((
+            StatusCode::ACCEPTED,
+            Json(CallReply::Started(Started { activity: activity.number })),
+        )),
         Answer::Refused(error) => Err(refused(error)),
         Answer::HeldUp(error) => Err(RpcError::held_up(&error)),
-        Answer::Gone => {
-            Err(RpcError::conflict("stopping", format!("{component} stops: nothing was started")))
-        }
+        Answer::Gone => Err(RpcError::conflict(
+            Code::Stopping,
+            format!("{component} stops: nothing was started"),
+        )),
     }
 }
 
@@ -179,13 +142,13 @@ fn refusal(hosted: &Hosted, service: &str, ending: &Ending) -> Option<RpcError> 
     let name = format!("{}/{service}", hosted.name);
     match ending.exception()? {
         "::genom::disallowed" => Some(
-            RpcError::conflict("disallowed", format!("{name} is not allowed now"))
+            RpcError::conflict(Code::Disallowed, format!("{name} is not allowed now"))
                 .help(order(hosted, service)),
         ),
         "::genom::too_many_activities" => Some(
             RpcError::new(
                 StatusCode::TOO_MANY_REQUESTS,
-                "too_many_activities",
+                Code::TooManyActivities,
                 format!("no room for one more activity in the task of {name}"),
             )
             .help(format!(

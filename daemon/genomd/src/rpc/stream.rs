@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{Event, KeepAlive, Sse};
+use genom_protocol::Code;
 use tokio::sync::mpsc;
 use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
@@ -63,7 +64,7 @@ pub(super) fn slot(daemon: &Daemon, holder: &Holder) -> Result<Slot, RpcError> {
         };
         let message = format!("{} streams are open already", told(full));
         let message = message.replace(" of this token streams", " streams of this token");
-        RpcError::new(StatusCode::SERVICE_UNAVAILABLE, "too_many_streams", message)
+        RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::TooManyStreams, message)
             .help(format!("close one, or raise {key} in the daemon's configuration"))
     })
 }

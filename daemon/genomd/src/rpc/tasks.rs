@@ -1,34 +1,16 @@
-//! Tasks: their statistics.
+//! Tasks and codels: their statistics.
 
 use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::{Path, State};
-use serde_json::Value;
-
-use utoipa::ToSchema;
+use genom_protocol::{CodelStatistics, Durations, Statistics, TaskStatistics};
+use genom_runtime as runtime;
 
 use crate::daemon::Daemon;
+use crate::rpc::codels::{running, unpaused};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
-
-/// Shape of `genom_runtime::Statistics`, which knows nothing of this interface.
-#[derive(ToSchema)]
-#[schema(as = Statistics)]
-#[allow(dead_code, reason = "only its shape is told")]
-pub(crate) struct Figures {
-    /// Each task: `name`, `period_ns`, `real_time`, `cycles` and `lateness` (durations),
-    /// `overruns`, and while it is stuck `stuck`: `codel`, `owner`, `for_ns`; or while it is at work
-    /// for long without pause `unpaused`: `codel`, `owner`, `for_ns`, `steps`. A cycle counts while it
-    /// lasts.
-    #[schema(value_type = Vec<Object>)]
-    tasks: (),
-    /// Each codel that ran: `name`, `owner`, `durations`, `wcet_ns`, `above_wcet`.
-    #[schema(value_type = Vec<Object>)]
-    codels: (),
-    /// Changes that watchers missed because they came too fast.
-    lost_changes: u64,
-}
 
 /// Tell the statistics of a component's tasks and codels.
 ///
@@ -38,12 +20,45 @@ pub(crate) struct Figures {
     path = "/components/{component}/tasks",
     tag = "statistics",
     security(("token" = ["read"])),
-    responses((status = 200, body = Figures), (status = 404))
+    responses((status = 200, body = Statistics), (status = 404))
 )]
 pub(crate) async fn statistics(
     State(daemon): State<Arc<Daemon>>,
     Path(component): Path<String>,
-) -> Result<Json<Value>, RpcError> {
+) -> Result<Json<Statistics>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    Ok(Json(hosted.statistics()))
+    let figures = hosted.figures();
+    Ok(Json(Statistics {
+        tasks: figures.tasks.into_iter().map(task).collect(),
+        codels: figures.codels.into_iter().map(codel).collect(),
+        lost_changes: figures.lost_changes,
+    }))
+}
+
+fn task(of: runtime::TaskStatistics) -> TaskStatistics {
+    TaskStatistics {
+        name: of.name,
+        period_ns: of.period_ns,
+        real_time: of.real_time,
+        cycles: durations(of.cycles),
+        lateness: durations(of.lateness),
+        overruns: of.overruns,
+        stuck: of.stuck.as_ref().map(running),
+        unpaused: of.unpaused.as_ref().map(unpaused),
+    }
+}
+
+fn codel(of: runtime::CodelStatistics) -> CodelStatistics {
+    CodelStatistics {
+        name: of.name,
+        owner: of.owner,
+        durations: durations(of.durations),
+        wcet_ns: of.wcet_ns,
+        above_wcet: of.above_wcet,
+    }
+}
+
+fn durations(of: runtime::Durations) -> Durations {
+    let runtime::Durations { count, last_ns, mean_ns, p50_ns, p99_ns, max_ns } = of;
+    Durations { count, last_ns, mean_ns, p50_ns, p99_ns, max_ns }
 }

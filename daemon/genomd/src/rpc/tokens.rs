@@ -1,30 +1,20 @@
 //! The token file: who may come in by other doors than the Unix socket, and what for.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
 use axum::{Extension, Json};
 use genom_proof::{Bytes, HINT, NONCE};
-use serde::{Deserialize, Serialize};
+use genom_protocol::{Code, Reloaded, TokenEntry, TokenFile};
 use subtle::{Choice, ConstantTimeEq as _};
-use utoipa::ToSchema;
 
-use crate::config::Right;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::private;
 
 /// A shorter token could be guessed.
 const SHORTEST: usize = 32;
-
-/// What the token file holds now.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Reloaded {
-    /// How many tokens are known.
-    tokens: usize,
-}
 
 /// Read the token file again.
 ///
@@ -41,7 +31,7 @@ pub(crate) async fn reload(
     Extension(tokens): Extension<Arc<Tokens>>,
 ) -> Result<Json<Reloaded>, RpcError> {
     let tokens = tokens.read_again().map_err(|error| {
-        RpcError::conflict("token_file", error.to_string())
+        RpcError::conflict(Code::TokenFile, error.to_string())
             .help("nothing was changed: the tokens are those of before")
     })?;
     Ok(Json(Reloaded { tokens }))
@@ -59,7 +49,7 @@ pub(crate) struct Tokens {
 /// A token, and what is made of it to be proved with.
 #[derive(Debug)]
 struct Entry {
-    token: Token,
+    token: TokenEntry,
     key: genom_proof::Token,
 }
 
@@ -68,29 +58,6 @@ struct Entry {
 pub(crate) struct Known {
     pub(crate) key: genom_proof::Token,
     pub(crate) holder: Holder,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TokenFile {
-    #[serde(default)]
-    token: Vec<Token>,
-}
-
-/// One token; shown and logged by its name only.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Token {
-    /// Whose it is.
-    name: String,
-    token: String,
-    rights: Vec<Right>,
-}
-
-impl fmt::Debug for Token {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {:?}", self.name, self.rights)
-    }
 }
 
 /// A token file cannot be used.
@@ -151,7 +118,7 @@ impl Tokens {
                 found = Some(entry);
             }
         }
-        found.map(|entry| entry.token.holder())
+        found.map(|entry| holder(&entry.token))
     }
 
     /// The token that gives this hint.
@@ -169,7 +136,7 @@ impl Tokens {
     fn find(&self, wanted: impl Fn(&genom_proof::Token) -> bool) -> Option<Known> {
         let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
         let entry = known.iter().find(|entry| wanted(&entry.key))?;
-        Some(Known { key: entry.key.clone(), holder: entry.token.holder() })
+        Some(Known { key: entry.key.clone(), holder: holder(&entry.token) })
     }
 
     /// One token, for tests.
@@ -182,10 +149,8 @@ impl Tokens {
     }
 }
 
-impl Token {
-    fn holder(&self) -> Holder {
-        Holder::of(format!("token {}", self.name), self.rights.clone())
-    }
+fn holder(of: &TokenEntry) -> Holder {
+    Holder::of(format!("token {}", of.name), of.rights.clone())
 }
 
 fn entries(path: &Path) -> Result<Vec<Entry>, TokenError> {
@@ -214,13 +179,14 @@ fn parse(path: &Path, text: &str) -> Result<Vec<Entry>, TokenError> {
             return Err(mistake(line + 1, message));
         }
     }
-    let entry = |token: Token| Entry { key: genom_proof::Token::new(&token.token), token };
+    let entry = |token: TokenEntry| Entry { key: genom_proof::Token::new(&token.token), token };
     Ok(file.token.into_iter().map(entry).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Right;
 
     const FILE: &str = "[[token]]\nname = \"dashboard\"\n\
         token = \"0123456789abcdef0123456789abcdef\"\nrights = [\"read\"]\n";

@@ -9,11 +9,10 @@ use axum::extract::{Path, State};
 use axum::response::sse::{Event, Sse};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use serde::Deserialize;
+use genom_protocol::{Form, StreamEnd, StreamParameters};
 use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 use tokio_stream::Stream;
-use utoipa::{IntoParams, ToSchema};
 
 use crate::daemon::Daemon;
 use crate::dates::Dates;
@@ -28,33 +27,6 @@ use crate::rpc::{components, ports};
 const USUAL_RATE: f64 = 50.0;
 /// Values a second that a stream looks for at most.
 const GREATEST_RATE: f64 = 1000.0;
-
-/// `?rate=HERTZ&element=ID&form=FORM`
-#[derive(Debug, Default, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct StreamParameters {
-    /// Element of a multiple port.
-    element: Option<String>,
-    /// Values a second, at most.
-    #[param(exclusive_minimum = 0, maximum = 1000)]
-    rate: Option<f64>,
-    /// How values are sent: `json`, or `message` for CDR in base64, which for many numbers, such
-    /// as images, is written and read much faster.
-    #[param(inline)]
-    form: Option<Form>,
-}
-
-/// How a stream sends values.
-#[derive(Clone, Copy, Debug, Default, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Form {
-    /// As the control plane does everywhere.
-    #[default]
-    Json,
-    /// A CDR message, with its encapsulation header, in base64.
-    Message,
-}
 
 /// Follow the values of a port.
 ///
@@ -126,7 +98,7 @@ async fn follow<T: PartialEq>(
             _ = ticks.tick() => {}
             () = writer.closed() => return,
             () = hosted.gone.raised() => {
-                let why = json!({"why": "the component was unloaded"}).to_string();
+                let why = json!(StreamEnd { why: "the component was unloaded".to_owned() }).to_string();
                 writer.send(Event::default().event("end").data(why)).await;
                 return;
             }

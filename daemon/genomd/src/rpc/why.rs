@@ -8,9 +8,8 @@ use genom_description::model::{
     CodelParameter, Direction, PortDirection, Service, ServiceKind, Source,
 };
 use genom_middleware::{Address, Obstacle};
+use genom_protocol::{Finding, Findings, advice};
 use genom_runtime::seconds;
-use serde::Serialize;
-use utoipa::ToSchema;
 
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
@@ -18,26 +17,6 @@ use crate::rpc::error::RpcError;
 use crate::rpc::stranded::stranded;
 use crate::rpc::{components, ports};
 use crate::wiring::{connect, remote};
-
-/// What keeps data from flowing.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Findings {
-    /// None: data flows.
-    findings: Vec<Finding>,
-    /// The port and its elements that data flows through, whatever else is found.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    flows: Vec<String>,
-}
-
-/// One reason, and what to do.
-#[derive(Debug, Serialize, ToSchema)]
-pub(crate) struct Finding {
-    what: String,
-    fix: String,
-    /// Whether both ends are there and still do not meet: a mistake, whatever the port is for.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    unmet: bool,
-}
 
 /// Tell why no data flows through a port, or why a remote calls nothing.
 #[utoipa::path(
@@ -290,7 +269,7 @@ fn spinning_codels(hosted: &Hosted, out: &mut Vec<Finding>) {
         let (task, codel) = (&spin.unpaused.task, &spin.unpaused.codel);
         out.push(finding(
             format!("task {task} of {} does not pause: {spin}", hosted.name),
-            format!("let {codel} yield `pause::` and the state, or end"),
+            advice::unpaused(codel),
         ));
     }
 }
@@ -300,11 +279,6 @@ fn stopped_tasks(hosted: &Hosted, out: &mut Vec<Finding>) {
     let name = &hosted.name;
     for task in hosted.figures().tasks.iter().filter(|task| task.overruns > 0) {
         let what = format!("task {} of {name} missed {} ticks", task.name, task.overruns);
-        out.push(finding(
-            what,
-            format!(
-                "`genomctl stats {name}`; a longer period, shorter codels, or a real-time priority"
-            ),
-        ));
+        out.push(finding(what, advice::overruns(name)));
     }
 }

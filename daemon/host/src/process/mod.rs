@@ -4,6 +4,7 @@
 mod forked;
 mod keys;
 mod limits;
+mod memory;
 mod notes;
 mod signals;
 mod stand_ins;
@@ -13,6 +14,7 @@ pub(crate) use forked::is_child;
 pub use forked::keep_from_children;
 pub(crate) use keys::ends_threads;
 use limits::KeptLimits;
+pub use memory::without_leftovers;
 use notes::{Act, Note};
 use signals::KeptSignals;
 pub use signals::raised_to_stop;

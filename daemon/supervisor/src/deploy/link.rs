@@ -11,7 +11,7 @@ use crate::wires::{Connection, RemoteConnection};
 use crate::wiring::connect::{self, ConnectError, ConnectRequest, Patience};
 use crate::wiring::remote::{self, RemoteError, RemoteRequest};
 use genom_configuration::place::Place;
-use genom_configuration::{ConnectionEntry, policy};
+use genom_configuration::{ConnectionEntry, terms};
 
 /// A connection that is there.
 pub(super) enum Link {
@@ -42,7 +42,7 @@ impl Link {
     pub(super) fn entry(&self) -> ConnectionEntry {
         let (inport, to, backend, fixed, policy) = match self {
             Link::Port(made) => {
-                let policy = Some(policy::text(made.policy));
+                let policy = Some(terms::told_policy(made.policy).to_string());
                 (&made.inport, &made.outport, Some(&made.backend), made.fixed, policy)
             }
             Link::Remote(made) => {
@@ -67,7 +67,8 @@ impl Link {
         };
         match self {
             Link::Port(made) => {
-                same(&made.outport, Some(&made.backend)) && made.policy == wanted.policy()
+                same(&made.outport, Some(&made.backend))
+                    && made.policy == terms::policy(wanted.policy())
             }
             Link::Remote(made) => {
                 same(&made.service, made.backend.as_ref()) && wanted.policy.is_none()
@@ -121,7 +122,7 @@ fn make_now(daemon: &Arc<Daemon>, entry: &ConnectionEntry, wait: bool) -> Result
     let request = ConnectRequest {
         inport: entry.inport.clone(),
         outport: entry.outport.clone(),
-        policy: entry.policy(),
+        policy: terms::policy(entry.policy()),
         backend: entry.backend.clone(),
         wait,
         patience: Patience::None,

@@ -1,5 +1,6 @@
 //! From a deployment and what runs to the steps between the two.
 
+use genom_protocol::nearest::suggest;
 use serde_json::Value;
 
 use super::Step;
@@ -9,7 +10,6 @@ use crate::hosting::Hosted;
 use genom_configuration::{
     BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot,
 };
-use genom_registry::nearest::suggest;
 
 /// The deployment contradicts itself or what runs; nothing was changed.
 #[derive(Debug, thiserror::Error)]

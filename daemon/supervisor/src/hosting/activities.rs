@@ -4,36 +4,10 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use serde::Serialize;
+use genom_protocol::{Activity as Look, Status};
 use tokio::sync::watch;
-use utoipa::ToSchema;
 
-use crate::ending::{Ending, Told};
-
-/// An activity as a reply.
-#[derive(Clone, Debug, Serialize, ToSchema)]
-#[schema(as = Activity)]
-pub struct Look {
-    /// Its number, unique in the component's life.
-    activity: u64,
-    /// The service it runs.
-    service: String,
-    status: Status,
-    /// State it is in, or `waiting` before it starts; of one that runs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    state: Option<String>,
-    #[serde(flatten)]
-    ending: Told,
-}
-
-/// Whether an activity runs, and how it ended.
-#[derive(Clone, Copy, Debug, Serialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-enum Status {
-    Running,
-    Done,
-    Exception,
-}
+use crate::ending::Ending;
 
 /// One activity; shared by all who wait for it.
 #[derive(Debug)]
@@ -88,7 +62,7 @@ impl Activity {
             service: self.service.clone(),
             status,
             state: state.filter(|_| ending.is_none()),
-            ending: ending.map(|ending| ending.told()).unwrap_or_default(),
+            outcome: ending.map(|ending| ending.told()).unwrap_or_default(),
         }
     }
 }

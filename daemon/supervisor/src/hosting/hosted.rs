@@ -306,11 +306,6 @@ impl Hosted {
         self.instance.statistics()
     }
 
-    /// The same as data.
-    pub fn statistics(&self) -> Value {
-        serde_json::to_value(self.instance.statistics()).unwrap_or_default()
-    }
-
     /// Connects an in port, or disconnects it, with all codels excluded (genom3.md 7.8).
     pub fn bind_in(
         &self,

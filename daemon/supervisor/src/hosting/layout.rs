@@ -5,27 +5,27 @@
 
 use std::collections::BTreeMap;
 
+use genom_protocol::{MessageType, PortType};
 use genom_types::{DataType, Kind, Label, TypeId, UnionMember, message};
 use serde_json::{Map, Value, json};
 
 /// Describes the type and all it is made of.
-pub fn of(ty: &DataType) -> Value {
+pub fn of(ty: &DataType) -> PortType {
     let mut walk = Walk::default();
     walk.place(Some(ty.clone()));
     let mut described = Vec::new();
     while let Some(next) = walk.all.get(described.len()).cloned() {
         described.push(walk.describe(&next));
     }
-    json!({
-        "type": ty.name(),
-        "digest": ty.digest(),
-        // As ROS 2 and recordings know it; none of a type with natives inside.
-        "message": {
-            "name": message::message_name(ty).to_string(),
-            "definition": message::message_definition(ty),
+    PortType {
+        ty: ty.name().to_owned(),
+        digest: ty.digest().to_owned(),
+        message: MessageType {
+            name: message::message_name(ty).to_string(),
+            definition: message::message_definition(ty),
         },
-        "types": described,
-    })
+        types: described,
+    }
 }
 
 #[derive(Default)]
@@ -45,7 +45,7 @@ impl Walk {
         place.into()
     }
 
-    fn describe(&mut self, ty: &DataType) -> Value {
+    fn describe(&mut self, ty: &DataType) -> Map<String, Value> {
         let mut out = Map::new();
         out.insert("kind".into(), ty.kind().keyword().into());
         out.insert("name".into(), ty.name().into());
@@ -86,7 +86,7 @@ impl Walk {
             }
             _ => {}
         }
-        Value::Object(out)
+        out
     }
 
     fn members(&mut self, ty: &DataType, cases: &[UnionMember]) -> Value {
@@ -133,9 +133,9 @@ mod tests {
         let members = vec![Member { name: "next".to_owned(), ty: nodes }];
         table.complete(node, Kind::Struct { name, members });
         let described = of(&DataType::new(&Arc::new(table), node).unwrap());
-        assert_eq!(described["types"].as_array().unwrap().len(), 2);
-        assert_eq!(described["types"][0]["members"][0]["type"], 1);
-        assert_eq!(described["types"][1]["element"], 0);
-        assert_eq!(described["types"][1]["offsets"], json!([0, 4, 8, 16]));
+        assert_eq!(described.types.len(), 2);
+        assert_eq!(described.types[0]["members"][0]["type"], 1);
+        assert_eq!(described.types[1]["element"], 0);
+        assert_eq!(described.types[1]["offsets"], json!([0, 4, 8, 16]));
     }
 }

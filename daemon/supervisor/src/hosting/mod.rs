@@ -22,7 +22,7 @@ use indexmap::IndexMap;
 
 use self::remnants::Remnants;
 
-pub use activities::{Activity, Look};
+pub use activities::Activity;
 pub use asked::{Asked, Rest};
 pub use hosted::{Answer, Heard, Hosted, ServedOn, ServedServices, Starting};
 pub use input::InputError;

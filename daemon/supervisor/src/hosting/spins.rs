@@ -7,7 +7,6 @@ use std::collections::HashMap;
 use std::time::Instant;
 
 use genom_runtime::{Unpaused, seconds};
-use serde::Serialize;
 
 use super::Hosted;
 
@@ -17,10 +16,9 @@ const SPAN: f64 = 1.0;
 const KEEPS: f64 = 0.8;
 
 /// A task that keeps a processor and does not pause.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Spin {
     /// Its cycle, as the runtime sees it.
-    #[serde(flatten)]
     pub unpaused: Unpaused,
     /// Share of a processor that it got lately, from 0 to 1.
     pub processor: f64,

@@ -16,7 +16,7 @@ use genom_description::diagnostic::render::human;
 use genom_description::model::{Component as Model, Span, Specification};
 use genom_description::source::{Disk, Memory, SourceMap};
 use genom_description::{Analysis, Options, preprocess, read_files};
-use genom_host::Digest;
+use genom_host::{Digest, without_leftovers};
 use genom_runtime::plan::{Plan, PlanError};
 
 use seen::Seen;
@@ -196,7 +196,7 @@ impl Known {
             Some(known) => known,
             None => {
                 tracing::debug!("{}: read", description.path().display());
-                Arc::new(Reading::new(description, include)?)
+                Arc::new(without_leftovers(|| Reading::new(description, include))?)
             }
         };
         self.with(|all| {

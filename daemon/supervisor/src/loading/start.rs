@@ -18,7 +18,7 @@ use crate::wires::Wires;
 use crate::wires::bindings::Bindings;
 use crate::wiring::requests::SupervisorWiring;
 use crate::wiring::{publish, serve};
-use genom_configuration::{BackendNames, LoadRequest};
+use genom_configuration::{BackendNames, LoadRequest, terms};
 
 /// Binds the ports, then starts the tasks and waits for their start codels.
 pub(super) fn start(
@@ -47,7 +47,7 @@ pub(super) fn start(
     options.stuck_after = daemon.settings.stuck_after;
     for (task, entry) in &request.tasks {
         let refused = |why| LoadError::Override { name: name.clone(), why };
-        options.tasks.insert(task.clone(), entry.options().map_err(refused)?);
+        options.tasks.insert(task.clone(), terms::task_options(entry).map_err(refused)?);
     }
     let starting = Starting {
         name: name.clone(),

@@ -4,7 +4,6 @@
 //! nothing is asked of the middleware, and nothing is lost that is not counted. A recording's
 //! dates go on as they began when the machine's clock is set meanwhile, which it notes.
 
-mod frame;
 mod notes;
 mod pump;
 
@@ -15,6 +14,7 @@ use genom_description::model::PortDirection;
 use genom_middleware::Address;
 use genom_ports::dates::{Calendar, Dates};
 use genom_ports::tape::{Reel, Tapes, tape};
+use genom_protocol::frames::Channel;
 use genom_types::{DataType, message};
 use serde_json::{Value, json};
 
@@ -41,7 +41,7 @@ pub struct Session {
     /// Components, ports and elements by name; all when empty.
     wanted: Vec<String>,
     /// Channels that the recording's thread does not know yet.
-    new: Mutex<Vec<(Value, Reel)>>,
+    new: Mutex<Vec<(Channel, Reel)>>,
     notes: Notes,
     /// Dates of all that is recorded: those of its beginning, carried on.
     calendar: Calendar,
@@ -128,14 +128,23 @@ impl Recordings {
             for session in sessions.iter().filter(|session| session.wants(&topic[1..])) {
                 tapes.add(session.number, || {
                     let (tape, reel) = tape(session.number, ty, self.dates.clone());
-                    let mut metadata = json!({"direction": of.as_str(), "type": ty.name()});
-                    if let Some(reads) = reads {
-                        metadata["reads"] = reads.to_string().into();
-                    }
-                    let head = json!({
-                        "topic": topic, "encoding": "cdr", "metadata": metadata,
-                        "schema": message::message_name(ty).to_string(), "definition": definition,
-                    });
+                    let metadata = [
+                        ("direction", Some(of.as_str().to_owned())),
+                        ("type", Some(ty.name().to_owned())),
+                        ("reads", reads.map(Address::to_string)),
+                    ];
+                    let metadata = metadata.into_iter();
+                    let head = Channel {
+                        // Its number is given by the thread that sends it.
+                        channel: 0,
+                        topic: topic.clone(),
+                        encoding: "cdr".to_owned(),
+                        schema: message::message_name(ty).to_string(),
+                        definition: definition.clone(),
+                        metadata: metadata
+                            .filter_map(|(key, value)| Some((key.to_owned(), value?)))
+                            .collect(),
+                    };
                     let mut new = session.new.lock().unwrap_or_else(PoisonError::into_inner);
                     new.push((head, reel));
                     tape

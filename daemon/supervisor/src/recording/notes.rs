@@ -1,8 +1,9 @@
 //! What is recorded besides samples: calls, activities, exceptions, and what else changes.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, PoisonError};
 
+use genom_protocol::frames::Channel;
 use serde_json::{Value, json};
 
 /// Notes that wait at most.
@@ -27,7 +28,7 @@ impl Subject {
     }
 
     /// The channel as it is told: JSON, since each service has other inputs.
-    pub(super) fn head(self) -> Value {
+    pub(super) fn head(self) -> Channel {
         let (topic, name, members) = match self {
             Subject::Calls => (
                 "/genom/calls",
@@ -73,11 +74,14 @@ impl Subject {
                 ("/genom/changes", "genom.Change", json!({"event": {"type": "string"}}))
             }
         };
-        json!({
-            "channel": self.channel(), "topic": topic, "encoding": "json", "schema": name,
-            "definition": json!({"type": "object", "properties": members}).to_string(),
-            "metadata": {},
-        })
+        Channel {
+            channel: self.channel(),
+            topic: topic.to_owned(),
+            encoding: "json".to_owned(),
+            schema: name.to_owned(),
+            definition: json!({"type": "object", "properties": members}).to_string(),
+            metadata: BTreeMap::new(),
+        }
     }
 }
 

@@ -6,14 +6,15 @@ use std::time::Duration;
 
 use genom_ports::dates::Calendar;
 use genom_ports::tape::Reel;
-use serde_json::{Value, json};
+use genom_protocol::frames::{End, Frame, Lost, Sample, Start};
+use serde_json::json;
 use tokio::runtime::Handle;
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::TryRecvError;
 use tokio::sync::mpsc::Sender;
 
 use super::notes::{SUBJECTS, Subject};
-use super::{Session, frame, subject};
+use super::{Session, subject};
 use crate::bus::Numbered;
 use crate::flag::Flag;
 
@@ -57,7 +58,7 @@ pub fn run(
     session: &Session,
     changes: Receiver<Numbered>,
     sender: Sender<Vec<u8>>,
-    start: &Value,
+    start: Start,
 ) {
     let mut pump = Pump {
         session,
@@ -75,11 +76,11 @@ pub fn run(
 }
 
 impl Pump<'_> {
-    fn follow(&mut self, closed: &Flag, start: &Value) -> Result<(), Gone> {
+    fn follow(&mut self, closed: &Flag, start: Start) -> Result<(), Gone> {
         let mut out = Vec::new();
-        frame::told(&mut out, frame::START, start);
+        Frame::Start(start).append(&mut out);
         for subject in SUBJECTS {
-            frame::told(&mut out, frame::CHANNEL, &subject.head());
+            Frame::Channel(subject.head()).append(&mut out);
         }
         loop {
             // Asked before the last look, which then sees everything taken until now.
@@ -88,7 +89,7 @@ impl Pump<'_> {
             self.look(&mut out)?;
             if asked || stopped {
                 let why = if asked { "asked" } else { "the daemon stops" };
-                frame::told(&mut out, frame::END, &json!({ "why": why }));
+                Frame::End(End { why: why.to_owned() }).append(&mut out);
                 return self.send(&mut out);
             }
             self.send(&mut out)?;
@@ -101,8 +102,8 @@ impl Pump<'_> {
         let new =
             std::mem::take(&mut *self.session.new.lock().unwrap_or_else(PoisonError::into_inner));
         for (mut head, reel) in new {
-            head["channel"] = self.next.into();
-            frame::told(out, frame::CHANNEL, &head);
+            head.channel = self.next;
+            Frame::Channel(head).append(out);
             self.channels.push(Channel { number: self.next, reel, told: 0 });
             self.next = self.next.saturating_add(1);
         }
@@ -118,13 +119,14 @@ impl Pump<'_> {
             reel.wind(|sample| {
                 let begin = bytes.len();
                 let date = calendar.date(sample.moment);
-                frame::sample(&mut bytes, *number, sample.number, date, sample.message);
+                let (channel, number, message) = (*number, sample.number, sample.message);
+                Frame::Sample(Sample { channel, number, date, message }).append(&mut bytes);
                 frames.push((date, begin..bytes.len()));
             });
             let count = reel.lost();
             if count > *told {
                 *told = count;
-                lost.push(json!({"channel": number, "lost": count}));
+                lost.push(Lost { channel: *number, lost: count });
             }
             !over
         });
@@ -132,13 +134,14 @@ impl Pump<'_> {
         for note in notes {
             let (begin, channel) = (bytes.len(), note.subject.channel());
             let date = calendar.date(note.moment);
-            frame::sample(&mut bytes, channel, note.number, date, note.text.as_bytes());
+            let (number, message) = (note.number, note.text.as_bytes());
+            Frame::Sample(Sample { channel, number, date, message }).append(&mut bytes);
             frames.push((date, begin..bytes.len()));
         }
-        for (channel, (&count, told)) in notes_lost.iter().zip(&mut self.notes_lost).enumerate() {
+        for (channel, (&count, told)) in (0..).zip(notes_lost.iter().zip(&mut self.notes_lost)) {
             if count > *told {
                 *told = count;
-                lost.push(json!({"channel": channel, "lost": count}));
+                lost.push(Lost { channel, lost: count });
             }
         }
         frames.sort_by_key(|(date, _)| *date);
@@ -149,7 +152,7 @@ impl Pump<'_> {
             }
         }
         for told in lost {
-            frame::told(out, frame::LOST, &told);
+            Frame::Lost(told).append(out);
         }
         Ok(())
     }

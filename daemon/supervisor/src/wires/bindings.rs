@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use genom_middleware::Quality;
 
-use genom_configuration::{BackendNames, QosEntry};
+use genom_configuration::{BackendNames, QosEntry, terms};
 
 /// The middlewares of one component: its own, and those of ports that have others.
 #[derive(Debug)]
@@ -34,7 +34,7 @@ impl Bindings {
 
     /// What is asked of a port, wherever it is.
     pub fn quality(&self, port: &str) -> Quality {
-        self.qos.of(port)
+        terms::quality(&self.qos.of(port))
     }
 
     /// Those of services, and of ports that have no others.

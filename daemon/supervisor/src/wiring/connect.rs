@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy, PortSpec};
 use genom_ports::{Tap, key};
+use genom_protocol::address::NoAddress;
+use genom_protocol::nearest::suggest;
 use genom_runtime::HeldUp;
 
 use crate::bus::Change;
@@ -14,9 +16,8 @@ use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::wires::Connection;
 use genom_configuration::place::{Place, PlaceError};
-use genom_configuration::policy;
+use genom_configuration::terms;
 use genom_registry::BackendError;
-use genom_registry::nearest::suggest;
 
 /// On a network others become visible a while after they, or we, came up.
 const NETWORK: Duration = Duration::from_secs(2);
@@ -234,7 +235,7 @@ pub(super) fn attach(
         inport: connection.inport.to_string(),
         outport: connection.outport.to_string(),
         backend: connection.backend.clone(),
-        policy: policy::text(connection.policy),
+        policy: terms::told_policy(connection.policy).to_string(),
     });
     Ok(connection)
 }
@@ -305,17 +306,16 @@ pub fn reader(
     daemon: &Daemon,
     text: &str,
 ) -> Result<(Arc<Hosted>, usize, Option<String>), ConnectError> {
-    let Some(address) = Address::parse(text) else {
-        let message = format!("`{text}` is no COMPONENT/PORT");
-        return Err(ConnectError::inport(message, "write for instance demo/parameter"));
-    };
-    let Some(hosted) = daemon.components.get(&address.instance) else {
+    let address: genom_protocol::Address = text.parse().map_err(|error: NoAddress| {
+        ConnectError::inport(error.to_string(), "write for instance demo/parameter")
+    })?;
+    let Some(hosted) = daemon.components.get(&address.component) else {
         let components = daemon.components.all();
         let names = components.iter().map(|hosted| hosted.name.as_str());
-        let message = format!("no component `{}` in this daemon", address.instance);
-        return Err(ConnectError::inport(message, suggest(&address.instance, names)));
+        let message = format!("no component `{}` in this daemon", address.component);
+        return Err(ConnectError::inport(message, suggest(&address.component, names)));
     };
-    let (name, element) = split(&address);
+    let (name, element) = (address.port.as_str(), address.element.as_deref());
     let ports = &hosted.model().ports;
     let found = ports.iter().position(|port| port.name == name);
     let Some(index) = found.filter(|&index| ports[index].direction == PortDirection::In) else {
@@ -339,7 +339,7 @@ pub fn reader(
 }
 
 /// Port and element of an address.
-pub fn split(address: &Address) -> (&str, Option<&str>) {
+fn split(address: &Address) -> (&str, Option<&str>) {
     match address.name.split_once('/') {
         Some((port, element)) => (port, Some(element)),
         None => (&address.name, None),

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use genom_middleware::describe::types_of_service;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, ServiceType};
+use genom_protocol::nearest::suggest;
 use genom_runtime::HeldUp;
 use genom_runtime::body::RemoteCall;
 use genom_types::DataType;
@@ -19,7 +20,6 @@ use crate::hosting::Hosted;
 use crate::wires::RemoteConnection;
 use genom_configuration::place::{Place, PlaceError};
 use genom_registry::BackendError;
-use genom_registry::nearest::suggest;
 
 /// A remote to connect.
 #[derive(Clone, Debug)]
@@ -288,16 +288,15 @@ pub fn named(daemon: &Daemon, address: &str) -> Option<(Arc<Hosted>, usize)> {
 fn find_remote(daemon: &Daemon, typed: &str) -> Result<(Arc<Hosted>, usize), RemoteError> {
     let refuse = |help| RemoteError::NoSuchRemote { typed: typed.to_owned(), help };
     let write = || refuse("write COMPONENT/REMOTE".to_owned());
-    let address = Address::parse(typed).ok_or_else(write)?;
-    let caller = daemon.components.get(&address.instance).ok_or_else(|| {
+    let address: genom_protocol::Address = typed.parse().map_err(|_| write())?;
+    let name = address.name();
+    let caller = daemon.components.get(&address.component).ok_or_else(|| {
         let all = daemon.components.all();
-        refuse(suggest(&address.instance, all.iter().map(|hosted| hosted.name.as_str())))
+        refuse(suggest(&address.component, all.iter().map(|hosted| hosted.name.as_str())))
     })?;
     let remotes = &caller.model().remotes;
-    match remotes.iter().position(|remote| remote.name == address.name) {
+    match remotes.iter().position(|remote| remote.name == name) {
         Some(index) => Ok((caller, index)),
-        None => {
-            Err(refuse(suggest(&address.name, remotes.iter().map(|remote| remote.name.as_str()))))
-        }
+        None => Err(refuse(suggest(&name, remotes.iter().map(|remote| remote.name.as_str())))),
     }
 }

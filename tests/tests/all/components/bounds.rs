@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use genom_tests::{Finished, Running, path, program};
+use genom_tests::{Daemon, Finished, Running, component, path, program};
 
 /// What the program may allocate, in KiB: the system refuses it more, and the program ends.
 const ROOM: &str = "300000";
@@ -148,6 +148,39 @@ fn long_texts_end() {
     let deep = |n: usize| format!("module {}{n} {{\n", "m".repeat(1000));
     let types = repeat(20_000, |n| format!("typedef long t{n};\n"));
     refused(&format!("{}{types}{}", repeat(90, deep), "};\n".repeat(90)), "[E0408]");
+}
+
+/// KiB of memory that a process has had at most.
+fn peak(process: u32) -> u64 {
+    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    line.trim().trim_end_matches(" kB").parse().unwrap()
+}
+
+#[test]
+fn a_daemon_that_is_to_load_them_stays_within_as_much_and_goes_on() {
+    let daemon = Daemon::demo("local");
+    let scratch = tempfile::tempdir().unwrap();
+    let file = scratch.path().join("x.gen");
+    // Any library: the description is read first.
+    fs::write(scratch.path().join("x.so"), fs::read(component("demo").library).unwrap()).unwrap();
+    let head = "#define s(x) #x\n#define q(x) s(x)\nconst string a = ";
+    let doubled = format!("{head}{};\n", nested("q", 60, r#""\\""#));
+    let long = "y".repeat(1 << 20);
+    let used = repeat(20_000, |n| format!("const string c{n} = LONG;\n"));
+    let chain = |n: usize| format!("interface i{} {{ extends i{n}; function f{n}(); }};\n", n + 1);
+    for (text, code) in [
+        (doubled, "E0127"),
+        (format!("const string LONG = \"{long}\";\n{used}"), "E0408"),
+        (format!("interface i0;\n{}", repeat(4000, chain)), "E0408"),
+        (" ".repeat(17 << 20), "E0133"),
+    ] {
+        fs::write(&file, text).unwrap();
+        daemon.ctl(&["load", path(&file)]).expect_code(1).expect_err(code);
+    }
+    let peak = peak(daemon.process().id());
+    assert!(peak < 300_000, "{peak} KiB");
+    daemon.ctl(&["call", "demo", "get_speed"]).expect_code(0);
 }
 
 #[test]

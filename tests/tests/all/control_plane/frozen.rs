@@ -3,6 +3,7 @@
 
 use std::time::Instant;
 
+use genom_tests::fleet::{at_the_robot, fleet};
 use genom_tests::{Daemon, fixture, until};
 use serde_json::Value;
 
@@ -56,6 +57,18 @@ fn open_sockets(daemon: &Daemon) -> usize {
     let name = format!(" {}", socket.display());
     // 03: connected.
     all.lines().filter(|line| line.contains(&name) && line.contains(" 03 ")).count()
+}
+
+#[test]
+fn a_daemon_that_is_stopped_is_given_up_over_a_middleware_too() {
+    let (robot, desk) = fleet();
+    let ask = |arguments: &[&str]| at_the_robot(&robot, &desk, "watcher", arguments);
+    until("the robot is seen", || ask(&["list"]).code == Some(0));
+    robot.process().signal("STOP");
+    let given_up = ask(&["--timeout", LONG, "list"]);
+    given_up.expect_code(3).expect_err("robot");
+    robot.process().signal("CONT");
+    until("the robot answers again", || ask(&["list"]).code == Some(0));
 }
 
 #[test]

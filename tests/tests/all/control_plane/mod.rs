@@ -10,6 +10,7 @@ mod impostors;
 mod metrics;
 mod offers;
 mod partial;
+mod protocol;
 mod publish;
 mod python_client;
 mod ready;

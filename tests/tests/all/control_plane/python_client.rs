@@ -81,6 +81,11 @@ fn python_proves_tokens_as_genomctl_does() {
 }
 
 #[test]
+fn python_asks_and_reads_what_the_document_tells() {
+    the_standard_library_is_enough("tests.test_document", "local");
+}
+
+#[test]
 fn python_reads_and_feeds_ports_through_the_daemon() {
     the_standard_library_is_enough("tests.test_ports", "local");
 }

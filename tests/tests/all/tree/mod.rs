@@ -6,5 +6,6 @@ mod citations;
 mod printed;
 mod readme;
 mod reference;
+mod replies;
 mod tidy;
 mod uses;

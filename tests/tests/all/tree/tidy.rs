@@ -26,21 +26,13 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-bench", MIDDLEWARE),
     ("genom-runtime", &["genom-description", "genom-middleware", "genom-types"]),
     ("genom-host", HOST),
-    ("genom-ports", &["genom-middleware", "genom-runtime", "genom-types"]),
+    ("genom-ports", &["genom-middleware", "genom-protocol", "genom-runtime", "genom-types"]),
     ("genom-registry", BACKENDS),
-    ("genom-configuration", &["genom-middleware", "genom-registry", "genom-runtime"]),
+    ("genom-configuration", CONFIGURATION),
     ("genom-supervisor", SUPERVISOR),
     ("genom-proof", &[]),
-    (
-        "genomctl",
-        &[
-            "genom-description",
-            "genom-description-tools",
-            "genom-proof",
-            "genom-rosidl",
-            "genom-types",
-        ],
-    ),
+    ("genom-protocol", &["genom-types"]),
+    ("genomctl", GENOMCTL),
     ("genom-derive", &[]),
     ("genom", &["genom-derive"]),
     ("genom-components", &[]),
@@ -55,15 +47,32 @@ const HOST: &[&str] = &[
     "genom-runtime",
     "genom-types",
 ];
+const GENOMCTL: &[&str] = &[
+    "genom-description",
+    "genom-description-tools",
+    "genom-proof",
+    "genom-protocol",
+    "genom-rosidl",
+    "genom-types",
+];
 /// The one crate that knows which middlewares there are.
-const BACKENDS: &[&str] =
-    &["genom-local", "genom-middleware", "genom-ros2", "genom-shm", "genom-zenoh"];
+const BACKENDS: &[&str] = &[
+    "genom-local",
+    "genom-middleware",
+    "genom-protocol",
+    "genom-ros2",
+    "genom-shm",
+    "genom-zenoh",
+];
+const CONFIGURATION: &[&str] =
+    &["genom-middleware", "genom-protocol", "genom-registry", "genom-runtime"];
 const SUPERVISOR: &[&str] = &[
     "genom-configuration",
     "genom-description",
     "genom-host",
     "genom-middleware",
     "genom-ports",
+    "genom-protocol",
     "genom-registry",
     "genom-runtime",
     "genom-types",
@@ -89,12 +98,8 @@ const UNSAFE: &[&str] = &[
 /// Modules of crates, each above all that it knows. A crate's first names may be those of crates
 /// below it.
 const FLOORS: &[(&str, &str)] = &[
-    ("registry", "nearest lib"),
-    (
-        "configuration",
-        "backends clock error levels place policy qos right component deployment offers rpc spot \
-         overrides file lib",
-    ),
+    ("registry", "lib"),
+    ("configuration", "error levels place terms offers rpc spot overrides file lib"),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
         "supervisor",
@@ -103,7 +108,7 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "genomd",
-        "config dates nearest registry bus deploy ending flag hosting limits loading recording \
+        "config dates registry bus deploy ending flag hosting limits loading recording \
          spans vigil wires wiring cli memory shown slots startup telemetry settings daemon logs \
          rpc signals run check main",
     ),

@@ -8,6 +8,7 @@ use axum::http::{Request, StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
 use genom_middleware::{AnnounceError, Middleware};
 use genom_proof::message::{self, Answer, FromDaemon, Question, ToDaemon};
+use genom_protocol::Code;
 use hyper::body::Body as _;
 use hyper::service::Service as _;
 use hyper_util::service::TowerToHyperService;
@@ -94,8 +95,8 @@ fn names(daemon: &Daemon) -> Vec<String> {
     vec![name.clone(), format!("{name}-{}", std::process::id())]
 }
 
-fn refusal(code: &str, message: String) -> Vec<u8> {
-    message::encode(&FromDaemon::Refused { code: code.to_owned(), message }, &[])
+fn refusal(code: Code, message: String) -> Vec<u8> {
+    message::encode(&FromDaemon::Refused { code: code.to_string(), message }, &[])
 }
 
 impl Desk {
@@ -109,14 +110,14 @@ impl Desk {
     /// Who asks; or the answer, when there is no more to it.
     fn admit(&self, bytes: &[u8]) -> Result<Admitted, Vec<u8>> {
         if bytes.len() > self.most {
-            return Err(refusal("too_large", "the request is too large".to_owned()));
+            return Err(refusal(Code::TooLarge, "the request is too large".to_owned()));
         }
         let read = message::decode::<ToDaemon>(bytes);
         let (head, body) = read.map_err(|_| {
             self.log("a message that is none of a client of this version");
             let message = "this daemon asks for a proof that its client holds a token: use the \
                            genomctl or the Python client of its version";
-            refusal("malformed", message.to_owned())
+            refusal(Code::Malformed, message.to_owned())
         })?;
         let told = |refused: Refused| {
             self.log(&refused.to_string());
@@ -139,7 +140,7 @@ impl Desk {
     }
 
     async fn answer(&self, asked: &Admitted, bytes: &[u8]) -> (Answer, Vec<u8>) {
-        let refused = |why: String| RpcError::new(StatusCode::BAD_REQUEST, "malformed", why);
+        let refused = |why: String| RpcError::new(StatusCode::BAD_REQUEST, Code::Malformed, why);
         let streams = &asked.session.streams;
         let response = match message::decode(bytes) {
             Err(error) => refused(error.to_string()).into_response(),

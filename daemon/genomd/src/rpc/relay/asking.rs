@@ -9,8 +9,7 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
 use genom_middleware::{AskError, Relay};
-use serde::{Deserialize, Serialize};
-use utoipa::{IntoParams, ToSchema};
+use genom_protocol::{Answered, Answers, AskParameters, Code};
 
 use super::relays;
 use crate::daemon::Daemon;
@@ -27,33 +26,6 @@ const ANSWER: Duration = Duration::from_secs(60);
 
 /// The same for requests that wait for something.
 const WAIT: Duration = Duration::from_secs(3700);
-
-/// What answered to a name.
-#[derive(Serialize, ToSchema)]
-pub(crate) struct Answers {
-    answers: Vec<Answered>,
-}
-
-/// One answer.
-#[derive(Serialize, ToSchema)]
-pub(crate) struct Answered {
-    /// Which end of the middleware it came from.
-    at: String,
-    /// Its words.
-    message: String,
-}
-
-/// `?at=ID&wait=true`
-#[derive(Debug, Deserialize, IntoParams)]
-#[serde(deny_unknown_fields)]
-#[into_params(parameter_in = Query)]
-pub(crate) struct AskParameters {
-    /// Which end of the middleware is meant, as it was told with the answer to the hello.
-    at: String,
-    /// The answer may take an hour instead of a minute.
-    #[serde(default)]
-    wait: bool,
-}
 
 /// Pass a hello on to all that answer to the name of a daemon.
 ///
@@ -118,7 +90,7 @@ async fn by_relay<T: Send + 'static>(
 ) -> Result<T, RpcError> {
     let slot = daemon.questions.take(holder.share.clone()).map_err(|full| {
         let message = format!("{} to other daemons are under way already", stream::told(full));
-        RpcError::new(StatusCode::SERVICE_UNAVAILABLE, "too_many_questions", message)
+        RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::TooManyQuestions, message)
             .help("wait for one to be answered")
     })?;
     let daemon = Arc::clone(daemon);
@@ -127,7 +99,7 @@ async fn by_relay<T: Send + 'static>(
         let relays = relays(&daemon);
         let Some(relay) = relays.iter().find_map(|(_, open)| open.relay()) else {
             let message = "this daemon is on no middleware that passes requests on";
-            return Err(RpcError::conflict("no_relay", message)
+            return Err(RpcError::conflict(Code::NoRelay, message)
                 .help("start it with `--backend zenoh`, or load a component there"));
         };
         ask(relay, &name).map_err(|error| {
@@ -136,9 +108,9 @@ async fn by_relay<T: Send + 'static>(
                 AskError::Unknown { .. } => {
                     let shown = relay.daemons().unwrap_or_default();
                     let names = shown.iter().map(String::as_str);
-                    RpcError::unknown("no_such_daemon", "no daemon", &name, names)
+                    RpcError::unknown(Code::NoSuchDaemon, "no daemon", &name, names)
                 }
-                _ => RpcError::new(StatusCode::BAD_GATEWAY, "daemon_silent", message),
+                _ => RpcError::new(StatusCode::BAD_GATEWAY, Code::DaemonSilent, message),
             }
         })
     };

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use genom_proof::message::{FromDaemon, Hello, SealedQuestion};
 use genom_proof::{Bytes, Handshake, Keys, NONCE, Token, Window, random};
+use genom_protocol::Code;
 
 use super::streams::Streams;
 use crate::rpc::holder::Holder;
@@ -55,15 +56,15 @@ pub(super) enum Refused {
 
 impl Refused {
     /// Stable name of the reason.
-    pub(super) fn code(self) -> &'static str {
+    pub(super) fn code(self) -> Code {
         match self {
-            Self::Token => "unauthorized",
-            Self::Name => "no_such_daemon",
-            Self::Session => "session_over",
-            Self::Code => "changed",
-            Self::Replayed => "replayed",
-            Self::Busy => "busy",
-            Self::Random => "internal",
+            Self::Token => Code::Unauthorized,
+            Self::Name => Code::NoSuchDaemon,
+            Self::Session => Code::SessionOver,
+            Self::Code => Code::Changed,
+            Self::Replayed => Code::Replayed,
+            Self::Busy => Code::Busy,
+            Self::Random => Code::Internal,
         }
     }
 }

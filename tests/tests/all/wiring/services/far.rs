@@ -141,6 +141,28 @@ fn survives(backend: &'static str) {
     pair.ask_until(|answer| answer.err.contains("::genom::incompatible_digest"));
 }
 
+/// A call under way when the component that serves it is killed ends, though its codel never does.
+fn is_told_of_a_kill(backend: &'static str) {
+    let pair = Pair::new(backend);
+    pair.connect_when_there("caller/stay", "provider/stay").expect_code(0);
+    let joining = pair.caller.spawn(&["call", "caller", "join"]);
+    let provider = pair.provider.as_ref().unwrap();
+    assert_eq!(provider.process().line(), "stays");
+    let killed = provider.spawn(&["call", "provider", "kill"]);
+    joining.finish().expect_code(1).expect_err(r#"::genom::interrupted {"by":"kill"}"#);
+    killed.finish().expect_code(0);
+}
+
+#[test]
+fn who_calls_a_component_that_is_killed_is_told_over_shm() {
+    is_told_of_a_kill("shm");
+}
+
+#[test]
+fn who_calls_a_component_that_is_killed_is_told_over_zenoh() {
+    is_told_of_a_kill("zenoh");
+}
+
 #[test]
 fn a_codel_calls_a_service_of_another_daemon_over_shm() {
     calls("shm");

@@ -1,42 +1,60 @@
-//! Names of middlewares as a configuration gives them: one, or several at once.
+//! Middlewares of components and ports, and their moves from one to another.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
 
 /// The middlewares a port or a component is on: `"shm"`, `"shm+zenoh"` or `["shm", "zenoh"]`.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize, ToSchema)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(try_from = "OneOrMore", into = "String")]
-#[schema(value_type = OneOrMore)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(value_type = OneOrMore))]
 pub struct BackendNames(Vec<String>);
 
-#[derive(Deserialize, ToSchema)]
+/// One name, which may be several with `+` between them, or a list of names.
+#[derive(Deserialize)]
 #[serde(untagged, expecting = "expected the name of a backend, or a list of names")]
-enum OneOrMore {
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub(crate) enum OneOrMore {
     One(String),
     More(Vec<String>),
 }
 
 impl BackendNames {
     /// One middleware.
+    #[must_use]
     pub fn one(name: impl Into<String>) -> Self {
         Self(vec![name.into()])
     }
 
     /// In the order given, without repetition.
+    #[must_use]
     pub fn names(&self) -> &[String] {
         &self.0
     }
 
     /// The one that counts where only one can.
+    #[must_use]
     pub fn first(&self) -> &str {
         self.0.first().map_or("", String::as_str)
     }
 
     /// Whether a middleware is among them.
+    #[must_use]
     pub fn has(&self, name: &str) -> bool {
         self.0.iter().any(|known| known == name)
+    }
+}
+
+/// As it is typed: names with `+` between them.
+impl From<&str> for BackendNames {
+    fn from(text: &str) -> Self {
+        let mut names = Vec::new();
+        for name in text.split('+') {
+            if !names.iter().any(|known| known == name) {
+                names.push(name.to_owned());
+            }
+        }
+        Self(names)
     }
 }
 
@@ -44,17 +62,12 @@ impl TryFrom<OneOrMore> for BackendNames {
     type Error = &'static str;
 
     fn try_from(given: OneOrMore) -> Result<Self, Self::Error> {
-        let given = match given {
-            OneOrMore::One(name) => name.split('+').map(str::to_owned).collect(),
-            OneOrMore::More(names) => names,
+        let names = match given {
+            OneOrMore::One(name) => Self::from(name.as_str()),
+            OneOrMore::More(names) if names.is_empty() => return Err("name one backend at least"),
+            OneOrMore::More(names) => Self::from(names.join("+").as_str()),
         };
-        let mut names = Vec::new();
-        for name in given {
-            if !names.contains(&name) {
-                names.push(name);
-            }
-        }
-        if names.is_empty() { Err("name one backend at least") } else { Ok(Self(names)) }
+        Ok(names)
     }
 }
 
@@ -68,6 +81,30 @@ impl fmt::Display for BackendNames {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0.join("+"))
     }
+}
+
+/// Where a component, or one of its ports, is to move.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct MoveRequest {
+    /// Where to.
+    pub backend: BackendNames,
+    /// One port only.
+    #[serde(default)]
+    pub port: Option<String>,
+}
+
+/// Where it is now.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct Moved {
+    /// Instance name.
+    pub component: String,
+    /// The port, when one port moved.
+    pub port: Option<String>,
+    /// Its middlewares.
+    pub backend: BackendNames,
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The nearest of some names, for suggestions.
 
 /// The candidate nearest to what was typed, if one is near enough to be meant.
+#[must_use]
 pub fn nearest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     candidates
         .into_iter()
@@ -11,6 +12,7 @@ pub fn nearest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -
 }
 
 /// Serde says ``unknown field `x`, expected one of `a`, `b` ``: the nearest of what it expects.
+#[must_use]
 pub fn nearest_key(message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = message.starts_with("unknown field").then(|| quoted.next()).flatten()?;
@@ -18,6 +20,7 @@ pub fn nearest_key(message: &str) -> Option<String> {
 }
 
 /// ``did you mean `x`? ``, or the whole list when nothing is near and the list is short.
+#[must_use]
 pub fn suggest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     let candidates: Vec<&str> = candidates.into_iter().collect();
     match nearest(typed, candidates.iter().copied()) {

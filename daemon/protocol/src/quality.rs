@@ -3,61 +3,64 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use genom_middleware::Quality;
-use genom_registry::nearest::nearest;
 use serde::de::{self, Deserializer, Visitor};
 use serde::{Deserialize, Serialize};
-use utoipa::ToSchema;
+
+use crate::nearest::nearest;
 
 /// Most samples of a port that may wait to be sent.
 const MOST: i64 = 65_536;
 
 /// `[component.qos]`: for middlewares that leave a choice (ros2); what is left out is as the
 /// middleware is configured.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, ToSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct QosEntry {
     /// Lost samples are sent again; false: best effort.
     #[serde(deserialize_with = "reliable", skip_serializing_if = "Option::is_none")]
-    reliable: Option<bool>,
+    pub reliable: Option<bool>,
     /// Samples of an out port that may wait to be sent.
     #[serde(deserialize_with = "depth", skip_serializing_if = "Option::is_none")]
-    #[schema(minimum = 1, maximum = 65536)]
-    depth: Option<usize>,
+    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 65536))]
+    pub depth: Option<usize>,
     /// Late readers may ask for the last value; false: volatile.
     #[serde(deserialize_with = "transient_local", skip_serializing_if = "Option::is_none")]
-    transient_local: Option<bool>,
+    pub transient_local: Option<bool>,
     /// Of single ports, over that of the component.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub ports: BTreeMap<String, PortQos>,
 }
 
-/// `[component.qos.ports.NAME]`
-#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize, ToSchema)]
+/// `[component.qos.ports.NAME]`: quality of one port.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct PortQos {
-    /// Lost samples are sent again; false: best effort.
+    /// As that of the component.
     #[serde(deserialize_with = "reliable", skip_serializing_if = "Option::is_none")]
-    reliable: Option<bool>,
-    /// Samples of an out port that may wait to be sent.
+    pub reliable: Option<bool>,
+    /// As that of the component.
     #[serde(deserialize_with = "depth", skip_serializing_if = "Option::is_none")]
-    #[schema(minimum = 1, maximum = 65536)]
+    #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 65536))]
     pub depth: Option<usize>,
-    /// Late readers may ask for the last value; false: volatile.
+    /// As that of the component.
     #[serde(deserialize_with = "transient_local", skip_serializing_if = "Option::is_none")]
-    transient_local: Option<bool>,
+    pub transient_local: Option<bool>,
 }
 
 impl QosEntry {
     /// Whether nothing is said.
+    #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// That of a port.
-    pub fn of(&self, port: &str) -> Quality {
+    /// That of a port: its own where it says something, else that of the component.
+    #[must_use]
+    pub fn of(&self, port: &str) -> PortQos {
         let own = self.ports.get(port).cloned().unwrap_or_default();
-        Quality {
+        PortQos {
             reliable: own.reliable.or(self.reliable),
             depth: own.depth.or(self.depth),
             transient_local: own.transient_local.or(self.transient_local),

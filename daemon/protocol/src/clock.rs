@@ -1,0 +1,55 @@
+//! The clock that components live by, and its steps when it is virtual.
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
+use strum::Display;
+
+/// Which time components live in.
+#[derive(Clone, Copy, Debug, Default, Display, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[strum(serialize_all = "lowercase")]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub enum ClockKind {
+    /// The machine's monotonic clock.
+    #[default]
+    Monotonic,
+    /// One that stands still until a supervisor steps it: same inputs, same codel calls.
+    Virtual,
+}
+
+/// A step of a virtual clock.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct StepRequest {
+    /// How far to go, in nanoseconds; at most [`StepRequest::LONGEST`]. 0 runs what is pending now.
+    #[cfg_attr(feature = "openapi", schema(maximum = 3_600_000_000_000_i64))]
+    #[serde(deserialize_with = "whole")]
+    pub nanoseconds: u64,
+}
+
+impl StepRequest {
+    /// The longest step, in nanoseconds; longer ones are made of several.
+    pub const LONGEST: u64 = 3_600_000_000_000;
+}
+
+/// A whole number, however it is written: `2.0` is one too in JSON.
+fn whole<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
+    let number = serde_json::Number::deserialize(from)?;
+    let real = number.as_f64().filter(|real| real.fract() == 0.0 && (0.0..1e18).contains(real));
+    number
+        .as_u64()
+        .or(real.map(|real| real as u64))
+        .ok_or_else(|| D::Error::custom(format_args!("{number} is no number of nanoseconds")))
+}
+
+/// The clock.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
+pub struct Clock {
+    /// That of the machine, or one that is stepped.
+    pub clock: ClockKind,
+    /// Its date, in nanoseconds.
+    pub now: u64,
+}

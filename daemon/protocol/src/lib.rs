@@ -1,0 +1,97 @@
+//! What the control plane of genomd says and hears: every type that crosses it, once.
+//!
+//! One file a resource, with its requests, its queries and its replies. [`routes`] lists the
+//! paths, each with what it takes and what it answers, so that a client cannot read a reply as
+//! another one. [`Refusal`] is the one shape of errors, [`Code`] its reasons.
+//!
+//! Requests refuse members that they do not know; replies are read with members that a later
+//! daemon adds, and optional ones may be missing.
+
+#![forbid(unsafe_code)]
+
+mod about;
+mod activities;
+pub mod address;
+pub mod advice;
+mod backends;
+mod clock;
+mod code;
+mod codels;
+mod components;
+mod connections;
+pub mod contexts;
+mod daemons;
+mod deployment;
+mod description;
+mod events;
+mod findings;
+pub mod frames;
+mod load;
+mod logs;
+mod middlewares;
+pub mod nearest;
+#[cfg(feature = "openapi")]
+pub mod openapi;
+mod outcome;
+mod policy;
+mod port_type;
+mod ports;
+mod quality;
+mod refusal;
+pub mod replay;
+mod right;
+pub mod routes;
+mod services;
+pub mod socket;
+mod statistics;
+mod tokens;
+mod values;
+
+pub use about::{About, Ready, ReadyParameters, Stopping};
+pub use activities::{
+    Aborted, AbortedActivity, Activities, Activity, AllAborted, LookParameters, Status,
+};
+pub use address::{Address, Place, Subject};
+pub use backends::{BackendNames, MoveRequest, Moved};
+pub use clock::{Clock, ClockKind, StepRequest};
+pub use code::Code;
+pub use codels::{RunningCodel, Spin, Unpaused};
+pub use components::{Component, Components, LeftBehind, Unloaded};
+pub use connections::{Connection, ConnectionKind, ConnectionRequest, Connections, Disconnected};
+pub use daemons::{Answered, Answers, AskParameters, Daemons, VisibleDaemon};
+pub use deployment::{
+    Applied, CallEntry, ConnectionEntry, Deployment, DeploymentRequest, Dumped, RunningDeployment,
+};
+pub use description::{
+    Codel, CodelParameter, Description, Direction, Member, Parameter, PortDescription,
+    RemoteDescription, Service, ServiceKind, TaskDescription,
+};
+pub use events::{AnyChange, Change, ChangeParameters, Fired, StepStatus};
+pub use findings::{Finding, Findings};
+pub use frames::{RecordingEnds, RecordingRequest};
+pub use load::{LoadRequest, TaskEntry};
+pub use logs::{Level, LogEntry, LogParameters, Logs};
+pub use middlewares::{
+    Capabilities, Endpoint, EndpointKind, Middleware, MiddlewareParameters, Middlewares, Refused,
+    Stranger,
+};
+pub use outcome::Outcome;
+pub use policy::{NoPolicy, Policy};
+pub use port_type::{MessageType, PortType};
+pub use ports::{
+    Counts, Port, PortDirection, PortParameters, PortTraffic, Ports, Published, Traffic,
+    ValueParameters,
+};
+pub use quality::{PortQos, QosEntry};
+pub use refusal::{Reason, Refusal};
+pub use replay::Replayed;
+pub use right::Right;
+pub use services::{CallParameters, CallReply, Inputs, Started};
+pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
+pub use tokens::{Reloaded, TokenEntry, TokenFile};
+pub use values::{Form, StreamEnd, StreamParameters};
+
+/// Whether a flag is down: then it is not sent.
+fn is_false(flag: &bool) -> bool {
+    !flag
+}

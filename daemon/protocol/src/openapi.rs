@@ -1,0 +1,75 @@
+//! The schemas of all these types, for the daemon's OpenAPI document.
+
+use serde_json::{Map, Value};
+use utoipa::OpenApi;
+
+use crate::{
+    Aborted, About, Activities, AllAborted, Answers, Applied, Change, Clock, Components,
+    Connection, ConnectionRequest, Connections, Daemons, DeploymentRequest, Description,
+    Disconnected, Dumped, Findings, Fired, Inputs, LoadRequest, Logs, Middlewares, MoveRequest,
+    Moved, PortTraffic, PortType, Ports, Published, Ready, RecordingEnds, RecordingRequest,
+    Refusal, Reloaded, Replayed, Started, Statistics, StepRequest, Stopping, StreamEnd, Unloaded,
+    frames,
+};
+
+/// Schemas of the types that cross the control plane, those of streams and recordings among them,
+/// which no operation of the document refers to.
+#[derive(Debug, OpenApi)]
+#[openapi(components(schemas(
+    Aborted,
+    About,
+    Activities,
+    AllAborted,
+    Answers,
+    Applied,
+    Change,
+    Clock,
+    Components,
+    Connection,
+    ConnectionRequest,
+    Connections,
+    Daemons,
+    DeploymentRequest,
+    Description,
+    Disconnected,
+    Dumped,
+    Findings,
+    Fired,
+    Inputs,
+    LoadRequest,
+    Logs,
+    Middlewares,
+    MoveRequest,
+    Moved,
+    PortTraffic,
+    PortType,
+    Ports,
+    Published,
+    Ready,
+    RecordingEnds,
+    RecordingRequest,
+    Refusal,
+    Reloaded,
+    Replayed,
+    Started,
+    Statistics,
+    StepRequest,
+    Stopping,
+    StreamEnd,
+    Unloaded,
+    frames::Channel,
+    frames::End,
+    frames::Lost,
+    frames::Start
+)))]
+pub struct Protocol;
+
+/// The same as JSON, by name.
+#[must_use]
+pub fn schemas() -> Map<String, Value> {
+    let components = Protocol::openapi().components.map(|all| serde_json::to_value(all.schemas));
+    match components {
+        Some(Ok(Value::Object(schemas))) => schemas,
+        _ => Map::new(),
+    }
+}
