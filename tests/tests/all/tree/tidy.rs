@@ -18,6 +18,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-kit", MIDDLEWARE),
     ("genom-conformance", MIDDLEWARE),
     ("genom-local", BACKEND),
+    ("genom-example", BACKEND),
     ("genom-shm", BACKEND),
     ("genom-zenoh", BACKEND),
     ("genom-ros2", &["genom-kit", "genom-middleware", "genom-rosidl", "genom-types"]),
