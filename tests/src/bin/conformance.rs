@@ -7,32 +7,25 @@ use std::process::{Command, ExitCode, Stdio};
 
 use genom_tests::conformance::Table;
 
-const CRATES: [&str; 4] = ["genom-local", "genom-shm", "genom-zenoh", "genom-ros2"];
+/// Every crate of the workspace that has a `tests/conformance.rs`.
+const SUITES: [&str; 5] = ["test", "--workspace", "--test", "conformance", "--no-fail-fast"];
 
 fn main() -> ExitCode {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let (mut table, mut failed) = (Table::default(), false);
-    for name in CRATES {
-        eprintln!("{name} ...");
-        let mut command = Command::new(&cargo);
-        command.args(["test", "--package", name, "--test", "conformance"]);
-        let run = command.stderr(Stdio::inherit()).output();
-        match run {
-            Ok(run) => {
-                let printed = String::from_utf8_lossy(&run.stdout);
-                table.read(&printed);
-                if !run.status.success() {
-                    failed = true;
-                    // What its tests say of their failure.
-                    eprintln!("{printed}");
-                }
-            }
-            Err(error) => {
-                eprintln!("cannot run cargo: {error}");
-                return ExitCode::FAILURE;
-            }
+    let run = match Command::new(&cargo).args(SUITES).stderr(Stdio::inherit()).output() {
+        Ok(run) => run,
+        Err(error) => {
+            eprintln!("cannot run cargo: {error}");
+            return ExitCode::FAILURE;
         }
+    };
+    let printed = String::from_utf8_lossy(&run.stdout);
+    let mut table = Table::default();
+    table.read(&printed);
+    if !run.status.success() {
+        // What its tests say of their failure.
+        eprintln!("{printed}");
     }
     println!("{table}");
-    if table.is_green() && !failed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if table.is_green() && run.status.success() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -1,5 +1,6 @@
 //! What holds for the files of this repository.
 
+mod backend_page;
 mod circles;
 mod citations;
 mod printed;

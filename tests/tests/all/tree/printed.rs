@@ -18,6 +18,10 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("cargo test", "what this is part of"),
     ("cargo quick", "a part of `cargo test`"),
     ("cargo bench", "minutes; benchmarks are compiled by the lints"),
+    (
+        "cargo conformance",
+        "its tests are part of `cargo test`; the table of `tests/src/conformance.rs`",
+    ),
     ("cargo faults", "tests/tests/all/components/trials.rs runs the short course"),
     ("cargo +nightly", "wants another toolchain"),
     ("rustup ", "wants another toolchain"),

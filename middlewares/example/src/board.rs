@@ -1,0 +1,103 @@
+//! What stands in for a network: a board on which participants of one process find each other.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+use genom_kit::mailbox::Mailbox;
+use genom_middleware::describe::type_of_port;
+use genom_middleware::{Address, OpenError, PortSpec};
+use genom_types::DataType;
+
+/// Each port that has an end, with its type, its last value and its readers.
+#[derive(Default)]
+pub(crate) struct Board(Mutex<HashMap<Address, Port>>);
+
+/// A port that has an end.
+pub(crate) struct Port {
+    ty: DataType,
+    pub(crate) has_writer: bool,
+    last: Option<Vec<u8>>,
+    readers: Vec<Weak<Inbox>>,
+}
+
+/// The samples that one reader has not read yet.
+pub(crate) struct Inbox {
+    pub(crate) mailbox: Mailbox,
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Inbox {
+    fn put(&self, sample: &[u8]) {
+        let copy = |buffer: &mut Vec<u8>| {
+            buffer.extend_from_slice(sample);
+            Ok::<_, ()>(())
+        };
+        // What does not fit is counted by the mailbox.
+        let _ = self.mailbox.put(copy);
+    }
+}
+
+impl Board {
+    /// The board of that name, which lasts as long as somebody has it.
+    pub(crate) fn named(name: &str) -> Arc<Self> {
+        static BOARDS: Mutex<BTreeMap<String, Weak<Board>>> = Mutex::new(BTreeMap::new());
+        let mut boards = lock(&BOARDS);
+        boards.retain(|_, board| board.strong_count() > 0);
+        let there = boards.get(name).and_then(Weak::upgrade);
+        there.unwrap_or_else(|| {
+            let new = Arc::new(Self::default());
+            boards.insert(name.to_owned(), Arc::downgrade(&new));
+            new
+        })
+    }
+
+    /// Opens an end of a port: `end` makes it what it is, or refuses.
+    pub(crate) fn open(
+        &self,
+        port: &PortSpec<'_>,
+        end: impl FnOnce(&mut Port) -> Result<(), OpenError>,
+    ) -> Result<(), OpenError> {
+        let PortSpec { address: at, ty, .. } = *port;
+        let mut ports = lock(&self.0);
+        ports.retain(|_, port| {
+            port.has_writer || port.readers.iter().any(|reader| reader.strong_count() > 0)
+        });
+        let new = || Port { ty: ty.clone(), has_writer: false, last: None, readers: Vec::new() };
+        let port = ports.entry(at.clone()).or_insert_with(new);
+        if !port.ty.same_as(ty) {
+            return Err(OpenError::TypeMismatch {
+                address: at.clone(),
+                ours: type_of_port(ty),
+                theirs: type_of_port(&port.ty),
+            });
+        }
+        end(port)
+    }
+
+    /// A sample of a port goes to all its readers, and stays for those that come.
+    pub(crate) fn deliver(&self, at: &Address, sample: &[u8]) {
+        if let Some(port) = lock(&self.0).get_mut(at) {
+            port.readers.iter().filter_map(Weak::upgrade).for_each(|reader| reader.put(sample));
+            port.last = Some(sample.to_vec());
+        }
+    }
+
+    /// The writer of a port is gone, and its value with it.
+    pub(crate) fn leave(&self, at: &Address) {
+        if let Some(port) = lock(&self.0).get_mut(at) {
+            (port.has_writer, port.last) = (false, None);
+        }
+    }
+}
+
+impl Port {
+    /// Adds a reader: it has the last value, and each one that is delivered from now on.
+    pub(crate) fn join(&mut self, reader: &Arc<Inbox>) {
+        self.last.iter().for_each(|last| reader.put(last));
+        self.readers.retain(|other| other.strong_count() > 0);
+        self.readers.push(Arc::downgrade(reader));
+    }
+}

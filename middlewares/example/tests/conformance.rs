@@ -1,0 +1,20 @@
+//! The example holds what every middleware must hold.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use genom_example::{Example, Options};
+use genom_middleware::{Backend as _, Middleware};
+
+/// A board that no other test has.
+fn board() -> String {
+    static BOARDS: AtomicU32 = AtomicU32::new(0);
+    BOARDS.fetch_add(1, Ordering::Relaxed).to_string()
+}
+
+genom_conformance::conformance! {
+    example: {
+        let options = Options { board: board() };
+        move || -> Arc<dyn Middleware> { Example::open(options.clone()).expect("a thread") }
+    }
+}
