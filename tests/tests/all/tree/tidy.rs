@@ -10,9 +10,9 @@ use genom_tests::{files, repository};
 /// Crates that hold real code, with the crates of ours that each may know (design: arrows point
 /// down only). The daemon is the one place where all of them meet.
 const ARROWS: &[(&str, &[&str])] = &[
-    ("genom-types", &[]),
-    ("genom-text", &[]),
-    ("genom-description", &["genom-text", "genom-types"]),
+    ("genom-types", &["genom-nearest"]),
+    ("genom-text", &["genom-nearest"]),
+    ("genom-description", &["genom-nearest", "genom-text", "genom-types"]),
     ("genom-description-tools", &["genom-description", "genom-text", "genom-types"]),
     ("genom-middleware", &["genom-types"]),
     ("genom-kit", MIDDLEWARE),
@@ -31,7 +31,8 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-configuration", CONFIGURATION),
     ("genom-supervisor", SUPERVISOR),
     ("genom-proof", &[]),
-    ("genom-protocol", &["genom-types"]),
+    ("genom-nearest", &[]),
+    ("genom-protocol", &["genom-nearest"]),
     ("genomctl", GENOMCTL),
     ("genom-derive", &[]),
     ("genom", &["genom-derive"]),
@@ -56,21 +57,16 @@ const GENOMCTL: &[&str] = &[
     "genom-types",
 ];
 /// The one crate that knows which middlewares there are.
-const BACKENDS: &[&str] = &[
-    "genom-local",
-    "genom-middleware",
-    "genom-protocol",
-    "genom-ros2",
-    "genom-shm",
-    "genom-zenoh",
-];
+const BACKENDS: &[&str] =
+    &["genom-local", "genom-middleware", "genom-nearest", "genom-ros2", "genom-shm", "genom-zenoh"];
 const CONFIGURATION: &[&str] =
-    &["genom-middleware", "genom-protocol", "genom-registry", "genom-runtime"];
+    &["genom-middleware", "genom-nearest", "genom-protocol", "genom-registry", "genom-runtime"];
 const SUPERVISOR: &[&str] = &[
     "genom-configuration",
     "genom-description",
     "genom-host",
     "genom-middleware",
+    "genom-nearest",
     "genom-ports",
     "genom-protocol",
     "genom-registry",
