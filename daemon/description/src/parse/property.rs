@@ -56,7 +56,7 @@ impl Parser<'_> {
                 Ok(None) => {
                     let help = self
                         .word()
-                        .and_then(|word| nearest(word, PROPERTIES.into_iter()))
+                        .and_then(|word| nearest(word, PROPERTIES))
                         .map(|near| format!("did you mean `{near}`?"));
                     let _ = self.refuse::<()>("E0107", "a property", help);
                     self.recover(level, from);

@@ -117,7 +117,7 @@ fn shared_memory(known: &[Middleware]) -> Vec<Finding> {
         return Vec::new();
     }
     let machine = Machine::at(Path::new("/"));
-    vec![memory::nodes(&machine, &[root.clone()]), memory::segments(&machine, &[prefix])]
+    vec![memory::nodes(&machine, std::slice::from_ref(root)), memory::segments(&machine, &[prefix])]
 }
 
 /// What is wrong with components, and with what is left of some.
