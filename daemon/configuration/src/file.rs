@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use genom_protocol::nearest::nearest_key;
+use genom_nearest::nearest_key;
 use genom_protocol::{
     BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, Place,
 };

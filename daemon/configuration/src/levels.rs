@@ -1,6 +1,6 @@
 //! What a filter of logs may say: `info`, or `info,genomd=debug`.
 
-use genom_protocol::nearest::nearest;
+use genom_nearest::nearest;
 
 /// Whether a filter says what to log: a level, or levels of parts (`info,genomd=debug`). A word that
 /// is neither would be taken for a part that nothing is of, and silence all.

@@ -1,6 +1,6 @@
 //! What the command line sets of the configuration: `--set rpc.max_body=1024`.
 
-use genom_protocol::nearest::nearest_key;
+use genom_nearest::nearest_key;
 use genom_registry::Sections;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};

@@ -14,11 +14,15 @@
 //!     function halve(out double speeed);
 //! };";
 //! let analysis = read_text("axis.gen", text, &Options::default());
+//! assert!(!analysis.has_errors());
 //! let axis = &analysis.specification.components[0];
 //! assert_eq!(axis.name, "axis");
 //! assert!(axis.services.iter().any(|service| service.name == "set_speed"));
-//! // What is wrong has a code and a place.
-//! println!("{}", render::human(&analysis.diagnostics, &analysis.sources, false));
+//!
+//! // What is wrong has a place and a code, which `diagnostic::explain` explains.
+//! let analysis = read_text("axis.gen", "typedef lonk t;", &Options::default());
+//! let told = render::short(&analysis.diagnostics, &analysis.sources);
+//! assert_eq!(told, "axis.gen:1:9: error: unknown type `lonk` [E0206]\n");
 //! ```
 //!
 //! The steps: [`preprocess`] makes tokens (of crate `genom-text`), [`parse`] a tree ([`syntax`]),

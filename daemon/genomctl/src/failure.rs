@@ -4,7 +4,7 @@ use std::io;
 use std::process::ExitCode;
 use std::time::Duration;
 
-use genom_protocol::Reason;
+use genom_protocol::{Code, Reason};
 use serde_json::{Value, json};
 
 use crate::chosen::Chosen;
@@ -210,7 +210,7 @@ impl Failure {
         ExitCode::from(match self {
             Failure::Usage { .. } => 2,
             Failure::Unreachable { .. } | Failure::Lost { .. } | Failure::Silent { .. } => 3,
-            Failure::Refused(refusal) if refusal.code == "daemon_silent" => 3,
+            Failure::Refused(reason) if reason.is(Code::DaemonSilent) => 3,
             _ => 1,
         })
     }

@@ -44,7 +44,7 @@ pub struct CallEntry {
 
 /// What is to run and how it is wired, on one daemon.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(default)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Deployment {
     /// Components, in order unless `after` says otherwise.

@@ -29,7 +29,6 @@ pub mod frames;
 mod load;
 mod logs;
 mod middlewares;
-pub mod nearest;
 #[cfg(feature = "openapi")]
 pub mod openapi;
 mod outcome;

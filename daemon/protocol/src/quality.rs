@@ -6,7 +6,7 @@ use std::fmt;
 use serde::de::{self, Deserializer, Visitor};
 use serde::{Deserialize, Serialize};
 
-use crate::nearest::nearest;
+use genom_nearest::nearest;
 
 /// Most samples of a port that may wait to be sent.
 const MOST: i64 = 65_536;

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Instant;
 
 use genom_middleware::{Backend, Middleware};
-use genom_protocol::nearest::{nearest, nearest_key};
+use genom_nearest::{nearest, nearest_key};
 use serde::Deserialize;
 
 /// A middleware this daemon was built with.

@@ -27,7 +27,14 @@ impl fmt::Debug for Event {
     }
 }
 
-/// The [`Event`] of a full name: `event!("::demo::pause::main")`. It is a constant.
+/// The [`Event`] of a full name, as a constant. `pause::` before the state waits for the next tick.
+///
+/// ```
+/// use genom::{Event, event};
+///
+/// const AGAIN: Event = event!("::demo::pause::main");
+/// assert_eq!(AGAIN.name(), c"::demo::pause::main");
+/// ```
 #[macro_export]
 macro_rules! event {
     ($name:literal) => {

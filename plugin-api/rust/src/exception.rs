@@ -10,6 +10,28 @@ use crate::data::{BoundedString, Data};
 /// An exception of the `.gen` file; `#[derive(Exception)]` implements it.
 ///
 /// The detail is copied as it is, so it owns nothing: texts in it are [`BoundedString`]s.
+///
+/// ```
+/// use genom::{BoundedString, Context, Exception, Thrown};
+///
+/// #[derive(Clone, Copy, Exception)]
+/// #[genom(name = "::demo::OUT_OF_RANGE")]
+/// #[repr(C)]
+/// struct OutOfRange {
+///     limit: f64,
+///     what: BoundedString<16>,
+/// }
+///
+/// #[genom::codel]
+/// fn demo_validate(goal: f64, context: &Context) -> Result<(), Thrown> {
+///     if goal > 1.0 {
+///         let what = BoundedString::new("goal");
+///         return Err(OutOfRange { limit: 1.0, what }.raise(context));
+///     }
+///     Ok(())
+/// }
+/// assert_eq!(OutOfRange::ID, c"::demo::OUT_OF_RANGE");
+/// ```
 pub trait Exception: Copy {
     /// Full name, such as `::demo::OUT_OF_RANGE`.
     const ID: &'static CStr;

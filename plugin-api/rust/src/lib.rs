@@ -61,7 +61,39 @@ pub use data::{
 };
 pub use event::Event;
 pub use exception::{Exception, Syserr, Thrown, Unkex};
-pub use genom_derive::{Data, Exception, NativeType, codel, remote};
+/// A planner that a codel asks, and whose exception the codel ends with:
+///
+/// ```
+/// use genom::{Context, Data, Event, Sequence, Thrown, event};
+///
+/// #[derive(Clone, Copy, Data)]
+/// #[genom(name = "::planner::point")]
+/// #[repr(C)]
+/// struct Point {
+///     x: f64,
+///     y: f64,
+/// }
+///
+/// genom::remote! {
+///     /// Service `plan` of interface `planner`.
+///     struct Plan(from: &Point, path: &mut Sequence<Point>);
+/// }
+///
+/// #[genom::codel]
+/// fn demo_ask(
+///     from: &Point,
+///     path: &mut Sequence<Point>,
+///     plan: &mut Plan,
+///     context: &Context,
+/// ) -> Result<Event, Thrown> {
+///     plan.call(from, path, context)?;
+///     Ok(event!("::demo::follow"))
+/// }
+/// # fn main() {}
+/// ```
+///
+pub use genom_derive::remote;
+pub use genom_derive::{Data, Exception, NativeType, codel};
 pub use outcome::Outcome;
 pub use port::{InPort, MultipleInPort, MultipleOutPort, OutPort};
 

@@ -79,6 +79,25 @@ macro_rules! port {
 
 port! {
     /// `port in T`: the last value read stays until the next [`read`](Self::read).
+    ///
+    /// ```
+    /// use genom::{Context, Event, InPort, OutPort, Thrown, event};
+    ///
+    /// #[genom::codel]
+    /// fn demo_follow(
+    ///     target: &mut InPort<f64>,
+    ///     command: &mut OutPort<f64>,
+    ///     context: &Context,
+    /// ) -> Result<Event, Thrown> {
+    ///     // Nothing to follow: the port is unconnected, or was never written.
+    ///     let Some(target) = target.latest(context).copied() else {
+    ///         return Ok(event!("::demo::pause::wait"));
+    ///     };
+    ///     command.publish(0.5 * target, context)?;
+    ///     Ok(event!("::demo::pause::follow"))
+    /// }
+    /// # fn main() {}
+    /// ```
     InPort, Handle, IN_PORT
 }
 

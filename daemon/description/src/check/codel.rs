@@ -250,7 +250,7 @@ impl Checker {
                     });
                     let near = service.and_then(|service| {
                         let all = service.parameters.iter().chain(&service.locals);
-                        crate::parse::nearest(&name.text, all.map(|p| &*p.name))
+                        genom_nearest::nearest(&name.text, all.map(|p| &*p.name))
                     });
                     let message = format!("unknown source for parameter `{}`", name.text);
                     let mut error = Diagnostic::error("E0712", name.span, message);
@@ -292,7 +292,7 @@ impl Checker {
                 let message = format!("no such service parameter `{}`", name.text);
                 let near = service.and_then(|service| {
                     let all = service.parameters.iter().chain(&service.locals);
-                    crate::parse::nearest(&name.text, all.map(|p| &*p.name))
+                    genom_nearest::nearest(&name.text, all.map(|p| &*p.name))
                 });
                 let mut error = Diagnostic::error("E0718", name.span, message);
                 error.help = near.map(|near| format!("did you mean `{near}`?"));

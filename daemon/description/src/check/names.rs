@@ -133,7 +133,7 @@ impl Checker {
     ) -> Option<String> {
         self.suggestions = self.suggestions.checked_sub(1)?;
         let this: &'s Self = self;
-        let near = crate::parse::nearest(word, names(this).into_iter())?;
+        let near = genom_nearest::nearest(word, names(this).into_iter())?;
         Some(format!("did you mean `{near}`?"))
     }
 

@@ -11,8 +11,6 @@ mod service;
 mod statement;
 mod types;
 
-pub(crate) use statement::nearest;
-
 use std::collections::HashSet;
 use std::rc::Rc;
 

@@ -2,7 +2,8 @@
 
 use std::rc::Rc;
 
-use super::statement::nearest;
+use genom_nearest::nearest;
+
 use super::{Parsed, Parser};
 use crate::syntax::{Name, Property, PropertyKind, Quantity, TimeUnit};
 

@@ -1,5 +1,7 @@
 //! Statements at top level, in modules and in components.
 
+use genom_nearest::nearest;
+
 use super::{Parsed, Parser};
 use crate::syntax::{
     Body, Const, Exception, Export, Idl, IdsDeclaration, Name, Path, Statement, Struct, TypeSpec,
@@ -324,14 +326,4 @@ impl Parser<'_> {
             _ => self.type_spec(),
         }
     }
-}
-
-/// The nearest of `names`, if near enough to be meant.
-pub(crate) fn nearest<'n>(word: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    names
-        .filter(|name| *name != word)
-        .map(|name| (strsim::damerau_levenshtein(word, name), name))
-        .filter(|(distance, name)| *distance <= 1 + word.len().min(name.len()) / 4)
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, name)| name)
 }

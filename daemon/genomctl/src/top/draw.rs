@@ -79,6 +79,12 @@ fn table(
     frame.render_widget(Table::new(rows, widths).header(header).column_spacing(2), below);
 }
 
+/// A column of names, which somebody may want to type: it is never cut for the others.
+fn whole<S: AsRef<str>>(names: impl Iterator<Item = S>, least: u16) -> Constraint {
+    let longest = names.map(|name| Line::raw(name.as_ref()).width()).max().unwrap_or(0);
+    Constraint::Min(u16::try_from(longest).unwrap_or(u16::MAX).max(least))
+}
+
 fn draw_tasks(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
     let rows = now.tasks().map(|(component, task)| {
         let period = task.period_ns.map_or_else(|| "-".to_owned(), duration);
@@ -97,7 +103,8 @@ fn draw_tasks(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
     });
     let header = ["TASK", "PERIOD", "RT", "CYCLES", "OVERRUNS", "WORK", "LONGEST", "LATE P99"];
     let widths = [16, 10, 3, 9, 8, 10, 10, 10].map(Constraint::Length);
-    let widths = [&[Constraint::Min(16)], &widths[1..]].concat();
+    let names = now.tasks().map(|(component, task)| format!("{component}/{}", task.name));
+    let widths = [&[whole(names, 16)], &widths[1..]].concat();
     table(frame, area, &header, rows.collect(), &widths);
 }
 
@@ -109,8 +116,10 @@ fn draw_activities(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
         let name = format!("{component}/{}", one.service);
         Row::new([name, one.activity.to_string(), one.status.to_string(), state]).style(style)
     });
+    let names = now.activities().into_iter();
+    let names = names.map(|(component, one)| format!("{component}/{}", one.service));
     let widths =
-        [Constraint::Min(16), Constraint::Length(8), Constraint::Length(10), Constraint::Fill(2)];
+        [whole(names, 16), Constraint::Length(8), Constraint::Length(10), Constraint::Fill(2)];
     table(frame, area, &["ACTIVITY", "NUMBER", "STATUS", "STATE"], rows.collect(), &widths);
 }
 
@@ -137,13 +146,13 @@ fn draw_ports(
         .style(alarm(dropped > 0))
     });
     let widths = [
-        Constraint::Min(20),
+        whole(now.ports.iter().map(|port| &port.address), 20),
         Constraint::Length(3),
         Constraint::Length(10),
         Constraint::Length(10),
         Constraint::Length(9),
         Constraint::Length(7),
-        Constraint::Fill(1),
+        whole(now.ports.iter().filter_map(|port| port.connected.as_ref()), 9),
     ];
     let header = ["PORT", "DIR", "BACKEND", "RATE", "SAMPLES", "DROPPED", "CONNECTED"];
     table(frame, area, &header, rows.collect(), &widths);
@@ -256,6 +265,16 @@ mod tests {
             demo/parameter             in   shm         -           -          0        joystick/gain
         "#]]
         .assert_eq(&text(&now, Some(&before), 100));
+    }
+
+    #[test]
+    fn names_stay_whole_where_the_screen_is_narrow_and_other_columns_give_room() {
+        let mut now = snapshot(1, Instant::now());
+        let long = "left_arm_controller/references/joint_positions";
+        now.ports[0].address = long.into();
+        let told = text(&now, None, 80);
+        assert!(told.contains(long), "{told}");
+        assert!(told.contains("joystick/gain"), "{told}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use genom_protocol::nearest::suggest;
+use genom_nearest::suggest;
 use genom_protocol::{Code, Reason, Refusal};
 use genom_runtime::HeldUp;
 

@@ -7,7 +7,7 @@ use axum::extract::{Path, State};
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
 use axum::{Extension, Json};
-use genom_protocol::nearest::suggest;
+use genom_nearest::suggest;
 use genom_protocol::{ChangeParameters, Code, Fired};
 use serde_json::json;
 use strum::VariantNames as _;

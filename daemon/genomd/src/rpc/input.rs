@@ -9,8 +9,8 @@ use axum::http::StatusCode;
 use axum::http::request::Parts;
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
+use genom_nearest::nearest_key;
 use genom_protocol::Code;
-use genom_protocol::nearest::nearest_key;
 use serde::de::DeserializeOwned;
 use tokio::time::timeout;
 

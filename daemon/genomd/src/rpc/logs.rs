@@ -7,7 +7,7 @@ use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::sse::{Event, Sse};
 use axum::{Extension, Json};
-use genom_protocol::nearest::suggest;
+use genom_nearest::suggest;
 use genom_protocol::{Level, LogEntry, LogParameters, Logs};
 use serde::Deserialize as _;
 use serde_json::{Value, json};

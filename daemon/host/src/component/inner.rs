@@ -47,8 +47,8 @@ pub(super) struct Inner {
 }
 
 impl Drop for Inner {
-    /// Codels assign IDS and ports to one another, pointers included: each is freed once. They
-    /// leave threads behind, which know the IDS: these stay with them.
+    /// Codels may copy pointers between IDS and ports, so memory that two of them hold is freed once.
+    /// When the library stays mapped for threads that codels left behind, the IDS stay as well.
     fn drop(&mut self) {
         if let Some(written) = self.all_zones().take_written() {
             let path = self.library.path().display();

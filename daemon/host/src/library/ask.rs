@@ -1,7 +1,7 @@
-//! Asks a thread that does not stand still where it is. One of the few unsafe modules.
+//! Finds out where a running thread is, by a signal. One of the few unsafe modules.
 //!
-//! The signal's handler notes where it interrupted the thread, and holds it there until it has been
-//! looked at. The signal is one whose default is to be ignored, so that it harms nothing if it comes
+//! The signal's handler stores where it interrupted the thread, and holds the thread there until the
+//! asker has looked. The signal is one whose default is to be ignored, so that it harms nothing if it comes
 //! late.
 #![allow(unsafe_code)]
 
@@ -28,13 +28,14 @@ pub(super) struct Place {
     pub(super) stack: usize,
 }
 
-/// The thread that is asked, 0 when none is: whoever is held may go on.
+/// The thread that is asked; 0 when none is, which lets a held thread go on.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 static COUNTER: AtomicUsize = AtomicUsize::new(0);
 /// Written last; 0 while there is no answer.
 static STACK: AtomicUsize = AtomicUsize::new(0);
 
-/// Shows `look` where that thread is, while it stands still; `None` when it does not answer.
+/// Calls `look` with the place of that thread, which stands still meanwhile; `None` when it does not
+/// answer in time.
 pub(super) fn where_is<T>(thread: i32, look: impl FnOnce(Place) -> T) -> Option<T> {
     static TURN: Mutex<()> = Mutex::new(());
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -58,7 +59,7 @@ pub(super) fn where_is<T>(thread: i32, look: impl FnOnce(Place) -> T) -> Option<
     seen
 }
 
-/// Whether the thread lets no such signal through: it would come at a time of its own.
+/// Whether the thread blocks the signal, which would then be handled at any later time.
 fn is_masked(thread: i32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/self/task/{thread}/status"));
     let mask = status.ok().and_then(|status| {

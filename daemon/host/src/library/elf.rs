@@ -25,7 +25,7 @@ pub(super) fn read(path: &Path) -> Result<Vec<u8>, OpenError> {
     })
 }
 
-/// Refuses what the dynamic linker would refuse with fewer words, or crash on.
+/// Refuses files that the dynamic linker would crash on, or refuse without a helpful message.
 pub(super) fn check(path: &Path, bytes: &[u8]) -> Result<(), OpenError> {
     let ident = bytes.get(..20).filter(|head| head.starts_with(&elf::ELFMAG));
     let Some(ident) = ident else {

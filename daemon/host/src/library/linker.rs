@@ -88,8 +88,8 @@ impl Handle {
         (address != 0).then_some(address)
     }
 
-    /// Calls the library's functions for the end as closing does, the last one first, and sees to
-    /// it that closing does not call them again.
+    /// Calls the functions that closing the library would call, the last one first, and marks them
+    /// as called.
     ///
     /// # Safety
     /// `first` is the first of `count` addresses of such functions (`DT_FINI_ARRAY`), and `size` the

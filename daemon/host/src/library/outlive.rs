@@ -10,8 +10,8 @@ use super::{Library, threads, timers};
 use crate::process;
 
 impl Library {
-    /// Whether something that codels left behind still uses its code, now that nobody calls it any
-    /// more: it then stays mapped for good, and what those may hold has to stay as well.
+    /// Whether threads, timers or thread-specific data that codels left behind still use its code,
+    /// after the last call. It then stays mapped for good, and so must the memory they may use.
     ///
     /// What it does on signals is undone. If there is a use, its own functions for the end run
     /// first: they may end it.

@@ -1,9 +1,9 @@
 //! Threads that are still in the code of a library: a codel may have started one and left it, and
 //! to unmap the code under it ends the daemon.
 //!
-//! Found as a debugger would, by what lies on their stacks; a stale word can only make a library
-//! stay that could have gone. A thread that waits is looked at as it is. One that never waits is
-//! asked by a signal where it is.
+//! A thread counts as being in a library when its stack holds an address of the library's code. A
+//! stale address can only keep a library that could have been unmapped. Threads that wait are read
+//! as they are; running ones are asked by a signal where they are ([`ask`](super::ask)).
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
@@ -24,12 +24,12 @@ const LOOKS: usize = 20;
 /// Most of a stack that is read.
 const DEEPEST: usize = 8 << 20;
 
-/// Threads that matter to a library that is to be unmapped, those that ask apart.
+/// Threads that keep a library from being unmapped, the asking ones excluded.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Threads {
     /// With an address of its code on their stacks.
     pub(super) inside: usize,
-    /// Of which nobody can say.
+    /// That could not be looked at.
     pub(super) unseen: usize,
 }
 
@@ -41,10 +41,10 @@ enum Found {
     Unseen,
 }
 
-/// Looks at all threads for addresses within `code`, those that ask apart.
+/// Looks for threads with addresses within `code`; threads that ask are left out.
 ///
-/// A look takes the longer the more components there are. Those who ask while one is under way
-/// share the next: 500 libraries that are closed side by side do not take 500 looks.
+/// A look reads all stacks, so it takes longer the more components there are. Callers that come
+/// while one is under way share the next one: to close 500 libraries side by side takes a few looks.
 pub(super) fn inside(code: &[Range<usize>]) -> Threads {
     let (answer, found) = channel();
     let thread = own_number();
@@ -63,7 +63,7 @@ pub(super) fn inside(code: &[Range<usize>]) -> Threads {
     found.recv().unwrap_or(Threads { inside: 0, unseen: 1 })
 }
 
-/// Somebody who waits for a look.
+/// A caller that waits for a look.
 struct Asked {
     code: Vec<Range<usize>>,
     /// It has no business in the code itself, but may have addresses of it on its stack.
@@ -72,7 +72,7 @@ struct Asked {
 }
 
 static ASKED: Mutex<Vec<Asked>> = Mutex::new(Vec::new());
-/// Whoever has it looks for all that have asked.
+/// Held while looking, for all callers that have asked by then.
 static TURN: Mutex<()> = Mutex::new(());
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {

@@ -41,7 +41,7 @@ pub(super) fn forget(descriptor: c_int) {
     }
 }
 
-/// Makes sure that children know what they are.
+/// From now on a forked child knows that it is one.
 pub(super) fn prepare() {
     static ONCE: Once = Once::new();
     // SAFETY: the function calls only what a child of a process with threads may call, and is part
@@ -70,7 +70,7 @@ unsafe extern "C" fn on_child() {
     }
 }
 
-/// As the system's, but that what the daemon opens is close-on-exec: not all libraries say so.
+/// The system's `open`, except that what the daemon and its libraries open is close-on-exec.
 ///
 /// # Safety
 /// As for the system's.

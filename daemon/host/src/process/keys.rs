@@ -39,7 +39,7 @@ fn next(known: &AtomicUsize, name: &std::ffi::CStr) -> usize {
     found
 }
 
-/// As the C library's, but that the destructor is known.
+/// The C library's `pthread_key_create`, except that the destructor is remembered.
 ///
 /// # Safety
 /// As for the C library's.

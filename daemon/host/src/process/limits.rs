@@ -1,8 +1,8 @@
 //! Limits of the process: as they were when the daemon started. One of the few unsafe modules.
 //!
-//! A limit is the whole process's. A codel that lowers one to protect itself takes files and memory
-//! from the daemon and from every other component: through the C library that is refused, and what
-//! was lowered otherwise is raised again.
+//! A limit holds for the whole process: a codel that lowers one takes files or memory from the daemon
+//! and from all other components. Through the C library that is refused; what was lowered by a system
+//! call is raised again.
 #![allow(unsafe_code)]
 
 use std::ffi::c_int;
@@ -101,7 +101,7 @@ unsafe fn is_refused(pid: libc::pid_t, resource: c_int, new: *const Limit) -> bo
     lowers
 }
 
-/// As the system's, but that codels lower nothing that the daemon needs.
+/// The system's `setrlimit`, except that codels cannot lower a limit that the daemon needs.
 ///
 /// # Safety
 /// As for the system's.

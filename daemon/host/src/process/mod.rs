@@ -1,5 +1,5 @@
-//! The process, which codels share with the daemon and with each other: what they do to it is
-//! named, and undone where it can be.
+//! The process, which codels share with the daemon and with each other. What they change of it is
+//! logged with the name of the codel, and undone where possible.
 
 mod forked;
 mod keys;
@@ -22,8 +22,8 @@ pub(crate) use signals::take_from as take_signals_from;
 pub(crate) use standard::error_descriptor;
 pub use standard::{StandardError, keep_off};
 
-/// Before codels run: functions by which they end what is not theirs come to the host, and
-/// standard error has a copy of its own.
+/// To be called before codels run: from then on functions that end the thread or the process come
+/// to the host, and standard error has a copy.
 pub fn guard_process() {
     stand_ins::keep();
     forked::prepare();

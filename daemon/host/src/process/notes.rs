@@ -1,5 +1,5 @@
-//! What codels did to the process, noted where it happens, even in signal handlers, and read by
-//! whoever logs it. Nothing here allocates, locks or waits.
+//! What codels did to the process: noted where it happens, also in signal handlers, and taken when
+//! it is logged. Nothing here allocates, locks or waits.
 
 use std::sync::atomic::{AtomicI32, AtomicU8, AtomicU32, Ordering};
 
@@ -70,7 +70,7 @@ pub(crate) fn add(act: Act, number: i32, sender: i32, words: &str) {
     };
     let Some(slot) = SLOTS.iter().find(own) else { return };
     if slot.busy.swap(1, Ordering::Acquire) == 0 {
-        // A name that is known is better than none: the same signal may come without.
+        // Keep the name: the same signal may also come at a moment when no codel runs.
         if !words.is_empty() || slot.times.load(Ordering::Relaxed) == 0 {
             let mut ends = (0..=words.len().min(ROOM - 1)).rev();
             let end = ends.find(|at| words.is_char_boundary(*at)).unwrap_or(0);

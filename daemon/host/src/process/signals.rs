@@ -1,9 +1,8 @@
-//! What the process does on signals, kept against codels that take the process for their own. One
-//! of the few unsafe modules.
+//! What the process does on signals, put back when codels change it. One of the few unsafe modules.
 //!
-//! Three kinds: those that stop the daemon keep doing so; those that would end it although nobody
-//! handles them, such as a timer's, are noted instead; and what a library handles itself is left
-//! to it as long as it is loaded.
+//! Signals that stop the daemon keep doing so. Signals whose default would end the process, such as
+//! a timer's, are noted and have no effect. A signal that a library handles is left to the library
+//! as long as it is loaded.
 #![allow(unsafe_code)]
 
 use std::ffi::{c_int, c_void};
@@ -26,8 +25,8 @@ const OURS: [(c_int, &str); 4] = [
 /// Those of them that stop it.
 const STOPPING: [c_int; 3] = [libc::SIGINT, libc::SIGTERM, libc::SIGHUP];
 
-/// Signals whose default is to end the process, and that only timers, codels and curious users
-/// send. The real-time signals belong to them.
+/// Signals whose default is to end the process, and which no supervisor sends; the real-time
+/// signals are of this kind too.
 const HARMLESS: [(c_int, &str); 10] = [
     (libc::SIGALRM, "SIGALRM"),
     (libc::SIGVTALRM, "SIGVTALRM"),

@@ -13,8 +13,7 @@ unsafe extern "C" {
     fn genom_host_stand_in();
 }
 
-/// Makes sure that the functions are part of the program: of what nothing refers to, the linker
-/// takes nothing.
+/// Refers to the functions, so that the linker makes them part of the program.
 pub(super) fn keep() {
     // SAFETY: it looks up functions of the C library.
     unsafe { genom_host_stand_in() };

@@ -1,9 +1,9 @@
 //! Standard input, output and error, kept against codels that close them. One of the few unsafe
 //! modules.
 //!
-//! The next file or socket that the daemon opens gets the lowest free descriptor. Were that 2, what
-//! libraries print would end in a client's connection. The daemon itself writes to a copy of
-//! standard error that is its own.
+//! A new file or socket gets the lowest free descriptor. If a codel closed descriptor 2, the next
+//! connection of a client would get it, and with it all that libraries print. The daemon itself
+//! writes to a copy of standard error.
 #![allow(unsafe_code)]
 
 use std::ffi::c_int;
@@ -17,7 +17,7 @@ use super::notes::{self, Act};
 use crate::running;
 
 const NAMES: [&str; 3] = ["input", "output", "error"];
-/// Copies get descriptors from here on: above those that programs count on.
+/// Copies get descriptors from here on, out of the way of code that expects low numbers.
 const HIGH: RawFd = 100;
 
 /// Copies of the three, as they were at the start.
@@ -30,7 +30,7 @@ fn copies() -> &'static [Option<File>; 3] {
 /// A copy of a descriptor that no program inherits.
 fn copy(of: RawFd) -> Option<File> {
     let copy = File::from(duplicate(of).ok()?);
-    // Or who reads what the daemon says would wait for the ends of its children, too.
+    // A reader of a pipe sees its end only when every copy is closed, those of children too.
     forked::keep_from_children(&copy);
     Some(copy)
 }
@@ -55,7 +55,7 @@ fn duplicate(of: RawFd) -> io::Result<OwnedFd> {
 pub struct StandardError(());
 
 impl StandardError {
-    /// It; the first call is to be made before codels run.
+    /// Standard error. To be called once before codels run: it is copied then.
     #[must_use]
     pub fn get() -> Self {
         let _ = copies();
@@ -114,8 +114,8 @@ fn reopen(descriptor: RawFd) -> bool {
     }
 }
 
-/// Moves a descriptor of the daemon's out of the place of a standard one, which it then has no
-/// more part in.
+/// Moves a descriptor that got the number of a standard one to a higher number, and opens the
+/// standard one again.
 ///
 /// # Errors
 /// There are no more descriptors.
@@ -132,8 +132,8 @@ pub fn keep_off(found: OwnedFd) -> io::Result<OwnedFd> {
     Ok(moved)
 }
 
-/// As the system's, but that codels do not close the standard descriptors, and that who kept a
-/// descriptor for itself keeps the next file of that number for nobody.
+/// The system's `close`, except that codels cannot close the standard descriptors. A number that
+/// was kept from children ([`forked::keep_from_children`]) is not kept any more once it is closed.
 ///
 /// # Safety
 /// As for the system's.

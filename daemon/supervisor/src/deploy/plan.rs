@@ -1,6 +1,6 @@
 //! From a deployment and what runs to the steps between the two.
 
-use genom_protocol::nearest::suggest;
+use genom_nearest::suggest;
 use serde_json::Value;
 
 use super::Step;

@@ -2,7 +2,7 @@
 
 use super::{Answer, Components, Hosted, InputError, Rest};
 use genom_configuration::CallEntry;
-use genom_protocol::nearest::suggest;
+use genom_nearest::suggest;
 
 /// A request was refused.
 #[derive(Debug)]

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use genom_configuration::{BackendNames, CallEntry, LoadRequest};
 use genom_description::model::{Component as Model, PortDirection, ServiceKind};
 use genom_host::{Component, Contents, OpenError};
-use genom_protocol::nearest::suggest;
+use genom_nearest::suggest;
 
 use self::locate::Located;
 use crate::daemon::Daemon;

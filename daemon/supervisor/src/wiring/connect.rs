@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, Policy, PortSpec};
+use genom_nearest::suggest;
 use genom_ports::{Tap, key};
 use genom_protocol::address::NoAddress;
-use genom_protocol::nearest::suggest;
 use genom_runtime::HeldUp;
 
 use crate::bus::Change;

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use genom_middleware::describe::types_of_service;
 use genom_middleware::{Address, EndpointKind, Middleware, OpenError, ServiceType};
-use genom_protocol::nearest::suggest;
+use genom_nearest::suggest;
 use genom_runtime::HeldUp;
 use genom_runtime::body::RemoteCall;
 use genom_types::DataType;

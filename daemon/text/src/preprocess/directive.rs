@@ -1,5 +1,7 @@
 //! Directives: what a line that begins with `#` asks for.
 
+use genom_nearest::nearest;
+
 use super::include::join;
 use super::{Kind, PToken, Preprocessor, slice};
 use crate::diagnostic::Diagnostic;
@@ -191,8 +193,7 @@ impl Preprocessor<'_> {
         }
         let message = format!("unknown directive `#{text}` is ignored");
         let mut diagnostic = Diagnostic::warning("W0105", name.span, message);
-        let near = DIRECTIVES.iter().map(|known| (strsim::osa_distance(known, text), *known));
-        if let Some((_, known)) = near.filter(|(distance, _)| *distance <= 2).min() {
+        if let Some(known) = nearest(text, DIRECTIVES) {
             diagnostic = diagnostic.help(format!("did you mean `#{known}`?"));
         }
         self.diagnostics.push(diagnostic);

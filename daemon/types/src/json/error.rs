@@ -119,18 +119,7 @@ pub(super) fn nearest<'a>(
     known: impl Iterator<Item = &'a str> + Clone,
 ) -> (Option<String>, String) {
     let short = name.rsplit("::").next().unwrap_or(name);
-    let nearest = known
-        .clone()
-        .map(|candidate| {
-            let (a, b) = (candidate.to_lowercase(), short.to_lowercase());
-            (strsim::damerau_levenshtein(&a, &b), candidate)
-        })
-        .min_by_key(|&(distance, _)| distance)
-        .filter(|&(distance, _)| {
-            let length = short.chars().count();
-            distance <= length.div_ceil(3) && distance < length
-        })
-        .map(|(_, candidate)| candidate.to_owned());
+    let nearest = genom_nearest::nearest(short, known.clone()).map(str::to_owned);
     let mut list: Vec<&str> = known.take(21).collect();
     if list.len() > 20 {
         list[20] = "...";

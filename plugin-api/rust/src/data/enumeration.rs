@@ -19,6 +19,21 @@ pub trait Enumeration: Copy + fmt::Debug + 'static {
 }
 
 /// An enum in memory: C code may have put there a rank that no variant has.
+///
+/// ```
+/// use genom::{Data, Enum};
+///
+/// #[derive(Clone, Copy, Debug, PartialEq, Data)]
+/// #[genom(name = "::demo::gear")]
+/// enum Gear {
+///     Low,
+///     High,
+/// }
+///
+/// let mut gear = Enum::from(Gear::Low);
+/// gear.set(Gear::High);
+/// assert_eq!((gear.get(), gear.rank()), (Some(Gear::High), 1));
+/// ```
 #[derive(PartialEq, Eq)]
 #[repr(transparent)]
 pub struct Enum<E> {

@@ -6,6 +6,14 @@ use super::{Aggregate, Bool, Data, plain};
 use crate::abi::{Kind, TypeDescriptor};
 
 /// `optional<T>`: the value stays in place, initialised, while it is absent.
+///
+/// ```
+/// use genom::Optional;
+///
+/// let mut speed = Optional::from(0.5);
+/// speed.clear();
+/// assert_eq!(speed.get(), None);
+/// ```
 #[derive(Clone, Copy, Default)]
 #[repr(C)]
 pub struct Optional<T> {

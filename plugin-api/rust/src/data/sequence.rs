@@ -8,7 +8,15 @@ use super::{Aggregate, Data, plain};
 use crate::abi::{Kind, TypeDescriptor};
 use crate::memory;
 
-/// `sequence<T>`: any number of elements in C memory.
+/// `sequence<T>`: any number of elements in C memory. It is used as a slice.
+///
+/// ```
+/// use genom::Sequence;
+///
+/// let mut ranges: Sequence<f64> = [0.5, 1.5].into_iter().collect();
+/// ranges.push(4.0);
+/// assert_eq!(ranges.iter().sum::<f64>(), 6.0);
+/// ```
 #[repr(C)]
 pub struct Sequence<T> {
     maximum: u32,
@@ -168,6 +176,14 @@ unsafe impl<T: Data> Data for Sequence<T> {
 impl<T: Data> Aggregate for Sequence<T> {}
 
 /// `sequence<T, N>`: at most N elements, in place.
+///
+/// ```
+/// use genom::BoundedSequence;
+///
+/// let mut latest = BoundedSequence::<i32, 2>::default();
+/// assert_eq!((latest.push(7), latest.push(8)), (Ok(()), Ok(())));
+/// assert_eq!(latest.push(9), Err(9), "there is no room for a third");
+/// ```
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct BoundedSequence<T, const N: usize> {

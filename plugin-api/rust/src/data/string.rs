@@ -9,6 +9,14 @@ use crate::abi::{Kind, TypeDescriptor};
 use crate::memory;
 
 /// `string<N>`: at most N - 1 bytes of text, and a NUL. A full one that C code wrote may lack it.
+///
+/// ```
+/// use genom::BoundedString;
+///
+/// let mut frame = BoundedString::<8>::new("base");
+/// frame.set("left_gripper");
+/// assert_eq!(frame.to_str(), "left_gr");
+/// ```
 #[derive(Clone, Copy)]
 #[repr(transparent)]
 pub struct BoundedString<const N: usize>([u8; N]);

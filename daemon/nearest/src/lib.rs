@@ -1,0 +1,76 @@
+//! Which name was probably meant: one measure for descriptions, inputs, configurations and command
+//! lines.
+
+#![forbid(unsafe_code)]
+
+/// The candidate nearest to what was typed, if one is near enough to be meant; the first of those
+/// that are equally near.
+///
+/// Insertions, deletions, replacements and swaps of neighbours count as one each, and case does not
+/// count. One is allowed, and one more for each four letters of the shorter name.
+///
+/// ```
+/// use genom_nearest::nearest;
+///
+/// assert_eq!(nearest("set_sped", ["goto", "set_speed"]), Some("set_speed"));
+/// assert_eq!(nearest("quit", ["goto", "set_speed"]), None);
+/// ```
+#[must_use]
+pub fn nearest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let folded = typed.to_lowercase();
+    let length = folded.chars().count();
+    candidates
+        .into_iter()
+        .filter(|candidate| *candidate != typed)
+        .filter_map(|candidate| {
+            let other = candidate.to_lowercase();
+            let distance = strsim::osa_distance(&folded, &other);
+            let near = distance <= 1 + length.min(other.chars().count()) / 4 && distance < length;
+            near.then_some((distance, candidate))
+        })
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}
+
+/// The nearest of the keys that serde expects: its messages say ``unknown field `x`, expected one
+/// of `a`, `b` ``.
+#[must_use]
+pub fn nearest_key(message: &str) -> Option<String> {
+    let mut quoted = message.split('`').skip(1).step_by(2);
+    let unknown = message.starts_with("unknown field").then(|| quoted.next()).flatten()?;
+    nearest(unknown, quoted).map(str::to_owned)
+}
+
+/// ``did you mean `x`? ``, or all candidates when none is near.
+#[must_use]
+pub fn suggest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
+    let candidates: Vec<&str> = candidates.into_iter().collect();
+    match nearest(typed, candidates.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None if candidates.is_empty() => "there is none".to_owned(),
+        None => format!("there are: {}", candidates.join(", ")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slip_is_suggested_and_a_guess_is_not() {
+        for (typed, meant) in [
+            ("gto", Some("goto")),
+            ("set_sped", Some("set_speed")),
+            ("Goto", Some("goto")),
+            ("ogto", Some("goto")),
+            ("quit", None),
+            ("x", None),
+            ("goto", None),
+        ] {
+            assert_eq!(nearest(typed, ["goto", "set_speed"]), meant, "{typed}");
+        }
+        assert_eq!(suggest("quit", ["goto"]), "there are: goto");
+        let told = "unknown field `max_bdy`, expected one of `max_body`, `log` at line 1";
+        assert_eq!(nearest_key(told).as_deref(), Some("max_body"));
+    }
+}
