@@ -1,4 +1,4 @@
-//! What is said of files that are not there, and what is not: names that they would have declared.
+//! Missing files: errors about names that they would have declared are left out.
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 
@@ -11,8 +11,8 @@ const FILE: &str = "E0121";
 /// A name, or an interface, that nothing declares.
 const UNKNOWN: [&str; 2] = ["E0206", "E0402"];
 
-/// One mistake, one message: without a file, what it would declare is unknown, and without a
-/// package its files are not found. How much is left out for that is said.
+/// One mistake, one message: a missing file makes names unknown, and a missing package makes files
+/// missing. The first error tells how many others are left out for that reason.
 pub(crate) fn leave_out(preprocess: &mut Diagnostics, rest: &mut Diagnostics) {
     let is_error = |one: &Diagnostic| one.severity == Severity::Error;
     if preprocess.iter().any(|one| one.code == PACKAGE) {

@@ -100,7 +100,7 @@ pub fn parse_files(
     let mut sources = SourceMap::new();
     let (tokens, preprocess) = tokenize(inputs, &options.preprocess, files, &mut sources);
     let (tree, syntax) = parse(&tokens);
-    // One who gives the interface among the files (as GenoM3's templates do) has it already.
+    // The input files may declare the interface themselves, as GenoM3's templates do.
     let standard = options.standard_interface && !declares_genom(&tree);
     let standard = standard.then(|| {
         let (tokens, _) = tokenize_text("<genom>", STANDARD, &mut sources);
@@ -111,7 +111,7 @@ pub fn parse_files(
 }
 
 impl Parsed {
-    /// What it means.
+    /// Resolves all names and checks all rules.
     #[must_use]
     pub fn check(self) -> Analysis {
         let Parsed { tree, standard, sources, preprocess: mut diagnostics, syntax } = self;
@@ -119,13 +119,13 @@ impl Parsed {
             let span = Span { file, ..Span::default() };
             sources.include_chain(span).last().map_or(file, |outermost| outermost.file)
         };
-        // Of a text that could not be read whole nothing is said but why.
+        // A text that could not be read whole gets one error: why.
         let stopped = diagnostics.stopped;
         let tree = if stopped { Tree { statements: Vec::new(), lost: tree.lost } } else { tree };
         let (specification, mut semantics) = check(tree, standard, &root_of);
         let mut rest = syntax;
         if rest.errors() > 0 {
-            // What could not be read may well use what seems unused.
+            // Parts that could not be read may use what seems unused.
             semantics.retain(|said| !said.code.starts_with("W09"));
         }
         rest.append(semantics);

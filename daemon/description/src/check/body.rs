@@ -14,7 +14,7 @@ use crate::model::{Dialect, Span};
 use crate::syntax::{self, Export, IdsDeclaration, Name};
 
 impl Checker {
-    /// Each part of the text is let go as soon as it is understood.
+    /// Each part of the tree is dropped as soon as it is checked, to save memory.
     pub(super) fn body(&mut self, dcl: syntax::Body, interface: bool) {
         let Some(id) = self.open_body(&dcl.name, interface) else { return };
         let outer = std::mem::replace(&mut self.scope, self.bodies[id].scope);

@@ -39,11 +39,11 @@ pub(super) struct Checker {
     pub(super) requires: Vec<String>,
     /// `#pragma provides` so far.
     pub(super) provided: Vec<(BodyId, Span)>,
-    /// Names that a mistake kept from being declared: nothing more is said of them.
+    /// Names whose declaration was refused: their use is not reported as unknown.
     pub(super) lost: HashSet<Rc<str>>,
     pub(super) suggestions: u32,
     pub(super) taken: Taken,
-    /// The statement being read: where what has no place of its own is said to be.
+    /// Place of the statement being checked, for errors about things without a place of their own.
     pub(super) place: Span,
     pub(super) dialect: Dialect,
     pub(super) diagnostics: Diagnostics,
@@ -53,7 +53,7 @@ pub(super) struct Checker {
 #[derive(Debug, Default)]
 pub(super) struct Taken {
     pub(super) bytes: usize,
-    /// All is taken: nothing more is made, and one error says so.
+    /// The limit is reached: nothing more is made, and one error says so.
     pub(super) full: bool,
 }
 
@@ -86,7 +86,7 @@ impl Checker {
         }
     }
 
-    /// Says what was found.
+    /// Reports an error or warning.
     pub(super) fn push(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
     }

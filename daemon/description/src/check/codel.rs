@@ -336,7 +336,7 @@ impl Checker {
         Some((rank, ty))
     }
 
-    /// Tells that a port or remote is none of the component's.
+    /// Reports a port or remote that the component does not have.
     fn unknown(
         &mut self,
         id: BodyId,

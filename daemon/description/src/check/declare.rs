@@ -73,7 +73,7 @@ impl Checker {
         }
     }
 
-    /// A typedef may name what is only announced: it is no use by value.
+    /// A typedef may name a type that is only announced, because it does not need its size.
     fn typedef_target(&mut self, dcl: &Typedef) -> Option<TypeId> {
         if let TypeSpecKind::Named(path) = &dcl.ty.kind
             && let Some((Entity::Type(ty), _)) = self.scopes.find(self.scope, path)
@@ -356,7 +356,7 @@ impl Checker {
         labels
     }
 
-    /// What was announced and never defined.
+    /// Reports types that were announced and never defined.
     // genom3.md 3.2 N8.
     pub(super) fn check_forwards(&mut self) {
         for (id, span) in std::mem::take(&mut self.forwards) {

@@ -277,7 +277,7 @@ impl Checker {
         value.transpose()
     }
 
-    /// Tells of a value that replaces one given before in the same braces.
+    /// Warns of a value that replaces one given before in the same braces.
     fn once<K: Eq + Hash>(
         &mut self,
         given: &mut HashMap<K, Span>,

@@ -1,4 +1,4 @@
-//! From what was read to the model: ranks instead of names, everything implicit made explicit.
+//! Makes the model: indices instead of names, and everything that the text leaves implicit.
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -87,7 +87,7 @@ impl Checker {
         }
     }
 
-    /// `None` when it would take too much, which is said.
+    /// `None` when it would take too much memory, which is reported.
     fn lower_component(&mut self, id: BodyId, made: &mut Made) -> Option<Component> {
         let clock_rate = self.clock_rate(id);
         self.place = self.bodies[id].span;

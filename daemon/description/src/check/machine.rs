@@ -97,11 +97,11 @@ impl Checker {
             start.into_iter().chain(stop).chain(sinks.iter().copied()).collect();
         let reached = reach(&roots, codels, &by_state);
         self.check_yields(id, codels, &by_state, &reached);
-        // A state that was misspelt leaves its codel unreached: said once.
+        // A misspelt state also leaves its codel unreached: only the misspelling is reported.
         if self.diagnostics.found() == count && (activity.is_none() || start.is_some()) {
             self.check_reached(id, codels, &reached);
         }
-        // What a missing codel leads to is not known.
+        // The states that a missing codel would lead to are unknown.
         let Some(ether) = ether.filter(|_| self.diagnostics.found() == count) else { return };
         // K10.
         if let Some(stop) = stop

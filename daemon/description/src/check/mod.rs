@@ -1,8 +1,8 @@
 //! Tree to model: every name resolved into an index, every rule of genom3.md section 3 checked.
 //!
 //! One pass in the order of the text (declare before use), a few checks when a component closes,
-//! the rest when all is read. A mistake is said once: what cannot be known because of it is
-//! passed over in silence (see [`Checker::lost`]).
+//! the rest when all is read. A mistake is reported once: errors that only follow from it
+//! are left out (see [`Checker::lost`]).
 
 mod attribute;
 mod body;

@@ -1,6 +1,6 @@
 //! Cycles without pause in periodic tasks: as long as one lasts, the task misses its ticks.
 //!
-//! A cycle counts when none of its codels may pause: one that may is trusted to.
+//! A cycle is reported only when none of its codels may yield a pause.
 
 use std::collections::HashMap;
 

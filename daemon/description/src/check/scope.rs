@@ -76,7 +76,7 @@ impl Scopes {
         scopes
     }
 
-    /// Lets go of what is declared where: only the names of the scopes remain.
+    /// Drops what is declared in the scopes, to save memory; their own names remain.
     pub(super) fn forget_names(&mut self) {
         for scope in &mut self.all {
             scope.names = HashMap::new();

@@ -68,7 +68,7 @@ pub(super) struct Task {
 pub(super) struct PortState {
     pub(super) out: bool,
     pub(super) multiple: bool,
-    /// The interface that it was provided by as it is.
+    /// The interface that it comes from, when it was taken over unchanged.
     pub(super) interface: Option<Rc<str>>,
     pub(super) ty: TypeId,
     pub(super) docs: Vec<String>,
@@ -101,7 +101,7 @@ pub(super) struct Service {
     pub(super) throws: IndexSet<TypeId>,
     pub(super) standard: bool,
     pub(super) through_ids: bool,
-    /// Something of it was refused: what follows from that is not said.
+    /// A part of it was refused: errors that only follow from that are left out.
     pub(super) broken: bool,
 }
 
@@ -171,7 +171,7 @@ pub(super) enum Argument {
 }
 
 impl Service {
-    /// One that nothing was said of yet.
+    /// One of which only the name is known.
     pub(super) fn new(kind: ServiceKind, name: &Name) -> Self {
         Self {
             kind,

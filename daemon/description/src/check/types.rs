@@ -198,7 +198,7 @@ impl Checker {
         }
     }
 
-    /// A sequence may hold what is only announced: the one way to recursion.
+    /// A sequence may hold a type that is only announced: that is how types become recursive.
     fn element(&mut self, ty: TypeId, span: Span) -> Option<TypeId> {
         match self.types.resolved(ty) {
             Kind::Forward { .. } => Some(ty),

@@ -10,7 +10,7 @@ use crate::model::{
 
 impl Checker {
     pub(super) fn warn(&mut self, component: &Component) {
-        // Nothing is said of what a mistake keeps from being known.
+        // A mistake may be the reason why something seems unused: no warning then.
         if self.diagnostics.errors() > 0 {
             return;
         }

@@ -46,7 +46,7 @@ pub(crate) struct Parser<'a> {
     depth: u32,
     /// Code of a syntax error here: bodies of types, ids and parameters have their own.
     code: &'static str,
-    /// Nesting was refused: nothing more is read nor said.
+    /// The text nests too deep: the rest is skipped without further errors.
     stopped: bool,
     /// Token of the last error: one place, one message.
     last_error: Option<usize>,

@@ -1,4 +1,4 @@
-//! Mistakes that can be put right without a second thought: what their help says, as an edit.
+//! Mistakes whose correction is certain, as edits of the text.
 
 use super::Diagnostic;
 use crate::source::SourceMap;

@@ -4,7 +4,7 @@ use std::ops::{Deref, DerefMut};
 
 use super::{Diagnostic, Severity};
 
-/// Errors, and warnings, that are kept: nobody reads more, and a text may hold millions.
+/// Errors that are kept, and warnings; the rest is only counted, since a text may hold millions.
 const KEPT: usize = 10_000;
 
 /// What there is to say about a description.
@@ -16,7 +16,7 @@ pub struct Diagnostics {
     kept: Vec<Diagnostic>,
     errors: Tally,
     warnings: Tally,
-    /// Reading stopped at an error: what comes after it is not known.
+    /// Reading stopped at an error, so that errors about missing names would mislead.
     pub stopped: bool,
 }
 

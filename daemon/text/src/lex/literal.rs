@@ -1,7 +1,7 @@
 //! The values of string and character literals.
 
 /// The text of a string literal, quotes included. Only `\"` is unescaped (genom3.md 2.1):
-/// every other backslash sequence is the business of who reads the string.
+/// other backslash sequences stay as they are.
 pub(crate) fn unescape(literal: &str) -> String {
     let body = literal.strip_prefix('"').unwrap_or(literal);
     let mut value = String::with_capacity(body.len());

@@ -6,7 +6,7 @@ use super::{PToken, Preprocessor};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
-/// Tokens that macros may make in one run: no honest description comes near.
+/// Tokens that macros may make in one run: far above those of real descriptions.
 pub(super) const MAX_EXPANDED: usize = 1 << 20;
 /// Bytes of text that macros may make: `#` and `##` double them at each level, and a long text
 /// may be used often.

@@ -18,7 +18,7 @@ pub(crate) struct Scanner {
     first: bool,
     /// Inside a directive: line ends are tokens, literals end with the line.
     pub(crate) directive: bool,
-    /// Inside a skipped group or a message: what is wrong is not said.
+    /// Inside a skipped group or a message: no errors are reported.
     pub(crate) quiet: bool,
     /// The first string that went over a line end: where a forgotten quote is likely to be.
     long_string: Option<Span>,

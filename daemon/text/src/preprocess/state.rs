@@ -86,7 +86,7 @@ impl Context {
     }
 }
 
-/// What was made so far.
+/// How much was made so far, see `room`.
 #[derive(Debug, Default)]
 pub(super) struct Made {
     /// Tokens that macros made, or took as arguments.

@@ -75,7 +75,7 @@ impl More for Vec<u8> {
         // SAFETY: they were written, says the caller; `reserve` then moves them along.
         unsafe { self.set_len(length) };
         self.reserve(bytes);
-        // What follows may fail: only what was there before counts until it has not.
+        // Encoding may fail half-way: until it has succeeded, the output keeps its old length.
         self.truncate(before);
         (self.as_mut_ptr(), self.capacity())
     }

@@ -62,7 +62,7 @@ pub(crate) unsafe fn copy(graph: &Graph, ix: Ix, from: *const u8, to: *mut u8, d
                 (false, false) => {}
                 (true, present) => {
                     if !present {
-                        // What an absent value holds is nobody's.
+                        // The bytes of an absent value are not a value: they own nothing.
                         ptr::write_bytes(to, 0, node.layout.size);
                         init(graph, ix, to);
                         to.write(1);
