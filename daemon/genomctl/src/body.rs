@@ -18,8 +18,8 @@ pub(crate) enum Body {
 }
 
 impl Body {
-    /// What comes next; `None` at the end, and when the daemon went away; a failure when it answers
-    /// nobody any more. May be dropped and called again.
+    /// The next piece; `None` at the end, and when the daemon went away; a failure when it answers
+    /// nobody any more. Nothing is lost when the future is dropped before it is ready.
     pub(crate) async fn next(&mut self) -> Result<Option<Bytes>, Failure> {
         loop {
             match self {

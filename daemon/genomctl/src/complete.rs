@@ -23,7 +23,8 @@ use crate::session::Session;
 /// A daemon that does not answer must not hold up a shell.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// The command line: its arguments are completed by this module, which cannot name it.
+/// The command line. The definition of its arguments names this module, which therefore gets it
+/// handed in.
 static COMMAND: OnceLock<fn() -> Command> = OnceLock::new();
 
 /// Answers a shell that asks for completions, as the variable tells, and ends; otherwise nothing.

@@ -1,4 +1,4 @@
-//! Which daemon to talk to, as typed; `target` is what it comes to.
+//! Which daemon to talk to, as typed; `target` makes the way to it of that.
 
 use std::path::PathBuf;
 use std::str::FromStr;

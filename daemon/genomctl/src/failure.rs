@@ -96,7 +96,7 @@ impl Failure {
         Failure::Usage { message: message.into(), help: Some(help.into()) }
     }
 
-    /// A line that makes no sense, in clap's words: what is wrong, then hints and the usage.
+    /// A command line that clap refused: what is wrong, then its hints and the usage as the way out.
     pub(crate) fn typed(told: &str) -> Self {
         let mut lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next().unwrap_or_default();
@@ -152,7 +152,7 @@ impl Failure {
     fn help(&self) -> Option<String> {
         match self {
             Failure::Usage { help, .. } => help.clone(),
-            // What TLS dislikes comes as invalid data.
+            // Failures of TLS are of this kind.
             Failure::Unreachable { source, .. } if source.kind() == io::ErrorKind::InvalidData => {
                 Some(
                     "--ca FILE names the root of the daemon's certificate, --cert yours".to_owned(),

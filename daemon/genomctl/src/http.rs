@@ -49,7 +49,7 @@ impl Response {
             Err(failure) => return failure,
         };
         let mut reply: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
-        // It is told on standard error, and in words.
+        // It may be printed on a terminal.
         escape::all(&mut reply);
         match serde_json::from_value::<Refusal>(reply) {
             Ok(refusal) => Failure::Refused(refusal.error),

@@ -15,7 +15,7 @@ pub(crate) fn place(text: &str) -> Result<Place, &'static str> {
     text.parse().map_err(|_| EXPECTED)
 }
 
-/// The port of an address, as the daemon is asked about it: element by element.
+/// The query for the element of an address.
 pub(crate) fn element(of: &Address) -> genom_protocol::ValueParameters {
     genom_protocol::ValueParameters { element: of.element.clone() }
 }

@@ -1,5 +1,5 @@
-//! How long somebody waits for a daemon: for as long as it takes, while the daemon still answers
-//! others; not for one that answers nobody, because its process is stopped or hangs.
+//! How long a client waits for a daemon: without a limit while the daemon answers other requests,
+//! and no longer than the limit when it answers none, because its process is stopped or hangs.
 
 use std::future::Future;
 use std::pin::pin;
@@ -18,8 +18,8 @@ use tokio::time::{Instant, sleep_until, timeout};
 use crate::failure::Failure;
 use crate::target::Target;
 
-/// Waits. When nothing came for half of `limit`, `ask` must find the daemon answering within the
-/// other half; so again and again.
+/// Waits for `waiting`. Whenever nothing came for half of `limit`, `ask` is tried: the wait fails
+/// when it has no answer within the other half.
 pub(crate) async fn patiently<T, A: Future<Output = Result<(), Failure>>>(
     limit: Duration,
     waiting: impl Future<Output = T>,
@@ -39,8 +39,8 @@ pub(crate) async fn patiently<T, A: Future<Output = Result<(), Failure>>>(
     }
 }
 
-/// Watches a daemon that is to say something, for as long as it lives. It stands apart from those
-/// who wait, who may begin to wait anew at any time, as a recorder does each second.
+/// Watches a daemon whose answer or next piece is waited for, in a task of its own: a wait that is
+/// dropped and begun again, as a recorder does each second, does not begin its time anew.
 #[derive(Debug)]
 pub(crate) struct Watch {
     target: Arc<Target>,
@@ -96,13 +96,13 @@ async fn guard(target: Arc<Target>, heard: Arc<Mutex<Instant>>, tell: watch::Sen
                 let _ = tell.send(true);
                 return;
             }
-            // It is gone, and who waits is told so; or it answers.
+            // It answers; or it is gone, which the wait itself finds.
             _ => *heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now(),
         }
     }
 }
 
-/// Asks what costs the daemon least. Whatever it answers, it does.
+/// Asks for what costs the daemon least; any answer will do.
 async fn answers(target: &Target) -> Result<(), Failure> {
     let (stream, _) = target.open().await?;
     let (mut sender, connection) = http1::handshake(TokioIo::new(stream))

@@ -23,8 +23,8 @@ pub(crate) fn read(path: &Path, what: &str) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Refuses a socket that somebody else may have put there: he would be told what is asked, and
-/// answer as he likes. `genomd` has the same rule.
+/// Refuses a socket that another user may have put there: requests would go to that user, and
+/// replies come from there. `genomd` has the same rule.
 pub(crate) fn place_of_socket(path: &Path) -> Result<(), Failure> {
     let directory = path.parent().filter(|directory| !directory.as_os_str().is_empty());
     let Ok(found) = std::fs::metadata(directory.unwrap_or(Path::new("."))) else {

@@ -1,5 +1,5 @@
-//! Asks for the inputs of a service, one by one, when nothing was typed and somebody is there; it
-//! leaves to the daemon what a right answer is.
+//! Asks for the inputs of a service, one by one, when none were typed and both ends are a terminal.
+//! Whether an answer is valid is the daemon's to say.
 
 use std::io::{self, BufRead, Write};
 
@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::session::{Reply, Session};
 use crate::{inputs, terminal};
 
-/// How often an input is asked for, all in all.
+/// How often one input is asked for.
 const TRIES: u32 = 3;
 
 /// Calls a service with the inputs typed; or with what somebody answers, when none were. An answer

@@ -11,7 +11,7 @@ use genom_description::{Analysis, Options, preprocess, read};
 use crate::failure::Failure;
 use crate::terminal::coloured_errors;
 
-/// Mistakes and surprises that are told unless more are asked for: nobody reads more at once.
+/// Errors and warnings that are printed unless more are asked for.
 pub(crate) const SHOWN: usize = 100;
 
 /// How to read descriptions.

@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::table::Table;
 use crate::terminal::{Progress, Terminal};
 
-/// From then on, a wait is shown.
+/// A wait that is longer is shown on the terminal.
 const LONG: Duration = Duration::from_secs(1);
 
 /// A reply of the daemon.

@@ -71,7 +71,8 @@ impl Table {
         out
     }
 
-    /// Whether a column says how things are: names are never coloured by chance.
+    /// Whether a column holds states: only these are coloured, so that a component named `failed`
+    /// is not.
     fn tells(&self, column: usize) -> bool {
         self.header.get(column).is_some_and(|name| ["STATE", "STATUS"].contains(name))
     }

@@ -1,4 +1,4 @@
-//! Which daemon to talk to, from the command line and contexts, and the way to it.
+//! Which daemon to talk to, from the command line and contexts, and how to connect to it.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ use crate::process::is_stopped;
 #[derive(Debug)]
 pub(crate) struct Target {
     way: Way,
-    /// Sent along, never shown.
+    /// Sent with requests; never in a message or a log.
     token: Option<Secret>,
     /// Another daemon, which this one passes requests on to.
     pub(crate) daemon: Option<String>,
@@ -71,7 +71,7 @@ impl std::fmt::Display for Target {
 }
 
 impl Target {
-    /// What the options come to; files of certificates and tokens are read when they are needed.
+    /// The daemon that the options name. Files of certificates are read when it is connected to.
     pub(crate) fn new(connection: Connection, chosen: Option<Chosen>) -> Result<Self, Failure> {
         let Connection { socket, host, ca, cert, token_file, timeout: seconds, .. } = connection;
         let seconds = seconds.unwrap_or(LIMIT);

@@ -28,7 +28,7 @@ fn colours_welcome() -> bool {
         && std::env::var_os("TERM").is_some_and(|term| term != "dumb")
 }
 
-/// Whether somebody sits there who can be asked.
+/// Whether there is a terminal on which to ask questions.
 pub(crate) fn somebody_there() -> bool {
     io::stdin().is_terminal() && io::stderr().is_terminal()
 }
@@ -38,7 +38,7 @@ pub(crate) fn coloured_errors() -> bool {
     io::stderr().is_terminal() && colours_welcome()
 }
 
-/// What a word says of how things are.
+/// How good or bad the state is that a word names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tone {
     Good,
@@ -78,12 +78,12 @@ pub(crate) struct Progress {
 }
 
 impl Progress {
-    /// Whether somebody looks.
+    /// Whether standard error is a terminal.
     pub(crate) fn seen(&self) -> bool {
         io::stderr().is_terminal()
     }
 
-    /// Writes the line over; nothing when nobody looks.
+    /// Replaces the line; does nothing when standard error is no terminal.
     pub(crate) fn show(&mut self, text: &str) {
         if self.seen() {
             // Some pseudo-terminals say that they have no columns.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use genom_supervisor::daemon::Daemon as Supervisor;
 
+use crate::announcements::Announcements;
 use crate::config::RpcSettings;
 use crate::settings::Settings;
-use crate::shown::Shown;
 use crate::slots::Slots;
 use crate::startup::Startup;
 
@@ -22,7 +22,7 @@ pub(crate) struct Daemon {
     /// Where the control plane listens, and its limits.
     pub(crate) rpc: RpcSettings,
     /// What others see of this daemon.
-    pub(crate) shown: Shown,
+    pub(crate) announcements: Announcements,
     /// How far it is with what it was started with.
     pub(crate) startup: Startup,
     /// Slots for open streams.
@@ -38,7 +38,7 @@ impl Daemon {
         Arc::new(Self {
             supervisor: Supervisor::new(settings.supervisor.clone()),
             name: settings.name.clone(),
-            shown: Shown::default(),
+            announcements: Announcements::default(),
             startup: Startup::new(),
             streams: Slots::new(rpc.max_streams, rpc.max_streams_per_token),
             questions: Slots::new(QUESTIONS, QUESTIONS / 4),

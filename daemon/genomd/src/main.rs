@@ -4,6 +4,7 @@
 
 #![forbid(unsafe_code)]
 
+mod announcements;
 mod check;
 mod cli;
 mod daemon;
@@ -12,7 +13,6 @@ mod memory;
 mod rpc;
 mod run;
 mod settings;
-mod shown;
 mod signals;
 mod slots;
 mod startup;

@@ -292,7 +292,7 @@ async fn stop(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
     unload_all(daemon).await.map_err(|error| {
         Refusal::left_behind(format!("stopping the components ended badly: {error}"))
     })?;
-    daemon.shown.let_go();
+    daemon.announcements.withdraw();
     daemon.backends.close();
     // Of those that were unloaded before, too.
     let left = daemon.components.left_behind();

@@ -60,7 +60,7 @@ pub struct NoSuchActivity {
 }
 
 /// An activity that has been accepted and not reported as ended.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ActivityStatus {
     /// Number that `abort_activity` takes.
     pub id: u32,
@@ -79,8 +79,7 @@ pub struct ActivityStatus {
 }
 
 /// Where an activity is in its life (genom3.md 7.4).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActivityPhase {
     /// Accepted, not started.
     Init,

@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-use serde::Serialize;
 
 /// Buckets in each power of two: 12 % resolution.
 const STEPS: u64 = 8;
@@ -21,7 +20,7 @@ pub(crate) struct Histogram {
 }
 
 /// Figures on a duration, in nanoseconds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Durations {
     /// How many were measured.
     pub count: u64,

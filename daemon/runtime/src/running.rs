@@ -2,10 +2,9 @@
 
 use std::fmt;
 
-use serde::Serialize;
 
 /// A codel that runs now.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunningCodel {
     /// Name of its C function.
     pub codel: String,
@@ -18,10 +17,8 @@ pub struct RunningCodel {
     /// Whether that is so long that it counts as stuck.
     pub stuck: bool,
     /// Its rank in the model, and the context that it runs in.
-    #[serde(skip)]
     pub(crate) place: (usize, usize),
     /// Monotonic date of its call: with the context, the call's identity.
-    #[serde(skip)]
     pub(crate) since: u64,
 }
 

@@ -1,13 +1,12 @@
 //! What an instance tells of its tasks and codels.
 
-use serde::Serialize;
 
 use crate::histogram::Durations;
 use crate::running::RunningCodel;
 use crate::unpaused::Unpaused;
 
 /// Statistics of an instance.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Statistics {
     /// By task, in order of declaration.
     pub tasks: Vec<TaskStatistics>,
@@ -18,7 +17,7 @@ pub struct Statistics {
 }
 
 /// Statistics of a task.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct TaskStatistics {
     /// Name of the task.
     pub name: String,
@@ -34,15 +33,13 @@ pub struct TaskStatistics {
     /// that come while a codel does not return count as they come.
     pub overruns: u64,
     /// The codel that it is stuck in, if it is.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub stuck: Option<RunningCodel>,
     /// What it does instead of pausing, when it has been at work for long and is not stuck.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub unpaused: Option<Unpaused>,
 }
 
 /// Statistics of a codel.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct CodelStatistics {
     /// Name of its C function.
     pub name: String,

@@ -4,13 +4,12 @@
 //! Whether that keeps a processor or waits for data within its codels is not known here.
 
 use genom_description::model::Component;
-use serde::Serialize;
 
 use crate::engine::Engine;
 use crate::plan::owner_name;
 
 /// A task whose cycle lasts although codels return.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unpaused {
     /// Name of the task at work.
     pub task: String,
@@ -25,10 +24,8 @@ pub struct Unpaused {
     /// Times a codel yielded a state without pause in it.
     pub steps: u64,
     /// The system's number of the task's thread; `None` where it is not known.
-    #[serde(skip)]
     pub thread: Option<u32>,
     /// Rank of the task, and the date at which the cycle began: with the instance, its identity.
-    #[serde(skip)]
     pub cycle: (usize, u64),
 }
 

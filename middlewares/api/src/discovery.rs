@@ -41,8 +41,7 @@ pub trait Discovery {
 }
 
 /// What an endpoint is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EndpointKind {
     /// An out port.
     Publisher,
@@ -53,7 +52,7 @@ pub enum EndpointKind {
 }
 
 /// Something visible on a middleware.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Endpoint {
     /// Out port, in port or service.
     pub kind: EndpointKind,
@@ -64,8 +63,7 @@ pub struct Endpoint {
 }
 
 /// Somebody on a middleware who does not tell what it opens, as programs of other makes may.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stranger {
     /// Somebody reads an out port of this side; as which type is not known.
     Reader {

@@ -57,7 +57,7 @@ pub trait Middleware: Ports + Send + Sync {
 }
 
 /// What a middleware can do; the daemon refuses at load what it cannot.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
     /// Carries types that hold unbounded strings or sequences.
     pub variable_size: bool,
@@ -74,14 +74,13 @@ pub struct Capabilities {
 }
 
 /// What came from others and was not let in: counted by reason.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused {
     /// The reason, in the words of the log.
     pub why: &'static str,
     /// How many there were so far.
     pub count: u64,
     /// Who sent the last one, as far as known.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub peer: Option<std::net::IpAddr>,
 }
 

@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::CallError;
 
 /// One accepted run of an activity, unique within the instance that serves it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ActivityId(pub u64);
 
 impl fmt::Display for ActivityId {

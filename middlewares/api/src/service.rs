@@ -14,8 +14,7 @@ use crate::reply::{self, ActivityId, Outcome, Replies};
 use crate::{Address, CallError, OpenError};
 
 /// What kind of service an address names.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ServiceKind {
     /// Reads or sets data of the component; replies at once.
     Attribute,

@@ -35,7 +35,7 @@ pub(crate) struct Recorder {
     path: PathBuf,
     writer: Writer<Counted<BufWriter<File>>>,
     /// By number of the daemon's.
-    channels: BTreeMap<u16, Told>,
+    channels: BTreeMap<u16, ChannelSummary>,
     room: Room,
     /// Bytes written.
     written: Arc<AtomicU64>,
@@ -71,9 +71,9 @@ impl From<WriteError> for Failure {
     }
 }
 
-/// What became of a channel.
+/// A channel of the file, and how many messages it has.
 #[derive(Debug)]
-pub(crate) struct Told {
+pub(crate) struct ChannelSummary {
     /// Number in the file.
     id: u16,
     pub(crate) topic: String,
@@ -111,7 +111,7 @@ impl Recorder {
             .add_schema(&schema, language, definition.as_bytes())
             .and_then(|schema| self.writer.add_channel(schema, &topic, &encoding, &metadata));
         let id = id.map_err(|why| broken(&self.path, &self.written, &why))?;
-        self.channels.insert(channel, Told { id, topic, messages: 0, lost: 0 });
+        self.channels.insert(channel, ChannelSummary { id, topic, messages: 0, lost: 0 });
         Ok(())
     }
 
@@ -170,9 +170,9 @@ impl Recorder {
     }
 
     /// Ends the file: with its index, and with what was lost.
-    pub(crate) fn finish(mut self, complete: bool) -> Result<Vec<Told>, WriteError> {
+    pub(crate) fn finish(mut self, complete: bool) -> Result<Vec<ChannelSummary>, WriteError> {
         let mut metadata = BTreeMap::from([("complete".to_owned(), complete.to_string())]);
-        let mut all: BTreeMap<String, Told> = BTreeMap::new();
+        let mut all: BTreeMap<String, ChannelSummary> = BTreeMap::new();
         // A component that went and came back has had two channels of one topic.
         for told in std::mem::take(&mut self.channels).into_values() {
             match all.get_mut(&told.topic) {

@@ -20,7 +20,7 @@ impl Frames {
     }
 
     /// The next frame; `None` when the daemon went away or sent nonsense, a failure when it answers
-    /// nobody any more. May be dropped and called again.
+    /// nobody any more. Nothing is lost when the future is dropped before it is ready.
     pub(crate) async fn next(&mut self) -> Result<Option<Frame<'_>>, Failure> {
         let length = loop {
             match complete(&self.bytes[self.next..]) {

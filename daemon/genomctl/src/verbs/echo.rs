@@ -161,7 +161,7 @@ fn ended(port: &Address, data: &str) -> Failure {
 mod tests {
     use super::*;
 
-    fn shown(time: bool, fields: &[&str], json: bool) -> Result<String, Failure> {
+    fn line(time: bool, fields: &[&str], json: bool) -> Result<String, Failure> {
         let field = fields.iter().map(|&field| field.to_owned()).collect();
         let port = "arm/pose".parse().unwrap();
         let args = Args { port, count: None, rate: None, time, field };
@@ -172,12 +172,12 @@ mod tests {
 
     #[test]
     fn a_line_has_the_members_and_the_date_that_are_asked_for() {
-        assert_eq!(shown(false, &["pose.x", "pose.name"], false).unwrap(), "1.5\thome\n");
-        let line = shown(true, &["joints.1"], false).unwrap();
-        assert_eq!(line, "1700000000.000001000 2\n");
-        let line = shown(true, &["joints.1"], true).unwrap();
-        assert_eq!(line, "{\"time\":1700000000.000001000,\"value\":{\"joints.1\":2}}\n");
-        let refused = shown(false, &["pose.y"], false).unwrap_err();
+        assert_eq!(line(false, &["pose.x", "pose.name"], false).unwrap(), "1.5\thome\n");
+        let printed = line(true, &["joints.1"], false).unwrap();
+        assert_eq!(printed, "1700000000.000001000 2\n");
+        let printed = line(true, &["joints.1"], true).unwrap();
+        assert_eq!(printed, "{\"time\":1700000000.000001000,\"value\":{\"joints.1\":2}}\n");
+        let refused = line(false, &["pose.y"], false).unwrap_err();
         assert!(refused.text().contains("there is: name, x") || refused.text().contains("x, name"));
     }
 }

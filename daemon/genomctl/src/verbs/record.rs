@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use tokio::signal::unix::{SignalKind, signal};
 
 use crate::failure::Failure;
-use crate::recording::file::{Recorder, Told, WriteError};
+use crate::recording::file::{ChannelSummary, Recorder, WriteError};
 use crate::recording::frames::Frames;
 use crate::session::Session;
 use crate::table::Table;
@@ -135,7 +135,7 @@ fn tell(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
-fn reply(args: &Args, channels: &[Told], complete: bool) -> Value {
+fn reply(args: &Args, channels: &[ChannelSummary], complete: bool) -> Value {
     let channels: Vec<Value> = channels
         .iter()
         .map(|told| json!({"topic": told.topic, "messages": told.messages, "lost": told.lost}))
@@ -143,7 +143,7 @@ fn reply(args: &Args, channels: &[Told], complete: bool) -> Value {
     json!({"file": args.output, "complete": complete, "channels": channels})
 }
 
-fn render(channels: &[Told]) -> Table {
+fn render(channels: &[ChannelSummary]) -> Table {
     let rows: Vec<Vec<String>> = channels
         .iter()
         .map(|told| vec![told.topic.clone(), told.messages.to_string(), told.lost.to_string()])

@@ -171,7 +171,7 @@ pub(super) async fn check(
 }
 
 fn too_busy(full: Full) -> RpcError {
-    let message = format!("{} are under way already", stream::told(full));
+    let message = format!("{} are under way already", stream::limit(full));
     RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::TooManyRequests, message)
         .help("wait for one to be answered, or raise rpc.max_connections_per_token")
 }

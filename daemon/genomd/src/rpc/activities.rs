@@ -5,9 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
-use genom_protocol::{
-    Aborted, AbortedActivity, Activities, Activity as Look, AllAborted, Code, LookParameters,
-};
+use genom_protocol::{Aborted, AbortedActivity, Activities, AllAborted, Code, LookParameters};
 
 use crate::daemon::Daemon;
 use crate::hosting::{Activity, Hosted};
@@ -42,13 +40,13 @@ pub(crate) async fn list(
     tag = "activities",
     security(("token" = ["read"])),
     params(LookParameters),
-    responses((status = 200, body = Look), (status = 404), (status = 422))
+    responses((status = 200, body = genom_protocol::Activity), (status = 404), (status = 422))
 )]
 pub(crate) async fn look(
     State(daemon): State<Arc<Daemon>>,
     Path((component, activity)): Path<(String, String)>,
     Parameters(parameters): Parameters<LookParameters>,
-) -> Result<Json<Look>, RpcError> {
+) -> Result<Json<genom_protocol::Activity>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let activity = match activity.parse::<u64>() {
         Ok(_) => find(&hosted, &activity)?,

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::extract::State;
-use genom_protocol::{Clock as Told, ClockKind, Code, StepRequest};
+use genom_protocol::{ClockKind, Code, StepRequest};
 use genom_runtime::Clock;
 
 use crate::daemon::Daemon;
@@ -23,8 +23,8 @@ const LONGEST: Duration = Duration::from_nanos(StepRequest::LONGEST);
     security(("token" = ["read"])),
     responses((status = 200, body = genom_protocol::Clock))
 )]
-pub(crate) async fn look(State(daemon): State<Arc<Daemon>>) -> Json<Told> {
-    Json(told(&daemon.clock))
+pub(crate) async fn look(State(daemon): State<Arc<Daemon>>) -> Json<genom_protocol::Clock> {
+    Json(now(&daemon.clock))
 }
 
 /// Advance a virtual clock, and answer when everything on the way was run.
@@ -39,7 +39,7 @@ pub(crate) async fn look(State(daemon): State<Arc<Daemon>>) -> Json<Told> {
 pub(crate) async fn step(
     State(daemon): State<Arc<Daemon>>,
     Body(StepRequest { nanoseconds }): Body<StepRequest>,
-) -> Result<Json<Told>, RpcError> {
+) -> Result<Json<genom_protocol::Clock>, RpcError> {
     let Clock::Virtual(clock) = daemon.clock.clone() else {
         let message = "this daemon lives by the machine's clock, which nobody steps";
         return Err(RpcError::conflict(Code::MonotonicClock, message)
@@ -55,11 +55,11 @@ pub(crate) async fn step(
     tokio::task::spawn_blocking(move || clock.step(duration))
         .await
         .map_err(|error| RpcError::internal(error.to_string()))?;
-    Ok(Json(told(&daemon.clock)))
+    Ok(Json(now(&daemon.clock)))
 }
 
-fn told(clock: &Clock) -> Told {
-    Told { clock: kind(clock), now: clock.now() }
+fn now(clock: &Clock) -> genom_protocol::Clock {
+    genom_protocol::Clock { clock: kind(clock), now: clock.now() }
 }
 
 /// Which time components live in.

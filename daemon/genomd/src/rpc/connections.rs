@@ -30,8 +30,8 @@ use crate::wiring::{self, ConnectError, ConnectRequest};
 pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Connections> {
     let mut connections = Vec::new();
     for hosted in daemon.components.all() {
-        connections.extend(hosted.wires.connections().iter().map(made));
-        connections.extend(hosted.wires.remotes().iter().map(remote_made));
+        connections.extend(hosted.wires.connections().iter().map(of_port));
+        connections.extend(hosted.wires.remotes().iter().map(of_remote));
     }
     Json(Connections { connections })
 }
@@ -77,7 +77,7 @@ pub(crate) async fn connect(
         Ok(connection)
     };
     match tokio::task::spawn_blocking(work).await {
-        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(made(&connection)))),
+        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(of_port(&connection)))),
         Ok(Err(error)) => Err(refused(&error)),
         Err(error) => Err(RpcError::internal(error.to_string())),
     }
@@ -100,7 +100,7 @@ async fn connect_remote(
         Ok(connection)
     };
     match tokio::task::spawn_blocking(work).await {
-        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(remote_made(&connection)))),
+        Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(of_remote(&connection)))),
         Ok(Err(error)) => {
             let (status, code, place) = match &error {
                 RemoteError::NoSuchRemote { .. } => {
@@ -187,7 +187,7 @@ async fn take_away(
     }
 }
 
-fn made(connection: &Connection) -> Made {
+fn of_port(connection: &Connection) -> Made {
     Made {
         kind: ConnectionKind::Port,
         inport: connection.inport.to_string(),
@@ -197,7 +197,7 @@ fn made(connection: &Connection) -> Made {
     }
 }
 
-fn remote_made(connection: &RemoteConnection) -> Made {
+fn of_remote(connection: &RemoteConnection) -> Made {
     Made {
         kind: ConnectionKind::Service,
         inport: connection.remote.to_string(),

@@ -124,12 +124,12 @@ fn read(daemon: &Daemon, wanted: &DeploymentRequest) -> Result<Deployment, RpcEr
 }
 
 fn impossible(error: &PlanError, wanted: &DeploymentRequest) -> RpcError {
-    RpcError::conflict(Code::NoPlan, told(&error.place(), wanted, error))
+    RpcError::conflict(Code::NoPlan, placed(&error.place(), wanted, error))
         .help("nothing was changed")
 }
 
 /// The message, with file, line and key before it when they are known.
-fn told(place: &Spot, wanted: &DeploymentRequest, error: &impl std::fmt::Display) -> String {
+fn placed(place: &Spot, wanted: &DeploymentRequest, error: &impl std::fmt::Display) -> String {
     match place.told(&wanted.file, &wanted.text) {
         Some(place) => format!("{place}: {error}"),
         None => error.to_string(),
@@ -139,5 +139,5 @@ fn told(place: &Spot, wanted: &DeploymentRequest, error: &impl std::fmt::Display
 fn failed(error: &ApplyError, wanted: &DeploymentRequest) -> RpcError {
     let code = if error.timeout { Code::Timeout } else { Code::NotApplied };
     let help = if error.left.is_empty() { "everything is as it was before" } else { "see above" };
-    RpcError::conflict(code, told(&error.place, wanted, error)).help(help)
+    RpcError::conflict(code, placed(&error.place, wanted, error)).help(help)
 }

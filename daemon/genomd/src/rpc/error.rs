@@ -61,12 +61,12 @@ impl RpcError {
         Self::new(StatusCode::INTERNAL_SERVER_ERROR, Code::Internal, message)
     }
 
-    /// The HTTP status.
+    /// Status of the response.
     pub(crate) fn status(&self) -> StatusCode {
         self.status
     }
 
-    /// The sentence.
+    /// What happened, in one sentence.
     pub(crate) fn message(&self) -> &str {
         &self.reason.message
     }

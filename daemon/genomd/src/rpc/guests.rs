@@ -1,10 +1,10 @@
 //! The connections of one listener, and the requests of each holder on them.
 //!
-//! A listener has room for so many connections; further peers wait in the kernel's queue. At an
-//! address that anybody can reach, a connection on which nobody has shown a token yet is a
-//! stranger's: when there is no room, the oldest stranger is asked to go, unless he came a moment
-//! ago and his request may be on the way. So peers that connect and say nothing, or half of
-//! something, hold others up for that moment and not until their time-out.
+//! A listener serves a limited number of connections; further peers wait in the kernel's queue. At
+//! an address that anybody can reach, a connection on which no token was shown yet is a stranger's.
+//! When all places are taken, the oldest stranger is closed, unless it came less than [`MOMENT`]
+//! ago and its request may be on the way. So peers that connect and send nothing, or half a
+//! request, hold others up for that moment and not until their time-out.
 
 use std::collections::BTreeMap;
 use std::pin::Pin;
@@ -20,7 +20,7 @@ use crate::flag::Flag;
 use crate::rpc::holder::Holder;
 use crate::slots::{Full, Slot, Slots};
 
-/// So long no stranger is asked to go.
+/// A stranger that came less than this ago is not closed.
 const MOMENT: Duration = Duration::from_secs(1);
 
 /// Who reaches a listener.
@@ -46,7 +46,7 @@ pub(super) struct Guests {
 
 #[derive(Debug, Default)]
 struct State {
-    /// How many there are, those apart that were asked to go.
+    /// How many there are, without those that were asked to go.
     there: usize,
     /// In the order they came.
     strangers: BTreeMap<u64, Stranger>,
@@ -144,8 +144,8 @@ impl Guest {
         &self.0.leave
     }
 
-    /// A request of somebody who may ask, so no stranger; refused when too many of his are under
-    /// way.
+    /// A request of a holder of rights, whose connection is no stranger's from now on; refused when
+    /// too many requests of that holder are under way.
     pub(super) fn work(&self, holder: &Holder) -> Result<Busy, Full> {
         let seat = &self.0;
         seat.guests.lock().strangers.remove(&seat.number);
@@ -157,7 +157,7 @@ impl Drop for Seat {
     fn drop(&mut self) {
         let mut state = self.guests.lock();
         state.strangers.remove(&self.number);
-        // Who was asked to go does not count any more.
+        // One that was asked to go was taken off the count then.
         if !self.leave.is_up() {
             state.there -= 1;
         }

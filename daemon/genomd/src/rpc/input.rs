@@ -59,8 +59,8 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Parameters<T> 
     }
 }
 
-/// Reads the whole body before anything is done, also where none is needed: a connection that
-/// is closed on bytes nobody read may take the answer with it.
+/// Reads the whole body before anything is done, also where none is needed: closing a connection
+/// with bytes that were not read resets it, and the peer may lose the answer.
 pub(super) async fn read_whole(request: Request, next: Next) -> Response {
     let (parts, content) = request.into_parts();
     let reading = Bytes::from_request(Request::from_parts(parts.clone(), content), &());

@@ -26,7 +26,7 @@ use crate::rpc::error::RpcError;
 
 pub(crate) use answering::announce;
 
-/// By this header clients of old asked for another daemon, with their token beside it.
+/// Header by which old clients named another daemon, and sent it their token.
 const OLD_HEADER: &str = "genomd-daemon";
 
 /// List the daemons that are visible on middlewares.
@@ -52,7 +52,7 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Daemons> {
             None => {}
         }
     }
-    Json(Daemons { own: daemon.shown.name(), daemons })
+    Json(Daemons { own: daemon.announcements.name(), daemons })
 }
 
 fn relays(daemon: &Daemon) -> Vec<(&'static str, Arc<dyn Middleware>)> {

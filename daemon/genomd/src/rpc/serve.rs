@@ -135,7 +135,7 @@ fn own(connection: OwnedFd) -> io::Result<OwnedFd> {
     Ok(connection)
 }
 
-/// Out of descriptors, most likely: accepting at once again would only burn a core.
+/// The process has probably no descriptors left: trying again at once would keep a processor.
 async fn pause_after(error: &io::Error) {
     tracing::warn!("a connection could not be accepted: {error}");
     tokio::time::sleep(Duration::from_millis(100)).await;
@@ -180,7 +180,7 @@ where
         }
     };
     if let Err(error) = ended {
-        // Peers send nonsense and go away in the middle: theirs to worry about.
+        // Peers may send nonsense, or go away in the middle: no fault of the daemon.
         tracing::debug!("a connection ended early: {error}");
     }
 }

@@ -1,6 +1,5 @@
-//! A stream whose peer must read: one that takes nothing for a while is given up.
-//!
-//! Without it a peer that never reads its reply would hold a connection for ever.
+//! A connection that fails when its peer reads nothing for [`PATIENCE`]: otherwise a peer that never
+//! reads its reply would hold the connection for ever.
 
 use std::io::{self, IoSlice};
 use std::pin::Pin;
@@ -10,10 +9,10 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::time::{Instant, Sleep, sleep};
 
-/// A peer that takes nothing for so long is given up.
+/// How long a peer may read nothing.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Fails writes that make no way for [`PATIENCE`].
+/// Fails writes of which nothing is taken for [`PATIENCE`].
 #[derive(Debug)]
 pub(super) struct Unstalled<S> {
     inner: S,

@@ -1,6 +1,7 @@
-//! Ends that somebody holds at a port on middlewares where the port is not, or is not any more.
+//! Publishers and readers of other programs under a port's address on a middleware that the port is
+//! not on, or has left.
 //!
-//! They see nothing of it themselves: the address is there, and quiet.
+//! To them it looks like a port that nobody writes or reads.
 
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware};

@@ -20,11 +20,11 @@ use crate::slots::{Full, Slot};
 /// What a stream sends.
 pub(super) type Events = ReceiverStream<Result<Event, Infallible>>;
 
-/// A reader that takes nothing for so long is given up.
+/// How long a reader may take nothing before its stream ends.
 const SLOWEST_READER: Duration = Duration::from_secs(10);
 
-/// A stream with nothing to say shows that often that the daemon is alive: a reader that hears
-/// nothing for longer knows that it is not.
+/// How often a stream without events sends a comment: a reader that gets nothing for longer knows
+/// that the daemon is gone or hangs.
 const SIGN_OF_LIFE: Duration = Duration::from_secs(5);
 
 /// The number that a reader who comes back heard last (`Last-Event-ID`).
@@ -47,8 +47,8 @@ impl Writer {
     }
 }
 
-/// How many there are, for messages.
-pub(super) fn told(full: Full) -> String {
+/// A limit that is reached, for messages.
+pub(super) fn limit(full: Full) -> String {
     match full {
         Full::All(most) => most.to_string(),
         Full::Share(most) => format!("{most} of this token"),
@@ -62,7 +62,7 @@ pub(super) fn slot(daemon: &Daemon, holder: &Holder) -> Result<Slot, RpcError> {
             Full::All(_) => "rpc.max_streams",
             Full::Share(_) => "rpc.max_streams_per_token",
         };
-        let message = format!("{} streams are open already", told(full));
+        let message = format!("{} streams are open already", limit(full));
         let message = message.replace(" of this token streams", " streams of this token");
         RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::TooManyStreams, message)
             .help(format!("close one, or raise {key} in the daemon's configuration"))
@@ -91,7 +91,7 @@ where
     Ok(Sse::new(events).keep_alive(KeepAlive::new().interval(SIGN_OF_LIFE)))
 }
 
-/// Feeds a stream until the daemon stops; what there was to say by then is still said.
+/// Feeds a stream until the daemon stops. Events that are there by then are still sent.
 async fn feed_until<T>(closed: Flag, feeding: impl Future<Output = ()>, sent: &mpsc::Sender<T>) {
     tokio::pin!(feeding);
     tokio::select! {
@@ -99,7 +99,7 @@ async fn feed_until<T>(closed: Flag, feeding: impl Future<Output = ()>, sent: &m
         () = closed.raised() => {}
     }
     loop {
-        // It says what it has, as far as there is room.
+        // Sends what is there, as far as there is room.
         tokio::select! {
             biased;
             () = feeding.as_mut() => return,
@@ -108,7 +108,8 @@ async fn feed_until<T>(closed: Flag, feeding: impl Future<Output = ()>, sent: &m
         if sent.capacity() == sent.max_capacity() {
             return;
         }
-        // The reader takes all of it, or is gone; whoever waits for connections does not wait long.
+        // Until the reader has taken all of it, or is gone: the end of the daemon waits for its
+        // connections for a limited time only.
         tokio::select! {
             () = feeding.as_mut() => return,
             () = sent.closed() => return,

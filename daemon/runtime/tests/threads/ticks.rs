@@ -35,7 +35,6 @@ fn a_periodic_task_ticks_and_its_figures_say_so() {
     assert!(task.lateness.count >= 49, "{task:?}");
     assert!(codel.durations.count >= 50 && codel.name == "c" && codel.owner == "t");
     assert!(task.cycles.p50_ns <= task.cycles.p99_ns && task.cycles.p99_ns <= task.cycles.max_ns);
-    assert!(serde_json::to_string(&statistics).unwrap().contains("p99_ns"));
 }
 
 #[test]

@@ -105,7 +105,7 @@ const FLOORS: &[(&str, &str)] = &[
     (
         "genomd",
         "config dates registry bus deploy ending flag hosting limits loading recording \
-         spans vigil wires wiring cli memory shown slots startup telemetry settings daemon logs \
+         spans vigil wires wiring cli memory announcements slots startup telemetry settings daemon logs \
          rpc signals run check main",
     ),
 ];

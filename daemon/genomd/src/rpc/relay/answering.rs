@@ -71,11 +71,11 @@ pub(crate) fn announce(
             });
         };
         match relay.announce(&name, Box::new(requests)) {
-            Ok(shown) => {
+            Ok(announcement) => {
                 if let Some(error) = refused {
                     tracing::warn!("{error}; this one is `{name}` there");
                 }
-                return daemon.shown.keep(name, shown);
+                return daemon.announcements.keep(name, announcement);
             }
             // Another daemon has that name: the next one is this daemon's alone.
             Err(error @ AnnounceError::Taken { .. }) => refused = Some(error),

@@ -89,7 +89,7 @@ async fn by_relay<T: Send + 'static>(
     ask: impl FnOnce(&dyn Relay, &str) -> Result<T, AskError> + Send + 'static,
 ) -> Result<T, RpcError> {
     let slot = daemon.questions.take(holder.share.clone()).map_err(|full| {
-        let message = format!("{} to other daemons are under way already", stream::told(full));
+        let message = format!("{} to other daemons are under way already", stream::limit(full));
         RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::TooManyQuestions, message)
             .help("wait for one to be answered")
     })?;
@@ -106,8 +106,8 @@ async fn by_relay<T: Send + 'static>(
             let message = error.to_string();
             match error {
                 AskError::Unknown { .. } => {
-                    let shown = relay.daemons().unwrap_or_default();
-                    let names = shown.iter().map(String::as_str);
+                    let visible = relay.daemons().unwrap_or_default();
+                    let names = visible.iter().map(String::as_str);
                     RpcError::unknown(Code::NoSuchDaemon, "no daemon", &name, names)
                 }
                 _ => RpcError::new(StatusCode::BAD_GATEWAY, Code::DaemonSilent, message),

@@ -1,25 +1,25 @@
-//! What keeps this daemon visible to others on middlewares.
+//! The announcements that make this daemon visible to others on middlewares.
 
 use std::sync::{Mutex, PoisonError};
 
-/// Announcements of this daemon; gone when they are let go.
+/// Announcements, each under a name. A middleware withdraws one when its value is dropped.
 #[derive(Default)]
-pub(crate) struct Shown(Mutex<Vec<(String, Box<dyn Send + Sync>)>>);
+pub(crate) struct Announcements(Mutex<Vec<(String, Box<dyn Send + Sync>)>>);
 
-impl Shown {
-    /// Stays visible under this name.
+impl Announcements {
+    /// Keeps an announcement.
     pub(crate) fn keep(&self, name: String, announcement: Box<dyn Send + Sync>) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push((name, announcement));
     }
 
-    /// The name others see, if they see one.
+    /// The name that others see; none while nothing is announced.
     pub(crate) fn name(&self) -> Option<String> {
         let all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         all.first().map(|(name, _)| name.clone())
     }
 
-    /// Others see nothing any more.
-    pub(crate) fn let_go(&self) {
+    /// Withdraws all of them.
+    pub(crate) fn withdraw(&self) {
         let all = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
         drop(all);
     }
