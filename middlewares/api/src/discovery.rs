@@ -2,8 +2,8 @@
 
 use crate::{Address, DiscoverError};
 
-/// Tells who is there. A middleware that cannot, because its peers do not announce themselves,
-/// leaves it out.
+/// Lists ports and services on a middleware. One whose peers do not announce themselves does not
+/// implement this.
 pub trait Discovery {
     /// What is visible now, ours and others'.
     ///
@@ -11,8 +11,8 @@ pub trait Discovery {
     /// When the middleware cannot tell.
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError>;
 
-    /// Ends of ports at one address, as [`discover`](Discovery::discover) tells of all: for who
-    /// asks at many addresses, where telling all costs more.
+    /// Ends of ports at one address, of those that [`discover`](Discovery::discover) lists: for
+    /// callers that ask for many addresses, where listing everything each time costs more.
     ///
     /// # Errors
     /// As there.
@@ -27,8 +27,8 @@ pub trait Discovery {
         at.to_string()
     }
 
-    /// Who is there and is not seen by [`discover`](Discovery::discover), as far as that can be
-    /// told; for people who look.
+    /// Programs that are connected but do not show in [`discover`](Discovery::discover), as far as
+    /// the middleware tells of them. For diagnosis by people.
     fn strangers(&self) -> Vec<Stranger> {
         Vec::new()
     }
@@ -79,8 +79,7 @@ pub enum Stranger {
     },
 }
 
-/// Why an end and another one do not meet, though both are there, or do not get from each other what
-/// they could.
+/// Why two ends that are there are not connected, or get less from each other than they could.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Obstacle {
     /// What is in the way, as a sentence without a stop.

@@ -27,7 +27,7 @@ pub enum OpenError {
     Unsupported {
         /// Name of the middleware.
         backend: String,
-        /// The type.
+        /// Spelling of the type that cannot be carried.
         ty: String,
         /// What is missing.
         why: String,

@@ -16,21 +16,20 @@ pub trait Middleware: Ports + Send + Sync {
     /// As configurations call it: `local`, `shm`, `zenoh`, `ros2`.
     fn name(&self) -> &'static str;
 
-    /// What it can do.
+    /// What the daemon may ask of it; what is missing is refused at load.
     fn capabilities(&self) -> Capabilities;
 
-    /// How services are served and called, if they are: as
-    /// [`Capabilities::services`] says.
+    /// Serves and calls services; none if [`Capabilities::services`] is false.
     fn services(&self) -> Option<&dyn Services> {
         None
     }
 
-    /// Who is there, if that can be told.
+    /// Lists ports and services on the middleware; none if its peers do not announce themselves.
     fn discovery(&self) -> Option<&dyn Discovery> {
         None
     }
 
-    /// The way to other daemons on this middleware, if it has one.
+    /// Passes requests to other daemons on this middleware; none if it has no way for that.
     fn relay(&self) -> Option<&dyn Relay> {
         None
     }
@@ -85,8 +84,8 @@ pub struct Refused {
     pub peer: Option<std::net::IpAddr>,
 }
 
-/// The optional concerns, asked for as if every middleware had them: one that has not answers
-/// that it cannot.
+/// The optional concerns, for callers that do not care whether a middleware has them: where it has
+/// not, they get an error that says so.
 impl dyn Middleware + '_ {
     /// As [`Services::serve`].
     ///

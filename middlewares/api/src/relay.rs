@@ -1,12 +1,12 @@
-//! Requests passed to daemons on a middleware, for supervisors that reach one daemon and mean
-//! another. What the bytes say is the daemons' affair.
+//! Requests passed from daemon to daemon on a middleware, for supervisors that can reach one daemon
+//! and want to talk to another. The bytes are opaque here: daemons seal them.
 
 use std::time::Duration;
 
 use crate::error::DiscoverError;
 
-/// Takes one request, and answers it sooner or later, from any thread; dropping the answer is
-/// an answer too: the other side is told that nothing came.
+/// Takes one request and a function that sends the answer, to be called once, from any thread. If
+/// it is dropped instead, the other side is told that no answer comes.
 pub type OnRequest = dyn Fn(Vec<u8>, Box<dyn FnOnce(Vec<u8>) + Send>) + Send + Sync;
 
 /// A middleware by which daemons reach each other.
@@ -27,14 +27,14 @@ pub trait Relay: Send + Sync {
     /// When the middleware cannot tell.
     fn daemons(&self) -> Result<Vec<String>, DiscoverError>;
 
-    /// Which end of the middleware this is: what others are told with its answers.
+    /// Identity of this end on the middleware, which others get together with its answers.
     fn own(&self) -> String;
 
     /// Sends a request to all that take requests to that name, and gathers what they answer, each
     /// with the end of the middleware that it came from, until none is left to answer or
     /// `patience` is over. A daemon that does not show yet is waited for, but not for long.
     ///
-    /// A name is no proof: who answers may be anybody on the network.
+    /// Anybody on the network can answer to a name: the answers have to prove who they are from.
     ///
     /// # Errors
     /// No daemon of that name shows, or the middleware fails.
@@ -69,17 +69,17 @@ pub enum AnnounceError {
          of its own, `--daemon NAME`"
     )]
     Taken {
-        /// The name.
+        /// As the daemon is called.
         name: String,
-        /// The middleware.
+        /// The middleware that was used.
         backend: String,
     },
     /// The middleware itself failed.
     #[error("daemon `{name}` is not reachable on {backend}: {why}")]
     Failed {
-        /// The name.
+        /// As the daemon is called.
         name: String,
-        /// The middleware.
+        /// The middleware that was used.
         backend: String,
         /// The middleware's own words.
         why: String,
@@ -93,17 +93,17 @@ pub enum AskError {
     /// No daemon of that name shows.
     #[error("no daemon `{name}` shows on {backend}")]
     Unknown {
-        /// The name.
+        /// As the daemon is called.
         name: String,
-        /// The middleware.
+        /// The middleware that was used.
         backend: String,
     },
     /// It did not answer.
     #[error("daemon {name} on {backend} does not answer: {why}")]
     Silent {
-        /// The name.
+        /// As the daemon is called.
         name: String,
-        /// The middleware.
+        /// The middleware that was used.
         backend: String,
         /// What is known of the reason.
         why: String,

@@ -76,7 +76,7 @@ pub fn pair() -> (ReplySender, ReplyReceiver) {
     (ReplySender(sender), ReplyReceiver(receiver))
 }
 
-// A caller that no longer waits is no error of the service.
+// The receiving end is gone when the caller gave up waiting: nothing to report to the service.
 impl Replies for ReplySender {
     fn accepted(&mut self, id: ActivityId) {
         let _ = self.0.send(Reply::Accepted(id));

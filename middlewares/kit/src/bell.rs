@@ -25,8 +25,8 @@ impl Bell {
         }
     }
 
-    /// Waits for a ring, at most `timeout` if there is one; whether it rang. Always called by one
-    /// same thread.
+    /// Waits for a ring, at most `timeout` if there is one; whether it rang. To be called by one
+    /// thread only, for as long as the bell lives.
     pub fn wait(&self, timeout: Option<Duration>) -> bool {
         self.listener.get_or_init(thread::current);
         let end = timeout.map(|timeout| Instant::now() + timeout);

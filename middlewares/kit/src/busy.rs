@@ -1,14 +1,14 @@
-//! Whether the threads that send get on with it, for one that watches.
+//! Lets another thread see whether a sending thread is held up.
 //!
-//! What a network's library does takes what time it likes: a write may wait for seconds until a
-//! reader that stopped is given up. Nobody is told beforehand, and to be told afterwards is too
-//! late; so each thread counts what it begins and ends, and another one looks at the counts.
+//! A write of a network's library may wait for seconds, until a reader that stopped is given up. It
+//! cannot be known beforehand that it will. So each thread counts what it begins and what it ends,
+//! and a watching thread looks at the counts from time to time.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
-/// What one thread is at: odd while it is in the middle of something.
+/// Counts what one thread begins and ends: odd while it is in the middle of something.
 #[derive(Debug)]
 pub(crate) struct Busy {
     count: AtomicU64,
@@ -34,8 +34,8 @@ impl Busy {
 
     /// Begins something. Costs a system call only when nothing was sent for long.
     pub(crate) fn begin(&self) -> Working<'_> {
-        // Counted first, looked at second; the watching thread does it the other way round before
-        // it sleeps: one of the two sees the other.
+        // The count first, the flag second. The watching thread clears the flag first and looks at
+        // the count second: so either this thread wakes it, or it does not go to sleep.
         self.count.fetch_add(1, Ordering::SeqCst);
         if !self.alarm.awake.load(Ordering::SeqCst) {
             self.alarm.wake();
@@ -68,8 +68,8 @@ impl Alarm {
         }
     }
 
-    /// Sleeps until something is begun, unless `quiet` says that something was. By the watching
-    /// thread alone.
+    /// Sleeps until something is begun; not at all if `quiet` finds that something was begun
+    /// meanwhile. For the watching thread only.
     pub(crate) fn sleep(&self, quiet: impl FnOnce() -> bool) {
         self.thread.get_or_init(std::thread::current);
         self.awake.store(false, Ordering::SeqCst);

@@ -106,7 +106,7 @@ impl<L> Lines<L> {
     /// Lets go of all lines.
     pub(crate) fn clear(&self) {
         let all = std::mem::take(&mut self.lock().all);
-        // What they do in their end may come back here.
+        // Dropped without the lock: their destructors may use the lines.
         drop(all);
     }
 
@@ -121,7 +121,7 @@ impl<L> Lines<L> {
         (0..count).find_map(|number| self.with(number, &mut wanted).flatten())
     }
 
-    /// Has a line to oneself. One that another thread has is waited for, or is none.
+    /// Takes a line out for a while. If another thread has it, waits for it or gives none.
     fn take(&self, number: usize, wait: bool) -> Option<Taken<'_, L>> {
         let mut slots = self.lock();
         loop {
@@ -162,12 +162,13 @@ impl<L: Line> Lines<L> {
     pub(crate) fn send(&self, busy: &Busy) -> bool {
         let mut more = false;
         for (index, word) in self.marked.iter().enumerate() {
-            // Most are clear, and a look costs less than an exchange.
+            // Most words are zero, and a plain load is cheaper than an atomic exchange.
             let mut bits = word.load(Ordering::Relaxed);
             while bits != 0 {
                 let mask = bits & bits.wrapping_neg();
                 bits &= !mask;
-                // One by one: a thread that is held up by a line takes none of the others with it.
+                // Each bit is cleared just before its line is sent: were all bits taken at once, a
+                // thread that is held up by one line would keep the others from being seen.
                 if word.fetch_and(!mask, Ordering::Acquire) & mask == 0 {
                     continue;
                 }

@@ -1,4 +1,4 @@
-//! A bounded exchange of byte buffers between two threads, which are used again and again.
+//! A bounded queue between two threads, whose buffers are used again and again.
 //!
 //! Outgoing, the real-time writer fills and the middleware empties; incoming, the middleware
 //! fills and the real-time reader empties. Neither side waits for the other.
@@ -20,7 +20,7 @@ pub enum Full {
     Newest,
 }
 
-/// One producer and one consumer at a time; each of them is asked for by the caller.
+/// One producer and one consumer at a time: the caller has to see to it.
 #[derive(Debug)]
 pub struct Mailbox<T = Vec<u8>> {
     /// Two more than the ring holds: one in the producer's hands, one in the consumer's.

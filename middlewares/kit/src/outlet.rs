@@ -23,7 +23,7 @@ impl Outlet {
     /// Holds at most `depth` samples, each in a buffer made ready for `room` bytes.
     #[must_use]
     pub fn new(ty: &DataType, depth: usize, room: usize) -> Self {
-        // What costs when it is done for the first time is done now.
+        // The plan of the encoding is made here, and not by the first write.
         ty.prepare();
         Self {
             ty: ty.clone(),

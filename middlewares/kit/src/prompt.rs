@@ -1,6 +1,7 @@
-//! Threads between a real-time thread and a middleware: short work, wanted at once.
+//! Short time slices for threads that stand between a real-time thread and a middleware: they work
+//! briefly, and should run as soon as they are woken.
 //!
-//! The module that asks the system for it; all else in this crate is safe code.
+//! The one module of this crate with unsafe code: it calls the system.
 
 #![allow(unsafe_code, reason = "no safe interface of sched_setattr(2) is kept up")]
 
@@ -15,7 +16,7 @@ const SLICE: u64 = 100_000;
 /// thread of a real-time policy. See `sched_setattr(2)`, `sched_runtime` of `SCHED_OTHER`.
 ///
 /// # Errors
-/// The system refuses: a filter of system calls may.
+/// The system refuses, for instance by a filter of system calls (seccomp).
 pub fn be_prompt() -> io::Result<()> {
     let mut attributes = get()?;
     if attributes.sched_policy != SCHED_OTHER {

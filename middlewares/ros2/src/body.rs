@@ -53,7 +53,7 @@ pub(crate) enum Style {
     Foreign(Manner),
 }
 
-/// The result of a service; false when its type cannot say this.
+/// The result of a service; false when the response type has no way to express it.
 pub(crate) fn put_outcome(
     out: &mut Vec<u8>,
     ty: &DataType,
@@ -144,7 +144,7 @@ fn failure(message: &str) -> Outcome {
     }
 }
 
-/// Reads a message field by field. Nothing is trusted.
+/// Reads a message field by field; what is not there or does not fit gives none.
 #[derive(Clone, Debug)]
 pub(crate) struct Fields<'a> {
     payload: &'a [u8],
@@ -190,7 +190,7 @@ impl<'a> Fields<'a> {
         std::str::from_utf8(bytes.strip_suffix(&[0]).unwrap_or(bytes)).ok()
     }
 
-    /// A sequence, read one by one: no length makes room beforehand.
+    /// A sequence, read one by one: a length in the message allocates nothing beforehand.
     pub(crate) fn all<T>(&mut self, one: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
         let count = self.word()?;
         (0..count).map(|_| one(self)).collect()

@@ -214,7 +214,8 @@ impl Drop for ServerEnd {
 
 type Then = Box<dyn FnOnce(Result<&[u8], CallError>) + Send>;
 
-/// Takes the body of a reply, or why there is none. Heard of in any case.
+/// Takes the body of a reply, or why there is none. It is called in any case: when it is dropped,
+/// with [`CallError::Gone`].
 pub(crate) struct Answer(Option<Then>);
 
 impl Answer {
@@ -386,7 +387,7 @@ impl Drop for ClientEnd {
     }
 }
 
-/// Has the last messages arrive.
+/// Waits a while, on the sending thread, until the last messages have arrived.
 pub(crate) fn close(orders: &Orders, posts: Vec<Arc<Post>>) {
     orders.finish(move || posts.iter().for_each(|post| post.settle(FAREWELL)));
 }

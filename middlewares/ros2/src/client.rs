@@ -16,7 +16,8 @@ use crate::post::{Target, prefix};
 use crate::runs::{ActionEnd, Run};
 use crate::within::{Own, Within};
 
-/// For so long after it was opened, the first call waits for a service to become known.
+/// A call waits for a service to become known until this time after the client was opened:
+/// discovery takes a while.
 pub(crate) const ACQUAINTANCE: Duration = Duration::from_secs(2);
 
 /// How a service is called.
@@ -33,7 +34,7 @@ pub(crate) struct Ros2Client {
     pub(crate) style: Style,
     pub(crate) wanted: Wanted,
     pub(crate) way: Way,
-    /// Until then a service that is not known yet may be about to be.
+    /// Until then a call waits for a service that is not known yet.
     pub(crate) acquainted: Instant,
     pub(crate) own: Arc<Own>,
     pub(crate) core: Arc<Core>,

@@ -1,4 +1,4 @@
-//! What others send and nobody can use: counted, and told in one line a second at most.
+//! Counts useless messages of others, and limits what the log says of them to a line a second.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ struct State {
 }
 
 impl Complaints {
-    /// One more; how many there were so far, if that is to be told now.
+    /// Counts one more. Gives the count so far if a line is due.
     pub(crate) fn add(&self) -> Option<u64> {
         self.add_at(Instant::now())
     }

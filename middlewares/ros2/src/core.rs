@@ -108,7 +108,7 @@ impl Core {
         self.sender.orders()
     }
 
-    /// Has others told of a change of ours.
+    /// A function that has others told, soon, that our ends changed.
     pub(crate) fn announcer(&self) -> Box<dyn Fn() + Send + Sync> {
         let orders = self.orders().clone();
         Box::new(move || orders.announce())
@@ -155,7 +155,7 @@ impl Core {
         OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why }
     }
 
-    /// The reader of a topic, made unless there is one.
+    /// The reader of a topic, shared with the other in ports that read it.
     pub(crate) fn feed(
         &self,
         wanted: &Wanted,

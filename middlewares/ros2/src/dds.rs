@@ -80,7 +80,7 @@ impl Dds {
         self.moment(topic, ty, qos)
     }
 
-    /// A reader that is not one of the topic's.
+    /// A reader that is not remembered as one of the topic's.
     pub(crate) fn moment(
         &self,
         topic: &str,

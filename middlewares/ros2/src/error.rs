@@ -15,12 +15,12 @@ pub enum ParticipantError {
     /// DDS did not open.
     #[error("DDS does not open domain {domain}: {why}")]
     Dds {
-        /// The domain.
+        /// Number of the domain.
         domain: u16,
         /// The library's own words.
         why: String,
     },
-    /// No thread could be had.
+    /// The system gave no thread.
     #[error("no thread for ROS 2: {0}")]
     Thread(#[from] std::io::Error),
 }

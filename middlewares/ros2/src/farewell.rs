@@ -34,7 +34,7 @@ impl Drop for Farewell {
         let all = [IpAddr::from(Ipv4Addr::UNSPECIFIED), Ipv4Addr::LOCALHOST.into()];
         let addresses = self.addresses.clone().unwrap_or(all.to_vec());
         for address in addresses.into_iter().filter(IpAddr::is_ipv4) {
-            // Nobody depends on it: a last word that cannot be sent is not said.
+            // Best effort: others notice later without it.
             let Ok(socket) = UdpSocket::bind((address, 0)) else { continue };
             let tell = |to: IpAddr, port: Option<u16>| {
                 if let Some(port) = port {

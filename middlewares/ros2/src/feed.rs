@@ -18,8 +18,8 @@ use crate::numbering::Place;
 use crate::quality::{Asks, Wish};
 use crate::receiver::{Sample, Sink};
 
-/// A reader starts with the last value; but DDS brings at first what was written while it
-/// connected. Of what arrives together within this time, only the newest counts.
+/// A new reader is to start with the last value, but DDS also delivers what was written while it
+/// was being connected. Of what arrives together within this time, only the newest is kept.
 const ACQUAINTANCE: Duration = Duration::from_millis(100);
 
 /// Writers that are remembered, though they may be gone.
@@ -36,7 +36,7 @@ pub(crate) struct Feed {
     pub(crate) hash: Option<String>,
     digest: String,
     pub(crate) graph: Arc<Graph>,
-    /// This daemon: its own samples come another way.
+    /// This daemon's participant: samples of its own ports come by [`Feed::hear`].
     ourselves: GUID,
     /// What was received before is of an earlier reader of the topic.
     since: Timestamp,
@@ -295,7 +295,7 @@ impl Sink for FeedSink {
     }
 
     fn garbled(&mut self) {
-        // Nothing can be decoded from nothing: the reader is told.
+        // An empty message cannot be decoded: readers count it and report it.
         self.0.lock().live().for_each(|inbox| _ = inbox.put(&Message::default()));
     }
 }

@@ -12,7 +12,7 @@ use crate::quality::{Asks, Wish};
 use crate::receiver::Inlet;
 use crate::wire;
 
-/// Keeps a topic read. The last one to go ends the DDS reader.
+/// Keeps a topic read. When the last one is dropped the DDS reader ends.
 pub(crate) struct FeedHandle {
     pub(crate) feed: Arc<Feed>,
     wish: Wish,
@@ -118,7 +118,7 @@ impl Feeds {
         make: impl FnOnce() -> Result<FeedHandle, String>,
     ) -> Result<Arc<FeedHandle>, String> {
         let mut feeds = self.lock();
-        // Kept until the lock is gone: the last one to let go of a feed may be this.
+        // Kept until the lock is released: dropping the last handle of a feed takes the lock.
         let there: Vec<_> =
             feeds.get(topic).into_iter().flatten().filter_map(Weak::upgrade).collect();
         if let Some(feed) = there.iter().find(|feed| feed.wish == wish) {

@@ -74,7 +74,7 @@ fn now() -> (i32, u32) {
 
 fn put_info(out: &mut Vec<u8>, id: &GoalId, stamp: (i32, u32)) {
     out.extend_from_slice(id);
-    // Bytes go anywhere, numbers do not.
+    // Numbers are aligned to 4 bytes.
     out.resize(out.len().next_multiple_of(4), 0);
     out.extend_from_slice(&stamp.0.to_le_bytes());
     out.extend_from_slice(&stamp.1.to_le_bytes());
@@ -164,7 +164,7 @@ impl ActionServer {
         }
     }
 
-    /// Somebody gives up a goal; or, as ROS has it, all, or all up to a time.
+    /// A caller cancels a goal, all goals, or all up to a time (`action_msgs/srv/CancelGoal`).
     pub(crate) fn cancel_goal(&self, by: RequestId, message: &[u8]) {
         let wanted = Fields::of(message).and_then(|mut fields| {
             let id = fields.bytes::<16>()?;
@@ -225,7 +225,7 @@ impl ActionServer {
         let Some(goal) = goals.by_id.get_mut(id) else { return };
         goal.run = run.or(goal.run);
         let (sent, stamp) = (goal.sent.take(), goal.stamp);
-        // Given up before it was known under what number.
+        // Cancelled before the activity had a number: it is passed on now.
         let cancelled = run.filter(|_| goal.status == CANCELING);
         drop(goals);
         if let Some(by) = sent {
@@ -265,7 +265,7 @@ impl ActionServer {
     }
 
     fn finish(&self, id: &GoalId, outcome: &Outcome) {
-        // Also what failed before it was accepted is a goal that ran, to ROS.
+        // ROS wants a goal accepted before it ends, also one that failed at once.
         self.accepted(id, None);
         let mut result = vec![0];
         body::put_outcome(&mut result, &self.ty.output, outcome, self.style);
@@ -357,7 +357,7 @@ impl Served for Ros2Action {}
 
 impl Drop for Ros2Action {
     fn drop(&mut self) {
-        // First of all nobody calls any more.
+        // The service is withdrawn before the last callers are answered.
         self.claim = None;
         self.core.orders().announce_now();
         self.server.leave();

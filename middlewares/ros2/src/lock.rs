@@ -1,8 +1,8 @@
-//! A lock that a thread which panicked has not spoiled for the others.
+//! Locking a mutex whether or not a thread that held it panicked: what is behind it stays usable.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Has it to itself.
+/// Locks it, poisoned or not.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -19,7 +19,8 @@ const LOOKS: (Duration, Duration) = (Duration::from_millis(2), Duration::from_mi
 /// A reader that acknowledges nothing for so long counts as ready.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// Makes acknowledgments tell something before the first sample: one for nobody comes first.
+/// Writes a message to a reader that does not exist. From then on a reader that acknowledges
+/// everything has heard of this writer, also before the first sample.
 ///
 /// Not for transient local writers, which would keep it for all who come.
 pub(crate) fn prime(writer: &Writer) {

@@ -54,8 +54,8 @@ impl Place {
         Self { number, time: time.map(Timestamp::to_ticks) }
     }
 
-    /// Whether it brings nothing after this one: a reader that is made anew gets messages again
-    /// that DDS still holds, and a new reader the last sample besides.
+    /// Whether it is newer than this one: a reader that was made anew gets messages again that DDS
+    /// still holds, and a new reader gets the last sample twice.
     pub(crate) fn is_after(&self, last: &Self) -> bool {
         let sample = |place: &Self| place.time.map(|time| time >> BITS);
         self.number > last.number && (self.time.is_none() || sample(self) != sample(last))
@@ -66,7 +66,7 @@ impl Place {
         let told = |place: &Self| place.time.map_or(0, |time| (time & TOLD) as u8);
         let repeated = if genomd { told(next).wrapping_sub(told(self)) } else { 0 };
         let between = next.number.saturating_sub(self.number).saturating_sub(1);
-        // A peer may say anything.
+        // A peer may send any number.
         let missing = u64::try_from(between).unwrap_or(0).saturating_sub(u64::from(repeated));
         missing.min(u64::from(u32::MAX))
     }

@@ -1,4 +1,4 @@
-//! What keeps ends that are there from meeting.
+//! Why ends that are there are not connected, or get less from each other than they could.
 
 use genom_middleware::{Address, Obstacle};
 
@@ -28,7 +28,7 @@ pub(crate) fn obstacles(graph: &Graph, feeds: &Feeds, at: &Address, topic: &str)
     all
 }
 
-/// Says what keeps an end that came from meeting ours.
+/// Logs what keeps an end that was just found from being connected with ours.
 pub(crate) fn tell(graph: &Graph, feeds: &Feeds, topic: &str) {
     let Some(name) = topic.strip_prefix("rt/") else { return };
     for Obstacle { what, fix } in obstacles(graph, feeds, &Address::new("", name), topic) {

@@ -155,13 +155,13 @@ pub enum OptionsError {
     Domain {
         /// The key of the configuration, or the variable.
         key: &'static str,
-        /// As given.
+        /// The value as it was given.
         value: String,
     },
-    /// Not one of the values.
+    /// A value that ROS does not know.
     #[error("ROS_LOCALHOST_ONLY is 0 or 1, not {0}")]
     LocalhostOnly(String),
-    /// Not one of the values, or one that cannot be had.
+    /// A value that ROS does not know, or one that this backend has no equivalent of.
     #[error(
         "ROS_AUTOMATIC_DISCOVERY_RANGE is LOCALHOST, SUBNET or SYSTEM_DEFAULT, not {0}; \
          to be found by nobody use another backend"
@@ -175,7 +175,7 @@ pub enum OptionsError {
     Masquerade {
         /// The IDL type.
         ty: String,
-        /// What is wrong.
+        /// The foreign name as it was given.
         name: String,
     },
 }

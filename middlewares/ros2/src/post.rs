@@ -61,7 +61,7 @@ impl Matches {
         self.lock().posts.get(writer).and_then(Weak::upgrade)
     }
 
-    /// A writer is connected to a reader; the post to be gone on with.
+    /// A writer is connected to a reader. Gives the writer's post, whose letters may go out now.
     pub(crate) fn matched(&self, writer: GUID, reader: GUID) -> Option<Arc<Post>> {
         let mut state = self.lock();
         state.readers.entry(writer).or_default().insert(reader);
@@ -92,7 +92,7 @@ impl Matches {
 /// Writes one message.
 pub(crate) type Letter = Box<dyn FnOnce(&Writer) + Send>;
 
-/// Does what is to be done when readers are gone; it is told who can still be reached.
+/// Called when readers are gone, with a function that says who can still be reached.
 pub(crate) type OnLost = Box<dyn Fn(&dyn Fn(Target) -> bool) + Send + Sync>;
 
 /// One writer. All is done on the sending thread, except making it.
@@ -124,7 +124,7 @@ impl Post {
         let mut waiting = self.lock();
         waiting.push_back((to, letter));
         let given_up = if waiting.len() > MOST { waiting.pop_front() } else { None };
-        // What it does in its end may come back here.
+        // Dropped without the lock: letters that are given up may use this post.
         drop(waiting);
         drop(given_up);
     }
@@ -159,7 +159,7 @@ impl Post {
             .into_iter()
             .partition::<VecDeque<_>, _>(|(to, _)| matches!(to, Target::Reader(of) if gone(of)));
         *waiting = rest;
-        // What it does in its end may come back here.
+        // Dropped without the lock: letters that are given up may use this post.
         drop(waiting);
         drop(given_up);
         (self.on_lost)(&|to| self.matches.reaches(&self.guid(), to));

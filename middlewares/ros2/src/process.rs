@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// A process of this machine, told apart from all that ever had its number.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
 pub(crate) struct Process {
-    /// Boot of the machine and namespace of its numbers: elsewhere they mean nothing.
+    /// Boot of the machine and PID namespace: the number means something there only.
     place: String,
     number: u32,
     /// When it started, in ticks since the boot.

@@ -17,7 +17,7 @@ pub(crate) struct Asks {
     pub(crate) transient_local: bool,
 }
 
-/// What is said of a reader; the rest it takes as it comes.
+/// What the configuration fixes for a reader; `None`: it asks for what its writers offer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Wish {
     pub(crate) reliable: Option<bool>,
@@ -35,8 +35,8 @@ impl Wish {
 
     /// What to ask for, with these writers there.
     ///
-    /// The last values of daemons come without asking, and of RustDDS's writers all samples would
-    /// come that they still hold.
+    /// Transient local is not asked of daemons, which send the last value anyway, nor of any writer
+    /// of RustDDS, which would send all samples that it still holds.
     pub(crate) fn asks(self, ourselves: &GUID, writers: &[(GUID, Found)]) -> Asks {
         let latched = |(guid, found): &(GUID, Found)| {
             let durability = found.qos.durability().unwrap_or(policy::Durability::Volatile);

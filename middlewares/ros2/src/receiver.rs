@@ -145,7 +145,7 @@ struct Work {
 
 impl Work {
     fn go_on(&mut self) {
-        // Or DDS's thread first finishes what it has to do besides, such as acknowledgements.
+        // Otherwise this thread would run after DDS's has also sent its acknowledgements.
         if let Err(error) = be_prompt() {
             tracing::debug!(%error, "samples may wait for their turn to be received");
         }
@@ -168,7 +168,7 @@ impl Work {
                     token => ready.push(token),
                 }
             }
-            // Each look costs system calls, and samples wait: only where something was said.
+            // Each look costs system calls: only where an event said that there is something.
             while is_news && let Some(event) = self.status.try_recv_status() {
                 (self.news)(event);
             }
@@ -225,8 +225,8 @@ impl Work {
     /// Takes what a reader has; whether there may be more.
     fn take(&mut self, token: Token) -> bool {
         let Some((reader, sink)) = self.readers.get_mut(&token) else { return false };
-        // To put a notification away takes longer than to take a sample, so that the first one
-        // goes ahead of it. What comes later than it notifies anew.
+        // Draining a notification takes longer than taking a sample, so the first sample is taken
+        // before it. What arrives after the drain notifies again.
         take_one(reader, &mut **sink, &self.buffer);
         reader.drain_read_notifications();
         let more = (0..TURN).all(|_| take_one(reader, &mut **sink, &self.buffer));

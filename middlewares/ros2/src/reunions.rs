@@ -18,7 +18,7 @@ use crate::wire::{self, Reader, Writer};
 /// Participants that are remembered while they are away.
 const MANY: usize = 256;
 
-/// An end that nobody matched is of no use any more.
+/// An end for a moment that was not matched within this time is dropped.
 const LONGEST: Duration = Duration::from_secs(5);
 
 enum Moment {

@@ -50,7 +50,7 @@ pub(crate) struct Run {
     style: Style,
     id: GoalId,
     server: Target,
-    /// Weak: what waits in the ends holds this.
+    /// Weak: answers that the ends wait for hold this run.
     action: Weak<ActionEnd>,
     state: Mutex<RunState>,
 }
@@ -78,7 +78,7 @@ impl Sink for Feedback {
         let Some(mut fields) = Fields::of(sample.message) else { return };
         let Some(id) = fields.bytes::<16>() else { return };
         let run = lock(&self.runs.0).get(&id).and_then(Weak::upgrade);
-        // That of a foreign type may be something else.
+        // The feedback of a foreign type need not be a state.
         let run = run.filter(|run| !matches!(run.style, Style::Foreign(m) if !m.states));
         if let Some(run) = run
             && let Some(state) = fields.string()
@@ -131,7 +131,7 @@ impl Run {
         Box::new(Underway(self))
     }
 
-    /// The number of a goal, as this side counts: ROS tells no other.
+    /// The number of a goal: ROS gives goals no number, so this side counts them.
     fn number(&self) -> u64 {
         self.id.last_chunk().map_or(0, |number| u64::from_le_bytes(*number))
     }

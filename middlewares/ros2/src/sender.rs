@@ -209,7 +209,7 @@ impl Line {
         let before = self.numbering;
         let options = self.numbering.again(reader);
         if self.writer.write_with_options(Payload(payload.clone()), options).is_err() {
-            // It was given no number.
+            // Nothing was sent, so no number was used.
             self.numbering = before;
             tracing::debug!("DDS refused the last value of a port");
         }
@@ -313,7 +313,7 @@ impl Work {
         let mut meetings = std::mem::take(&mut self.meetings);
         let ready = meetings.ready(|writer| {
             let line = self.with(lines, writer, |line| meetings::acknowledged(&line.writer));
-            // One that is not known is being made.
+            // A writer without a line is one of requests, replies or feedback, or is being made.
             let post = || self.matches.post(writer).is_some_and(|post| post.is_acknowledged());
             line.unwrap_or_else(post)
         });

@@ -80,7 +80,7 @@ impl Request {
             if body::put_outcome(&mut reply, &server.ty.output, outcome, server.style) {
                 end.reply(id, reply);
             } else {
-                // ROS knows no services that fail: the caller waits until it gives up.
+                // A ROS service cannot fail: without a reply, its caller waits until it times out.
                 tracing::warn!(service = server.ty.input.name(), ?outcome, "no reply can say this");
             }
         }
@@ -101,7 +101,7 @@ impl Replies for ToCaller {
 }
 
 impl Drop for ToCaller {
-    // After `finish` this comes second and changes nothing.
+    // After `finish` the id is taken, and this does nothing.
     fn drop(&mut self) {
         self.0.end(&Outcome::Lost(CallError::Gone));
     }
@@ -120,7 +120,7 @@ impl Served for Ros2Served {}
 
 impl Drop for Ros2Served {
     fn drop(&mut self) {
-        // First of all nobody calls any more.
+        // The service is withdrawn before the last callers are answered.
         self.parameter = None;
         self.claim = None;
         self.core.orders().announce_now();

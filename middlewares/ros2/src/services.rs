@@ -267,7 +267,7 @@ impl ServiceEnds {
     }
 }
 
-/// What is there under a name, made unless somebody still uses it.
+/// The end of that name, made unless one is still in use.
 fn shared<T>(
     all: &Mutex<HashMap<String, Weak<T>>>,
     name: String,

@@ -1,4 +1,4 @@
-//! What daemons tell each other and ROS nodes: the words of this one, and an ear for the others.
+//! What daemons tell each other and ROS nodes: what this one announces, and what it hears.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -30,7 +30,7 @@ impl Announce for Told {
         let ends = info::encode(&Ends { process: self.process.clone(), ends });
         let nodes = info::encode(&Graph::nodes(self.participant, nodes));
         [(&self.ends, ends), (&self.nodes, nodes)].into_iter().all(|(writer, payload)| {
-            // What cannot be encoded will not be by trying again.
+            // Trying again would fail again.
             let Some(payload) = payload else { return true };
             writer.write(Payload(Bytes::from(payload)), None).is_ok()
         })

@@ -12,10 +12,10 @@ use crate::watch::Watcher;
 /// How long others may take to finish what they are doing to a service.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Those who are at it and live have done by then.
+/// Living processes have finished making a service by then.
 const SOON: Duration = Duration::from_millis(200);
 
-/// How an attempt to open or to create a service ended, if not in vain.
+/// How an attempt to open or to create a service ended, unless it failed for good.
 pub(crate) enum Attempt<S> {
     /// It is open.
     Done(S),

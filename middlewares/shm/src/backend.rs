@@ -42,7 +42,7 @@ impl Shm {
     /// A name is not legal, or the folder of iceoryx2 cannot be used.
     pub fn open(options: Options) -> Result<Self, ShmError> {
         options.check()?;
-        // Refusals come back as errors and are told by who asked; logging them too says it twice.
+        // Errors are returned and told by the caller; iceoryx2's log would repeat them.
         iceoryx2::prelude::set_log_level(LogLevel::Fatal);
         let mut config = Config::global_config().clone();
         let told = rights::is_told(&config);
@@ -66,7 +66,7 @@ impl Shm {
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;
-        // Others who live and make a service need far less; what is broken is healed then.
+        // Living processes need far less to make a service; after this, `heal` takes a look.
         config.global.creation_timeout = CREATION;
         let places = Places::of(&config);
         rights::prepare(&places)?;

@@ -37,7 +37,7 @@ pub enum ShmError {
     /// The folder of iceoryx2 could not be made.
     #[error("cannot make {path}: {why}; `root` in [backends.shm] names another folder")]
     Folder {
-        /// The folder.
+        /// Folder of iceoryx2's files.
         path: PathBuf,
         /// The system's own words.
         why: String,
@@ -50,9 +50,9 @@ pub enum ShmError {
     Foreign {
         /// The file or folder.
         path: PathBuf,
-        /// Its owner.
+        /// User number of the owner.
         owner: u32,
-        /// Its rights.
+        /// Mode bits, as `chmod` takes them.
         mode: u32,
         /// Who this process runs as.
         user: u32,
@@ -63,9 +63,9 @@ pub enum ShmError {
          {path}`, or set `root` in [backends.shm] to another folder"
     )]
     Open {
-        /// The folder.
+        /// Folder of iceoryx2's files.
         path: PathBuf,
-        /// Its rights.
+        /// Mode bits, as `chmod` takes them.
         mode: u32,
     },
     /// The node could not be made.

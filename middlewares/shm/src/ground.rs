@@ -196,7 +196,7 @@ impl Ground {
         attain(self.keeping(), at, open, create)
     }
 
-    /// Who heals what is broken, and how much memory is left to others.
+    /// The thread that heals what is broken, and how many bytes of shared memory to leave to others.
     pub(crate) fn keeping(&self) -> (&Watcher, u64) {
         (&self.watcher, self.options.keep_free)
     }

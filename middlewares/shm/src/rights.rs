@@ -1,5 +1,6 @@
-//! Whose the files are. Every user has a folder and a prefix of their own, which nobody else can
-//! enter or write: who could, could cut segments and so end or hang whoever has them open.
+//! Ownership and rights of files. Every user has a folder and a prefix of their own that others can
+//! neither enter nor write: by cutting a segment they could end or hang every process that has it
+//! open.
 
 use std::fs::{self, DirBuilder, Metadata, Permissions};
 use std::io;

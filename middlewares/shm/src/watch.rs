@@ -17,7 +17,7 @@ use iceoryx2::prelude::Config;
 
 use crate::heal::{self, Places, Turn};
 
-/// Longer than anything takes that waits for nobody.
+/// Longer than any call takes that does not wait for another process.
 const PATIENCE: Duration = Duration::from_millis(100);
 
 /// Who made a segment without bytes and lives has had this long.
@@ -105,7 +105,7 @@ impl Watcher {
         let mut state = self.shared.lock();
         let number = state.next;
         state.next += 1;
-        // Nobody is told: to wake a thread for what is done at once would cost more than it.
+        // The watching thread is not woken: that would cost more than most of what is begun here.
         state.begun.insert(number, Instant::now());
         drop(state);
         Busy { shared: &self.shared, number }

@@ -119,7 +119,7 @@ impl Listening {
 
 impl Drop for Listening {
     fn drop(&mut self) {
-        // Somebody who was there and never finished is gone; else nobody was there.
+        // No reply can come any more. If the service was there, it went away; else there was none.
         let error = if self.0.served || self.0.id.get().is_some() {
             CallError::Gone
         } else {

@@ -1,4 +1,4 @@
-//! What all ends of a session share, and who is seen by it.
+//! What all ends of a session share: its sending thread, and which other ends it sees.
 
 use std::fmt::Display;
 use std::sync::Arc;
@@ -51,7 +51,7 @@ impl Drop for Core {
 }
 
 impl Core {
-    /// What a session needs for its ends: its sending thread, and a look at who is there.
+    /// Starts the sending thread, and begins to watch for other sessions' ends.
     pub(crate) fn new(
         session: Session,
         keys: Keys,

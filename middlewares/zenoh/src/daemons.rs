@@ -22,7 +22,7 @@ impl Daemons {
     /// A daemon came, or went. `own` is this session.
     pub(crate) fn heard(&self, session: String, name: String, came: bool, own: &str) {
         let mut there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
-        // Both came at once, or the network was apart: neither was there to be seen.
+        // Both were started at once, or while the network was down, and could not see each other.
         if came && session != own && there.contains(&(own.to_owned(), name.clone())) {
             let backend = BACKEND.to_owned();
             let taken = AnnounceError::Taken { name: name.clone(), backend };

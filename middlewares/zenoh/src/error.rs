@@ -20,7 +20,7 @@ pub enum SessionError {
     /// A key is unknown to zenoh, or its value is wrong.
     #[error("zenoh refuses {key} = {value}: {why}; see zenoh's DEFAULT_CONFIG.json5 for its keys")]
     Setting {
-        /// The key.
+        /// Key of zenoh's configuration.
         key: String,
         /// The value as given.
         value: String,
@@ -32,7 +32,7 @@ pub enum SessionError {
     Tls {
         /// Which one.
         what: &'static str,
-        /// The file.
+        /// Path of the certificate or key.
         path: PathBuf,
         /// Why.
         source: std::io::Error,

@@ -48,7 +48,7 @@ pub struct Options {
     pub config_file: Option<PathBuf>,
     /// For endpoints `tls/HOST:PORT`.
     pub tls: Tls,
-    /// Whether anybody may come in from other machines: who reaches a session calls services.
+    /// Whether other machines may connect without certificates. Whoever connects may call services.
     pub insecure: bool,
     /// Keys of zenoh's configuration with JSON5 values, applied last:
     /// `("scouting/multicast/enabled", "true")`. In a configuration a table.
@@ -144,8 +144,8 @@ impl Options {
         }
     }
 
-    /// The folder to meet in, when all that this session reaches is there: who meets them there
-    /// too misses nobody.
+    /// The folder to meet in, if this session has no other links: then a program that meets the
+    /// sessions there reaches all that this one reaches.
     pub(crate) fn sole_meeting(&self) -> Option<&Path> {
         let more = [&self.listen, &self.connect].iter().any(|endpoints| !endpoints.is_empty());
         self.meeting().filter(|_| !more && self.set.is_empty() && self.mode == Mode::Peer)

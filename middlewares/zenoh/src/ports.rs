@@ -74,7 +74,7 @@ impl Ports for Zenoh {
         let room = room(ty);
         let depth = (UNSENT_BYTES / room.max(1)).clamp(1, UNSENT);
         let outlet = Arc::new(Outlet::new(ty, depth, room));
-        // The token comes last: who sees it can ask for the last value.
+        // The token is declared last: a reader that sees it can already ask for the last value.
         let claim = core.show(at, claim)?;
         let line = core.orders().add(Line {
             publisher,

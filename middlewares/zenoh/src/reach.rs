@@ -1,8 +1,8 @@
-//! Who can reach a session: whoever does, calls services and writes ports.
+//! Who can connect to a session: whoever can, may call services and write ports.
 
 use zenoh::Config;
 
-/// What lets anybody in, and who could come by it.
+/// What lets anybody in, as a sentence that names the endpoint or the setting.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Open(pub(crate) String);
 
@@ -14,7 +14,7 @@ pub(crate) fn open_to_all(config: &Config) -> Option<Open> {
         serde_json::from_str::<serde_json::Value>(&text).ok()
     };
     let is_true = |key: &str| get(key).is_some_and(|value| value == true);
-    // Certificates of both sides, or names and passwords on a line that nobody reads along.
+    // Certificates of both sides, or names and passwords over an encrypted link.
     let named = is_true("transport/link/tls/enable_mtls");
     let password = get("transport/auth/usrpwd/dictionary_file").is_some_and(|file| !file.is_null());
     let safe = |endpoint: &str| {

@@ -51,7 +51,8 @@ impl sender::Line for Line {
         let Some(message) = self.outlet.take() else { return false };
         let payload = ZBytes::from(Bytes::from_owner(message));
         self.mark.number += 1;
-        // First for those who come, then for those who are there: nobody misses it.
+        // Stored for late readers first and sent second: a reader that appears in between gets it
+        // in one of the two ways.
         self.last.set(payload.clone(), self.mark);
         let put = self.publisher.put(payload).attachment(&self.mark.to_bytes()[..]);
         if let Err(error) = put.wait() {

@@ -29,14 +29,14 @@ pub(crate) struct Wanted {
 #[derive(Debug)]
 pub(super) struct Own {
     pub(super) wanted: Wanted,
-    /// Known once they are made. Locked within the state, for an instant.
+    /// `None` until they are made. Locked for an instant, with the lock of the graph held.
     pub(super) made: Mutex<Option<Made>>,
 }
 
 /// What an end of ours is in DDS.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Made {
-    /// The one that stands for the end first, of these or those.
+    /// The first one, of the writers or of the readers, stands for the end in announcements.
     pub(crate) writers: Vec<Gid>,
     pub(crate) readers: Vec<Gid>,
     /// What the writer of an out port offers.

@@ -32,7 +32,7 @@ pub(super) struct State {
 pub(crate) struct Graph {
     state: Mutex<State>,
     pub(super) changed: Condvar,
-    /// Goes up with every change, so that verdicts may be kept.
+    /// Counts changes: a verdict holds as long as this stays the same.
     version: AtomicU64,
 }
 

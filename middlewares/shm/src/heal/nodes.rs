@@ -1,4 +1,4 @@
-//! Who lives, and who does not.
+//! Tells nodes whose process lives from those whose process is gone.
 
 use std::collections::BTreeSet;
 use std::fs::{self, OpenOptions, Permissions};
@@ -63,7 +63,8 @@ impl Nodes {
 
     pub(super) fn look(config: &Config, places: &Places) -> Self {
         let mut nodes = Self::default();
-        // First what is there, then who lives: one that comes meanwhile is not listed.
+        // Files are listed before processes are looked at: a node that comes meanwhile is not
+        // listed, and so not taken for dead.
         for name in entries(&places.nodes) {
             let id = match places.name(&name, "") {
                 Some(rest) => rest.split(places.monitor.as_str()).next().unwrap_or_default(),

@@ -72,6 +72,22 @@ fn quality_that_does_not_fit_is_told_by_why_and_by_doctor() {
 }
 
 #[test]
+fn values_published_from_outside_have_the_quality_of_their_port() {
+    let memory = Arc::new(Memory::new());
+    let demo = component("demo");
+    let text = on_ros2(&demo.library, "demo", "parameter", "reliable = false");
+    let fed = Home::with(&memory).configured(&text).start(&[]);
+    fed.ctl(&["pub", "demo/parameter", "0.5"]).expect_code(0);
+    let text = on_ros2(&demo.library, "reader", "parameter", "reliable = true");
+    let reader = Home::with(&memory).configured(&text).start(&[]);
+    reader.ctl(&["connect", "reader/parameter", "demo/parameter"]).expect_code(0);
+    let told = reader.ctl(&["why", "reader/parameter"]);
+    let what = "a writer of demo/parameter on ros2 offers best effort, and the in port asks for \
+                reliable";
+    assert!(told.out.contains(what), "{}", told.out);
+}
+
+#[test]
 fn mistakes_in_the_quality_of_ports_name_file_line_and_what_was_meant() {
     let demo = component("demo");
     for (port, quality, told) in [
