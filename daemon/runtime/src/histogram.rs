@@ -2,7 +2,6 @@
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-
 /// Buckets in each power of two: 12 % resolution.
 const STEPS: u64 = 8;
 /// Durations above 2^40 ns (18 minutes) share the last bucket.

@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-
 /// A codel that runs now.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RunningCodel {

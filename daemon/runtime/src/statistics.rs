@@ -1,6 +1,5 @@
 //! What an instance tells of its tasks and codels.
 
-
 use crate::histogram::Durations;
 use crate::running::RunningCodel;
 use crate::unpaused::Unpaused;
