@@ -3,7 +3,7 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
-use genom_supervisor::daemon::Daemon as Supervisor;
+use genom_supervisor::Supervisor;
 
 use crate::announcements::Announcements;
 use crate::config::RpcSettings;

@@ -27,7 +27,8 @@ use genom_configuration as config;
 use genom_ports::dates;
 use genom_registry as registry;
 use genom_supervisor::{
-    bus, deploy, ending, flag, hosting, limits, loading, recording, spans, vigil, wires, wiring,
+    bus, components as hosting, connections, deploy, ending, flag, limits, loading, recording,
+    spans, ties,
 };
 
 use crate::cli::Cli;

@@ -10,9 +10,9 @@ use genom_host::{KeptProcess, StandardError};
 
 use crate::config::{RpcSettings, Spot};
 use crate::daemon::Daemon;
+use crate::deploy::Step;
 use crate::deploy::apply::{ApplyError, apply};
 use crate::deploy::plan::plan;
-use crate::deploy::{Step, keep};
 use crate::limits;
 use crate::loading::{self, LoadError};
 use crate::memory;
@@ -25,7 +25,6 @@ use crate::rpc::tokens::Tokens;
 use crate::settings::Settings;
 use crate::signals::Signals;
 use crate::telemetry;
-use crate::vigil;
 
 /// Why the daemon did not run, with its exit status.
 #[derive(Debug)]
@@ -126,8 +125,7 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         }
     });
     open_backend(&daemon).await?;
-    keep::watch(&daemon).map_err(Refusal::own)?;
-    vigil::watch(&daemon).map_err(Refusal::own)?;
+    daemon.watch().map_err(Refusal::own)?;
     let exporter = settings.collector.clone().map(|collector| {
         let name = daemon.name.clone();
         tokio::spawn(telemetry::export(collector, name, daemon.closed.clone()))
@@ -251,7 +249,7 @@ async fn deploy(daemon: &Arc<Daemon>, settings: &Settings, steps: Vec<Step>) -> 
     let work = move || {
         let _turn = worker.deploying();
         apply(&worker, &steps, None)?;
-        worker.declared.keep(&connections);
+        worker.connections.declare(&connections);
         if !steps.is_empty() {
             tracing::info!("deployed: everything is wired and started");
         }

@@ -6,14 +6,14 @@ use std::sync::{Mutex, PoisonError};
 use genom_middleware::Publisher;
 use genom_types::Record;
 
-use crate::key::Key;
+use crate::key::PortKey;
 
 /// The daemon's own publishers at in ports of one component.
 ///
 /// Who changes what an in port reads holds them: of two who do so at once, the second sees all
 /// that the first did.
 #[derive(Default)]
-pub struct Feeds(Mutex<BTreeMap<Key, Feed>>);
+pub struct Feeds(Mutex<BTreeMap<PortKey, Feed>>);
 
 /// One of them.
 pub struct Feed {
@@ -30,7 +30,7 @@ impl Feeds {
     }
 
     /// Does `work` while nobody else changes what in ports of the component read.
-    pub fn hold<T>(&self, work: impl FnOnce(&mut BTreeMap<Key, Feed>) -> T) -> T {
+    pub fn hold<T>(&self, work: impl FnOnce(&mut BTreeMap<PortKey, Feed>) -> T) -> T {
         work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }

@@ -1,9 +1,24 @@
 //! Which port of a component is meant.
 
-/// A port by its index, or an element of a multiple one.
-pub type Key = (usize, Option<String>);
+/// A port of a component, or an element of a multiple one.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PortKey {
+    /// Its rank in the component's description.
+    pub port: usize,
+    /// The element, of a multiple port.
+    pub element: Option<String>,
+}
 
-/// The key of a port, or of an element of a multiple one.
-pub fn key(port: usize, element: Option<&str>) -> Key {
-    (port, element.map(str::to_owned))
+impl PortKey {
+    /// A port, or one of its elements.
+    #[must_use]
+    pub fn new(port: usize, element: Option<&str>) -> Self {
+        Self { port, element: element.map(str::to_owned) }
+    }
+
+    /// The element, of a multiple port.
+    #[must_use]
+    pub fn element(&self) -> Option<&str> {
+        self.element.as_deref()
+    }
 }

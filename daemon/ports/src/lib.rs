@@ -17,5 +17,5 @@ pub mod tape;
 
 pub use fan::{Ends, Fan};
 pub use feeds::{Feed, Feeds};
-pub use key::{Key, key};
+pub use key::PortKey;
 pub use tap::Tap;

@@ -59,6 +59,13 @@ pub trait Body: Send + Sync {
     /// Safe at any time: the body keeps a copy that it exchanges without blocking codels.
     fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value>;
 
+    /// The same, bit by bit; `None` also when no copy of the last value was kept, as of large ones
+    /// that nobody looks at.
+    fn last_value(&self, port: usize, element: Option<&str>) -> Option<Record> {
+        let _ = (port, element);
+        None
+    }
+
     /// The same as a CDR message; `None` also of what cannot be one.
     fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
         let _ = (port, element);

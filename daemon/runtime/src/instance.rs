@@ -168,6 +168,13 @@ impl Instance {
         self.engine.shared.body.port_value(port, element)
     }
 
+    /// The same, bit by bit; `None` also when no copy of the last value was kept, as of large ones
+    /// that nobody looks at.
+    #[must_use]
+    pub fn last_value(&self, port: usize, element: Option<&str>) -> Option<Record> {
+        self.engine.shared.body.last_value(port, element)
+    }
+
     /// The same as a CDR message.
     #[must_use]
     pub fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {

@@ -2,27 +2,32 @@
 //! returns, when one spins, and lets go of what was left behind of components once it ends.
 
 use std::collections::{HashMap, HashSet};
-use std::sync::{Arc, Weak};
+use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
 use genom_runtime::{RunningCodel, Unpaused, nanos, seconds};
 
-use crate::bus::Change;
-use crate::daemon::Daemon;
-use crate::hosting::{Hosted, Spin};
+use crate::bus::{Bus, Change};
+use crate::components::{Components, Hosted, Spin};
+use crate::flag::Flag;
 
 /// Between two looks. All that is read are a few words a component.
 const LOOK: Duration = Duration::from_millis(250);
 /// A codel that is stuck again and again is logged so often; events tell each time.
 const SAME_AGAIN: Duration = Duration::from_secs(60);
 
-/// Watches until the daemon has stopped.
-pub fn watch(daemon: &Arc<Daemon>) -> std::io::Result<()> {
-    let daemon = Arc::downgrade(daemon);
+/// Watches until `closed` is raised.
+pub(crate) fn watch(
+    components: Arc<Components>,
+    bus: Arc<Bus>,
+    closed: Flag,
+) -> std::io::Result<()> {
     thread::Builder::new().name("genomd-vigil".to_owned()).spawn(move || {
-        let mut vigil = Vigil::default();
-        while vigil.look(&daemon) {
+        let mut vigil =
+            Vigil { bus, told: HashMap::new(), spins: HashSet::new(), logged: HashMap::new() };
+        while !closed.is_up() {
+            vigil.look(&components);
             thread::park_timeout(LOOK);
         }
     })?;
@@ -32,8 +37,8 @@ pub fn watch(daemon: &Arc<Daemon>) -> std::io::Result<()> {
 /// A component and a context of it.
 type Place = (String, usize);
 
-#[derive(Default)]
 struct Vigil {
+    bus: Arc<Bus>,
     /// What is stuck.
     told: HashMap<Place, Stuck>,
     /// Cycles that spin: component, task, date.
@@ -50,29 +55,24 @@ struct Stuck {
 }
 
 impl Vigil {
-    /// False when the daemon has stopped.
-    fn look(&mut self, daemon: &Weak<Daemon>) -> bool {
-        let Some(daemon) = daemon.upgrade().filter(|daemon| !daemon.closed.is_up()) else {
-            return false;
-        };
-        let running = daemon.components.all();
+    fn look(&mut self, components: &Components) {
+        let running = components.all();
         for hosted in &running {
-            self.look_at(&daemon, &hosted.name, hosted.stuck());
+            self.look_at(&hosted.name, hosted.stuck());
         }
-        self.look_for_spins(&daemon, &running);
+        self.look_for_spins(&running);
         // Those that stop are told about by whoever stops them.
         let runs = |name: &str| running.iter().any(|hosted| hosted.name == name);
         self.told.retain(|(name, _), _| runs(name));
         self.logged.retain(|_, (last, _)| last.elapsed() < SAME_AGAIN);
         drop(running);
-        let over = daemon.components.over();
+        let over = components.over();
         if !over.is_empty() {
             bury(over);
         }
-        true
     }
 
-    fn look_at(&mut self, daemon: &Daemon, name: &str, stuck: Vec<RunningCodel>) {
+    fn look_at(&mut self, name: &str, stuck: Vec<RunningCodel>) {
         let calls: Vec<_> = stuck.iter().map(RunningCodel::call).collect();
         let returned: Vec<Place> = self
             .told
@@ -90,7 +90,7 @@ impl Vigil {
                 tracing::info!(instance = name, "codel {codel} of {owner} returned after {time}");
             }
             let (component, seconds) = (name.to_owned(), time.as_secs_f64());
-            daemon.bus.tell(&Change::CodelReturned { component, codel, owner, seconds });
+            self.bus.tell(&Change::CodelReturned { component, codel, owner, seconds });
         }
         for codel in stuck {
             let place = (name.to_owned(), codel.call().0);
@@ -102,13 +102,13 @@ impl Vigil {
             let (component, seconds) = (name.to_owned(), time.as_secs_f64());
             let RunningCodel { codel: rank, owner, task, .. } = codel.clone();
             let told = Change::CodelStuck { component, codel: rank, owner, task, seconds };
-            daemon.bus.tell(&told);
+            self.bus.tell(&told);
             let began = Instant::now().checked_sub(time).unwrap_or_else(Instant::now);
             self.told.insert(place, Stuck { call: codel.call(), codel, began, logged });
         }
     }
 
-    fn look_for_spins(&mut self, daemon: &Daemon, running: &[Arc<Hosted>]) {
+    fn look_for_spins(&mut self, running: &[Arc<Hosted>]) {
         let mut now = HashSet::new();
         for hosted in running {
             hosted.look_for_spins();
@@ -116,7 +116,7 @@ impl Vigil {
                 let (task, began) = spin.unpaused.cycle;
                 let key = (hosted.name.clone(), task, began);
                 if !self.spins.contains(&key) {
-                    self.tell_spin(daemon, &hosted.name, spin);
+                    self.tell_spin(&hosted.name, spin);
                 }
                 now.insert(key);
             }
@@ -124,14 +124,14 @@ impl Vigil {
         self.spins = now;
     }
 
-    fn tell_spin(&mut self, daemon: &Daemon, name: &str, spin: Spin) {
+    fn tell_spin(&mut self, name: &str, spin: Spin) {
         if let Some(again) = self.not_lately(name, &spin.unpaused.codel) {
             let task = &spin.unpaused.task;
             tracing::warn!(instance = name, "task {task} does not pause: {spin}{again}");
         }
         let Unpaused { task, codel, owner, for_ns, .. } = spin.unpaused;
         let (component, seconds) = (name.to_owned(), Duration::from_nanos(for_ns).as_secs_f64());
-        daemon.bus.tell(&Change::CodelSpins { component, codel, owner, task, seconds });
+        self.bus.tell(&Change::CodelSpins { component, codel, owner, task, seconds });
     }
 
     /// Whether a codel is to be logged: not so soon again; then how often it was not since.

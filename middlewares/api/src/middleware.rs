@@ -50,6 +50,11 @@ pub trait Middleware: Ports + Send + Sync {
         Ok(())
     }
 
+    /// Shows a type or service under its own name again, wherever it is opened from now on.
+    fn unmask(&self, ours: &str) {
+        let _ = ours;
+    }
+
     /// What peers sent that would have harmed, and was refused.
     fn refused(&self) -> Vec<Refused> {
         Vec::new()

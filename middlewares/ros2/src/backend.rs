@@ -84,6 +84,10 @@ impl Middleware for Ros2 {
         self.core.masquerades.add(ours, foreign)
     }
 
+    fn unmask(&self, ours: &str) {
+        self.core.masquerades.remove(ours);
+    }
+
     fn refused(&self) -> Vec<Refused> {
         let refused = self.core.tally.list().into_iter();
         refused.map(|(why, count, peer)| Refused { why: why.text(), count, peer }).collect()

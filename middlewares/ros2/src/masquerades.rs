@@ -1,6 +1,6 @@
 //! Types and services that go under the names of ROS's own.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{PoisonError, RwLock};
 
 use genom_middleware::{ServiceKind, ServiceType};
@@ -14,6 +14,8 @@ use crate::options::Options;
 pub(crate) struct Masquerades {
     /// By full IDL name of a type or a service.
     all: RwLock<BTreeMap<String, TypeName>>,
+    /// Those of the options, which stay.
+    configured: BTreeSet<String>,
     library: Library,
 }
 
@@ -24,6 +26,7 @@ impl Masquerades {
         let ament = std::env::var("AMENT_PREFIX_PATH").ok();
         Self {
             all: RwLock::new(all.collect()),
+            configured: options.masquerade.keys().cloned().collect(),
             library: Library::with_ament(options.interfaces.clone(), ament.as_deref()),
         }
     }
@@ -40,6 +43,13 @@ impl Masquerades {
         let mut all = self.all.write().unwrap_or_else(PoisonError::into_inner);
         all.entry(ours.to_owned()).or_insert(name);
         Ok(())
+    }
+
+    /// Takes one back that was added.
+    pub(crate) fn remove(&self, ours: &str) {
+        if !self.configured.contains(ours) {
+            self.all.write().unwrap_or_else(PoisonError::into_inner).remove(ours);
+        }
     }
 
     /// The message of a port.
@@ -88,5 +98,24 @@ impl Masquerades {
             Ok(manner) => Ok(Some((foreign.clone(), manner))),
             Err(error) => Err(error.to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_added_is_taken_back_and_what_is_configured_stays() {
+        let configured = [("::demo::pose".to_owned(), "geometry_msgs/msg/Pose".to_owned())];
+        let masquerade = configured.into();
+        let all = Masquerades::new(&Options { masquerade, ..Options::default() });
+        all.add("::demo::pose", "geometry_msgs/msg/Twist").unwrap();
+        all.add("::demo::speed", "geometry_msgs/msg/Twist").unwrap();
+        assert_eq!(all.all().len(), 2);
+        all.remove("::demo::speed");
+        all.remove("::demo::pose");
+        assert_eq!(all.all().keys().collect::<Vec<_>>(), ["::demo::pose"]);
+        assert_eq!(all.all()["::demo::pose"].to_string(), "geometry_msgs/msg/Pose");
     }
 }

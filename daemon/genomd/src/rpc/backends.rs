@@ -7,12 +7,11 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_protocol::{Code, MoveRequest, Moved};
 
+use crate::connections::BindError;
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
 use crate::rpc::{components, ports};
-use crate::wiring::publish::BindError;
-use crate::wiring::switch::switch;
 
 /// Move a running component, or one of its ports, to other middlewares.
 #[utoipa::path(
@@ -36,7 +35,7 @@ pub(crate) async fn change(
         return Err(RpcError::bad_input("a port is on one backend at least").place("/backend"));
     }
     let to = wanted.backend.clone();
-    let work = move || switch(&daemon, &hosted, port, &wanted.backend);
+    let work = move || daemon.connections.move_to(&hosted, port, &wanted.backend);
     match tokio::task::spawn_blocking(work).await {
         Ok(Ok(())) => Ok(Json(Moved { component, port: wanted.port, backend: to })),
         Ok(Err(error @ BindError::Backend(_))) => {

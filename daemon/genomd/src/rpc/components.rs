@@ -164,7 +164,7 @@ pub(crate) async fn unload(
 }
 
 fn summary(hosted: &Hosted) -> Component {
-    let bindings = &hosted.wires.bindings;
+    let bindings = &hosted.ties.bindings;
     let spins = hosted.spins();
     let spinning = || {
         let longest = spins.iter().max_by_key(|spin| spin.unpaused.for_ns)?;

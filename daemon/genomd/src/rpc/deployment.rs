@@ -78,7 +78,7 @@ pub(crate) async fn apply(
         if !wanted.dry_run {
             deploy::apply::apply(&daemon, &steps, Some(patience))
                 .map_err(|error| failed(&error, &wanted))?;
-            daemon.declared.keep(&deployment.connection);
+            daemon.connections.declare(&deployment.connection);
         }
         let steps = steps.iter().map(Step::to_string).collect();
         let beside = if wanted.prune { Vec::new() } else { plan.beside };

@@ -40,7 +40,7 @@ pub(crate) async fn text(State(daemon): State<Arc<Daemon>>) -> impl IntoResponse
 fn describe(page: &mut Page, hosted: &Hosted) {
     let component = hosted.name.as_str();
     let own = [("component", component)];
-    let backend = hosted.wires.bindings.component().to_string();
+    let backend = hosted.ties.bindings.component().to_string();
     page.add("genom_component", GAUGE, "A component runs.", &[own[0], ("backend", &backend)], 1.0);
     let running = hosted.activities.running();
     page.add("genom_activities", GAUGE, "Activities that run.", &own, count(running as u64));
@@ -65,12 +65,11 @@ fn describe(page: &mut Page, hosted: &Hosted) {
         let help = "Calls longer than the stated wcet.";
         page.add("genom_codel_above_wcet_total", COUNTER, help, &labels, count(codel.above_wcet));
     }
-    for (index, port) in hosted.model().ports.iter().enumerate() {
-        for element in ports::elements(hosted, index) {
-            let Some(gauge) = hosted.wires.gauge(index, element.as_deref()) else { continue };
-            let (counts, address) =
-                (gauge.counts(), hosted.address(&port.name, element.as_deref()).to_string());
-            let connection = hosted.wires.connection(index, element.as_deref());
+    for index in 0..hosted.model().ports.len() {
+        for key in ports::elements(hosted, index) {
+            let Some(gauge) = hosted.ties.gauge(&key) else { continue };
+            let (counts, address) = (gauge.counts(), hosted.port_address(&key).to_string());
+            let connection = hosted.ties.connection(&key);
             let (kind, mut labels) = match &connection {
                 Some(_) => ("connection", vec![("in", address.as_str())]),
                 None => ("port", vec![("port", address.as_str())]),

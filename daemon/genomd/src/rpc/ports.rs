@@ -7,6 +7,7 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_description::model;
 use genom_middleware::OpenError;
+use genom_ports::PortKey;
 use genom_protocol::{
     Code, Port, PortDirection, PortParameters, PortTraffic, PortType, Ports, Published,
     ValueParameters,
@@ -14,12 +15,12 @@ use genom_protocol::{
 use genom_types::Record;
 use serde_json::Value;
 
+use crate::connections::feed::FeedError;
 use crate::daemon::Daemon;
 use crate::hosting::{self, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{Body, Parameters};
-use crate::wiring::feed::{self, FeedError};
 
 /// List the ports of all components.
 #[utoipa::path(
@@ -72,10 +73,8 @@ pub(crate) async fn value(
     Parameters(parameters): Parameters<ValueParameters>,
 ) -> Result<Json<Port>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    let index = find(&hosted, &port)?;
-    let element = element(&hosted, index, parameters.element)?;
-    let value = hosted.port_value(index, element.as_deref());
-    Ok(Json(Port { value, ..one(&hosted, index, element.as_deref()) }))
+    let key = key(&hosted, &port, parameters.element)?;
+    Ok(Json(Port { value: hosted.port_value(&key), ..one(&hosted, &key) }))
 }
 
 /// Publish a value to an in port.
@@ -101,12 +100,11 @@ pub(crate) async fn publish(
     Body(value): Body<Value>,
 ) -> Result<Json<Published>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    let index = find(&hosted, &port)?;
-    let element = element(&hosted, index, parameters.element)?;
-    let address = hosted.address(&port, element.as_deref()).to_string();
+    let key = key(&hosted, &port, parameters.element)?;
+    let address = hosted.port_address(&key).to_string();
     let work = tokio::task::spawn_blocking(move || {
         let fill = |record: &mut Record| Ok::<_, FeedError>(record.merge_json(&value)?);
-        feed::publish(&daemon, &hosted, index, element.as_deref(), fill, Record::to_json)
+        daemon.connections.feed(&hosted, &key, fill, Record::to_json)
     });
     match work.await {
         Ok(Ok(value)) => Ok(Json(Published { address, value })),
@@ -169,10 +167,9 @@ pub(crate) async fn traffic(
     Parameters(parameters): Parameters<ValueParameters>,
 ) -> Result<Json<PortTraffic>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    let index = find(&hosted, &port)?;
-    let element = element(&hosted, index, parameters.element)?;
-    let address = hosted.address(&port, element.as_deref());
-    let Some(gauge) = hosted.wires.gauge(index, element.as_deref()) else {
+    let key = key(&hosted, &port, parameters.element)?;
+    let address = hosted.port_address(&key);
+    let Some(gauge) = hosted.ties.gauge(&key) else {
         let message = format!("nothing passes through {address}: it is not connected");
         return Err(RpcError::conflict(Code::NotConnected, message)
             .help(format!("`genomctl connect {address} COMPONENT/PORT`")));
@@ -190,13 +187,14 @@ pub(super) fn find(hosted: &Hosted, port: &str) -> Result<usize, RpcError> {
     })
 }
 
-/// A multiple port needs an element, a single one has none.
-pub(super) fn element(
+/// The port of that name, or its element: a multiple port needs one, a single one has none.
+pub(super) fn key(
     hosted: &Hosted,
-    port: usize,
+    port: &str,
     element: Option<String>,
-) -> Result<Option<String>, RpcError> {
-    let port = &hosted.model().ports[port];
+) -> Result<PortKey, RpcError> {
+    let rank = find(hosted, port)?;
+    let port = &hosted.model().ports[rank];
     let message = match (port.multiple, &element) {
         (true, None) => {
             format!("{}/{} is a multiple port: name an element", hosted.name, port.name)
@@ -204,52 +202,53 @@ pub(super) fn element(
         (false, Some(element)) => {
             format!("{}/{} has no element `{element}`: it is single", hosted.name, port.name)
         }
-        _ => return Ok(element),
+        _ => return Ok(PortKey { port: rank, element }),
     };
     Err(RpcError::bad_input(message).place("element"))
 }
 
 /// The port itself, or the elements of a multiple one.
-pub(super) fn elements(hosted: &Hosted, port: usize) -> Vec<Option<String>> {
+pub(super) fn elements(hosted: &Hosted, port: usize) -> Vec<PortKey> {
     if hosted.model().ports[port].multiple {
-        hosted.wires.elements(port).into_iter().map(Some).collect()
+        let elements = hosted.ties.elements(port).into_iter();
+        elements.map(|element| PortKey { port, element: Some(element) }).collect()
     } else {
-        vec![None]
+        vec![PortKey::new(port, None)]
     }
 }
 
 fn described(hosted: &Hosted, parameters: &PortParameters) -> Vec<Port> {
     let values = parameters.values.unwrap_or(true);
-    let one = |index, element: Option<&str>| {
-        let value = values.then(|| hosted.port_value(index, element)).flatten();
-        Port { value, ..one(hosted, index, element) }
+    let one = |key: &PortKey| {
+        let value = values.then(|| hosted.port_value(key)).flatten();
+        Port { value, ..one(hosted, key) }
     };
     let mut out = Vec::new();
     for index in 0..hosted.model().ports.len() {
         let elements = elements(hosted, index);
         if elements.is_empty() {
-            out.push(one(index, None));
+            out.push(one(&PortKey::new(index, None)));
         }
-        out.extend(elements.iter().map(|id| one(index, id.as_deref())));
+        out.extend(elements.iter().map(one));
     }
     out
 }
 
 /// A port without its value.
-fn one(hosted: &Hosted, index: usize, element: Option<&str>) -> Port {
-    let port = &hosted.model().ports[index];
-    let connection = hosted.wires.connection(index, element);
+fn one(hosted: &Hosted, key: &PortKey) -> Port {
+    let port = &hosted.model().ports[key.port];
+    let connection = hosted.ties.connection(key);
     Port {
-        address: hosted.address(&port.name, element).to_string(),
+        address: hosted.port_address(key).to_string(),
         name: port.name.clone(),
         direction: direction(port.direction),
         multiple: port.multiple,
         ty: hosted.specification().types.spelling(port.ty),
-        digest: hosted.port_type(index).map(|ty| ty.digest().to_owned()),
+        digest: hosted.port_type(key.port).map(|ty| ty.digest().to_owned()),
         doc: port.doc.clone(),
         connected: connection.map(|connection| connection.outport.to_string()),
-        backend: hosted.wires.bindings.port(&port.name),
-        traffic: hosted.wires.gauge(index, element).map(|gauge| gauge.counts()),
+        backend: hosted.backends_of(key),
+        traffic: hosted.ties.gauge(key).map(|gauge| gauge.counts()),
         value: None,
     }
 }

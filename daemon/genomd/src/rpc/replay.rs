@@ -8,10 +8,10 @@ use axum::extract::State;
 use genom_protocol::address::NoAddress;
 use genom_protocol::{Address, Replayed, replay};
 
+use crate::connections::feed::FeedError;
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::{components, ports};
-use crate::wiring::feed::{self, FeedError};
 
 /// Publish samples of a recording to in ports: `length: u32, in port, length: u32, CDR` each,
 /// little endian, the CDR with its encapsulation header.
@@ -55,9 +55,8 @@ fn one(daemon: &Arc<Daemon>, inport: &str, message: &[u8]) -> Result<(), RpcErro
     let Address { component, port, element } =
         parsed.map_err(|error: NoAddress| RpcError::bad_input(error.to_string()))?;
     let hosted = components::find(daemon, &component)?;
-    let index = ports::find(&hosted, &port)?;
-    let element = ports::element(&hosted, index, element)?;
+    let key = ports::key(&hosted, &port, element)?;
     let fill = |value: &mut genom_types::Record| Ok::<_, FeedError>(value.decode_message(message)?);
-    feed::publish(daemon, &hosted, index, element.as_deref(), fill, |_| ())
-        .map_err(|error| ports::not_published(&error).place(inport))
+    let fed = daemon.connections.feed(&hosted, &key, fill, |_| ());
+    fed.map_err(|error| ports::not_published(&error).place(inport))
 }

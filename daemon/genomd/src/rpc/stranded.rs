@@ -5,6 +5,7 @@
 
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware};
+use genom_ports::PortKey;
 
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
@@ -18,18 +19,13 @@ pub(super) struct Stranded {
 
 /// Publishers under an in port's own address where it does not read, readers of an out port where
 /// it is not written.
-pub(super) fn stranded(
-    daemon: &Daemon,
-    hosted: &Hosted,
-    port: usize,
-    element: Option<&str>,
-) -> Vec<Stranded> {
-    let model = &hosted.model().ports[port];
-    let at = hosted.address(&model.name, element);
+pub(super) fn stranded(daemon: &Daemon, hosted: &Hosted, key: &PortKey) -> Vec<Stranded> {
+    let model = &hosted.model().ports[key.port];
+    let at = hosted.port_address(key);
     let open = registry::known().iter().filter_map(|known| daemon.backends.opened(known.name));
     match model.direction {
         PortDirection::In => {
-            let made = hosted.wires.connection(port, element);
+            let made = hosted.ties.connection(key);
             let (reads, on) = made.map_or((None, None), |made| {
                 let itself = made.outport == at;
                 (Some(made.outport), itself.then_some(made.backend))
@@ -41,7 +37,7 @@ pub(super) fn stranded(
                 .collect()
         }
         PortDirection::Out => {
-            let names = hosted.wires.bindings.port(&model.name);
+            let names = hosted.backends_of(key);
             let elsewhere = open.filter(|open| !names.has(open.name()));
             elsewhere
                 .filter(|open| shows(open.as_ref(), EndpointKind::Subscription, &at))

@@ -52,8 +52,7 @@ pub(crate) async fn stream(
     Parameters(parameters): Parameters<StreamParameters>,
 ) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
-    let index = ports::find(&hosted, &port)?;
-    let element = ports::element(&hosted, index, parameters.element)?;
+    let key = ports::key(&hosted, &port, parameters.element)?;
     let rate = parameters.rate.unwrap_or(USUAL_RATE);
     if !(rate > 0.0 && rate <= GREATEST_RATE) {
         let message = format!("rate: {rate} is not between 0 and {GREATEST_RATE} values a second");
@@ -62,19 +61,18 @@ pub(crate) async fn stream(
     let form = parameters.form.unwrap_or_default();
     let dates = Dates::of(&daemon.clock);
     stream::open(&daemon, &holder, move |writer| async move {
-        let element = element.as_deref();
         let date = || {
-            let gauge = hosted.wires.gauge(index, element);
+            let gauge = hosted.ties.gauge(&key);
             let age = gauge.and_then(|gauge| gauge.counts().age_ns).unwrap_or_default();
             dates.now().saturating_sub(age)
         };
         match form {
             Form::Json => {
-                let look = || Some((hosted.port_value(index, element)?, date()));
+                let look = || Some((hosted.port_value(&key)?, date()));
                 follow(&hosted, rate, &writer, look, Value::to_string).await;
             }
             Form::Message => {
-                let look = || Some((hosted.port_message(index, element)?, date()));
+                let look = || Some((hosted.port_message(&key)?, date()));
                 let text = |message: &Vec<u8>| BASE64.encode(message);
                 follow(&hosted, rate, &writer, look, text).await;
             }

@@ -8,15 +8,16 @@ use genom_description::model::{
     CodelParameter, Direction, PortDirection, Service, ServiceKind, Source,
 };
 use genom_middleware::{Address, Obstacle};
+use genom_ports::PortKey;
 use genom_protocol::{Finding, Findings, advice};
 use genom_runtime::seconds;
 
+use crate::connections;
 use crate::daemon::Daemon;
 use crate::hosting::Hosted;
 use crate::rpc::error::RpcError;
 use crate::rpc::stranded::stranded;
 use crate::rpc::{components, ports};
-use crate::wiring::{connect, remote};
 
 /// Tell why no data flows through a port, or why a remote calls nothing.
 #[utoipa::path(
@@ -54,14 +55,14 @@ fn finding(what: impl Into<String>, fix: impl Into<String>) -> Finding {
 /// What of a port data flows through: written or read not long ago.
 fn flows(hosted: &Hosted, port: usize) -> Vec<String> {
     let model = &hosted.model().ports[port];
-    let one = |element: Option<String>| {
-        let counts = hosted.wires.gauge(port, element.as_deref())?.counts();
+    let one = |key: PortKey| {
+        let counts = hosted.ties.gauge(&key)?.counts();
         let age = counts.age_ns.filter(|age| counts.samples > 0 && *age <= STALE)?;
         let did = match model.direction {
             PortDirection::In => "read",
             PortDirection::Out => "written",
         };
-        let (address, ms) = (hosted.address(&model.name, element.as_deref()), age / 1_000_000);
+        let (address, ms) = (hosted.port_address(&key), age / 1_000_000);
         Some(format!("{address} was last {did} {ms} ms ago, {} samples so far", counts.samples))
     };
     ports::elements(hosted, port).into_iter().filter_map(one).collect()
@@ -79,12 +80,12 @@ fn of_port(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
             PortDirection::Out => finding(what, "its codels have to open one"),
         });
     }
-    for element in elements {
-        let address = hosted.address(&model.name, element.as_deref());
-        let counts = hosted.wires.gauge(port, element.as_deref()).map(|gauge| gauge.counts());
+    for key in elements {
+        let address = hosted.port_address(&key);
+        let counts = hosted.ties.gauge(&key).map(|gauge| gauge.counts());
         let samples = counts.map_or(0, |counts| counts.samples);
         let age = counts.and_then(|counts| counts.age_ns).unwrap_or_default();
-        match (model.direction, hosted.wires.connection(port, element.as_deref())) {
+        match (model.direction, hosted.ties.connection(&key)) {
             (PortDirection::Out, _) if samples == 0 => {
                 let why = if idle(hosted) { ", and no activity runs" } else { "" };
                 let what = format!("{address} was never written{why}");
@@ -100,7 +101,7 @@ fn of_port(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
             (PortDirection::In, None) => {
                 let fix = format!("`genomctl connect {address} COMPONENT/PORT`");
                 out.push(finding(format!("{address} is not connected"), fix));
-                if let Some(what) = hosted.wires.differed(port, element.as_deref()) {
+                if let Some(what) = hosted.ties.differed(&key) {
                     let fix = "make the two .gen types equal";
                     out.push(finding(format!("a connection was refused: {what}"), fix));
                 }
@@ -109,7 +110,7 @@ fn of_port(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
                 let gone = match daemon.components.get(&made.outport.instance) {
                     Some(_) => false,
                     None => daemon.backends.get(&made.backend).is_ok_and(|middleware| {
-                        !connect::publishes(middleware.as_ref(), &made.outport)
+                        !connections::publishes(middleware.as_ref(), &made.outport)
                     }),
                 };
                 if gone {
@@ -129,8 +130,8 @@ fn of_port(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
             }
             _ => {}
         }
-        out.extend(unmet(daemon, hosted, port, element.as_deref()));
-        let stranded = stranded(daemon, hosted, port, element.as_deref());
+        out.extend(unmet(daemon, hosted, &key));
+        let stranded = stranded(daemon, hosted, &key);
         out.extend(stranded.into_iter().map(|one| finding(one.what, one.fix)));
         if let Some(failed) = counts.map(|counts| counts.failed).filter(|failed| *failed > 0) {
             let what = format!("{failed} writes or reads of {address} failed");
@@ -157,7 +158,7 @@ fn of_component(hosted: &Hosted) -> Vec<Finding> {
 fn of_remote(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
     let mut out = remote_unserved(daemon, hosted, remote);
     stuck_codels(hosted, &mut out);
-    if let Some(provider) = hosted.wires.remote(remote)
+    if let Some(provider) = hosted.ties.remote(remote)
         && let Some(provider) = daemon.components.get(&provider.service.instance)
         && provider.name != hosted.name
     {
@@ -168,7 +169,7 @@ fn of_remote(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
 
 fn remote_unserved(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
     let address = hosted.address(&hosted.model().remotes[remote].name, None);
-    let Some(made) = hosted.wires.remote(remote) else {
+    let Some(made) = hosted.ties.remote(remote) else {
         let fix = format!("`genomctl connect {address} COMPONENT/SERVICE`");
         return vec![finding(format!("{address} is not connected"), fix)];
     };
@@ -181,7 +182,7 @@ fn remote_unserved(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Findi
         }
         Some(backend) => {
             let on = daemon.backends.get(backend);
-            let serves = on.is_ok_and(|on| remote::serves(on.as_ref(), &made.service));
+            let serves = on.is_ok_and(|on| connections::serves(on.as_ref(), &made.service));
             (serves, format!("on {backend}"))
         }
     };
@@ -201,22 +202,22 @@ fn remote_unserved(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Findi
 }
 
 /// Ends that are there and do not meet, on the middlewares in use.
-fn unmet(daemon: &Daemon, hosted: &Hosted, port: usize, element: Option<&str>) -> Vec<Finding> {
-    let name = &hosted.model().ports[port].name;
+fn unmet(daemon: &Daemon, hosted: &Hosted, key: &PortKey) -> Vec<Finding> {
+    let port = &hosted.model().ports[key.port];
     let on = |backend: &str, address: &Address| {
         let middleware = daemon.backends.opened(backend);
         middleware.map(|middleware| middleware.obstacles(address)).unwrap_or_default()
     };
-    let obstacles = match hosted.wires.connection(port, element) {
+    let obstacles = match hosted.ties.connection(key) {
         Some(made) => on(&made.backend, &made.outport),
-        None if hosted.model().ports[port].direction == PortDirection::In => Vec::new(),
+        None if port.direction == PortDirection::In => Vec::new(),
         None => {
-            let address = hosted.address(name, element);
-            let names = hosted.wires.bindings.port(name);
+            let address = hosted.port_address(key);
+            let names = hosted.backends_of(key);
             names.names().iter().flat_map(|backend| on(backend, &address)).collect()
         }
     };
-    let fix = |fix: String| fix.replace("PORT]", &format!("{name}]"));
+    let fix = |fix: String| fix.replace("PORT]", &format!("{}]", port.name));
     let unmet = |one: Obstacle| Finding { unmet: true, ..finding(one.what, fix(one.fix)) };
     obstacles.into_iter().map(unmet).collect()
 }

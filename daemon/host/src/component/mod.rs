@@ -140,6 +140,10 @@ impl Body for Component {
         self.inner.ports.look(port, element, Record::to_json)
     }
 
+    fn last_value(&self, port: usize, element: Option<&str>) -> Option<Record> {
+        self.inner.ports.last(port, element)
+    }
+
     fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
         let message = |value: &Record| {
             let mut out = Vec::with_capacity(value.message_size());

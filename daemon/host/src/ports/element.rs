@@ -193,6 +193,11 @@ impl Element {
     pub(super) fn look<T>(&self, look: impl FnOnce(&Record) -> T) -> Option<T> {
         self.snapshot.look(look)
     }
+
+    /// The value last read or written, when a copy of that very one was kept.
+    pub(super) fn last(&self) -> Option<Record> {
+        self.snapshot.last()
+    }
 }
 
 /// Clears the flag also when the middleware panics.

@@ -175,6 +175,15 @@ impl Ports {
         }
     }
 
+    /// The value last read or written by codels, when a copy of that very one was kept.
+    pub(crate) fn last(&self, port: usize, element: Option<&str>) -> Option<Record> {
+        match (&self.ports.get(port)?.buffers, element) {
+            (Buffers::Simple(buffer), None) => buffer.last(),
+            (Buffers::Multiple(elements), Some(name)) => elements.get(name.as_bytes())?.last(),
+            _ => None,
+        }
+    }
+
     /// Publishes a value on a simple out port.
     pub(crate) fn write(&self, port: usize, value: &Record) {
         let Some(Handle { name, buffers: Buffers::Simple(buffer), .. }) = self.ports.get(port)

@@ -3,7 +3,7 @@
 #![allow(unsafe_code)]
 
 use std::cell::UnsafeCell;
-use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use genom_types::{DataType, Record};
@@ -24,6 +24,8 @@ pub(super) struct Snapshot {
     back: UnsafeCell<u8>,
     reader: Mutex<Reader>,
     large: bool,
+    /// Whether values were passed over since the last one was copied.
+    behind: AtomicBool,
     /// Values still to copy for who looks at a large port.
     watched: AtomicU32,
 }
@@ -48,6 +50,7 @@ impl Snapshot {
             back: UnsafeCell::new(0),
             reader: Mutex::new(Reader { front: 2, filled: false }),
             large: ty.size() > LARGE,
+            behind: AtomicBool::new(false),
             // The first value is always kept.
             watched: AtomicU32::new(1),
         }
@@ -61,6 +64,7 @@ impl Snapshot {
         if self.large {
             let watched = self.watched.load(Ordering::Relaxed);
             if watched == 0 {
+                self.behind.store(true, Ordering::Relaxed);
                 return;
             }
             self.watched.store(watched - 1, Ordering::Relaxed);
@@ -71,9 +75,11 @@ impl Snapshot {
             let slot = &mut *self.slots[usize::from(*back)].get();
             (back, slot)
         };
-        if slot.copy_from(value).is_ok() {
+        let copied = slot.copy_from(value).is_ok();
+        if copied {
             *back = self.middle.swap(*back | FRESH, Ordering::AcqRel) & !FRESH;
         }
+        self.behind.store(!copied, Ordering::Relaxed);
     }
 
     /// What `look` makes of the value kept last; `None` before the first.
@@ -89,6 +95,14 @@ impl Snapshot {
         // SAFETY: the front slot is this reader's, the mutex is held.
         let slot = unsafe { &*self.slots[usize::from(reader.front)].get() };
         reader.filled.then(|| look(slot))
+    }
+
+    /// The value offered last; `None` when it was not copied, and before the first. While values
+    /// are being offered it may be the one before.
+    pub(super) fn last(&self) -> Option<Record> {
+        let behind = self.behind.load(Ordering::Relaxed);
+        let last = self.look(Record::clone);
+        last.filter(|_| !behind)
     }
 }
 
@@ -145,6 +159,32 @@ mod tests {
         assert_eq!(first(snapshot.latest()), 1, "the second was not copied: nobody had looked");
         offer(3);
         assert_eq!(first(snapshot.latest()), 3);
+    }
+
+    #[test]
+    fn a_copy_of_an_older_value_is_not_told_as_the_last() {
+        let mut table = TypeTable::default();
+        let element = table.add(Kind::Octet);
+        let length = u32::try_from(LARGE).unwrap() + 1;
+        let array = table.add(Kind::Array { element, length });
+        let mut value = Record::new(&DataType::new(&Arc::new(table), array).unwrap());
+        let snapshot = Snapshot::new(value.ty());
+        let mut offer = |byte| {
+            value.set_bytes(&vec![byte; LARGE + 1]).unwrap();
+            // SAFETY: only this thread offers.
+            unsafe { snapshot.offer(&value) };
+        };
+        let first = |value: Option<Record>| value.map(|value| value.bytes().unwrap()[0]);
+        assert_eq!(first(snapshot.last()), None);
+        offer(1);
+        assert_eq!(first(snapshot.last()), Some(1));
+        for _ in 0..=WATCHED {
+            offer(2);
+        }
+        offer(3);
+        assert_eq!(first(snapshot.last()), None, "nobody looked any more");
+        offer(4);
+        assert_eq!(first(snapshot.last()), Some(4));
     }
 
     #[test]

@@ -7,13 +7,13 @@ use std::time::{Duration, Instant};
 use genom_description::model::ServiceKind;
 
 use super::Step;
-use super::link::{self, Link};
-use super::undo::{Gone, Requested, Running, Undo, move_to, take_back};
+use super::undo::{Gone, Requested, Running, Undo, move_to, take_away, take_back};
 use crate::bus::{Change, StepStatus};
-use crate::daemon::Daemon;
+use crate::components::request;
+use crate::connections::Wanted;
 use crate::ending::Ending;
-use crate::hosting::request;
 use crate::loading;
+use crate::supervisor::Supervisor;
 use genom_configuration::{CallEntry, ConnectionEntry, Spot};
 
 /// How often the other side of a connection is looked for: discovery tells nobody.
@@ -44,11 +44,11 @@ fn remaining(left: &[String]) -> String {
 
 /// Takes all steps, in order; connections wait for the other side at most this long each. Blocks.
 pub fn apply(
-    daemon: &Arc<Daemon>,
+    supervisor: &Arc<Supervisor>,
     steps: &[Step],
     patience: Option<Duration>,
 ) -> Result<(), ApplyError> {
-    let ran = Running::now(daemon);
+    let ran = Running::now(supervisor);
     let mut undo = Vec::new();
     let mut rest = steps;
     while let Some((step, after)) = rest.split_first() {
@@ -56,22 +56,23 @@ pub fn apply(
             // Together: one that waits holds up no other.
             let connects = rest.iter().map_while(Step::connection).collect::<Vec<_>>();
             rest = &rest[connects.len()..];
-            connect_all(daemon, connects, patience, &mut undo)
+            connect_all(supervisor, connects, patience, &mut undo)
         } else {
             rest = after;
-            tell(daemon, step, StepStatus::Begun);
-            take(daemon, step, &ran, &mut undo).inspect(|()| tell(daemon, step, StepStatus::Done))
+            tell(supervisor, step, StepStatus::Begun);
+            take(supervisor, step, &ran, &mut undo)
+                .inspect(|()| tell(supervisor, step, StepStatus::Done))
         };
         if let Err(Refused { step, why, place, timeout }) = taken {
-            let left = take_back(daemon, undo);
+            let left = take_back(supervisor, undo);
             return Err(ApplyError { step, why, place, timeout, left });
         }
     }
     Ok(())
 }
 
-fn tell(daemon: &Daemon, step: &Step, status: StepStatus) {
-    daemon.bus.tell(&Change::DeploymentStep { step: step.to_string(), status });
+fn tell(supervisor: &Supervisor, step: &Step, status: StepStatus) {
+    supervisor.bus.tell(&Change::DeploymentStep { step: step.to_string(), status });
 }
 
 /// A step that was refused.
@@ -105,14 +106,14 @@ impl Refused {
 
 /// Takes a step; the way back comes to the others.
 fn take(
-    daemon: &Arc<Daemon>,
+    supervisor: &Arc<Supervisor>,
     step: &Step,
     ran: &Running,
     undo: &mut Vec<Undo>,
 ) -> Result<(), Refused> {
     match step {
         Step::Load(request) => {
-            let loaded = loading::load(daemon, request);
+            let loaded = loading::load(supervisor, request);
             let hosted =
                 loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
             undo.push(Undo::Unload(hosted.name.clone()));
@@ -120,29 +121,28 @@ fn take(
         Step::Reload { request, .. } => {
             let name = request.instance();
             let none: [&str; 0] = [];
-            take_down(daemon, &name, undo).map_err(|why| Refused::new(step, none, why))?;
-            let loaded = loading::load(daemon, request);
+            take_down(supervisor, &name, undo).map_err(|why| Refused::new(step, none, why))?;
+            let loaded = loading::load(supervisor, request);
             loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
         }
         Step::Unload(name) => {
             let none: [&str; 0] = [];
-            take_down(daemon, name, undo).map_err(|why| Refused::new(step, none, why))?;
+            take_down(supervisor, name, undo).map_err(|why| Refused::new(step, none, why))?;
         }
         Step::Disconnect(entry) => {
-            let before = Link::present(daemon, &entry.inport);
-            link::put_back(daemon, &entry.inport, None)
+            let before = supervisor.connections.present(&entry.inport);
+            take_away(supervisor.connections.disconnect(&entry.inport))
                 .map_err(|why| Refused::new(step, ["in"], why))?;
-            daemon.declared.forget(&entry.inport);
             undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
         }
         Step::Move { component, port, to } => {
             let key = port.as_ref().map_or(vec!["backend"], |port| vec!["ports", port]);
-            let moved = move_to(daemon, component, port.as_deref(), to);
+            let moved = move_to(supervisor, component, port.as_deref(), to);
             undo.push(Undo::Move(moved.map_err(|why| Refused::new(step, key, why))?));
         }
         Step::Set(entry) => {
-            let before = Requested::before(daemon, entry, step.to_string(), ran);
-            request::send(&daemon.components, entry).map_err(|error| {
+            let before = Requested::before(supervisor, entry, step.to_string(), ran);
+            request::send(&supervisor.components, entry).map_err(|error| {
                 // As the file has it: inputs stand under the service's name.
                 let members = error.key.into_iter().filter(|key| key != "inputs");
                 let key = ["attributes".to_owned(), entry.service.clone()];
@@ -154,12 +154,13 @@ fn take(
         Step::Connect(_) => {}
         Step::Call(entry) | Step::Start(entry) => {
             if let Step::Start(_) = step {
-                is_activity(daemon, entry).map_err(|why| Refused::new(step, ["service"], why))?;
+                is_activity(supervisor, entry)
+                    .map_err(|why| Refused::new(step, ["service"], why))?;
             }
-            let before = Requested::before(daemon, entry, step.to_string(), ran);
-            let activity = request::send(&daemon.components, entry)
+            let before = Requested::before(supervisor, entry, step.to_string(), ran);
+            let activity = request::send(&supervisor.components, entry)
                 .map_err(|error| Refused::new(step, error.key, error.why))?;
-            let hosted = daemon.components.get(&entry.component);
+            let hosted = supervisor.components.get(&entry.component);
             match (step, activity, &hosted) {
                 (Step::Start(_), Some(number), _) => {
                     undo.push(Undo::Request(before.started(number)));
@@ -176,7 +177,7 @@ fn take(
                 _ => undo.push(Undo::Request(before)),
             }
             if let Some(hosted) = hosted {
-                hosted.done.deployed(&entry.service, entry.inputs.clone());
+                hosted.standing.deployed(&entry.service, entry.inputs.clone());
             }
         }
     }
@@ -184,15 +185,15 @@ fn take(
 }
 
 /// Stops a component, which may be put back.
-fn take_down(daemon: &Arc<Daemon>, name: &str, undo: &mut Vec<Undo>) -> Result<(), String> {
-    let before = daemon.components.get(name).map(|hosted| Gone::of(&hosted));
+fn take_down(supervisor: &Arc<Supervisor>, name: &str, undo: &mut Vec<Undo>) -> Result<(), String> {
+    let before = supervisor.components.get(name).map(|hosted| Gone::of(&hosted));
     undo.extend(before.map(|before| Undo::PutBack(Box::new(before))));
-    daemon.unload(name).map_err(|error| error.to_string())
+    supervisor.unload(name).map_err(|error| error.to_string())
 }
 
 /// Only activities are started: anything else would be over when the next one begins.
-fn is_activity(daemon: &Daemon, entry: &CallEntry) -> Result<(), String> {
-    let hosted = daemon.components.get(&entry.component);
+fn is_activity(supervisor: &Supervisor, entry: &CallEntry) -> Result<(), String> {
+    let hosted = supervisor.components.get(&entry.component);
     let services = hosted.as_ref().map_or(&[][..], |hosted| &hosted.model().services);
     let what = match services.iter().find(|one| one.name == entry.service).map(|one| one.kind) {
         Some(ServiceKind::Attribute) => "an attribute",
@@ -204,7 +205,7 @@ fn is_activity(daemon: &Daemon, entry: &CallEntry) -> Result<(), String> {
 
 /// Makes connections, each as soon as its other side is there.
 fn connect_all(
-    daemon: &Arc<Daemon>,
+    supervisor: &Arc<Supervisor>,
     mut waiting: Vec<&ConnectionEntry>,
     patience: Option<Duration>,
     undo: &mut Vec<Undo>,
@@ -215,20 +216,20 @@ fn connect_all(
         let mut absent = Vec::new();
         for entry in waiting {
             let step = Step::Connect(entry.clone());
-            let before = Link::present(daemon, &entry.inport);
-            match link::make(daemon, entry) {
-                Ok(()) => {
-                    tell(daemon, &step, StepStatus::Done);
+            let before = supervisor.connections.present(&entry.inport);
+            match supervisor.connections.make(&Wanted::from(entry)) {
+                Ok(_) => {
+                    tell(supervisor, &step, StepStatus::Done);
                     undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
                 }
-                // The other side comes when its daemon does; a slip of the pen waits in vain,
-                // and is told.
-                Err(error) if error.absent => absent.push((entry, step, error.why)),
-                Err(error) => return Err(Refused::new(&step, [error.key], error.why)),
+                // The other side comes when its daemon does; a name with a mistake in it waits
+                // until the time is over, and is reported then.
+                Err(error) if error.is_absent() => absent.push((entry, step, error.sentence())),
+                Err(error) => return Err(Refused::new(&step, [error.key()], error.sentence())),
             }
         }
         if let Some((_, step, why)) = absent.first() {
-            if daemon.stopping() {
+            if supervisor.stopping() {
                 return Err(Refused::new(step, ["out"], "the daemon stops"));
             }
             if patience.is_some_and(|patience| begin.elapsed() >= patience) {
@@ -240,7 +241,7 @@ fn connect_all(
                 told = true;
                 for (_, step, _) in &absent {
                     tracing::info!("waiting to {step}");
-                    daemon.bus.tell(&Change::DeploymentWaits { step: step.to_string() });
+                    supervisor.bus.tell(&Change::DeploymentWaits { step: step.to_string() });
                 }
             }
             std::thread::park_timeout(LOOK);

@@ -4,23 +4,23 @@ use std::collections::BTreeMap;
 
 use genom_description::model::ServiceKind;
 
-use super::link;
-use crate::daemon::Daemon;
-use crate::hosting::Hosted;
+use crate::components::Hosted;
+use crate::supervisor::Supervisor;
+use crate::ties::Connection;
 use genom_configuration::{BackendNames, CallEntry, Deployment, LoadRequest};
 
 /// What runs and how it is wired; applied on a fresh daemon it gives the same.
-pub fn dump(daemon: &Daemon) -> Deployment {
+pub fn dump(supervisor: &Supervisor) -> Deployment {
     let mut all = Deployment::default();
-    for hosted in daemon.components.all() {
+    for hosted in supervisor.components.all() {
         all.component.push(component(&hosted));
-        all.connection.extend(link::of(&hosted));
+        all.connection.extend(hosted.ties.connections().iter().map(Connection::entry));
         let entry = |service: &str, inputs| CallEntry {
             component: hosted.name.clone(),
             service: service.to_owned(),
             inputs,
         };
-        for (service, inputs) in hosted.done.all_deployed() {
+        for (service, inputs) in hosted.standing.all_deployed() {
             // Activities are dumped as long as they run, below.
             let known = hosted.model().services.iter().find(|known| known.name == service);
             if known.is_some_and(|known| known.kind != ServiceKind::Activity) {
@@ -28,13 +28,13 @@ pub fn dump(daemon: &Daemon) -> Deployment {
             }
         }
         for activity in hosted.activities.all() {
-            if let Some(inputs) = hosted.done.inputs(activity.number) {
+            if let Some(inputs) = hosted.standing.inputs(activity.number) {
                 all.activity.push(entry(&activity.service, inputs));
             }
         }
     }
     // Declared, and waiting for one of its sides.
-    for declared in daemon.declared.all() {
+    for declared in supervisor.connections.declared() {
         if !all.connection.iter().any(|made| made.inport == declared.inport) {
             all.connection.push(declared);
         }
@@ -44,7 +44,7 @@ pub fn dump(daemon: &Daemon) -> Deployment {
 
 /// How to load a component that runs, as it is.
 pub(super) fn component(hosted: &Hosted) -> LoadRequest {
-    let bindings = &hosted.wires.bindings;
+    let bindings = &hosted.ties.bindings;
     let ports: BTreeMap<String, BackendNames> = bindings.ports();
     LoadRequest {
         library: hosted.library.clone(),
@@ -56,7 +56,7 @@ pub(super) fn component(hosted: &Hosted) -> LoadRequest {
         name: Some(hosted.name.clone()),
         backend: Some(bindings.component()),
         ports,
-        attributes: hosted.done.attributes(),
+        attributes: hosted.standing.attributes(),
         after: Vec::new(),
         ..hosted.request.clone()
     }

@@ -2,8 +2,6 @@
 
 pub mod apply;
 pub mod dump;
-pub mod keep;
-mod link;
 pub mod plan;
 mod undo;
 

@@ -4,9 +4,9 @@ use genom_nearest::suggest;
 use serde_json::Value;
 
 use super::Step;
-use super::link::{self, Link};
-use crate::daemon::Daemon;
-use crate::hosting::Hosted;
+use crate::components::Hosted;
+use crate::supervisor::Supervisor;
+use crate::ties::Connection;
 use genom_configuration::{
     BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot,
 };
@@ -52,9 +52,9 @@ pub struct Plan {
 }
 
 /// Plans; `prune`: what the deployment does not say is to go.
-pub fn plan(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Plan, PlanError> {
-    let beside = beside(daemon, wanted);
-    let mut steps = plan_steps(daemon, wanted, prune)?;
+pub fn plan(supervisor: &Supervisor, wanted: &Deployment, prune: bool) -> Result<Plan, PlanError> {
+    let beside = beside(supervisor, wanted);
+    let mut steps = plan_steps(supervisor, wanted, prune)?;
     if prune {
         let (leave, cut): (Vec<_>, Vec<_>) =
             beside.iter().cloned().partition(|step| matches!(step, Step::Unload(_)));
@@ -66,30 +66,35 @@ pub fn plan(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Plan, P
 
 /// What takes away all that the deployment does not say: connections, then components, users before
 /// those they use.
-fn beside(daemon: &Daemon, wanted: &Deployment) -> Vec<Step> {
-    let mut all = daemon.components.all();
+fn beside(supervisor: &Supervisor, wanted: &Deployment) -> Vec<Step> {
+    let mut all = supervisor.components.all();
     all.reverse();
     let said = |name: &str| wanted.component.iter().any(|one| one.instance() == name);
     let declared =
         |entry: &ConnectionEntry| wanted.connection.iter().any(|one| one.inport == entry.inport);
     let cut = all.iter().filter(|hosted| said(&hosted.name)).flat_map(|hosted| {
-        link::of(hosted).into_iter().filter(|entry| !declared(entry)).map(Step::Disconnect)
+        let entries = entries(hosted).into_iter();
+        entries.filter(|entry| !declared(entry)).map(Step::Disconnect)
     });
     let leave = all.iter().filter(|hosted| !said(&hosted.name));
     cut.chain(leave.map(|hosted| Step::Unload(hosted.name.clone()))).collect()
 }
 
-fn plan_steps(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Vec<Step>, PlanError> {
+fn plan_steps(
+    supervisor: &Supervisor,
+    wanted: &Deployment,
+    prune: bool,
+) -> Result<Vec<Step>, PlanError> {
     let mut steps = Vec::new();
     for request in ordered(&wanted.component)? {
         let name = request.instance();
-        match daemon.components.get(&name) {
+        match supervisor.components.get(&name) {
             None => steps.push(Step::Load(Box::new(request.clone()))),
-            Some(hosted) => adapt(daemon, &hosted, request, &mut steps)?,
+            Some(hosted) => adapt(supervisor, &hosted, request, &mut steps)?,
         }
     }
     let known = |instance: &str| {
-        daemon.components.get(instance).is_some()
+        supervisor.components.get(instance).is_some()
             || wanted.component.iter().any(|request| request.instance() == instance)
     };
     let check = |what: String, instance: &str, place: Spot| {
@@ -97,14 +102,14 @@ fn plan_steps(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Vec<S
             return Ok(());
         }
         let mut names: Vec<String> = wanted.component.iter().map(LoadRequest::instance).collect();
-        names.extend(daemon.components.all().iter().map(|hosted| hosted.name.clone()));
+        names.extend(supervisor.components.all().iter().map(|hosted| hosted.name.clone()));
         let help = suggest(instance, names.iter().map(String::as_str));
         Err(PlanError::Unknown { what, typed: instance.to_owned(), help, place })
     };
     for connection in &wanted.connection {
         let place = Spot::connection(connection).key(["in"]);
         check(format!("in = \"{}\"", connection.inport), connection.reader(), place)?;
-        let present = Link::present(daemon, &connection.inport);
+        let present = supervisor.connections.present(&connection.inport);
         if anew(&steps, connection.reader())
             || !present.is_some_and(|present| present.is(connection))
         {
@@ -112,14 +117,14 @@ fn plan_steps(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Vec<S
         }
     }
     // What is loaded anew keeps the connections that the deployment says nothing of.
-    for hosted in daemon.components.all() {
+    for hosted in supervisor.components.all() {
         if prune || !anew(&steps, &hosted.name) {
             continue;
         }
         let said = |entry: &ConnectionEntry| {
             wanted.connection.iter().any(|one| one.inport == entry.inport)
         };
-        steps.extend(link::of(&hosted).into_iter().filter(|one| !said(one)).map(Step::Connect));
+        steps.extend(entries(&hosted).into_iter().filter(|one| !said(one)).map(Step::Connect));
     }
     let (calls, starts) = (wanted.call.iter(), wanted.activity.iter());
     let calls = calls.map(|entry| (entry, Step::Call(entry.clone())));
@@ -127,11 +132,16 @@ fn plan_steps(daemon: &Daemon, wanted: &Deployment, prune: bool) -> Result<Vec<S
         let section = if matches!(step, Step::Call(_)) { "call" } else { "activity" };
         let place = Spot::request(section, entry).key(["component"]);
         check(format!("the call of {}", entry.service), &entry.component, place)?;
-        if anew(&steps, &entry.component) || !done(daemon, entry) {
+        if anew(&steps, &entry.component) || !done(supervisor, entry) {
             steps.push(step);
         }
     }
     Ok(steps)
+}
+
+/// The connections of a component, as entries of a file.
+pub(super) fn entries(hosted: &Hosted) -> Vec<ConnectionEntry> {
+    hosted.ties.connections().iter().map(Connection::entry).collect()
 }
 
 /// Whether a component is to be loaded anew.
@@ -178,7 +188,7 @@ fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
 
 /// Steps for a component that runs already.
 fn adapt(
-    daemon: &Daemon,
+    supervisor: &Supervisor,
     hosted: &Hosted,
     request: &LoadRequest,
     steps: &mut Vec<Step>,
@@ -199,7 +209,7 @@ fn adapt(
         let mut request = request.clone();
         request.name = Some(name);
         // What was set and the deployment says nothing of stays set.
-        for (service, set) in hosted.done.attributes() {
+        for (service, set) in hosted.standing.attributes() {
             let inputs = match request.attributes.get(&service) {
                 None => Some(set),
                 Some(wanted) => merged(hosted, &service, &set, wanted),
@@ -209,9 +219,9 @@ fn adapt(
         steps.push(Step::Reload { request: Box::new(request), why });
         return Ok(());
     }
-    let default = || BackendNames::one(daemon.settings.backend.as_str());
+    let default = || BackendNames::one(supervisor.settings.backend.as_str());
     let to = request.backend.clone().unwrap_or_else(default);
-    let bindings = &hosted.wires.bindings;
+    let bindings = &hosted.ties.bindings;
     let moves = bindings.component() != to;
     if moves {
         steps.push(Step::Move { component: name.clone(), port: None, to: to.clone() });
@@ -224,7 +234,7 @@ fn adapt(
             steps.push(Step::Move { component, port, to: wanted.clone() });
         }
     }
-    let set = hosted.done.attributes();
+    let set = hosted.standing.attributes();
     for (service, inputs) in &request.attributes {
         if set
             .get(service)
@@ -252,17 +262,17 @@ fn merged(hosted: &Hosted, service: &str, set: &Value, inputs: &Value) -> Option
 
 /// Whether a deployment had this called already, in this life of the component, or the activity
 /// runs.
-fn done(daemon: &Daemon, entry: &CallEntry) -> bool {
-    let Some(hosted) = daemon.components.get(&entry.component) else { return false };
+fn done(supervisor: &Supervisor, entry: &CallEntry) -> bool {
+    let Some(hosted) = supervisor.components.get(&entry.component) else { return false };
     let Some(wanted) = full(&hosted, &entry.service, &entry.inputs) else { return false };
     let equal = |service: &str, inputs: &Value| {
         service == entry.service && full(&hosted, service, inputs).as_ref() == Some(&wanted)
     };
-    let deployed = hosted.done.all_deployed();
+    let deployed = hosted.standing.all_deployed();
     let running = hosted.activities.all();
     deployed.iter().any(|(service, inputs)| equal(service, inputs))
         || running.iter().any(|activity| {
-            let inputs = hosted.done.inputs(activity.number);
+            let inputs = hosted.standing.inputs(activity.number);
             inputs.is_some_and(|inputs| equal(&activity.service, &inputs))
         })
 }

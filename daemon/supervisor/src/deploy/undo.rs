@@ -7,11 +7,12 @@ use genom_runtime::Clock;
 use serde_json::Value;
 
 use super::dump;
-use super::link::{self, Link};
-use crate::daemon::Daemon;
-use crate::hosting::{Hosted, request};
+use super::plan::entries;
+use crate::components::{Hosted, request};
+use crate::connections::{ConnectError, Wanted};
 use crate::loading;
-use crate::wiring::switch::switch;
+use crate::supervisor::Supervisor;
+use crate::ties::Connection;
 use genom_configuration::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
 
 /// How to take a step back.
@@ -23,7 +24,7 @@ pub(super) enum Undo {
     /// An in port or remote, and what it was connected to.
     Reconnect {
         inport: String,
-        before: Option<Link>,
+        before: Option<Connection>,
     },
     Request(Requested),
 }
@@ -42,24 +43,24 @@ impl Gone {
         let running = running.filter(|activity| activity.ending().is_none());
         Self {
             request: dump::component(hosted),
-            connections: link::of(hosted),
+            connections: entries(hosted),
             interrupted: running.map(|activity| activity.service.clone()).collect(),
         }
     }
 
     /// Loads it as it was, in place of what bears its name now; what cannot be as it was.
-    fn put_back(self, daemon: &Arc<Daemon>) -> Vec<String> {
+    fn put_back(self, supervisor: &Arc<Supervisor>) -> Vec<String> {
         let name = self.request.instance();
-        if daemon.components.get(&name).is_some()
-            && let Err(error) = daemon.unload(&name)
+        if supervisor.components.get(&name).is_some()
+            && let Err(error) = supervisor.unload(&name)
         {
             return vec![error.to_string()];
         }
-        if let Err(error) = loading::load(daemon, &self.request) {
+        if let Err(error) = loading::load(supervisor, &self.request) {
             return vec![format!("{name} does not run: {error}")];
         }
         let connected = self.connections.iter().filter_map(|entry| {
-            link::make_anyway(daemon, entry).err().map(|error| format!("{entry}: {}", error.why))
+            make_anyway(supervisor, entry).err().map(|why| format!("{entry}: {why}"))
         });
         let stopped =
             self.interrupted.iter().map(|service| format!("{name}/{service} was interrupted"));
@@ -101,13 +102,13 @@ pub(super) struct Left {
 pub(super) struct Running(BTreeSet<(String, u64)>);
 
 impl Running {
-    pub(super) fn now(daemon: &Daemon) -> Self {
+    pub(super) fn now(supervisor: &Supervisor) -> Self {
         let of = |hosted: Arc<Hosted>| {
             let all = hosted.activities.all().into_iter();
             all.filter(|activity| activity.ending().is_none())
                 .map(move |activity| (hosted.name.clone(), activity.number))
         };
-        Self(daemon.components.all().into_iter().flat_map(of).collect())
+        Self(supervisor.components.all().into_iter().flat_map(of).collect())
     }
 
     /// Services of those that a request interrupts: nobody but the supervisor may start a motion
@@ -128,30 +129,35 @@ impl Running {
 
 /// Moves a component or port, and tells where it was.
 pub(super) fn move_to(
-    daemon: &Arc<Daemon>,
+    supervisor: &Arc<Supervisor>,
     component: &str,
     port: Option<&str>,
     to: &BackendNames,
 ) -> Result<Moved, String> {
-    let Some(hosted) = daemon.components.get(component) else {
+    let Some(hosted) = supervisor.components.get(component) else {
         return Err(format!("{component} does not run"));
     };
-    let bindings = &hosted.wires.bindings;
+    let bindings = &hosted.ties.bindings;
     let before = port.map_or_else(|| bindings.component(), |port| bindings.port(port));
     let ports = if port.is_none() { bindings.ports() } else { BTreeMap::new() };
     let index =
         port.and_then(|port| hosted.model().ports.iter().position(|known| known.name == port));
-    switch(daemon, &hosted, index, to).map_err(|error| error.to_string())?;
+    supervisor.connections.move_to(&hosted, index, to).map_err(|error| error.to_string())?;
     let port = port.map(str::to_owned);
     Ok(Moved { component: component.to_owned(), port, before, ports })
 }
 
 impl Requested {
     /// To be known before the request is sent.
-    pub(super) fn before(daemon: &Daemon, entry: &CallEntry, step: String, ran: &Running) -> Self {
-        let hosted = daemon.components.get(&entry.component);
+    pub(super) fn before(
+        supervisor: &Supervisor,
+        entry: &CallEntry,
+        step: String,
+        ran: &Running,
+    ) -> Self {
+        let hosted = supervisor.components.get(&entry.component);
         let remembered = hosted.as_ref().and_then(|hosted| {
-            let mut all = hosted.done.attributes();
+            let mut all = hosted.standing.attributes();
             all.remove(&entry.service)
         });
         let interrupted = hosted.as_ref().map(|on| ran.interrupted_by(on, &entry.service));
@@ -165,15 +171,15 @@ impl Requested {
         Self { activity: Some(activity), ..self }
     }
 
-    fn take_back(self, daemon: &Daemon) -> Result<(), String> {
-        let Some(hosted) = daemon.components.get(&self.entry.component) else { return Ok(()) };
-        hosted.done.not_deployed(&self.entry.service, &self.entry.inputs);
+    fn take_back(self, supervisor: &Supervisor) -> Result<(), String> {
+        let Some(hosted) = supervisor.components.get(&self.entry.component) else { return Ok(()) };
+        hosted.standing.not_deployed(&self.entry.service, &self.entry.inputs);
         if let Some(number) = self.activity {
             hosted.abort(number);
             // As it was: it runs no more. A clock that stands lets nothing end.
-            if matches!(daemon.clock, Clock::Monotonic)
+            if matches!(supervisor.clock, Clock::Monotonic)
                 && let Some(activity) = hosted.activities.get(number)
-                && activity.wait_at_most(daemon.settings.stop_timeout).is_none()
+                && activity.wait_at_most(supervisor.settings.stop_timeout).is_none()
             {
                 return Err(format!("{}, which does not end", self.step));
             }
@@ -183,7 +189,7 @@ impl Requested {
         let entry = CallEntry { inputs: values, ..self.entry };
         let restored = request::send_to(&hosted, &entry);
         restored.map_err(|error| format!("{}: {}", self.step, error.why))?;
-        hosted.done.attribute_back(&entry.service, self.remembered);
+        hosted.standing.attribute_back(&entry.service, self.remembered);
         Ok(())
     }
 }
@@ -195,8 +201,33 @@ fn values(hosted: &Hosted, service: &str, remembered: &Option<Value>) -> Option<
     hosted.current(index).or_else(|| remembered.clone())
 }
 
+/// A connection that was taken away, if there was one: a name of nothing has none.
+pub(super) fn take_away(taken: Result<bool, ConnectError>) -> Result<(), String> {
+    match taken {
+        Ok(_) | Err(ConnectError::NoSuchInport { .. }) => Ok(()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// Makes the connection of an entry, whether the other side is there or not.
+fn make_anyway(supervisor: &Supervisor, entry: &ConnectionEntry) -> Result<(), String> {
+    let wanted = Wanted { wait: true, ..Wanted::from(entry) };
+    supervisor.connections.make(&wanted).map(drop).map_err(|error| error.sentence())
+}
+
+/// Brings an in port or remote back to the connection it had, or to none.
+fn put_back(
+    supervisor: &Supervisor,
+    inport: &str,
+    before: Option<&Connection>,
+) -> Result<(), String> {
+    let Some(before) = before else { return take_away(supervisor.connections.take_away(inport)) };
+    let entry = before.entry();
+    make_anyway(supervisor, &entry).map_err(|why| format!("{entry}: {why}"))
+}
+
 /// Takes steps back, the last first; what could not be is named.
-pub(super) fn take_back(daemon: &Arc<Daemon>, undo: Vec<Undo>) -> Vec<String> {
+pub(super) fn take_back(supervisor: &Arc<Supervisor>, undo: Vec<Undo>) -> Vec<String> {
     let mut left: Vec<Left> = Vec::new();
     let mut back = undo.into_iter().rev().peekable();
     while let Some(one) = back.next() {
@@ -211,7 +242,7 @@ pub(super) fn take_back(daemon: &Arc<Daemon>, undo: Vec<Undo>) -> Vec<String> {
                 }
                 // What was done to them goes with them.
                 left.retain(|left| !names.contains(&left.component));
-                let failed = daemon.unload_these(&names).into_iter();
+                let failed = supervisor.unload_these(&names).into_iter();
                 left.extend(
                     failed.map(|(component, error)| Left { component, what: error.to_string() }),
                 );
@@ -220,20 +251,20 @@ pub(super) fn take_back(daemon: &Arc<Daemon>, undo: Vec<Undo>) -> Vec<String> {
             Undo::PutBack(gone) => {
                 let component = gone.request.instance();
                 left.retain(|left| left.component != component);
-                let lost = gone.put_back(daemon).into_iter();
+                let lost = gone.put_back(supervisor).into_iter();
                 left.extend(lost.map(|what| Left { component: component.clone(), what }));
                 continue;
             }
             Undo::Move(moved) => {
                 let Moved { component, port, before, ports } = moved;
-                let back = move_to(daemon, &component, port.as_deref(), &before);
+                let back = move_to(supervisor, &component, port.as_deref(), &before);
                 let ports = ports.iter().try_for_each(|(port, on)| {
-                    move_to(daemon, &component, Some(port), on).map(drop)
+                    move_to(supervisor, &component, Some(port), on).map(drop)
                 });
                 (component, back.and(ports))
             }
             Undo::Reconnect { inport, before } => {
-                let undone = link::put_back(daemon, &inport, before.as_ref());
+                let undone = put_back(supervisor, &inport, before.as_ref());
                 (inport.split('/').next().unwrap_or_default().to_owned(), undone)
             }
             Undo::Request(mut requested) => {
@@ -242,7 +273,7 @@ pub(super) fn take_back(daemon: &Arc<Daemon>, undo: Vec<Undo>) -> Vec<String> {
                     let what = format!("{component}/{service} was interrupted");
                     Left { component: component.clone(), what }
                 }));
-                (component, requested.take_back(daemon))
+                (component, requested.take_back(supervisor))
             }
         };
         left.extend(undone.err().map(|what| Left { component, what }));

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use super::locate::LocateError;
+use crate::connections::BindError;
 use crate::known::ReadError;
-use crate::wiring::publish::BindError;
 use genom_registry::BackendError;
 
 /// A component could not be loaded; nothing of it stays.

@@ -3,6 +3,7 @@
 mod built;
 mod error;
 mod locate;
+mod standard;
 mod start;
 mod undefined;
 
@@ -14,26 +15,36 @@ use genom_host::{Component, Contents, OpenError};
 use genom_nearest::suggest;
 
 use self::locate::Located;
-use crate::daemon::Daemon;
-use crate::hosting::Hosted;
-use crate::hosting::request::{self, RequestError};
+use self::standard::unload_killed;
+use crate::components::Hosted;
+use crate::components::request::{self, RequestError};
 use crate::known::Reading;
 use crate::settings::Settings;
-use crate::wiring::requests::unload_killed;
+use crate::supervisor::Supervisor;
 pub use error::LoadError;
 
+impl Supervisor {
+    /// Loads a component, starts it and sets its attributes. Blocks: files, codels.
+    ///
+    /// # Errors
+    /// A step refuses; nothing stays of it then.
+    pub fn load(self: &Arc<Self>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+        load(self, request)
+    }
+}
+
 /// Loads a component, starts it and sets its attributes. Blocks: files, codels.
-pub fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
-    if daemon.stopping() {
+pub fn load(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+    if supervisor.stopping() {
         return Err(LoadError::Stopping);
     }
-    let hosted = bring_up(daemon, request)?;
+    let hosted = bring_up(supervisor, request)?;
     if let Err((service, RequestError { key, why })) = set_attributes(&hosted, request) {
         let name = hosted.name.clone();
         drop(hosted);
-        daemon.components.remove(
+        supervisor.components.remove(
             std::slice::from_ref(&name),
-            daemon.settings.stop_timeout,
+            supervisor.settings.stop_timeout,
             &|_, stopped| {
                 if let Err(error) = stopped {
                     tracing::error!("{error}");
@@ -46,7 +57,7 @@ pub fn load(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, 
         key.extend(members);
         return Err(LoadError::Attribute { name, key, why });
     }
-    daemon.runs(&hosted);
+    supervisor.runs(&hosted);
     Ok(hosted)
 }
 
@@ -60,13 +71,13 @@ fn set_attributes(hosted: &Hosted, request: &LoadRequest) -> Result<(), (String,
     Ok(())
 }
 
-fn bring_up(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
+fn bring_up(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
     let named = request.backend.iter().chain(request.ports.values());
     for backend in named.flat_map(BackendNames::names) {
-        daemon.backends.get(backend)?;
+        supervisor.backends.get(backend)?;
     }
-    let mut located = locate::locate(request, &daemon.settings.path)?;
-    let reading = daemon.known.read(&located.description, &daemon.settings.include)?;
+    let mut located = locate::locate(request, &supervisor.settings.path)?;
+    let reading = supervisor.known.read(&located.description, &supervisor.settings.include)?;
     tell_warnings(&located, &reading);
     let model = reading.model();
     let name = request.name.clone().unwrap_or_else(|| model.name.clone());
@@ -74,21 +85,25 @@ fn bring_up(daemon: &Arc<Daemon>, request: &LoadRequest) -> Result<Arc<Hosted>, 
         return Err(LoadError::Name(name));
     }
     check_names(request, model, &name)?;
-    let Some(reservation) = daemon.components.reserve(&name) else {
+    let Some(reservation) = supervisor.components.reserve(&name) else {
         return Err(LoadError::Taken(name));
     };
+    // They go again with the first step that refuses, else with the component.
+    let mut masquerades = Vec::new();
     for one in &reading.plan.specification().masquerades {
-        daemon.backends.masquerade(&one.template, &one.name.to_string(), &one.data)?;
+        let name = one.name.to_string();
+        masquerades.extend(supervisor.backends.masquerade(&one.template, &name, &one.data)?);
     }
     let component = open(&mut located, &reading)?;
     let plan = Arc::clone(&reading.plan);
     drop(reading);
     // A dump is read elsewhere: it says where the library is, not how one gets there from here.
     let library = std::path::absolute(&located.library).unwrap_or(located.library);
-    let hosted = start::start(daemon, request, name, library, plan, component)?;
+    let hosted = start::start(supervisor, request, name, library, plan, component)?;
+    hosted.ties.wear(masquerades);
     reservation.keep(Arc::clone(&hosted));
     if hosted.killed.is_up() {
-        unload_killed(&Arc::downgrade(daemon), &hosted.name);
+        unload_killed(&Arc::downgrade(supervisor), &hosted.name);
     }
     Ok(hosted)
 }

@@ -2,13 +2,12 @@
 
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use genom_ports::dates::Calendar;
 use genom_ports::tape::Reel;
 use genom_protocol::frames::{End, Frame, Lost, Sample, Start};
 use serde_json::json;
-use tokio::runtime::Handle;
 use tokio::sync::broadcast::Receiver;
 use tokio::sync::broadcast::error::TryRecvError;
 use tokio::sync::mpsc::Sender;
@@ -17,6 +16,7 @@ use super::notes::{SUBJECTS, Subject};
 use super::{Session, subject};
 use crate::bus::Numbered;
 use crate::flag::Flag;
+use crate::waiting::wait;
 
 /// How often tapes are looked at: far more often than they fill.
 const LOOK: Duration = Duration::from_millis(2);
@@ -46,7 +46,6 @@ struct Pump<'a> {
     /// The machine's clock as it was last noted.
     noted: Calendar,
     sender: Sender<Vec<u8>>,
-    runtime: Handle,
 }
 
 /// The reader is gone.
@@ -68,7 +67,6 @@ pub fn run(
         notes_lost: [0; SUBJECTS.len()],
         noted: session.calendar,
         sender,
-        runtime: Handle::current(),
     };
     if pump.follow(closed, start).is_err() {
         tracing::info!("recording {}: nobody reads it any more", session.number);
@@ -191,7 +189,7 @@ impl Pump<'_> {
             return if self.sender.is_closed() { Err(Gone) } else { Ok(()) };
         }
         let batch = std::mem::take(out);
-        let sent = self.runtime.block_on(self.sender.send_timeout(batch, SLOWEST_READER));
-        sent.map_err(|_| Gone)
+        let sent = wait(self.sender.send(batch), Some(Instant::now() + SLOWEST_READER));
+        sent.and_then(Result::ok).ok_or(Gone)
     }
 }

@@ -94,19 +94,19 @@ const UNSAFE: &[&str] = &[
 /// Modules of crates, each above all that it knows. A crate's first names may be those of crates
 /// below it.
 const FLOORS: &[(&str, &str)] = &[
-    ("registry", "lib"),
+    ("registry", "known backends masquerade lib"),
     ("configuration", "error levels place terms offers rpc spot overrides file lib"),
     ("ports", "dates gauge key tape fan feeds tap lib"),
     (
         "supervisor",
-        "ending flag known limits settings bus spans recording wires hosting daemon vigil wiring \
-         loading deploy lib",
+        "ending flag known limits settings waiting bus spans recording ties components connections \
+         vigil supervisor loading deploy lib",
     ),
     (
         "genomd",
-        "config dates registry bus deploy ending flag hosting limits loading recording \
-         spans vigil wires wiring cli memory announcements slots startup telemetry settings daemon logs \
-         rpc signals run check main",
+        "config dates registry bus connections deploy ending flag hosting limits loading \
+         recording spans ties cli memory announcements slots startup telemetry settings daemon logs rpc \
+         signals run check main",
     ),
 ];
 

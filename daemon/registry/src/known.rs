@@ -1,0 +1,168 @@
+//! Every middleware there is: the one place that knows them.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use genom_middleware::{Backend, Middleware};
+use genom_nearest::{nearest, nearest_key};
+use serde::Deserialize;
+
+/// A middleware this daemon was built with.
+#[derive(Clone, Copy, Debug)]
+pub struct Known {
+    /// What `--backend` calls it.
+    pub name: &'static str,
+    /// Version of the library behind it.
+    pub version: &'static str,
+    /// Refuses a section of the configuration that makes no sense, and opens nothing.
+    pub(crate) check: fn(&toml::Table) -> Result<(), String>,
+    /// Opens it with its section of the configuration.
+    pub(crate) open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, String>,
+}
+
+impl Known {
+    const fn of<B: Backend>() -> Self {
+        Self {
+            name: B::NAME,
+            version: B::VERSION,
+            check: |section| B::check(&read(section)?).map_err(|error| error.to_string()),
+            open: |section| B::open(read(section)?).map_err(|error| error.to_string()),
+        }
+    }
+}
+
+macro_rules! backends {
+    ($($name:ident: $backend:ty),+ $(,)?) => {
+        static KNOWN: &[Known] = &[$(Known::of::<$backend>()),+];
+
+        #[derive(Debug, Default, Deserialize)]
+        #[serde(default)]
+        #[allow(dead_code, reason = "read to see that they can be")]
+        struct EachSection {
+            $($name: Option<<$backend as Backend>::Options>,)+
+        }
+    };
+}
+
+// Every middleware there is, by its name; adding one means adding a line here.
+backends! {
+    local: genom_local::Local,
+    shm: genom_shm::Shm,
+    zenoh: genom_zenoh::Zenoh,
+    ros2: genom_ros2::Ros2,
+}
+
+/// Every middleware there is.
+pub fn known() -> &'static [Known] {
+    KNOWN
+}
+
+/// The sections of a configuration file that middlewares read: for a look at them beforehand,
+/// while the file's lines are known.
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Sections {
+    #[allow(dead_code, reason = "read to see that it can be")]
+    backends: EachSection,
+}
+
+fn read<T: serde::de::DeserializeOwned>(options: &toml::Table) -> Result<T, String> {
+    options.clone().try_into().map_err(|error: toml::de::Error| {
+        let message = error.message().to_owned();
+        let near = nearest_key(&message).map(|near| format!("; did you mean `{near}`?"));
+        message + &near.unwrap_or_default()
+    })
+}
+
+/// A middleware could not be had.
+#[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum BackendError {
+    /// No such middleware.
+    #[error("unknown backend `{name}`{}. This daemon knows: {}", meant(.name), names())]
+    Unknown { name: String },
+    /// Its section of the configuration makes no sense.
+    #[error("[backends.{name}]: {why}")]
+    Options { name: String, why: String },
+    /// It does not open on this machine.
+    #[error("backend {name} cannot be opened: {why}")]
+    Closed { name: String, why: String },
+    /// What a description says of a foreign type makes no sense.
+    #[error("#pragma masquerade: {0}")]
+    Masquerade(String),
+}
+
+fn meant(name: &str) -> String {
+    nearest(name, known().iter().map(|known| known.name))
+        .map(|near| format!(" (did you mean `{near}`?)"))
+        .unwrap_or_default()
+}
+
+fn names() -> String {
+    known().iter().map(|known| known.name).collect::<Vec<_>>().join(", ")
+}
+
+/// Refuses a name that stands for no middleware.
+pub fn check(name: &str) -> Result<Known, BackendError> {
+    known()
+        .iter()
+        .find(|known| known.name == name)
+        .copied()
+        .ok_or_else(|| BackendError::Unknown { name: name.to_owned() })
+}
+
+/// Refuses sections of the configuration that no middleware reads, also of those that are not in
+/// use: a component may move there while it runs.
+pub fn check_options(options: &BTreeMap<String, toml::Table>) -> Result<(), BackendError> {
+    for (name, section) in options {
+        let wrong = |why| BackendError::Options { name: name.clone(), why };
+        (check(name)?.check)(section).map_err(wrong)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_unknown_backend_lists_the_known_ones() {
+        let told = check("smh").unwrap_err().to_string();
+        assert_eq!(
+            told,
+            "unknown backend `smh` (did you mean `shm`?). This daemon knows: local, shm, zenoh, \
+             ros2"
+        );
+    }
+
+    #[test]
+    fn options_are_refused_also_of_middlewares_that_are_not_in_use() {
+        let told = |text: &str| check_options(&toml::from_str(text).unwrap()).unwrap_err();
+        assert_eq!(
+            told("[shm]\nprefx = 'a'").to_string(),
+            "[backends.shm]: unknown field `prefx`, expected one of `prefix`, `root`, `readers`, \
+             `depth`; did you mean `prefix`?"
+        );
+        assert_eq!(
+            told("[shm]\ndepth = 1").to_string(),
+            "[backends.shm]: depth = 1: give 2 to 1024"
+        );
+        assert_eq!(
+            told("[ros2]\ndomain = 300").to_string(),
+            "[backends.ros2]: domain = 300: a domain is a number from 0 to 232"
+        );
+        assert!(told("[zenho]").to_string().contains("did you mean `zenoh`?"));
+        assert!(check_options(&toml::from_str("[zenoh]\nlisten = []").unwrap()).is_ok());
+    }
+
+    #[test]
+    fn each_section_is_read_by_the_backend_of_its_name() {
+        for (name, known) in ["local", "shm", "zenoh", "ros2"].iter().zip(known()) {
+            assert_eq!(*name, known.name);
+            let wrong = format!("[backends.{name}]\nno_such_key = 1");
+            let error = toml::from_str::<Sections>(&wrong).unwrap_err().to_string();
+            assert!(error.contains("unknown field `no_such_key`"), "{error}");
+            assert!(check_options(&[((*name).to_owned(), toml::Table::new())].into()).is_ok());
+        }
+    }
+}

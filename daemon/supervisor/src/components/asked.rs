@@ -1,0 +1,104 @@
+//! What a service is asked with: all its inputs, or some, beside which an attribute keeps what it
+//! has (genom3.md 4.10).
+
+use std::sync::mpsc::channel;
+use std::sync::{Arc, PoisonError};
+use std::time::Duration;
+
+use genom_description::model::{Direction, ServiceKind};
+use genom_runtime::{Exception, Inputs, Outcome, Progress, Ticket, input_record};
+use genom_types::Record;
+use serde_json::Value;
+
+use super::hosted::Hosted;
+use super::input::{Asked, Completion, InputError, Rest};
+
+/// How long somebody who looks waits for codels that are in the way.
+const PATIENCE: Duration = Duration::from_millis(250);
+
+impl Hosted {
+    /// Reads the inputs of a service.
+    pub fn asked(&self, service: usize, given: &Value, rest: Rest) -> Result<Asked, InputError> {
+        let model = &self.model().services[service];
+        let filled = self.filled(service, given);
+        if rest == Rest::Zero {
+            return filled.map(Asked::Whole);
+        }
+        if model.kind == ServiceKind::Attribute {
+            return match filled {
+                // Whether it fits depends on what is set, for which the default stood in here.
+                Err(error) if !error.depends => Err(error),
+                _ => Ok(Asked::Partial(given.clone())),
+            };
+        }
+        let record = filled?;
+        let defaults: serde_json::Map<_, _> = model
+            .parameters
+            .iter()
+            .filter(|one| one.direction != Direction::Out)
+            .filter_map(|one| Some((one.name.clone(), one.default.as_ref()?.value.clone()?)))
+            .collect();
+        match record.missing(&[given, &Value::Object(defaults)]) {
+            Some(path) => Err(InputError::missing(&model.name, path)),
+            None => Ok(Asked::Whole(record)),
+        }
+    }
+
+    /// Inputs over the defaults of the description; what has none is zero.
+    pub fn filled(&self, service: usize, given: &Value) -> Result<Record, InputError> {
+        let name = self.model().services[service].name.as_str();
+        let refused = |error| InputError::new(name, error);
+        let empty = || Record::new(&self.plan().services()[service].input);
+        let mut record = input_record(self.plan(), service).map_err(refused)?.unwrap_or_else(empty);
+        record.merge_json(given).map_err(refused)?;
+        Ok(record)
+    }
+
+    /// What an attribute would keep of its inputs; `None` of what is no attribute, and while codels
+    /// are in the way. Blocks for a moment.
+    pub fn current(&self, service: usize) -> Option<Value> {
+        let model = &self.model().services[service];
+        let takes = model.parameters.iter().any(|one| one.direction != Direction::Out);
+        if model.kind != ServiceKind::Attribute || !takes {
+            return None;
+        }
+        let (sender, told) = channel();
+        let ticket = Ticket::default();
+        let reply = Box::new(move |progress| {
+            if let Progress::Done(Outcome::Success(record)) = progress {
+                let _ = sender.send(record.to_json());
+            }
+        });
+        self.instance.request_by(&ticket, service, Inputs::Look, reply);
+        let current = told.recv_timeout(PATIENCE).ok();
+        if current.is_none() {
+            let _ = self.instance.give_up(service, &ticket);
+        }
+        current
+    }
+
+    /// The inputs as the runtime takes them, and what will come of them if they are not all.
+    pub(super) fn inputs(&self, service: usize, asked: Asked) -> (Inputs, Option<Completion>) {
+        let given = match asked {
+            Asked::Whole(record) => return (Inputs::Whole(record), None),
+            Asked::Partial(given) => given,
+        };
+        let completion = Completion::default();
+        let (done, name) = (Arc::clone(&completion), self.model().services[service].name.clone());
+        let fill = move |inputs: &mut Record| {
+            let mut done = done.lock().unwrap_or_else(PoisonError::into_inner);
+            match inputs.merge_json(&given) {
+                Ok(()) => {
+                    done.inputs = Some(inputs.to_json());
+                    Ok(())
+                }
+                Err(error) => {
+                    done.refused = Some(InputError::new(&name, error));
+                    let name = "::genom::serialization".to_owned();
+                    Err(Exception { name, detail: Value::Null })
+                }
+            }
+        };
+        (Inputs::Partial(Box::new(fill)), Some(completion))
+    }
+}

@@ -1,0 +1,466 @@
+//! One component that runs: the runtime's instance, and what supervisors see of it.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use genom_description::model::{Component as Model, Direction, ServiceKind, Specification};
+use genom_middleware::{Address, Quality, Served, Subscription};
+use genom_ports::PortKey;
+use genom_runtime::body::{Body, RemoteCall};
+use genom_runtime::plan::Plan;
+use genom_runtime::{
+    ActivityPhase, Clock, HeldUp, Instance, Options, Outcome, Progress, RunningCodel, StartError,
+    Statistics, Ticket, Watcher, seconds,
+};
+use genom_types::{DataType, Record};
+use serde_json::{Value, json};
+use tracing::Span;
+
+use super::activities::{Activity, ActivityLog};
+use super::input::{Asked, Completion, InputError};
+use super::spins::{Spin, Spins, times_of};
+use super::standing::Standing;
+use super::watch::{BusWatcher, Follower};
+use crate::bus::Bus;
+use crate::ending::Ending;
+use crate::flag::Flag;
+use crate::recording::{Call, Recordings};
+use crate::spans;
+use crate::ties::Ties;
+use genom_configuration::{BackendNames, LoadRequest};
+
+/// What a request gets first.
+#[derive(Debug)]
+pub enum Answer {
+    /// The end: of an attribute, a function, or an activity that was not accepted.
+    Ended(Ending),
+    /// An activity was accepted.
+    Accepted(Arc<Activity>),
+    /// The component stopped before it answered.
+    Gone,
+    /// A codel that is stuck keeps it from being served: it was given up, and never runs.
+    HeldUp(HeldUp),
+    /// Its inputs do not fit what the component holds; nothing was done.
+    Refused(InputError),
+}
+
+/// Services of one component, each by its rank, by middleware.
+pub type ServedOn = Vec<(String, ServedServices)>;
+
+/// Services that are served on one middleware, by rank in the model.
+pub type ServedServices = Vec<(usize, Box<dyn Served>)>;
+
+/// A component that runs.
+pub struct Hosted {
+    /// Instance name.
+    pub name: String,
+    /// How it was loaded.
+    pub request: LoadRequest,
+    /// The library, as it was found.
+    pub library: PathBuf,
+    /// Its activities, running and lately ended.
+    pub activities: Arc<ActivityLog>,
+    /// What its ports are tied to.
+    pub ties: Arc<Ties>,
+    /// What was asked of it and still stands.
+    pub standing: Arc<Standing>,
+    /// Raised when it is unloaded: streams end.
+    pub gone: Flag,
+    /// Raised when it asked for its own end.
+    pub killed: Flag,
+    pub(super) recordings: Arc<Recordings>,
+    /// On a virtual clock, requests are served by the thread that sends them.
+    pub(super) serves_at_once: bool,
+    plan: Arc<Plan>,
+    pub(super) instance: Instance,
+    watcher: Arc<BusWatcher>,
+    spins: Mutex<Spins>,
+    /// Its services on the middleware.
+    pub(super) served: Mutex<ServedOn>,
+}
+
+/// A component that is about to start.
+pub struct Starting {
+    /// Instance name.
+    pub name: String,
+    /// How it was loaded.
+    pub request: LoadRequest,
+    /// The library, as it was found.
+    pub library: PathBuf,
+    /// The component, compiled.
+    pub plan: Arc<Plan>,
+    /// What its ports are tied to.
+    pub ties: Arc<Ties>,
+    /// Raised when it asks for its own end.
+    pub killed: Flag,
+    /// Where its changes are told.
+    pub bus: Arc<Bus>,
+    /// The recordings under way.
+    pub recordings: Arc<Recordings>,
+    /// How long results of its activities stay.
+    pub keep_results: Duration,
+}
+
+impl Hosted {
+    /// Starts the tasks and waits for their start codels; the ports are bound.
+    pub fn start(
+        starting: Starting,
+        body: Arc<dyn Body>,
+        mut options: Options,
+    ) -> Result<Self, StartError> {
+        let Starting { name, request, library, plan, ties, killed, .. } = starting;
+        let serves_at_once = matches!(options.clock, Clock::Virtual(_));
+        let watcher = Arc::new(BusWatcher::new(&starting.bus, &name, &plan));
+        options.watcher = Some(Arc::clone(&watcher) as Arc<dyn Watcher>);
+        let instance = Instance::start(Arc::clone(&plan), body, options)?;
+        Ok(Self {
+            name,
+            request,
+            library,
+            activities: Arc::new(ActivityLog::new(starting.keep_results)),
+            ties,
+            standing: Arc::default(),
+            gone: Flag::new(),
+            killed,
+            recordings: starting.recordings,
+            serves_at_once,
+            plan,
+            instance,
+            watcher,
+            spins: Mutex::default(),
+            served: Mutex::default(),
+        })
+    }
+
+    /// Services came to further middlewares, and leave those that are not in `stay`.
+    pub fn serve_also(&self, served: ServedOn, stay: &BackendNames) {
+        let mut all = self.served.lock().unwrap_or_else(PoisonError::into_inner);
+        all.extend(served);
+        let gone: ServedOn = all.extract_if(.., |(name, _)| !stay.has(name)).collect();
+        drop(all);
+        // Closed after the others are there, and without holding anybody up.
+        drop(gone);
+    }
+
+    /// The middlewares that a service is offered on.
+    pub fn served_on(&self, service: usize) -> Vec<String> {
+        let all = self.served.lock().unwrap_or_else(PoisonError::into_inner);
+        let there = all.iter().filter(|(_, served)| served.iter().any(|(one, _)| *one == service));
+        there.map(|(name, _)| name.clone()).collect()
+    }
+
+    /// The component's description.
+    pub fn model(&self) -> &Model {
+        self.plan.component()
+    }
+
+    /// The whole description its component comes from.
+    pub fn specification(&self) -> &Specification {
+        self.plan.specification()
+    }
+
+    /// The component, compiled.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Address of a port or service, or of an element of a multiple port.
+    pub fn address(&self, name: &str, element: Option<&str>) -> Address {
+        match element {
+            Some(element) => Address::new(self.name.as_str(), format!("{name}/{element}")),
+            None => Address::new(self.name.as_str(), name),
+        }
+    }
+
+    /// Type of a port's data.
+    pub fn port_type(&self, port: usize) -> Option<&DataType> {
+        self.plan.port_type(port)
+    }
+
+    /// Address of a port, or of an element of a multiple one.
+    pub fn port_address(&self, key: &PortKey) -> Address {
+        self.address(&self.model().ports[key.port].name, key.element())
+    }
+
+    /// The middlewares that a port is on.
+    pub fn backends_of(&self, key: &PortKey) -> BackendNames {
+        self.ties.bindings.port(&self.model().ports[key.port].name)
+    }
+
+    /// What is asked of a port, wherever it is.
+    pub fn quality(&self, key: &PortKey) -> Quality {
+        self.ties.bindings.quality(&self.model().ports[key.port].name)
+    }
+
+    /// Last value of a port.
+    pub fn port_value(&self, key: &PortKey) -> Option<Value> {
+        self.instance.port_value(key.port, key.element())
+    }
+
+    /// The same, bit by bit; `None` also when no copy of the last value was kept, as of large ones
+    /// that nobody looks at.
+    pub fn last_value(&self, key: &PortKey) -> Option<Record> {
+        self.instance.last_value(key.port, key.element())
+    }
+
+    /// The same as a CDR message.
+    pub fn port_message(&self, key: &PortKey) -> Option<Vec<u8>> {
+        self.instance.port_message(key.port, key.element())
+    }
+
+    /// Sends a request; `progress` hears how it goes on, from the component's control threads.
+    pub fn submit(
+        &self,
+        service: usize,
+        input: Record,
+        progress: impl FnMut(Heard) + Send + 'static,
+    ) {
+        self.submit_by(&Ticket::default(), service, Asked::Whole(input), progress);
+    }
+
+    /// The same; with the ticket it may be given up.
+    pub(super) fn submit_by(
+        &self,
+        ticket: &Ticket,
+        service: usize,
+        asked: Asked,
+        mut progress: impl FnMut(Heard) + Send + 'static,
+    ) {
+        let name = &self.model().services[service].name;
+        let told = || match &asked {
+            Asked::Whole(input) => input.to_json(),
+            Asked::Partial(given) => given.clone(),
+        };
+        let call = self.recordings.called(&self.name, name, told);
+        let inputs = self.remembered(service).then(told);
+        let (asked, completion) = self.inputs(service, asked);
+        let mut tracked = Tracked {
+            span: spans::service(&self.name, name),
+            call,
+            log: Arc::clone(&self.activities),
+            service: name.clone(),
+            running: None,
+            standing: Arc::clone(&self.standing),
+            inputs,
+            completion,
+        };
+        self.instance.request_by(
+            ticket,
+            service,
+            asked,
+            Box::new(move |step| match step {
+                Progress::Accepted { activity } => {
+                    progress(Heard::Accepted(tracked.started(activity)));
+                }
+                Progress::Done(outcome) => {
+                    let refused = tracked.completed();
+                    tracked.ended(ending(&outcome));
+                    progress(refused.map_or(Heard::Ended(outcome), Heard::Refused));
+                }
+            }),
+        );
+    }
+
+    /// Tells somebody the states of an activity, who was just told that it was accepted.
+    pub fn follow(&self, activity: &Activity, follower: Follower) {
+        if let Ok(number) = u32::try_from(activity.number) {
+            self.watcher.follow(number, follower);
+        }
+    }
+
+    /// Whether the inputs of a service are to be remembered.
+    fn remembered(&self, service: usize) -> bool {
+        let service = &self.model().services[service];
+        let takes = service.parameters.iter().any(|one| one.direction != Direction::Out);
+        !service.standard
+            && match service.kind {
+                ServiceKind::Attribute => takes,
+                ServiceKind::Activity => true,
+                ServiceKind::Function => false,
+            }
+    }
+
+    /// Asks an activity to stop; whether it was there to be asked.
+    pub fn abort(&self, number: u64) -> bool {
+        u32::try_from(number).is_ok_and(|number| self.instance.abort(number).is_ok())
+    }
+
+    /// Asks all activities to stop; numbers and services of those that have not ended.
+    pub fn abort_all(&self) -> Vec<(u64, String)> {
+        let told = self.instance.abort_all().into_iter();
+        let services = &self.model().services;
+        told.map(|(id, service)| (u64::from(id), services[service].name.clone())).collect()
+    }
+
+    /// Fires an external event, by rank of its sink.
+    pub fn fire(&self, sink: usize) {
+        if let Err(error) = self.instance.fire(sink) {
+            tracing::warn!(instance = self.name, "{error}");
+        }
+    }
+
+    /// State an activity is in, or `waiting` before it starts.
+    pub fn state(&self, number: u64) -> Option<String> {
+        let activities = self.instance.activities();
+        let found = activities.into_iter().find(|info| u64::from(info.id) == number)?;
+        if found.phase == ActivityPhase::Init {
+            return Some("waiting".to_owned());
+        }
+        // A task runs one codel at a time: if it is of this service, it is of this activity,
+        // unless another one of the service runs beside it.
+        let mut stuck = self.stuck().into_iter();
+        let own = |codel: &RunningCodel| {
+            codel.task.as_ref() == Some(&found.task) && Some(&codel.owner) == found.service.as_ref()
+        };
+        let stuck = stuck.find(own).filter(|_| !found.paused);
+        Some(stuck.as_ref().map_or(found.state, stuck_in))
+    }
+
+    /// Where its codels wrote past the memory they were given, once that was found.
+    pub fn damage(&self) -> Option<String> {
+        self.instance.damage()
+    }
+
+    /// Figures on its tasks and codels.
+    pub fn figures(&self) -> Statistics {
+        self.instance.statistics()
+    }
+
+    /// Connects an in port, or disconnects it, with all codels excluded (genom3.md 7.8).
+    pub fn bind_in(
+        &self,
+        key: &PortKey,
+        subscription: Option<Box<dyn Subscription>>,
+    ) -> Result<(), HeldUp> {
+        let PortKey { port, element } = key;
+        self.instance.exclusively(|body| body.bind_in(*port, element.as_deref(), subscription))
+    }
+
+    /// Does `work` while no codel runs that uses a port.
+    pub fn excluded<R>(&self, work: impl FnOnce() -> R) -> Result<R, HeldUp> {
+        self.instance.exclusively(|_| work())
+    }
+
+    /// Connects a remote, or disconnects it, with all codels excluded.
+    pub fn bind_remote(
+        &self,
+        remote: usize,
+        call: Option<Box<dyn RemoteCall>>,
+    ) -> Result<(), HeldUp> {
+        self.instance.exclusively(|body| body.bind_remote(remote, call))
+    }
+
+    /// Codels of it that count as stuck.
+    pub fn stuck(&self) -> Vec<RunningCodel> {
+        let mut all = self.instance.running_codels();
+        all.retain(|codel| codel.stuck);
+        all
+    }
+
+    /// Looks at the tasks that do not pause; to be called several times a second.
+    pub(crate) fn look_for_spins(&self) {
+        let unpaused = self.instance.unpaused();
+        self.spins_now().look(Instant::now(), unpaused, times_of);
+    }
+
+    /// Tasks that keep a processor and do not pause, as of the last look.
+    pub fn spins(&self) -> Vec<Spin> {
+        self.spins_now().found.clone()
+    }
+
+    fn spins_now(&self) -> MutexGuard<'_, Spins> {
+        self.spins.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// `stuck in CODEL for 12 s`, of the codel that is for longest.
+    pub fn stuck_in(&self) -> Option<String> {
+        self.instance.stuck().as_ref().map(stuck_in)
+    }
+}
+
+/// How a request goes on.
+#[derive(Debug)]
+pub enum Heard {
+    /// It is an activity, and accepted.
+    Accepted(Arc<Activity>),
+    /// It ended.
+    Ended(Outcome),
+    /// Its inputs do not fit what the component holds; nothing was done.
+    Refused(InputError),
+}
+
+/// Keeps the log of activities in step with one request.
+struct Tracked {
+    /// From the request to the end.
+    span: Span,
+    /// Told of the end, when it is recorded.
+    call: Option<Call>,
+    log: Arc<ActivityLog>,
+    service: String,
+    running: Option<Arc<Activity>>,
+    standing: Arc<Standing>,
+    /// What it was asked with, when that is to be remembered.
+    inputs: Option<Value>,
+    /// What comes of inputs that were given in part.
+    completion: Option<Completion>,
+}
+
+impl Tracked {
+    /// Inputs that were given in part are known as a whole now; or why they were refused.
+    fn completed(&mut self) -> Option<InputError> {
+        let completion = self.completion.take()?;
+        let mut completed = completion.lock().unwrap_or_else(PoisonError::into_inner);
+        if let (Some(inputs), Some(all)) = (&mut self.inputs, completed.inputs.take()) {
+            *inputs = all;
+        }
+        completed.refused.take()
+    }
+
+    fn started(&mut self, number: u32) -> Arc<Activity> {
+        let activity = self.log.started(u64::from(number), &self.service);
+        self.running = Some(Arc::clone(&activity));
+        if let Some(inputs) = self.inputs.take() {
+            self.standing.activity(activity.number, inputs);
+        }
+        activity
+    }
+
+    fn ended(&mut self, ending: Ending) {
+        let activity = self.running.as_ref().map(|activity| activity.number);
+        if let Some(call) = self.call.take() {
+            call.ended(activity, &ending);
+        }
+        // It ends with the last handle on it.
+        spans::ended(&std::mem::replace(&mut self.span, Span::none()), activity, &ending);
+        if let Some(inputs) = self.inputs.take().filter(|_| ending.exception().is_none()) {
+            self.standing.attribute(&self.service, inputs);
+        }
+        if let Some(activity) = self.running.take() {
+            self.standing.ended(activity.number);
+            self.log.ended(&activity, ending);
+        }
+    }
+}
+
+impl Drop for Tracked {
+    fn drop(&mut self) {
+        // A component that could not be stopped in time: who waits must not wait for ever.
+        let (name, detail) = ("::genom::interrupted".to_owned(), json!({"by": "kill"}));
+        self.ended(Ending::Exception { name, detail });
+    }
+}
+
+/// What a supervisor sees of a codel that does not return.
+fn stuck_in(codel: &RunningCodel) -> String {
+    format!("stuck in {} for {}", codel.codel, seconds(codel.for_ns))
+}
+
+pub(super) fn ending(outcome: &Outcome) -> Ending {
+    match outcome {
+        Outcome::Success(outputs) => Ending::Done(outputs.to_json()),
+        Outcome::Exception(exception) => {
+            Ending::Exception { name: exception.name.clone(), detail: exception.detail.clone() }
+        }
+    }
+}

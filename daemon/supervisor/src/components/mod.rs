@@ -1,0 +1,24 @@
+//! The components that run: their names, what supervisors see of each, and how they go.
+
+mod activities;
+mod ask;
+mod asked;
+mod hosted;
+mod input;
+pub mod layout;
+mod record;
+mod remnants;
+pub mod request;
+mod running;
+mod spins;
+mod standing;
+mod stop;
+mod unload;
+mod watch;
+
+pub use activities::Activity;
+pub use hosted::{Answer, Heard, Hosted, ServedOn, ServedServices, Starting};
+pub use input::{Asked, InputError, Rest};
+pub use remnants::Remnant;
+pub use running::{Components, Reservation, UnloadError};
+pub use spins::Spin;

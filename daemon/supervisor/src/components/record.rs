@@ -1,0 +1,36 @@
+//! The ports of a component as recordings see them: tapes are put in and taken out.
+
+use super::hosted::Hosted;
+
+impl Hosted {
+    /// Its ports are recorded, as far as they are wanted. Blocks while codels are excluded.
+    pub fn record(&self) {
+        if !self.recordings.any() {
+            return;
+        }
+        let all = self.ties.tapes();
+        let recorded = self.excluded(|| {
+            for (key, reads, tapes) in &all {
+                let direction = self.model().ports[key.port].direction;
+                if let Some(ty) = self.port_type(key.port) {
+                    let address = self.port_address(key);
+                    self.recordings.opened(&address, direction, reads.as_ref(), ty, tapes);
+                }
+            }
+        });
+        if let Err(error) = recorded {
+            tracing::warn!("ports of {} are not recorded: {error}", self.name);
+        }
+    }
+
+    /// A recording is over: its tapes are taken out. Blocks while codels are excluded.
+    pub fn recording_ended(&self, number: u64) {
+        let all = self.ties.tapes();
+        if let Err(error) =
+            self.excluded(|| all.iter().for_each(|(.., tapes)| tapes.remove(number)))
+        {
+            // Nobody empties them any more: they fill up, and are full.
+            tracing::debug!("tapes of {} stay: {error}", self.name);
+        }
+    }
+}

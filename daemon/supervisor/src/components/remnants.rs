@@ -1,0 +1,50 @@
+//! What is left of components that did not stop in time: threads in codels that do not return.
+//!
+//! Their names, ports and services are free; library and memory stay until the threads end.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use genom_runtime::RunningCodel;
+
+use super::hosted::Hosted;
+
+/// What is left of components, oldest first.
+#[derive(Default)]
+pub(super) struct Remnants(Mutex<Vec<Arc<Hosted>>>);
+
+/// What is left of one.
+pub struct Remnant {
+    /// The name it had.
+    pub was: String,
+    /// Name of its component in the description.
+    pub component: String,
+    /// What its threads are in.
+    pub codels: Vec<RunningCodel>,
+}
+
+impl Remnants {
+    fn lock(&self) -> MutexGuard<'_, Vec<Arc<Hosted>>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// It is no component any more, and cannot go.
+    pub(super) fn add(&self, hosted: Arc<Hosted>) {
+        self.lock().push(hosted);
+    }
+
+    /// All of them, oldest first.
+    pub(super) fn all(&self) -> Vec<Remnant> {
+        let all = self.lock();
+        let told = all.iter().map(|hosted| Remnant {
+            was: hosted.name.clone(),
+            component: hosted.model().name.clone(),
+            codels: hosted.instance.running_codels(),
+        });
+        told.collect()
+    }
+
+    /// Takes out those whose threads have ended.
+    pub(super) fn take_those_over(&self) -> Vec<Arc<Hosted>> {
+        self.lock().extract_if(.., |hosted| hosted.instance.is_over()).collect()
+    }
+}

@@ -1,0 +1,98 @@
+//! Requests to services by name: of deployments, and of programs.
+
+use std::sync::Arc;
+
+use genom_configuration::CallEntry;
+use genom_nearest::suggest;
+use serde_json::Value;
+
+use super::activities::Activity;
+use super::hosted::{Answer, Hosted};
+use super::input::{InputError, Rest};
+use super::running::Components;
+use crate::ending::Ending;
+
+/// A request was refused.
+#[derive(Debug, thiserror::Error)]
+#[error("{why}")]
+pub struct RequestError {
+    /// Where its mistake is: keys from the entry down.
+    pub key: Vec<String>,
+    /// Why it was refused.
+    pub why: String,
+}
+
+impl RequestError {
+    fn new(key: &[&str], why: String) -> Self {
+        Self { key: key.iter().map(|&key| key.to_owned()).collect(), why }
+    }
+}
+
+/// Sends it; the number of the activity, when it is one. Blocks.
+pub fn send(all: &Components, entry: &CallEntry) -> Result<Option<u64>, RequestError> {
+    let Some(hosted) = all.get(&entry.component) else {
+        let why = format!("{} does not run", entry.component);
+        return Err(RequestError::new(&["component"], why));
+    };
+    send_to(&hosted, entry)
+}
+
+/// Sends it to a component at hand. Blocks.
+pub fn send_to(hosted: &Hosted, entry: &CallEntry) -> Result<Option<u64>, RequestError> {
+    match ask(hosted, &entry.service, &entry.inputs)? {
+        First::Accepted(activity) => Ok(Some(activity.number)),
+        First::Ended(ending) => match ending.exception() {
+            None => Ok(None),
+            Some(exception) => {
+                let (instance, service) = (&hosted.name, &entry.service);
+                let why = format!("{instance}/{service} ended with {exception}");
+                Err(RequestError::new(&[], why))
+            }
+        },
+    }
+}
+
+impl Hosted {
+    /// Calls a service and waits for its end, also of an activity. Blocks.
+    ///
+    /// Inputs of an attribute that are left out keep their value, others take their default.
+    ///
+    /// # Errors
+    /// There is no such service, it takes other inputs, or a codel keeps it from being served;
+    /// nothing ran then.
+    pub fn call(&self, service: &str, inputs: &Value) -> Result<Ending, RequestError> {
+        let stopped = || RequestError::new(&[], format!("{} stops", self.name));
+        match ask(self, service, inputs)? {
+            First::Ended(ending) => Ok(ending),
+            First::Accepted(activity) => activity.wait().ok_or_else(stopped),
+        }
+    }
+}
+
+/// The first answer of a component that serves a request.
+enum First {
+    Ended(Ending),
+    Accepted(Arc<Activity>),
+}
+
+fn ask(hosted: &Hosted, service: &str, inputs: &Value) -> Result<First, RequestError> {
+    let services = &hosted.model().services;
+    let Some(index) = services.iter().position(|one| one.name == service) else {
+        let help = suggest(service, services.iter().map(|one| one.name.as_str()));
+        let why = format!("{} has no service `{service}`; {help}", hosted.name);
+        return Err(RequestError::new(&["service"], why));
+    };
+    let refused = |error: InputError| {
+        let members = error.path.split(['/', '.']).filter(|member| !member.is_empty());
+        let key: Vec<&str> = std::iter::once("inputs").chain(members).collect();
+        RequestError::new(&key, format!("{}/{service}: {error}", hosted.name))
+    };
+    let asked = hosted.asked(index, inputs, Rest::Kept).map_err(refused)?;
+    match hosted.request_blocking(index, asked) {
+        Answer::Refused(error) => Err(refused(error)),
+        Answer::Accepted(activity) => Ok(First::Accepted(activity)),
+        Answer::HeldUp(error) => Err(RequestError::new(&[], error.to_string())),
+        Answer::Gone => Err(RequestError::new(&[], format!("{} stops", hosted.name))),
+        Answer::Ended(ending) => Ok(First::Ended(ending)),
+    }
+}

@@ -1,0 +1,218 @@
+//! Takes components down side by side, and none before those that use it.
+//!
+//! A `stop` codel may call services of others and read their ports. So a component is asked to
+//! end when those that are wired to read it or to call it have ended, or are stuck; those that
+//! nothing holds are asked at once, the last loaded first. Each has its time from then on. One
+//! thread waits for all of them; a few take down what has ended.
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use super::hosted::Hosted;
+use super::running::{Components, Slot, UnloadError};
+
+/// Threads that close ports and libraries at a time.
+const HELPERS: usize = 8;
+/// How often one looks whether somebody who is waited for is stuck.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Hears of each component as it is gone, or cannot go.
+pub(crate) type Told<'a> = &'a (dyn Fn(&str, &Result<(), UnloadError>) + Sync);
+
+/// Where one of them is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum State {
+    Waits,
+    /// Asked; it has until then.
+    Asked(Instant),
+    /// With the helpers.
+    Ended,
+}
+
+/// One that ended, or whose time is over: its place, and its deadline.
+type Finished = (usize, Instant);
+
+impl Components {
+    /// Stops components, waits for their codels and frees their names. Blocks.
+    pub fn remove(&self, names: &[String], timeout: Duration, told: Told<'_>) {
+        let mut going = Vec::with_capacity(names.len());
+        for name in names {
+            match self.exchange_running(name, Slot::Stopping) {
+                Some(Slot::Running(hosted)) => going.push(hosted),
+                _ => told(name, &Err(UnloadError::NotThere(name.clone()))),
+            }
+        }
+        let (sender, finished) = channel();
+        let finished = Mutex::new(finished);
+        let hosted: Vec<Mutex<Option<Arc<Hosted>>>> =
+            going.iter().map(|one| Mutex::new(Some(Arc::clone(one)))).collect();
+        let help = || self.take_down(&hosted, &finished, told);
+        thread::scope(|scope| {
+            let mut helped = false;
+            for _ in 0..going.len().min(HELPERS) {
+                let helper = thread::Builder::new().name("genomd-stop".to_owned());
+                helped |= helper.spawn_scoped(scope, help).is_ok();
+            }
+            Departures::new(going, timeout).run(sender);
+            if !helped {
+                help();
+            }
+        });
+    }
+
+    /// Takes down one after the other, until there are no more.
+    fn take_down(
+        &self,
+        all: &[Mutex<Option<Arc<Hosted>>>],
+        finished: &Mutex<Receiver<Finished>>,
+        told: Told<'_>,
+    ) {
+        loop {
+            let next = finished.lock().unwrap_or_else(PoisonError::into_inner).recv();
+            let Ok((place, deadline)) = next else { return };
+            let hosted = all[place].lock().unwrap_or_else(PoisonError::into_inner).take();
+            let Some(hosted) = hosted else { continue };
+            let name = hosted.name.clone();
+            let stopped = hosted.finish_stop(deadline);
+            match &stopped {
+                // With the last that holds it goes the library.
+                Ok(()) => drop(hosted),
+                Err(_) => self.leave_behind(hosted),
+            }
+            self.free(&name);
+            let result = stopped.map_err(|why| UnloadError::Stuck { name: name.clone(), why });
+            told(&name, &result);
+        }
+    }
+}
+
+/// Components on their way out, in the order they were loaded.
+struct Departures {
+    going: Vec<Option<Arc<Hosted>>>,
+    state: Vec<State>,
+    /// By component: those that read its ports or call its services.
+    users: Vec<Vec<usize>>,
+    timeout: Duration,
+    /// One at a time: codels of a virtual world run in one thread.
+    alone: bool,
+}
+
+impl Departures {
+    fn new(going: Vec<Arc<Hosted>>, timeout: Duration) -> Self {
+        let places: BTreeMap<&str, usize> =
+            going.iter().enumerate().map(|(place, one)| (one.name.as_str(), place)).collect();
+        let mut users = vec![Vec::new(); going.len()];
+        for (user, hosted) in going.iter().enumerate() {
+            let connections = hosted.ties.connections();
+            let used = connections.iter().map(|made| made.outport().instance.as_str());
+            for used in used.filter_map(|name| places.get(name).copied()) {
+                if used != user && !users[used].contains(&user) {
+                    users[used].push(user);
+                }
+            }
+        }
+        let alone = going.iter().any(|one| one.serves_at_once);
+        let state = vec![State::Waits; going.len()];
+        Self { going: going.into_iter().map(Some).collect(), state, users, timeout, alone }
+    }
+
+    /// Asks each in its turn; those that ended go to the helpers.
+    ///
+    /// Not one by one while others end as well: to close a library takes a look at all threads
+    /// there are, and soon there are fewer.
+    fn run(mut self, finished: Sender<Finished>) {
+        let (tell, ended) = channel();
+        let mut ready: Vec<Finished> = Vec::new();
+        loop {
+            self.ask(&tell);
+            let asked = || {
+                self.state.iter().enumerate().filter_map(|(place, state)| match state {
+                    State::Asked(deadline) => Some((place, *deadline)),
+                    _ => None,
+                })
+            };
+            let first = asked().map(|(_, deadline)| deadline).min();
+            let Some(first) = first else {
+                return hand_on(&mut ready, &finished);
+            };
+            let left = first.saturating_duration_since(Instant::now());
+            let look = !ready.is_empty() || self.state.contains(&State::Waits);
+            let place = ended.recv_timeout(if look { left.min(LOOK) } else { left }).ok();
+            let now = Instant::now();
+            let over: Vec<Finished> =
+                asked().filter(|(one, by)| Some(*one) == place || *by <= now).collect();
+            for &(place, _) in &over {
+                self.state[place] = State::Ended;
+                self.going[place] = None;
+            }
+            ready.extend(over);
+            if place.is_none() {
+                hand_on(&mut ready, &finished);
+            }
+        }
+    }
+
+    /// Asks those that nobody needs any more; where all wait for one another, the last loaded.
+    fn ask(&mut self, tell: &Sender<usize>) {
+        loop {
+            let waiting = (0..self.state.len()).rev().filter(|&at| self.state[at] == State::Waits);
+            let waiting: Vec<usize> = waiting.collect();
+            let busy = self.state.iter().any(|state| matches!(state, State::Asked(_)));
+            if waiting.is_empty() || (self.alone && busy) {
+                return;
+            }
+            let free =
+                |&&at: &&usize| self.users[at].iter().all(|&user| self.is_out_of_the_way(user));
+            let mut now: Vec<usize> = waiting.iter().filter(free).copied().collect();
+            if now.is_empty() && !busy {
+                now.extend(waiting.first());
+            }
+            if self.alone {
+                now.truncate(1);
+            }
+            if now.is_empty() {
+                return;
+            }
+            for place in now {
+                self.state[place] = State::Asked(Instant::now() + self.timeout);
+                self.ask_one(place, tell.clone());
+            }
+        }
+    }
+
+    fn ask_one(&self, place: usize, tell: Sender<usize>) {
+        let Some(hosted) = self.going[place].clone() else { return };
+        let timeout = self.timeout;
+        let ended = Box::new(move || {
+            let _ = tell.send(place);
+        });
+        if !self.alone {
+            return hosted.begin_stop(ended, timeout);
+        }
+        // Its stop codels run in the thread that asks: whoever waits must be another.
+        let asking = thread::Builder::new().name("genomd-asks".to_owned());
+        if let Err(error) = asking.spawn(move || hosted.begin_stop(ended, timeout)) {
+            tracing::error!("a component cannot be stopped: {error}");
+        }
+    }
+
+    fn is_out_of_the_way(&self, place: usize) -> bool {
+        match self.state[place] {
+            State::Waits => false,
+            State::Asked(_) => {
+                self.going[place].as_ref().is_none_or(|hosted| !hosted.stuck().is_empty())
+            }
+            State::Ended => true,
+        }
+    }
+}
+
+fn hand_on(ready: &mut Vec<Finished>, helpers: &Sender<Finished>) {
+    for one in ready.drain(..) {
+        // The helpers end when whoever sends to them does.
+        let _ = helpers.send(one);
+    }
+}

@@ -1,0 +1,104 @@
+//! The value that an out port wrote last, bit by bit: what readers get first where the port moves
+//! to.
+//!
+//! Of ports up to 64 KiB the component keeps a copy. Of larger ones it does so only while somebody
+//! looks; their middleware has the value all the same, since it offers it to readers that come
+//! late, and is read as by one of those.
+
+use std::time::{Duration, Instant};
+
+use genom_configuration::BackendNames;
+use genom_middleware::{Address, Policy, PortSpec, Reading, Subscription};
+use genom_ports::{Fan, PortKey};
+use genom_types::{DataType, Record};
+
+use super::core::{Connections, LOOK_AGAIN, NETWORK};
+use crate::components::Hosted;
+
+/// Within the machine, a reader that comes late has the value almost at once.
+const MACHINE: Duration = Duration::from_millis(500);
+
+/// The value written last, as of some moment.
+#[derive(Default)]
+pub(super) struct LastValue {
+    /// `None` when nothing was written, or it cannot be had.
+    pub(super) value: Option<Record>,
+    /// How many samples had been written.
+    samples: u64,
+    /// Where it is read back from.
+    back: Option<Box<dyn Subscription>>,
+}
+
+impl Connections {
+    /// The value that a port wrote last. May wait for a middleware.
+    pub(super) fn last_value(
+        &self,
+        hosted: &Hosted,
+        key: &PortKey,
+        fan: &Fan,
+        ty: &DataType,
+    ) -> LastValue {
+        let samples = fan.gauge().counts().samples;
+        let value = hosted.last_value(key).filter(|_| samples > 0);
+        let mut last = LastValue { value, samples, back: None };
+        if samples > 0 && last.value.is_none() {
+            let (address, on) = (hosted.port_address(key), hosted.backends_of(key));
+            last.read_back(self, &address, &on, ty);
+            if last.value.is_none() {
+                tracing::warn!(
+                    "the last value of {address} cannot be read back from {on}: readers where it \
+                     moves to wait for the next one"
+                );
+            }
+        }
+        last
+    }
+}
+
+impl LastValue {
+    fn read_back(
+        &mut self,
+        connections: &Connections,
+        address: &Address,
+        on: &BackendNames,
+        ty: &DataType,
+    ) {
+        let open = on.names().iter().filter_map(|name| connections.backends.get(name).ok());
+        let mut open: Vec<_> = open.collect();
+        open.sort_by_key(|middleware| middleware.capabilities().cross_host);
+        for middleware in open {
+            let port = PortSpec::new(address, ty);
+            let Ok(mut reader) = middleware.subscription(&port, Policy::Latest) else { continue };
+            let network = middleware.capabilities().cross_host;
+            let end = Instant::now() + if network { NETWORK } else { MACHINE };
+            let mut value = Record::new(ty);
+            while reader.read(&mut value) != Ok(Reading::New) {
+                if Instant::now() >= end {
+                    break;
+                }
+                std::thread::park_timeout(LOOK_AGAIN);
+            }
+            (self.value, self.back) = (Some(value), Some(reader));
+            return;
+        }
+    }
+
+    /// Takes what was written since. To be called with all codels excluded; whether there was
+    /// something.
+    pub(super) fn renew(&mut self, hosted: &Hosted, key: &PortKey, fan: &Fan) -> bool {
+        let samples = fan.gauge().counts().samples;
+        if samples == self.samples {
+            return false;
+        }
+        self.samples = samples;
+        match (&mut self.back, &mut self.value) {
+            (Some(reader), Some(value)) => reader.read(value) == Ok(Reading::New),
+            _ => {
+                let last = hosted.last_value(key);
+                let there = last.is_some();
+                self.value = last.or(self.value.take());
+                there
+            }
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! Opening the ends of out ports: at load, and by codels for elements of multiple ports.
+
+use std::sync::Arc;
+
+use genom_configuration::BackendNames;
+use genom_description::model::PortDirection;
+use genom_middleware::{Address, OpenError, PortSpec, Publisher, Quality};
+use genom_ports::{Ends, Fan, PortKey};
+use genom_registry::{BackendError, Backends};
+use genom_runtime::body::{Body, Opener};
+use genom_runtime::plan::Plan;
+use genom_runtime::{Clock, HeldUp};
+use genom_types::DataType;
+
+use crate::limits;
+use crate::recording::Recordings;
+use crate::ties::Ties;
+
+/// A port could not be opened on one of its middlewares.
+#[derive(Debug, thiserror::Error)]
+pub enum BindError {
+    /// No such middleware.
+    #[error(transparent)]
+    Backend(#[from] BackendError),
+    /// The middleware refused.
+    #[error("{source}{limit}")]
+    Open {
+        /// Its own words.
+        source: Box<OpenError>,
+        /// The limit of the system that was reached, if one was.
+        limit: String,
+    },
+    /// A codel does not return: of the component, or of one that reads it.
+    #[error(transparent)]
+    HeldUp(#[from] HeldUp),
+}
+
+impl From<Box<OpenError>> for BindError {
+    /// Looks at limits while what was opened before still is.
+    fn from(source: Box<OpenError>) -> Self {
+        Self::Open { source, limit: limits::reached() }
+    }
+}
+
+/// What it takes to open the ends of ports.
+#[derive(Clone)]
+pub struct Opening {
+    pub(crate) backends: Arc<Backends>,
+    pub(crate) recordings: Arc<Recordings>,
+    /// Time of the components.
+    pub(crate) clock: Clock,
+}
+
+impl Opening {
+    /// Opens an address on each of these middlewares, in this quality.
+    pub(super) fn ends(
+        &self,
+        names: &BackendNames,
+        address: &Address,
+        ty: &DataType,
+        quality: Quality,
+    ) -> Result<Ends, BindError> {
+        let mut ends = Vec::with_capacity(names.names().len());
+        for name in names.names() {
+            let middleware = self.backends.get(name)?;
+            let port = PortSpec::new(address, ty).of(quality);
+            let publisher = middleware.publisher(&port).map_err(Box::new)?;
+            ends.push((name.clone(), publisher));
+        }
+        Ok(ends)
+    }
+
+    /// Opens an out port on the middlewares it is bound to; its type and name are known.
+    fn fan(
+        &self,
+        ties: &Ties,
+        address: &Address,
+        port: &str,
+        ty: &DataType,
+    ) -> Result<Fan, BindError> {
+        let (names, quality) = (ties.bindings.port(port), ties.bindings.quality(port));
+        let ends = self.ends(&names, address, ty, quality)?;
+        Ok(Fan::new(ends, &self.clock, ty))
+    }
+
+    /// Puts an open port where supervisors and recordings find it.
+    fn opened(&self, ties: &Ties, key: PortKey, address: &Address, ty: &DataType, fan: &Fan) {
+        ties.opened(key, fan.clone());
+        self.recordings.opened(address, PortDirection::Out, None, ty, fan.tapes());
+    }
+
+    /// Opens every out port of an instance that does not run yet.
+    pub(crate) fn bind(
+        &self,
+        body: &dyn Body,
+        plan: &Arc<Plan>,
+        instance: &str,
+        ties: &Arc<Ties>,
+    ) -> Result<(), BindError> {
+        for (index, port) in plan.component().ports.iter().enumerate() {
+            if port.direction == PortDirection::Out
+                && !port.multiple
+                && let Some(ty) = plan.port_type(index)
+            {
+                let address = Address::new(instance, port.name.as_str());
+                let fan = self.fan(ties, &address, &port.name, ty)?;
+                body.bind_out(index, None, Some(fan.publisher()));
+                self.opened(ties, PortKey::new(index, None), &address, ty, &fan);
+            }
+        }
+        body.set_opener(Box::new(ElementOpener {
+            opening: self.clone(),
+            instance: instance.to_owned(),
+            plan: Arc::clone(plan),
+            ties: Arc::clone(ties),
+        }));
+        Ok(())
+    }
+}
+
+/// Opens elements of multiple out ports under `<instance>/<port>/<element>` (genom3.md 7.8).
+struct ElementOpener {
+    opening: Opening,
+    instance: String,
+    plan: Arc<Plan>,
+    ties: Arc<Ties>,
+}
+
+impl Opener for ElementOpener {
+    fn open(&self, port: usize, element: &str) -> Result<Box<dyn Publisher>, String> {
+        let known = self.plan.component().ports.get(port).zip(self.plan.port_type(port));
+        let Some((model, ty)) = known else {
+            return Err(format!("{} has no port number {port}", self.instance));
+        };
+        let name = &model.name;
+        if element.split('/').any(str::is_empty) {
+            return Err(format!("`{element}` cannot name an element of {name}"));
+        }
+        let address = Address::new(self.instance.as_str(), format!("{name}/{element}"));
+        let fan = self.opening.fan(&self.ties, &address, name, ty);
+        let fan = fan.map_err(|error| error.to_string())?;
+        let key = PortKey::new(port, Some(element));
+        self.opening.opened(&self.ties, key, &address, ty, &fan);
+        Ok(fan.publisher())
+    }
+
+    fn close(&self, port: usize, element: &str) {
+        self.ties.closed(&PortKey::new(port, Some(element)));
+    }
+}

@@ -1,0 +1,94 @@
+//! What components ask of the supervisor through their standard services (genom3.md 4.8).
+
+use std::sync::{Arc, Weak};
+
+use genom_runtime::{Wiring, WiringError};
+
+use crate::components::UnloadError;
+use crate::connections::{ConnectError, Kind, Patience, Wanted};
+use crate::flag::Flag;
+use crate::supervisor::Supervisor;
+
+/// The supervisor as one instance sees it.
+pub(super) struct StandardServices {
+    /// Weak: the supervisor owns the instances, not the other way round.
+    supervisor: Weak<Supervisor>,
+    instance: String,
+    /// Raised when the instance asks for its end, which it may do before it counts as loaded.
+    killed: Flag,
+}
+
+impl StandardServices {
+    /// For an instance, which raises `killed` when it asks for its end.
+    pub(super) fn new(supervisor: &Arc<Supervisor>, instance: &str, killed: &Flag) -> Self {
+        let (instance, killed) = (instance.to_owned(), killed.clone());
+        Self { supervisor: Arc::downgrade(supervisor), instance, killed }
+    }
+
+    /// Connects what this component calls `local`; what somebody asks for now holds, whatever a
+    /// deployment declared.
+    fn connect(&self, kind: Kind, local: &str, remote: &str) -> Result<(), WiringError> {
+        let failed = |why: String| match kind {
+            Kind::Port => WiringError::PortIo(why),
+            Kind::Service => WiringError::RemoteIo(why),
+        };
+        let supervisor =
+            self.supervisor.upgrade().ok_or_else(|| failed("the daemon stops".to_owned()))?;
+        let wanted = Wanted {
+            inport: format!("{}/{local}", self.instance),
+            kind: Some(kind),
+            outport: remote.to_owned(),
+            policy: None,
+            backend: None,
+            wait: false,
+            patience: Patience::Newcomer,
+        };
+        let made = supervisor.connections.connect(&wanted);
+        made.map(drop).map_err(|error| match (error, kind) {
+            (ConnectError::NoSuchInport { .. }, Kind::Port) => {
+                WiringError::NoSuchInport(local.to_owned())
+            }
+            (ConnectError::NoSuchInport { .. }, Kind::Service) => {
+                WiringError::NoSuchRemote(local.to_owned())
+            }
+            (ConnectError::NoSuchOutport { .. }, Kind::Port) => {
+                WiringError::NoSuchOutport(remote.to_owned())
+            }
+            (ConnectError::NoSuchOutport { .. }, Kind::Service) => {
+                WiringError::NoSuchService(remote.to_owned())
+            }
+            (error, _) => failed(error.to_string()),
+        })
+    }
+}
+
+/// Unloads an instance that asked for its end.
+pub(super) fn unload_killed(supervisor: &Weak<Supervisor>, instance: &str) {
+    let (supervisor, name) = (supervisor.clone(), instance.to_owned());
+    // One of the instance's own threads may be here: another one has to join it.
+    let stopping = std::thread::Builder::new().name("genomd-kill".to_owned()).spawn(move || {
+        match supervisor.upgrade().map(|supervisor| supervisor.unload(&name)) {
+            // It is loaded still, and unloaded then; or somebody else unloads it.
+            None | Some(Ok(()) | Err(UnloadError::NotThere(_))) => {}
+            Some(Err(error)) => tracing::error!("{error}"),
+        }
+    });
+    if let Err(error) = stopping {
+        tracing::error!("{instance} cannot be stopped: {error}");
+    }
+}
+
+impl Wiring for StandardServices {
+    fn connect_port(&self, local: &str, remote: &str) -> Result<(), WiringError> {
+        self.connect(Kind::Port, local, remote)
+    }
+
+    fn connect_service(&self, local: &str, remote: &str) -> Result<(), WiringError> {
+        self.connect(Kind::Service, local, remote)
+    }
+
+    fn kill(&self) {
+        self.killed.raise();
+        unload_killed(&self.supervisor, &self.instance);
+    }
+}
