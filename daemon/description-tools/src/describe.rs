@@ -7,8 +7,8 @@ use genom_types::{Kind, TypeId, TypeTable};
 use serde_json::{Value, json};
 
 use genom_description::model::{
-    Codel, CodelKind, Component, Dialect, Direction, Parameter, PathStep, Service, ServiceKind,
-    Source, Specification,
+    Codel, CodelKind, Component, Dialect, Direction, Parameter, PathStep, Service, ServiceIx,
+    ServiceKind, Source, Specification,
 };
 
 /// Everything a client may want to know of a component.
@@ -74,8 +74,8 @@ pub fn describe(spec: &Specification, component: &Component) -> Value {
 }
 
 fn one_service(component: &Component, types: &TypeTable, service: &Service) -> Value {
-    let services = |ranks: &[usize]| -> Vec<&str> {
-        let found = ranks.iter().filter_map(|rank| component.services.get(*rank));
+    let services = |places: &[ServiceIx]| -> Vec<&str> {
+        let found = places.iter().filter_map(|ix| component.services.get(*ix));
         found.map(|service| service.name.as_str()).collect()
     };
     let task = service.task.and_then(|rank| component.tasks.get(rank));

@@ -70,7 +70,7 @@ fn picture(component: &Component) -> Picture {
         let label = format!("{set}{way} {}", port.name);
         picture.boxes.push(Node { id: format!("port_{}", port.name), label, shape: Shape::Port });
     }
-    for (rank, task) in component.tasks.iter().enumerate() {
+    for (ix, task) in component.tasks.pairs() {
         let id = format!("task_{}", task.name);
         let pace =
             task.period.map_or_else(|| "aperiodic".to_owned(), |period| format!("{period:?}"));
@@ -81,7 +81,7 @@ fn picture(component: &Component) -> Picture {
             picture.machine(component, &id, title, &task.codels);
             picture.data(component, &id, &task.codels);
         }
-        for service in component.services.iter().filter(|service| service.task == Some(rank)) {
+        for service in component.services.iter().filter(|service| service.task == Some(ix)) {
             let arrow = Arrow {
                 from: id.clone(),
                 to: service_id(service),

@@ -10,7 +10,9 @@ use std::collections::BTreeMap;
 use genom_types::{Kind, TypeId, TypeTable};
 use serde_json::{Map, Value, json};
 
-use genom_description::model::{Component, Direction, Parameter, ServiceKind, Specification};
+use genom_description::model::{
+    Component, Direction, Parameter, ServiceIx, ServiceKind, Specification,
+};
 
 const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 
@@ -19,8 +21,8 @@ const DIALECT: &str = "https://json-schema.org/draft/2020-12/schema";
 pub fn schema(spec: &Specification, component: &Component) -> Value {
     let types = &spec.types;
     let mut services = Map::new();
-    for (rank, service) in component.services.iter().enumerate() {
-        let [input, output] = service_schemas(spec, component, rank);
+    for (ix, service) in component.services.pairs() {
+        let [input, output] = service_schemas(spec, component, ix);
         let kind = match service.kind {
             ServiceKind::Attribute => "attribute",
             ServiceKind::Function => "function",
@@ -38,10 +40,14 @@ pub fn schema(spec: &Specification, component: &Component) -> Value {
     json!({ "component": component.name, "services": services, "ports": ports })
 }
 
-/// Inputs and outputs of a service, by its rank; of one that is not there, nothing.
+/// Inputs and outputs of a service; of one that is not there, nothing.
 #[must_use]
-pub fn service_schemas(spec: &Specification, component: &Component, rank: usize) -> [Value; 2] {
-    let service = component.services.get(rank);
+pub fn service_schemas(
+    spec: &Specification,
+    component: &Component,
+    service: ServiceIx,
+) -> [Value; 2] {
+    let service = component.services.get(service);
     let parameters = service.map_or(&[][..], |service| &service.parameters);
     // What is left out of an attribute keeps its value, which no description tells.
     let keeps = service.is_some_and(|service| service.kind == ServiceKind::Attribute);

@@ -7,7 +7,8 @@ use std::time::Duration;
 
 use genom_description::diagnostic::render;
 use genom_description::model::{
-    CodelKind, Component, Dialect, Direction, PathStep, PortDirection, ServiceKind, Source,
+    CodelKind, Component, Dialect, Direction, Ix as _, PathStep, PortDirection, PortIx,
+    ServiceKind, Source, TaskIx,
 };
 use genom_description::{Analysis, Options, read, read_text};
 
@@ -54,8 +55,8 @@ fn the_figure_of_2010_reads_as_printed() {
     let sinks: Vec<_> = demo.sinks.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(sinks, ["emergency"]);
     assert_eq!(demo.states[demo.sinks[0].state], "emergency");
-    assert_eq!(demo.tasks[0].period, Some(Duration::from_millis(5)));
-    assert_eq!(demo.tasks[0].priority, Some(20));
+    assert_eq!(demo.tasks[TaskIx::new(0)].period, Some(Duration::from_millis(5)));
+    assert_eq!(demo.tasks[TaskIx::new(0)].priority, Some(20));
     assert_eq!(
         machine(demo, "goto"),
         [
@@ -65,13 +66,16 @@ fn the_figure_of_2010_reads_as_printed() {
         ]
     );
     let goto = demo.services.iter().find(|s| s.name == "goto").unwrap();
-    assert_eq!((goto.kind, goto.task, goto.through_ids), (ServiceKind::Activity, Some(0), true));
+    assert_eq!(
+        (goto.kind, goto.task, goto.through_ids),
+        (ServiceKind::Activity, Some(TaskIx::new(0)), true)
+    );
     assert_eq!(goto.parameters.len(), 1);
     assert_eq!(goto.parameters[0].direction, Direction::InOut);
     assert_eq!(goto.parameters[0].target.as_ref().unwrap().path, [PathStep::Member(0)]);
     let servo = demo.codels.iter().find(|c| c.name == "demo_servo").unwrap();
     assert_eq!(servo.parameters[0].source, Source::Ids { path: vec![PathStep::Member(0)] });
-    assert_eq!(servo.parameters[2].source, Source::Port(2));
+    assert_eq!(servo.parameters[2].source, Source::Port(PortIx::new(2)));
     let thrown: Vec<_> = goto
         .throws
         .iter()
@@ -80,7 +84,7 @@ fn the_figure_of_2010_reads_as_printed() {
         .collect();
     assert!(thrown.contains(&"::demo::SERVO_ERROR".to_owned()), "{thrown:?}");
     // Not compatible with itself: the newest goto interrupts the one that runs.
-    let own = demo.services.iter().position(|s| s.name == "goto").unwrap();
+    let own = demo.services.find(|s| s.name == "goto").unwrap();
     assert_eq!(goto.interrupts, [own]);
 }
 

@@ -103,7 +103,7 @@ fn ten_thousand_codels_with_ports_and_an_exception_allocate_nothing() {
     let plan = Plan::new(&std::sync::Arc::new(analysis.specification), 0).unwrap();
     let component = Component::load(library, &plan, &|_| "demo.gen".to_owned())
         .unwrap_or_else(|errors| panic!("{errors}"));
-    let port = |name| plan.component().ports.iter().position(|port| port.name == name).unwrap();
+    let port = |name| plan.component().ports.find(|port| port.name == name).unwrap();
     let written = std::sync::Arc::default();
     let sink = Sink(std::sync::Arc::clone(&written));
     component.bind_out(port("position"), None, Some(Box::new(sink)));

@@ -60,7 +60,7 @@ impl Demo {
         let plan = Arc::new(Plan::new(&Arc::new(analysis.specification), 0).unwrap());
         let library = Library::open(library).unwrap();
         let component = Component::load(library, &plan, &|_| "demo.gen".to_owned()).unwrap();
-        let port = plan.component().ports.iter().position(|port| port.name == "position").unwrap();
+        let port = plan.component().ports.find(|port| port.name == "position").unwrap();
         let published = Arc::default();
         let count = Count(Arc::clone(&published));
         component.bind_out(port, None, Some(Box::new(count)));
@@ -122,7 +122,7 @@ fn story(library: &std::path::Path) {
     assert!(matches!(&*second.lock().unwrap(), Some(Outcome::Success(_))));
     assert_eq!(demo.position(), -0.5);
     assert!(*demo.published.lock().unwrap() > 50);
-    let port = demo.instance.plan().component().ports.iter().position(|p| p.name == "position");
+    let port = demo.instance.plan().component().ports.find(|p| p.name == "position");
     let shown = demo.instance.port_value(port.unwrap(), None).unwrap();
     assert_eq!(shown["position"], json!(-0.5));
 

@@ -4,7 +4,7 @@ mod support;
 
 use expect_test::expect;
 use genom_description::model::Direction::{In, Out};
-use genom_description::model::{Owner, ServiceKind};
+use genom_description::model::{Ix as _, Owner, ServiceIx, ServiceKind, TaskIx};
 use genom_runtime::body::{Body, Returned};
 use genom_types::Kind;
 use serde_json::json;
@@ -32,7 +32,7 @@ const HEADER: &str = r#"
 "#;
 
 /// Function `f(in long x)` of a component with two exceptions.
-fn one_function() -> (Gen, usize, usize) {
+fn one_function() -> (Gen, ServiceIx, usize) {
     let mut gen_ = Gen::new();
     let (short, long) = (gen_.ty(Kind::Short), gen_.ty(Kind::Long));
     let what = gen_.string(Some(128));
@@ -168,14 +168,14 @@ fn each_task_has_a_context_and_validate_and_functions_have_the_control_tasks() {
     let activity = gen_.service(ServiceKind::Activity, "a", &[(Out, "y", long)], &[]);
     let source = genom_description::model::Source::Parameter { index: 0, path: vec![] };
     let two = gen_.codel(Owner::Service(activity), "context_of", &[(Out, "y", long, source)]);
-    let permanent = gen_.codel(Owner::Task(0), "start", &[]);
+    let permanent = gen_.codel(Owner::Task(TaskIx::new(0)), "start", &[]);
     let c = "#include <stdint.h>\n#include <genom3/c/context.h>
         static genom_context seen;
         genom_event context_of(uint64_t *y, const genom_context self)
         { *y = (uint64_t)self; return seen && seen == self ? \"::demo::stop\" : 0; }
         genom_event start(const genom_context self) { seen = self; return \"::demo::ether\"; }";
     let loaded = load(gen_, c);
-    let mut task = loaded.component.frame(Owner::Task(0));
+    let mut task = loaded.component.frame(Owner::Task(TaskIx::new(0)));
     assert_eq!(loaded.call(&mut *task, permanent), "::demo::ether");
     assert_eq!(task.output().ty().size(), 0);
     let (event, in_control) = loaded.run(function, one, json!({}));

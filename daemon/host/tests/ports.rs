@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 
 use genom_description::model::Direction::{In, InOut, Out};
-use genom_description::model::{Owner, PortDirection, Source};
+use genom_description::model::{Ix as _, Owner, PortDirection, PortIx, ServiceIx, Source};
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
 use genom_runtime::body::{Body, Frame, Opener, RemoteCall};
 use genom_types::{Kind, Record, TypeId};
@@ -96,9 +96,14 @@ fn one_port(direction: PortDirection, multiple: bool, c: &str) -> (Loaded, Box<d
     (loaded, frame, codel)
 }
 
+/// The only port of these components.
+fn only_port() -> PortIx {
+    PortIx::new(0)
+}
+
 /// Calls `f(x, port, &y)`; gives its event, its detail and `y`.
 fn step(loaded: &Loaded, frame: &mut dyn Frame, codel: usize, x: i32) -> (String, Value) {
-    let ty = loaded.specification.components[0].services[0].input;
+    let ty = loaded.specification.components[0].services[ServiceIx::new(0)].input;
     let input = support::generator::record(&loaded.specification, ty, json!({ "x": x }));
     frame.begin(&input);
     let event = loaded.call(frame, codel);
@@ -119,23 +124,27 @@ fn an_out_port_publishes_what_its_codel_put_in_the_buffer() {
     let mut step = |x| step(&loaded, &mut *frame, codel, x);
     let body = &loaded.component;
     assert_eq!(step(1), ("::genom::no_such_outport".into(), json!(0)));
-    assert_eq!(body.port_value(0, None), None);
+    assert_eq!(body.port_value(only_port(), None), None);
     let sent = Sent::default();
-    body.bind_out(0, None, Some(Box::new(FakePublisher(sent.clone(), None))));
+    body.bind_out(only_port(), None, Some(Box::new(FakePublisher(sent.clone(), None))));
     assert_eq!(step(2), (String::new(), json!(1)), "the buffer is the same between calls");
     assert_eq!(step(3).0, "");
     let values = [json!({ "a": 2, "t": "text" }), json!({ "a": 3, "t": "text" })];
     assert_eq!(*sent.lock().unwrap(), values);
-    assert_eq!(body.port_value(0, None), Some(values[1].clone()));
+    assert_eq!(body.port_value(only_port(), None), Some(values[1].clone()));
     for (error, event) in [
         (PublishError::Serialization, "::genom::serialization"),
         (PublishError::Refused, "::genom::port_io"),
     ] {
-        body.bind_out(0, None, Some(Box::new(FakePublisher(sent.clone(), Some(error)))));
+        body.bind_out(only_port(), None, Some(Box::new(FakePublisher(sent.clone(), Some(error)))));
         assert_eq!(step(4).0, event);
     }
-    assert_eq!(body.port_value(0, None), Some(values[1].clone()), "only what was published");
-    body.bind_out(0, None, None);
+    assert_eq!(
+        body.port_value(only_port(), None),
+        Some(values[1].clone()),
+        "only what was published"
+    );
+    body.bind_out(only_port(), None, None);
     assert_eq!(step(5).0, "::genom::no_such_outport");
 }
 
@@ -163,17 +172,17 @@ fn an_in_port_shows_nothing_until_a_value_was_read() {
         Err(ReadError::Broken),
         Ok(json!({ "a": 8 })),
     ];
-    body.bind_in(0, None, Some(Box::new(FakeSubscription(readings))));
+    body.bind_in(only_port(), None, Some(Box::new(FakeSubscription(readings))));
     assert_eq!(step(0), (String::new(), json!(-1)), "connected, not read");
     assert_eq!(step(1), (String::new(), json!(-1)), "nothing was ever written");
     assert_eq!(step(1), (String::new(), json!(7)));
-    assert_eq!(body.port_value(0, None), Some(json!({ "a": 7, "t": "x" })));
+    assert_eq!(body.port_value(only_port(), None), Some(json!({ "a": 7, "t": "x" })));
     assert_eq!(step(1), ("::genom::serialization".into(), json!(-1)));
     assert_eq!(step(1), ("::genom::port_io".into(), json!(-1)));
     assert_eq!(step(1), (String::new(), json!(8)));
     assert_eq!(step(1), (String::new(), json!(8)), "nothing new: the last value");
     assert_eq!(step(0), (String::new(), json!(8)), "kept between reads");
-    body.bind_in(0, None, None);
+    body.bind_in(only_port(), None, None);
     assert_eq!(step(0), (String::new(), json!(-1)), "disconnected");
 }
 
@@ -181,7 +190,7 @@ fn an_in_port_shows_nothing_until_a_value_was_read() {
 struct FakeOpener(Arc<Mutex<Vec<String>>>, Sent);
 
 impl Opener for FakeOpener {
-    fn open(&self, port: usize, element: &str) -> Result<Box<dyn Publisher>, String> {
+    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, String> {
         if element == "taken" {
             return Err("demo/p/taken already has a publisher".into());
         }
@@ -189,7 +198,7 @@ impl Opener for FakeOpener {
         Ok(Box::new(FakePublisher(self.1.clone(), None)))
     }
 
-    fn close(&self, port: usize, element: &str) {
+    fn close(&self, port: PortIx, element: &str) {
         self.0.lock().unwrap().push(format!("closed {port}/{element}"));
     }
 }
@@ -232,11 +241,14 @@ fn elements_of_a_multiple_out_port_are_opened_written_and_closed_by_name() {
     assert_eq!(step(2).0, "");
     assert_eq!(step(2).0, "", "opening again is ok");
     assert_eq!((step(3).1, step(3).1), (json!(0), json!(1)), "the buffer stays");
-    assert_eq!(loaded.component.port_value(0, Some("a")), Some(json!({ "a": 2, "t": "" })));
+    assert_eq!(
+        loaded.component.port_value(only_port(), Some("a")),
+        Some(json!({ "a": 2, "t": "" }))
+    );
     assert_eq!(step(4).0, "");
     assert_eq!(step(4), ("::genom::syserr".into(), json!(0), Some(json!({ "code": 2 }))));
     assert_eq!(step(1).1, json!(1));
-    assert_eq!(loaded.component.port_value(0, Some("a")), None);
+    assert_eq!(loaded.component.port_value(only_port(), Some("a")), None);
     assert_eq!(
         refused(step(5)),
         mwerr(
@@ -267,7 +279,7 @@ fn buffers_that_codels_assign_to_one_another_are_freed_once() {
     loaded.component.set_opener(Box::new(FakeOpener(Arc::default(), Sent::default())));
     assert_eq!(step(&loaded, &mut *frame, codel, 1), (String::new(), json!(1)));
     let shown = json!({ "a": 0, "t": "long enough to come from the heap" });
-    assert_eq!(loaded.component.port_value(0, Some("b")), Some(shown));
+    assert_eq!(loaded.component.port_value(only_port(), Some("b")), Some(shown));
     drop((frame, loaded));
 }
 
@@ -282,9 +294,9 @@ fn elements_of_a_multiple_in_port_come_with_their_connections() {
     let mut step = || step(&loaded, &mut *frame, codel, 0);
     assert_eq!(step(), ("::genom::no_such_inport".into(), json!(-1)));
     let reading = FakeSubscription(vec![Ok(json!({ "a": 4 }))]);
-    loaded.component.bind_in(0, Some("left"), Some(Box::new(reading)));
+    loaded.component.bind_in(only_port(), Some("left"), Some(Box::new(reading)));
     assert_eq!(step(), (String::new(), json!(4)));
-    loaded.component.bind_in(0, Some("left"), None);
+    loaded.component.bind_in(only_port(), Some("left"), None);
     assert_eq!(step(), ("::genom::no_such_inport".into(), json!(-1)));
 }
 
@@ -306,13 +318,13 @@ fn the_runtime_writes_ports_that_no_codel_writes() {
         "genom_event f(int32_t x, const demo_pout *p, int32_t *y, genom_context s) { return 0; }";
     let (loaded, ..) = one_port(PortDirection::Out, false, c);
     let sent = Sent::default();
-    loaded.component.bind_out(0, None, Some(Box::new(FakePublisher(sent.clone(), None))));
-    let ty = loaded.specification.components[0].ports[0].ty;
+    loaded.component.bind_out(only_port(), None, Some(Box::new(FakePublisher(sent.clone(), None))));
+    let ty = loaded.specification.components[0].ports[PortIx::new(0)].ty;
     let value = json!({ "a": 1, "t": "state" });
     let record = support::generator::record(&loaded.specification, ty, value.clone());
-    loaded.component.write_port(0, &record);
+    loaded.component.write_port(only_port(), &record);
     assert_eq!(*sent.lock().unwrap(), std::slice::from_ref(&value));
-    assert_eq!(loaded.component.port_value(0, None), Some(value));
+    assert_eq!(loaded.component.port_value(only_port(), None), Some(value));
 }
 
 /// Multiplies, or fails when told 13.

@@ -1,10 +1,12 @@
 //! Which port of a component is meant.
 
+use genom_runtime::PortIx;
+
 /// A port of a component, or an element of a multiple one.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PortKey {
-    /// Its rank in the component's description.
-    pub port: usize,
+    /// The port, by its place in the component's description.
+    pub port: PortIx,
     /// The element, of a multiple port.
     pub element: Option<String>,
 }
@@ -12,7 +14,7 @@ pub struct PortKey {
 impl PortKey {
     /// A port, or one of its elements.
     #[must_use]
-    pub fn new(port: usize, element: Option<&str>) -> Self {
+    pub fn new(port: PortIx, element: Option<&str>) -> Self {
         Self { port, element: element.map(str::to_owned) }
     }
 

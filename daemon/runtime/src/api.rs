@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use genom_description::model::ServiceIx;
 use genom_types::{JsonError, Record};
 use serde_json::{Map, Value};
 
@@ -149,7 +150,7 @@ impl WiringError {
 ///
 /// # Errors
 /// A default value that does not fit its parameter.
-pub fn input_record(plan: &Plan, service: usize) -> Result<Option<Record>, JsonError> {
+pub fn input_record(plan: &Plan, service: ServiceIx) -> Result<Option<Record>, JsonError> {
     let Some(compiled) = plan.services().get(service) else { return Ok(None) };
     let mut record = Record::new(&compiled.input);
     for parameter in &plan.component().services[service].parameters {

@@ -4,7 +4,7 @@
 //! guarantees the exclusion rules (genom3.md 4.5): while it calls a codel or a transfer, nothing
 //! that conflicts runs, and one frame is used by one thread at a time.
 
-use genom_description::model::Owner;
+use genom_description::model::{Owner, PortIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_types::Record;
 use serde_json::Value;
@@ -36,14 +36,14 @@ pub trait Body: Send + Sync {
     /// Gives an out port (or one element of a multiple one) its publisher, or takes it away.
     ///
     /// Called with all codels excluded.
-    fn bind_out(&self, port: usize, element: Option<&str>, publisher: Option<Box<dyn Publisher>>);
+    fn bind_out(&self, port: PortIx, element: Option<&str>, publisher: Option<Box<dyn Publisher>>);
 
     /// Connects an in port (or one element of a multiple one), or disconnects it.
     ///
     /// Called with all codels excluded (genom3.md 7.8).
     fn bind_in(
         &self,
-        port: usize,
+        port: PortIx,
         element: Option<&str>,
         subscription: Option<Box<dyn Subscription>>,
     );
@@ -57,17 +57,17 @@ pub trait Body: Send + Sync {
     /// Last value written (out) or read (in) by the codels; `None` before the first.
     ///
     /// Safe at any time: the body keeps a copy that it exchanges without blocking codels.
-    fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value>;
+    fn port_value(&self, port: PortIx, element: Option<&str>) -> Option<Value>;
 
     /// The same, bit by bit; `None` also when no copy of the last value was kept, as of large ones
     /// that nobody looks at.
-    fn last_value(&self, port: usize, element: Option<&str>) -> Option<Record> {
+    fn last_value(&self, port: PortIx, element: Option<&str>) -> Option<Record> {
         let _ = (port, element);
         None
     }
 
     /// The same as a CDR message; `None` also of what cannot be one.
-    fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
+    fn port_message(&self, port: PortIx, element: Option<&str>) -> Option<Vec<u8>> {
         let _ = (port, element);
         None
     }
@@ -78,16 +78,16 @@ pub trait Body: Send + Sync {
     }
 
     /// Publishes `value` on an out port that no codel writes, such as `genom_state`.
-    fn write_port(&self, port: usize, value: &Record);
+    fn write_port(&self, port: PortIx, value: &Record);
 }
 
 /// Opens publishers for elements of multiple out ports, on behalf of codels.
 pub trait Opener: Send + Sync {
     /// A publisher for element `element` of `port`, or why there is none.
-    fn open(&self, port: usize, element: &str) -> Result<Box<dyn Publisher>, String>;
+    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, String>;
 
     /// The component closed an element; its publisher is gone.
-    fn close(&self, port: usize, element: &str);
+    fn close(&self, port: PortIx, element: &str);
 }
 
 /// Calls a service of another component, for a codel that waits.

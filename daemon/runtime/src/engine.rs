@@ -5,7 +5,7 @@ use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use genom_description::model::Owner;
+use genom_description::model::{Indexed, Owner, ServiceIx};
 
 use crate::api::Wiring;
 use crate::body::Frame;
@@ -37,7 +37,7 @@ pub(crate) struct Engine {
     /// A request, an activity or a thread ended.
     pub(crate) quiet: Condvar,
     /// Frames for reuse, by service.
-    spare: Mutex<Vec<Vec<Box<dyn Frame>>>>,
+    spare: Mutex<Indexed<ServiceIx, Vec<Box<dyn Frame>>>>,
     /// Tasks of an instance on a virtual clock.
     pub(crate) driven: Option<Mutex<Vec<DrivenTask>>>,
     /// Date of the last value of the state port.
@@ -98,7 +98,7 @@ impl Engine {
         control: Control,
         driven: Option<Vec<DrivenTask>>,
     ) -> Self {
-        let services = shared.plan.services().len();
+        let spare = shared.plan.services().map(|_, _| Vec::new());
         let tasks = shared.tasks.iter().map(|_| Window::default()).collect();
         Self {
             name: options.name,
@@ -111,7 +111,7 @@ impl Engine {
             control: Mutex::new(control),
             work: Condvar::new(),
             quiet: Condvar::new(),
-            spare: Mutex::new((0..services).map(|_| Vec::new()).collect()),
+            spare: Mutex::new(spare),
             driven: driven.map(Mutex::new),
             state_written: AtomicU64::default(),
             recent: Mutex::new(tasks),
@@ -125,12 +125,12 @@ impl Engine {
         lock(&self.control)
     }
 
-    pub(crate) fn take_frame(&self, service: usize) -> Box<dyn Frame> {
+    pub(crate) fn take_frame(&self, service: ServiceIx) -> Box<dyn Frame> {
         let spare = lock(&self.spare)[service].pop();
         spare.unwrap_or_else(|| self.shared.body.frame(Owner::Service(service)))
     }
 
-    pub(crate) fn give_frame(&self, service: usize, frame: Box<dyn Frame>) {
+    pub(crate) fn give_frame(&self, service: ServiceIx, frame: Box<dyn Frame>) {
         let mut spare = lock(&self.spare);
         if spare[service].len() < SPARE_FRAMES {
             spare[service].push(frame);

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
+use genom_description::model::{PortIx, ServiceIx, TaskIx};
 use genom_types::Record;
 use serde_json::Value;
 
@@ -72,7 +73,7 @@ impl Instance {
     /// see [`input_record`](crate::input_record); `reply` is told how it goes, by a control
     /// thread. On a virtual clock attributes and functions are served before this returns, and
     /// activities run when the clock is stepped.
-    pub fn request(&self, service: usize, input: Record, reply: Reply) -> Ticket {
+    pub fn request(&self, service: ServiceIx, input: Record, reply: Reply) -> Ticket {
         let ticket = Ticket::default();
         self.request_by(&ticket, service, Inputs::Whole(input), reply);
         ticket
@@ -80,14 +81,14 @@ impl Instance {
 
     /// The same with a ticket at hand, since on a virtual clock the request may take its time, and
     /// maybe with some inputs only.
-    pub fn request_by(&self, ticket: &Ticket, service: usize, inputs: Inputs, reply: Reply) {
+    pub fn request_by(&self, ticket: &Ticket, service: ServiceIx, inputs: Inputs, reply: Reply) {
         self.engine.submit(service, inputs, reply, ticket.clone());
     }
 
     /// Gives up a request that has not begun and that a stuck codel keeps from it: it never runs,
     /// and its reply is dropped. `None` when nothing is stuck that is in its way, or it has begun.
     #[must_use]
-    pub fn give_up(&self, service: usize, ticket: &Ticket) -> Option<HeldUp> {
+    pub fn give_up(&self, service: ServiceIx, ticket: &Ticket) -> Option<HeldUp> {
         if ticket.has_begun() {
             return None;
         }
@@ -108,7 +109,7 @@ impl Instance {
 
     /// Asks all activities of services to stop, as [`abort`](Self::abort) does one; returns ids
     /// and services of those that have not ended, also of those that were asked before.
-    pub fn abort_all(&self) -> Vec<(u32, usize)> {
+    pub fn abort_all(&self) -> Vec<(u32, ServiceIx)> {
         let told = self.engine.abort_all("client");
         self.engine.shared.wake_tasks();
         told
@@ -164,20 +165,20 @@ impl Instance {
 
     /// Last value of a port, as codels wrote or read it; `None` before the first.
     #[must_use]
-    pub fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value> {
+    pub fn port_value(&self, port: PortIx, element: Option<&str>) -> Option<Value> {
         self.engine.shared.body.port_value(port, element)
     }
 
     /// The same, bit by bit; `None` also when no copy of the last value was kept, as of large ones
     /// that nobody looks at.
     #[must_use]
-    pub fn last_value(&self, port: usize, element: Option<&str>) -> Option<Record> {
+    pub fn last_value(&self, port: PortIx, element: Option<&str>) -> Option<Record> {
         self.engine.shared.body.last_value(port, element)
     }
 
     /// The same as a CDR message.
     #[must_use]
-    pub fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
+    pub fn port_message(&self, port: PortIx, element: Option<&str>) -> Option<Vec<u8>> {
         self.engine.shared.body.port_message(port, element)
     }
 
@@ -193,16 +194,16 @@ impl Instance {
         let shared = &self.engine.shared;
         let now = shared.clock.now();
         let model = self.plan().component();
-        let task = |(rank, task): (usize, &genom_description::model::Task)| {
-            let shared = &shared.tasks[rank];
+        let task = |(ix, task): (TaskIx, &genom_description::model::Task)| {
+            let shared = &shared.tasks[ix];
             TaskStatistics {
                 name: task.name.clone(),
                 period_ns: shared.timing.map(|timing| timing.period),
                 real_time: shared.real_time.load(Ordering::Relaxed),
                 cycles: shared.figures.cycles.read(now),
                 lateness: shared.figures.lateness.read(),
-                stuck: self.engine.codel_of_task(rank).filter(|codel| codel.stuck),
-                unpaused: self.engine.unpaused_task(rank, now),
+                stuck: self.engine.codel_of_task(ix).filter(|codel| codel.stuck),
+                unpaused: self.engine.unpaused_task(ix, now),
                 overruns: shared.figures.overruns.read(shared.timing, now),
             }
         };
@@ -217,7 +218,7 @@ impl Instance {
             }
         };
         Statistics {
-            tasks: model.tasks.iter().enumerate().map(task).collect(),
+            tasks: model.tasks.pairs().map(task).collect(),
             codels: model
                 .codels
                 .iter()

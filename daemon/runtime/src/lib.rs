@@ -36,6 +36,9 @@ mod ticket;
 mod unpaused;
 mod watcher;
 
+/// Which port, service or task of a component is meant.
+pub use genom_description::model::{Indexed, Ix, PortIx, ServiceIx, TaskIx};
+
 pub use api::{
     Exception, Inputs, OnShutdown, Outcome, Partial, Progress, Reply, Wiring, WiringError,
     input_record,

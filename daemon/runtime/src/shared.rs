@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
-use genom_description::model::Owner;
+use genom_description::model::{Indexed, Owner, TaskIx};
 use rtrb::Producer;
 
 use crate::at_work::AtWork;
@@ -23,7 +23,7 @@ pub(crate) struct Shared {
     pub(crate) body: Arc<dyn Body>,
     pub(crate) clock: Clock,
     pub(crate) exclusion: Exclusion,
-    pub(crate) tasks: Box<[TaskShared]>,
+    pub(crate) tasks: Indexed<TaskIx, TaskShared>,
     pub(crate) codels: Box<[CodelFigures]>,
     /// By codel: its `wcet` in nanoseconds, `u64::MAX` without.
     wcet: Box<[u64]>,
@@ -64,7 +64,7 @@ pub(crate) struct TaskShared {
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Notice {
     Moved { activity: u32, state: usize, paused: bool },
-    Overrun { task: usize, ticks: u64 },
+    Overrun { task: TaskIx, ticks: u64 },
 }
 
 impl Shared {
@@ -72,7 +72,7 @@ impl Shared {
         plan: &Arc<Plan>,
         body: Arc<dyn Body>,
         clock: Clock,
-        timings: Vec<Option<Timing>>,
+        timings: Indexed<TaskIx, Option<Timing>>,
     ) -> Self {
         let model = plan.component();
         let sinks = model.sinks.len().div_ceil(64);
@@ -119,8 +119,8 @@ impl Shared {
     }
 
     /// 7.4: something happened in this task, which knows it.
-    pub(crate) fn wake_others(&self, task: usize) {
-        let others = self.tasks.iter().enumerate().filter(|(other, _)| *other != task);
+    pub(crate) fn wake_others(&self, task: TaskIx) {
+        let others = self.tasks.pairs().filter(|(other, _)| *other != task);
         others.for_each(|(_, other)| other.wake());
     }
 

@@ -3,6 +3,8 @@
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 
+use genom_description::model::{Ix as _, TaskIx};
+
 use crate::api::{OnShutdown, Outcome, Progress};
 use crate::control::{Afterwards, Control, Entry, Phase, Stage, Step, interrupted};
 use crate::engine::Engine;
@@ -88,11 +90,11 @@ impl Engine {
                 if !self.is_done(&control, step) {
                     return;
                 }
-                let tasks = self.shared.tasks.len();
-                let before = |task: usize| task.checked_sub(1).map_or(Step::Rest, Step::Permanent);
+                let tasks = || self.shared.tasks.places();
+                let permanent = |task: Option<TaskIx>| task.map_or(Step::Rest, Step::Permanent);
                 let next = match step {
-                    Step::Activities => before(tasks),
-                    Step::Permanent(task) => before(task),
+                    Step::Activities => permanent(tasks().next_back()),
+                    Step::Permanent(task) => permanent(tasks().rfind(|before| *before < task)),
                     Step::Rest => Step::Threads,
                     Step::Threads => return,
                 };
@@ -160,7 +162,7 @@ impl Engine {
         let reached =
             |step: Step| self.drive_until(deadline, |engine| engine.is_done(&engine.lock(), step));
         reached(Step::Activities);
-        for task in (0..self.shared.tasks.len()).rev() {
+        for task in self.shared.tasks.places().rev() {
             self.stop_permanent(task);
             reached(Step::Permanent(task));
         }
@@ -199,7 +201,7 @@ impl Engine {
     }
 
     /// Asks a permanent activity to stop. One that has ended is made again to run its `stop` codel.
-    fn stop_permanent(&self, task: usize) {
+    fn stop_permanent(&self, task: TaskIx) {
         let marker = {
             let control = self.lock();
             let mut entries = control.entries.iter();
@@ -207,7 +209,7 @@ impl Engine {
                 |entry: &&crate::control::Entry| entry.task == task && entry.service.is_none();
             entries.find(permanent).map(|entry| std::sync::Arc::clone(&entry.marker))
         };
-        let machine = &self.shared.plan.machines()[task];
+        let machine = &self.shared.plan.machines()[task.index()];
         match marker {
             Some(marker) => marker.request_stop(),
             // Without a thread it never ran a codel: there is nothing to undo.
@@ -217,7 +219,7 @@ impl Engine {
         self.shared.tasks[task].hurry();
     }
 
-    fn has_thread(&self, task: usize) -> bool {
+    fn has_thread(&self, task: TaskIx) -> bool {
         self.shared.tasks[task].is_started()
     }
 

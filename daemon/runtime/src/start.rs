@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use genom_description::model::{Owner, Task};
+use genom_description::model::{Ix as _, Owner, Task, TaskIx};
 use rtrb::RingBuffer;
 
 use crate::api::Exception;
@@ -104,10 +104,10 @@ impl Engine {
         let watched = options.watcher.is_some();
         let (links, sides): (Vec<_>, Vec<_>) =
             model.tasks.iter().map(|_| rings(options.activity_limit, watched)).unzip();
-        let runners = sides.into_iter().enumerate();
+        let runners = shared.tasks.places().zip(sides);
         let runners: Vec<Runner> =
             runners.map(|(task, side)| Runner::new(Arc::clone(&shared), task, side)).collect();
-        let control = Control::new(plan, links);
+        let control = Control::new(plan, links.into_iter().collect());
         let patience = Patience { timeout: options.start_timeout, give_up: options.give_up.take() };
         let virtual_time = matches!(clock, Clock::Virtual(_));
         let driven = virtual_time.then(|| Vec::with_capacity(runners.len()));
@@ -149,7 +149,8 @@ impl Engine {
             let spent = begin.elapsed();
             if patience.is_over(spent) {
                 let model = self.shared.plan.component();
-                let codel = self.shared.current(rank).map(|codel| model.codels[codel].name.clone());
+                let codel =
+                    self.shared.current(rank.index()).map(|codel| model.codels[codel].name.clone());
                 return Err(StartError::Hangs {
                     instance: self.name.clone(),
                     task: model.tasks[rank].name.clone(),
@@ -166,11 +167,11 @@ impl Engine {
     }
 
     /// Makes the permanent activity of a task, and hands it over.
-    pub(crate) fn send_permanent(&self, task: usize, at_stop: bool) {
+    pub(crate) fn send_permanent(&self, task: TaskIx, at_stop: bool) {
         // Permanent activities come first among the machines, by task.
         let frame = self.shared.body.frame(Owner::Task(task));
         let mut control = self.lock();
-        let mut run = self.new_run(control.new_id(), task, frame);
+        let mut run = self.new_run(control.new_id(), task.index(), frame);
         run.at_stop = at_stop;
         control.entries.push(Entry {
             id: run.id,

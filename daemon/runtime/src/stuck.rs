@@ -4,7 +4,7 @@
 
 use std::time::{Duration, Instant};
 
-use genom_description::model::{Component, Owner};
+use genom_description::model::{Component, Ix as _, Owner, ServiceIx, TaskIx};
 
 use crate::body::Body;
 use crate::clock::{monotonic, nanos};
@@ -31,8 +31,8 @@ impl Engine {
     }
 
     /// The one that a task's thread is in.
-    pub(crate) fn codel_of_task(&self, task: usize) -> Option<RunningCodel> {
-        self.running_codel(task, monotonic())
+    pub(crate) fn codel_of_task(&self, task: TaskIx) -> Option<RunningCodel> {
+        self.running_codel(task.index(), monotonic())
     }
 
     fn running_codel(&self, context: usize, now: u64) -> Option<RunningCodel> {
@@ -43,7 +43,7 @@ impl Engine {
         Some(RunningCodel {
             codel: codel.name.clone(),
             owner: owner_name(model, codel.owner).to_owned(),
-            task: model.tasks.get(context).map(|task| task.name.clone()),
+            task: model.tasks.get(TaskIx::new(context)).map(|task| task.name.clone()),
             for_ns,
             stuck: for_ns > self.stuck_limit(rank, context),
             place: (rank, context),
@@ -62,7 +62,7 @@ impl Engine {
     /// task five periods, but at least the shorter of one second and `stuck_after`.
     pub(crate) fn patience_with(&self, context: usize) -> u64 {
         let others = nanos(self.stuck_after);
-        let timing = self.shared.tasks.get(context).and_then(|task| task.timing);
+        let timing = self.shared.tasks.get(TaskIx::new(context)).and_then(|task| task.timing);
         timing.map_or(others, |timing| {
             timing.period.saturating_mul(PERIODS).max(PERIODIC.min(others))
         })
@@ -104,7 +104,7 @@ impl Engine {
     }
 
     /// What keeps requests of a service from being served, if it is a codel that is stuck.
-    pub(crate) fn holds_up_service(&self, service: usize) -> Option<HeldUp> {
+    pub(crate) fn holds_up_service(&self, service: ServiceIx) -> Option<HeldUp> {
         let plan = &self.shared.plan;
         let (nodes, model) = (plan.nodes(), &plan.component().services[service]);
         let ours = model.validates.iter().chain(&model.codels).map(|&codel| nodes.codel(codel));

@@ -3,7 +3,7 @@
 //!
 //! Whether that keeps a processor or waits for data within its codels is not known here.
 
-use genom_description::model::Component;
+use genom_description::model::{Component, Ix as _, TaskIx};
 
 use crate::engine::Engine;
 use crate::plan::owner_name;
@@ -26,23 +26,23 @@ pub struct Unpaused {
     /// The system's number of the task's thread; `None` where it is not known.
     pub thread: Option<u32>,
     /// Rank of the task, and the date at which the cycle began: with the instance, its identity.
-    pub cycle: (usize, u64),
+    pub cycle: (TaskIx, u64),
 }
 
 impl Engine {
     /// Tasks whose cycle lasts for longer than a codel may take, and that are stuck in none.
     pub(crate) fn unpaused(&self) -> Vec<Unpaused> {
         let now = self.shared.clock.now();
-        (0..self.shared.tasks.len()).filter_map(|task| self.unpaused_task(task, now)).collect()
+        self.shared.tasks.places().filter_map(|task| self.unpaused_task(task, now)).collect()
     }
 
-    pub(crate) fn unpaused_task(&self, task: usize, now: u64) -> Option<Unpaused> {
+    pub(crate) fn unpaused_task(&self, task: TaskIx, now: u64) -> Option<Unpaused> {
         let shared = &self.shared.tasks[task];
         let lasting = shared.figures.cycles.lasting(now)?;
         let model: &Component = self.shared.plan.component();
         let codel = model.codels.get(lasting.codel).filter(|_| lasting.steps > 0)?;
         let stuck = || self.codel_of_task(task).is_some_and(|codel| codel.stuck);
-        if lasting.for_ns <= self.patience_with(task) || stuck() {
+        if lasting.for_ns <= self.patience_with(task.index()) || stuck() {
             return None;
         }
         Some(Unpaused {

@@ -1,5 +1,6 @@
 //! What happens inside an instance, for those who watch.
 
+use genom_description::model::{ServiceIx, TaskIx};
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
@@ -8,7 +9,7 @@ pub enum Change {
         /// Number that the client was told.
         activity: u32,
         /// Service that was requested.
-        service: usize,
+        service: ServiceIx,
     },
     /// A place of an activity's marking moved, or paused. Told within a fraction of a second.
     Moved {
@@ -24,21 +25,21 @@ pub enum Change {
         /// Number that the client was told.
         activity: u32,
         /// Service that was requested.
-        service: usize,
+        service: ServiceIx,
         /// Name of the exception it ended with; `None` for success.
         exception: Option<String>,
     },
     /// Ticks came while a task was still at work, or slept beyond the one before.
     Overrun {
         /// Task that was late.
-        task: usize,
+        task: TaskIx,
         /// How many.
         ticks: u64,
     },
     /// A permanent activity ended with an exception: the component is to be shut down.
     Failed {
         /// Task whose permanent activity failed.
-        task: usize,
+        task: TaskIx,
         /// Name of the exception.
         exception: String,
     },

@@ -8,6 +8,7 @@ use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use genom_description::model::{Ix as _, ServiceIx};
 use genom_runtime::{
     ActivityPhase, Change, Clock, Instance, Outcome, Plan, PlanError, Progress, StartError,
     TaskOptions, VirtualClock, Watcher,
@@ -34,7 +35,7 @@ fn codel(event: &'static str) -> Codel {
     Arc::new(move || event)
 }
 
-fn answer(instance: &Instance, service: usize, input: Record) -> String {
+fn answer(instance: &Instance, service: ServiceIx, input: Record) -> String {
     let (sender, receiver) = channel();
     let reply = Box::new(move |progress| {
         if let Progress::Done(Outcome::Exception(exception)) = progress {
@@ -53,7 +54,7 @@ fn inputs_of_another_service_are_refused_as_serialization() {
     let (set, f) = (body.plan.service("set").unwrap(), body.plan.service("f").unwrap());
     let input = Record::new(&body.plan.services()[f].input);
     assert_eq!(answer(&instance, set, input.clone()), "::genom::serialization");
-    assert_eq!(answer(&instance, 1000, input), "::genom::no_such_service");
+    assert_eq!(answer(&instance, ServiceIx::new(1000), input), "::genom::no_such_service");
     instance.shutdown(LONG).unwrap();
 }
 
@@ -67,7 +68,7 @@ fn inputs_start_from_the_defaults_of_the_gen() {
     };
     assert_eq!(shown("set"), "{\"a\":4}");
     assert_eq!(shown("f"), "{\"x\":0.0}");
-    assert!(genom_runtime::input_record(&plan, 1000).unwrap().is_none());
+    assert!(genom_runtime::input_record(&plan, ServiceIx::new(1000)).unwrap().is_none());
 }
 
 #[test]

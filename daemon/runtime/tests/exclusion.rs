@@ -272,7 +272,7 @@ fn the_example_of_4_5_gives_the_table_printed_there() {
 /// Names of what conflicts with a codel or an attribute, but for itself.
 fn with_names(plan: &Plan, node: &str) -> Vec<String> {
     let model = plan.component();
-    let name = |rank: usize| match rank.checked_sub(model.codels.len()) {
+    let name = |rank: usize| match model.transferred_by(rank) {
         None => model.codels[rank].name.clone(),
         Some(service) => model.services[service].name.clone(),
     };

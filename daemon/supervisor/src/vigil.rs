@@ -6,6 +6,7 @@ use std::sync::Arc;
 use std::thread;
 use std::time::{Duration, Instant};
 
+use genom_description::model::TaskIx;
 use genom_runtime::{RunningCodel, Unpaused, nanos, seconds};
 
 use crate::bus::{Bus, Change};
@@ -42,7 +43,7 @@ struct Vigil {
     /// What is stuck.
     told: HashMap<Place, Stuck>,
     /// Cycles that spin: component, task, date.
-    spins: HashSet<(String, usize, u64)>,
+    spins: HashSet<(String, TaskIx, u64)>,
     /// When a codel of a component was logged last, and how often it was not since.
     logged: HashMap<(String, String), (Instant, u32)>,
 }

@@ -10,7 +10,7 @@ use super::attribute::direction;
 use super::facts::Shape;
 use super::state::{Argument, Body, BodyId, CodelParameter, CodelState, Prototype, Role, Service};
 use crate::diagnostic::Diagnostic;
-use crate::model::{Dialect, Direction, Source, Span, Yield};
+use crate::model::{Dialect, Direction, Ix as _, PortIx, Source, Span, Yield};
 use crate::syntax::{self, Codel, Name, Qualifier, Variable};
 
 impl Checker {
@@ -316,7 +316,7 @@ impl Checker {
         variable: &Variable,
         direction: Direction,
         role: Role,
-    ) -> Option<(usize, TypeId)> {
+    ) -> Option<(PortIx, TypeId)> {
         let name = &variable.root;
         let Some((rank, _, port)) = self.bodies[id].ports.get_full(&name.text) else {
             self.unknown(id, "port", name, |body| body.ports.keys().map(|name| &**name).collect());
@@ -333,7 +333,7 @@ impl Checker {
                 format!("members of port `{}` cannot be passed, only the port", name.text);
             self.push(Diagnostic::error("E0722", name.span, message).note(span, "declared here"));
         }
-        Some((rank, ty))
+        Some((PortIx::new(rank), ty))
     }
 
     /// Reports a port or remote that the component does not have.

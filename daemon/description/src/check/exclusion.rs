@@ -7,15 +7,18 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 use super::Checker;
 use crate::diagnostic::Diagnostic;
-use crate::model::{Codel, CodelKind, Component, Direction, Owner, PathStep, ServiceKind, Source};
+use crate::model::{
+    Codel, CodelKind, Component, Direction, Indexed, Owner, PathStep, PortIx, ServiceIx,
+    ServiceKind, Source, TaskIx,
+};
 
 /// Who runs a codel: the control task, or a task by rank.
-type Context = Option<usize>;
+type Context = Option<TaskIx>;
 
 /// What an access touches.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 enum Key {
-    Port(usize),
+    Port(PortIx),
     Ids(usize),
 }
 
@@ -41,7 +44,7 @@ const MOST_COMPARISONS: usize = 1 << 26;
 /// The services that one interrupts.
 enum Interrupted {
     All,
-    Some(HashSet<usize>),
+    Some(HashSet<ServiceIx>),
 }
 
 /// How much was compared and found so far.
@@ -90,8 +93,8 @@ impl<'m> Sharing<'m> {
                 }
             }
         }
-        for (rank, service) in component.services.iter().enumerate() {
-            let node = component.codels.len() + rank;
+        for (ix, service) in component.services.pairs() {
+            let node = component.transfer_node(ix);
             for parameter in &service.parameters {
                 if let Some(target) = &parameter.target {
                     // Inverted: an attribute's `in` writes the member.
@@ -166,7 +169,7 @@ impl<'m> Sharing<'m> {
             };
             return codel.parameters.iter().filter_map(touch).collect();
         }
-        let service = component.services.get(node - component.codels.len());
+        let service = component.transferred_by(node).and_then(|ix| component.services.get(ix));
         let parameters = service.map_or(&[][..], |service| &service.parameters);
         let moved = parameters.iter().filter_map(|p| Some((p, p.target.as_ref()?)));
         moved.map(|(p, t)| (ids_key(&t.path), &t.path[..], p.direction != Direction::Out)).collect()
@@ -176,13 +179,10 @@ impl<'m> Sharing<'m> {
     pub(super) fn table(&self) -> Option<Vec<Vec<usize>>> {
         let codels = self.component.codels.len();
         let services = &self.component.services;
-        let interrupted: Vec<Interrupted> = services
-            .iter()
-            .map(|service| match service.interrupts.len() {
-                all if all == services.len() => Interrupted::All,
-                _ => Interrupted::Some(service.interrupts.iter().copied().collect()),
-            })
-            .collect();
+        let interrupted = services.map(|_, service| match service.interrupts.len() {
+            all if all == services.len() => Interrupted::All,
+            _ => Interrupted::Some(service.interrupts.iter().copied().collect()),
+        });
         let mut effort = Effort::default();
         (0..self.contexts.len())
             .map(|node| {
@@ -200,7 +200,12 @@ impl<'m> Sharing<'m> {
 
     /// Whether `other` is a codel of a service that interrupts that of `node`: then they cannot
     /// run at the same time anyway.
-    fn is_interrupted_by(&self, node: usize, other: usize, by: &[Interrupted]) -> bool {
+    fn is_interrupted_by(
+        &self,
+        node: usize,
+        other: usize,
+        by: &Indexed<ServiceIx, Interrupted>,
+    ) -> bool {
         let owner = |node: usize| self.component.codels.get(node).map(|codel| codel.owner);
         let (Some(Owner::Service(own)), Some(Owner::Service(theirs))) = (owner(node), owner(other))
         else {
@@ -220,7 +225,7 @@ impl<'m> Sharing<'m> {
 
     /// For each activity, the activities whose codels conflict with its own, itself included.
     // dialects.md A: what a service of the papers interrupts unless it says so.
-    pub(super) fn incompatible(&self) -> Option<Vec<Vec<usize>>> {
+    pub(super) fn incompatible(&self) -> Option<Indexed<ServiceIx, Vec<ServiceIx>>> {
         let services = &self.component.services;
         let activity = |node: usize| match self.component.codels.get(node)?.owner {
             Owner::Service(rank)
@@ -283,10 +288,13 @@ impl Checker {
             let Some(&other) = other else { continue };
             let (what, span) = match component.codels.get(other) {
                 Some(other) => (format!("codel `{}`", other.name), other.span),
-                None => match component.services.get(other - component.codels.len()) {
-                    Some(service) => (format!("service `{}`", service.name), service.span),
-                    None => continue,
-                },
+                None => {
+                    match component.transferred_by(other).and_then(|ix| component.services.get(ix))
+                    {
+                        Some(service) => (format!("service `{}`", service.name), service.span),
+                        None => continue,
+                    }
+                }
             };
             let message = format!("async codel `{}` shares data with {what}", codel.name);
             self.push(

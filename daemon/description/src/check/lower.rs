@@ -14,8 +14,8 @@ use super::state::{self, BodyId, CodelState, Role, add_throws};
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{
     AttributeTarget, Codel, CodelKind, CodelParameter, Component, Dialect, Direction, Interface,
-    Owner, Parameter, Port, PortDirection, Remote, Service, ServiceKind, Sink, Source,
-    Specification, Task,
+    Ix as _, Owner, Parameter, Port, PortDirection, Remote, Service, ServiceIx, ServiceKind, Sink,
+    Source, Specification, Task, TaskIx,
 };
 use crate::syntax;
 
@@ -112,7 +112,7 @@ impl Checker {
         }
         let body = &self.bodies[id];
         for (rank, (task, own)) in body.tasks.values().zip(task_codels).enumerate() {
-            let owner = Owner::Task(rank);
+            let owner = Owner::Task(TaskIx::new(rank));
             let ranks = add_codels(&mut codels, own, owner, &remotes);
             let mut throws = body.throws.clone();
             add_throws(&mut throws, &task.throws);
@@ -131,7 +131,7 @@ impl Checker {
         }
         let mut services = Vec::new();
         for (rank, made) in records.iter().enumerate() {
-            let owner = Owner::Service(rank);
+            let owner = Owner::Service(ServiceIx::new(rank));
             let own = taken.get_index_mut(rank).map(|(_, service)| Moved {
                 validates: std::mem::take(&mut service.validates),
                 codels: std::mem::take(&mut service.codels),
@@ -160,10 +160,10 @@ impl Checker {
             codels_requires: body.codels_requires.clone(),
             clock_rate,
             ids: body.ids,
-            tasks,
+            tasks: tasks.into_iter().collect(),
             ports: body.ports.iter().map(|(name, port)| lower_port(name, port)).collect(),
             remotes,
-            services,
+            services: services.into_iter().collect(),
             codels,
             states: body.states.keys().map(ToString::to_string).collect(),
             sinks: body
@@ -207,11 +207,12 @@ impl Checker {
             add_throws(&mut throws, &task.throws);
         }
         add_throws(&mut throws, &service.throws);
-        let ranks = |names: &[syntax::Name]| -> Vec<usize> {
+        let ranks = |names: &[syntax::Name]| -> Vec<ServiceIx> {
             if names.iter().any(|name| &*name.text == "all") {
-                return (0..all.len()).collect();
+                return (0..all.len()).map(ServiceIx::new).collect();
             }
-            names.iter().filter_map(|name| all.get_index_of(&name.text)).collect()
+            let found = names.iter().filter_map(|name| all.get_index_of(&name.text));
+            found.map(ServiceIx::new).collect()
         };
         let ordered = |given: &state::Given<Vec<syntax::Name>>| {
             given.as_ref().map(|(names, _)| ranks(names)).unwrap_or_default()
@@ -225,7 +226,7 @@ impl Checker {
             input: records.input,
             output: records.output,
             local: records.local,
-            task,
+            task: task.map(TaskIx::new),
             interrupts: ranks(&service.interrupts),
             before: ordered(&service.before),
             after: ordered(&service.after),

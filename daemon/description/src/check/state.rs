@@ -7,7 +7,9 @@ use genom_types::TypeId;
 use indexmap::{IndexMap, IndexSet};
 
 use super::scope::ScopeId;
-use crate::model::{Default as DefaultValue, Dialect, Direction, PathStep, Source, Span, Yield};
+use crate::model::{
+    Default as DefaultValue, Dialect, Direction, PathStep, PortIx, Source, Span, Yield,
+};
 use crate::syntax::{Codel, Name, Qualifier, ServiceKind, Variable};
 
 /// Rank among the bodies.
@@ -166,7 +168,7 @@ pub(super) struct Prototype {
 pub(super) enum Argument {
     Value(TypeId),
     Ids(TypeId),
-    Port(usize, TypeId),
+    Port(PortIx, TypeId),
     Remote(usize),
 }
 

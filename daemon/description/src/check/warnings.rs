@@ -103,15 +103,15 @@ fn warn_unused(component: &Component, out: &mut Diagnostics) {
         }
     }
     tasks.extend(component.services.iter().filter_map(|service| service.task));
-    for (rank, port) in component.ports.iter().enumerate() {
+    for (ix, port) in component.ports.pairs() {
         // The runtime writes this one.
-        if port.name != "genom_state" && !ports.contains(&rank) {
+        if port.name != "genom_state" && !ports.contains(&ix) {
             let message = format!("no codel uses port `{}`", port.name);
             out.push(Diagnostic::warning("W0903", port.span, message));
         }
     }
-    for (rank, task) in component.tasks.iter().enumerate() {
-        if !tasks.contains(&rank) {
+    for (ix, task) in component.tasks.pairs() {
+        if !tasks.contains(&ix) {
             let message = format!("nothing runs in task `{}`", task.name);
             out.push(Diagnostic::warning("W0905", task.span, message));
         }

@@ -4,15 +4,15 @@ use std::time::Duration;
 
 use genom_types::TypeId;
 
-use super::{Direction, PathStep, Span};
+use super::{Direction, PathStep, PortIx, ServiceIx, Span, TaskIx};
 
 /// Who runs a codel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Owner {
     /// The permanent activity of a task, by index.
-    Task(usize),
+    Task(TaskIx),
     /// A service, by index.
-    Service(usize),
+    Service(ServiceIx),
 }
 
 /// A codel in its place: one C function used twice makes two of these.
@@ -97,7 +97,7 @@ pub enum Source {
         path: Vec<PathStep>,
     },
     /// A port of the component, by index.
-    Port(usize),
+    Port(PortIx),
     /// A remote of the component, by index.
     Remote(usize),
 }

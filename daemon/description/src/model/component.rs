@@ -4,7 +4,9 @@ use std::time::Duration;
 
 use genom_types::{ScopedName, TypeId};
 
-use super::{Codel, Parameter, Service, ServiceKind, Span};
+use super::{
+    Codel, Indexed, Ix as _, Parameter, PortIx, Service, ServiceIx, ServiceKind, Span, TaskIx,
+};
 
 /// Which generation of the language a component was written in (dialects.md).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,13 +43,13 @@ pub struct Component {
     /// The IDS: a struct type.
     pub ids: Option<TypeId>,
     /// Execution tasks in order of declaration.
-    pub tasks: Vec<Task>,
+    pub tasks: Indexed<TaskIx, Task>,
     /// Ports in order of declaration, those of interface `genom` first.
-    pub ports: Vec<Port>,
+    pub ports: Indexed<PortIx, Port>,
     /// Remotes, from `uses`.
     pub remotes: Vec<Remote>,
     /// Services in order, those of interface `genom` first.
-    pub services: Vec<Service>,
+    pub services: Indexed<ServiceIx, Service>,
     /// Codels of tasks and services; indices into it are used everywhere.
     pub codels: Vec<Codel>,
     /// State names in order of first use, without scope: `ether`, `start`, `stop`, then others.
@@ -74,10 +76,23 @@ impl Component {
         ScopedName::new([self.name.as_str()])
     }
 
+    /// The node that is the data transfer of a service, see [`exclusion`](Self::exclusion).
+    #[must_use]
+    pub fn transfer_node(&self, service: ServiceIx) -> usize {
+        self.codels.len() + service.index()
+    }
+
+    /// The service whose data transfer a node is, unless it is a codel.
+    #[must_use]
+    pub fn transferred_by(&self, node: usize) -> Option<ServiceIx> {
+        node.checked_sub(self.codels.len()).map(ServiceIx::new)
+    }
+
     /// What may not run while node `node` runs.
     ///
     /// Nodes `0..codels.len()` are the codels; node `codels.len() + s` is the data transfer of
-    /// attribute `s`, or of service `s` of the papers (`through_ids`). The relation is as genom3.md 4.5 computes it, not always symmetric.
+    /// attribute `s`, or of service `s` of the papers (`through_ids`). The relation is as genom3.md
+    /// 4.5 computes it, not always symmetric.
     #[must_use]
     pub fn exclusion(&self, node: usize) -> &[usize] {
         self.exclusion.get(node).map_or(&[], Vec::as_slice)

@@ -2,7 +2,7 @@
 
 use genom_types::TypeId;
 
-use super::{PathStep, Span};
+use super::{PathStep, ServiceIx, Span, TaskIx};
 
 /// The three kinds of services (genom3.md 7.12).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -35,13 +35,13 @@ pub struct Service {
     /// Struct of the `local` variables, in order.
     pub local: TypeId,
     /// Task that runs the activity.
-    pub task: Option<usize>,
+    pub task: Option<TaskIx>,
     /// Services it interrupts (`all` expanded).
-    pub interrupts: Vec<usize>,
+    pub interrupts: Vec<ServiceIx>,
     /// Services it must come before.
-    pub before: Vec<usize>,
+    pub before: Vec<ServiceIx>,
     /// Services it must come after.
-    pub after: Vec<usize>,
+    pub after: Vec<ServiceIx>,
     /// Validate codels, in order.
     pub validates: Vec<usize>,
     /// Simple codels in order (function), or state-machine codels (activity).

@@ -32,9 +32,9 @@ fn read_whatever(text: &str) {
     for c in &analysis.specification.components {
         assert_eq!(c.exclusion.len(), c.codels.len() + c.services.len());
         for service in &c.services {
-            assert!(service.task.is_none_or(|task| task < c.tasks.len()));
+            assert!(service.task.is_none_or(|task| c.tasks.get(task).is_some()));
             assert!(service.codels.iter().chain(&service.validates).all(|n| *n < c.codels.len()));
-            assert!(service.interrupts.iter().all(|n| *n < c.services.len()));
+            assert!(service.interrupts.iter().all(|ix| c.services.get(*ix).is_some()));
         }
     }
 }

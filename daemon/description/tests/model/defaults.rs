@@ -1,5 +1,6 @@
 //! Default values as JSON (genom3.md 2.4, 3.8, appendix A).
 
+use genom_description::model::{Ix as _, ServiceIx};
 use serde_json::{Value, json};
 
 use super::{component, plain};
@@ -9,7 +10,7 @@ use super::{component, plain};
 fn default(before: &str, parameter: &str) -> Value {
     let specification = plain(&format!("component c {{ {before} function f(in {parameter}); }};"));
     let c = component(&specification, "c");
-    let default = c.services[0].parameters[0].default.clone().unwrap();
+    let default = c.services[ServiceIx::new(0)].parameters[0].default.clone().unwrap();
     default.value.unwrap_or(Value::Null)
 }
 
@@ -61,7 +62,10 @@ fn docs_are_kept_with_their_place() {
     let specification = plain(&format!(
         "component c {{ {S} function f(in s p = {{ .c = {{ 1: \"one\" }}, .d =: \"text\" }}: \"whole\"); }};"
     ));
-    let default = component(&specification, "c").services[0].parameters[0].default.clone().unwrap();
+    let default = component(&specification, "c").services[ServiceIx::new(0)].parameters[0]
+        .default
+        .clone()
+        .unwrap();
     assert_eq!(default.doc.as_deref(), Some("whole"));
     let docs: Vec<_> =
         default.member_docs.iter().map(|(at, text)| (at.as_str(), text.as_str())).collect();

@@ -1,5 +1,7 @@
 //! Digests (genom3.md 4.9).
 
+use genom_description::model::{Ix as _, ServiceIx};
+
 use super::{component, plain, whole};
 
 const EXAMPLE: &str = "component c { struct s { long a; string<8> b; double c[2]; \
@@ -11,7 +13,7 @@ fn the_worked_example_has_its_digests() {
     let specification = plain(EXAMPLE);
     let c = component(&specification, "c");
     assert_eq!(c.digest, "1fb4d66bbb8ad1586d8de865f40ae90");
-    assert_eq!(c.services[0].digest, "384aad12927a41b9b5279c6a0474efa");
+    assert_eq!(c.services[ServiceIx::new(0)].digest, "384aad12927a41b9b5279c6a0474efa");
 }
 
 #[test]

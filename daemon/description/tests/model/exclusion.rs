@@ -8,7 +8,7 @@ use super::{component, plain};
 fn table(c: &Component) -> Vec<String> {
     let name = |node: usize| match c.codels.get(node) {
         Some(codel) => codel.name.as_str(),
-        None => c.services[node - c.codels.len()].name.as_str(),
+        None => c.services[c.transferred_by(node).unwrap()].name.as_str(),
     };
     let mut rows = Vec::new();
     for node in 0..c.codels.len() + c.services.len() {

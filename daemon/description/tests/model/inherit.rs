@@ -1,6 +1,6 @@
 //! `provides`, `uses`, `extends` and reopening (genom3.md 4.6).
 
-use genom_description::model::{PathStep, PortDirection, Source};
+use genom_description::model::{Ix as _, PathStep, PortDirection, ServiceIx, Source, TaskIx};
 
 use super::{component, plain};
 
@@ -32,12 +32,12 @@ fn what_is_provided_finds_the_ids_of_the_component() {
     );
     let c = component(&specification, "c");
     let y = vec![PathStep::Member(2)];
-    assert_eq!(c.services[0].parameters[0].target.as_ref().unwrap().path, y);
+    assert_eq!(c.services[ServiceIx::new(0)].parameters[0].target.as_ref().unwrap().path, y);
     assert_eq!(c.codels[0].parameters[0].source, Source::Ids { path: y.clone() });
     let run = c.codels.iter().find(|codel| codel.name == "r").unwrap();
     assert_eq!(run.parameters[0].source, Source::Parameter { index: 0, path: vec![] });
     assert_eq!(run.parameters[1].source, Source::Ids { path: y });
-    assert_eq!(c.services[1].task, Some(0));
+    assert_eq!(c.services[ServiceIx::new(1)].task, Some(TaskIx::new(0)));
 }
 
 #[test]
@@ -51,8 +51,8 @@ fn an_interface_extends_another_and_a_component_refines_it() {
     let c = component(&specification, "c");
     let names: Vec<_> = c.services.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names, ["f", "g"]);
-    assert_eq!(c.services[0].codels.len(), 1);
-    assert!(c.services[0].parameters[0].default.is_some());
+    assert_eq!(c.services[ServiceIx::new(0)].codels.len(), 1);
+    assert!(c.services[ServiceIx::new(0)].parameters[0].default.is_some());
     assert_eq!(c.doc.as_deref(), Some("two\none"));
     assert_eq!(c.requires, ["x", "y"]);
 }
@@ -67,6 +67,6 @@ fn bodies_services_tasks_ids_and_modules_are_reopened() {
     );
     let c = component(&specification, "c");
     assert_eq!(specification.types.members(c.ids.unwrap()).len(), 2);
-    assert!(c.tasks[0].period.is_some());
+    assert!(c.tasks[TaskIx::new(0)].period.is_some());
     assert_eq!(c.codels[0].parameters[1].source, Source::Local { index: 0, path: vec![] });
 }

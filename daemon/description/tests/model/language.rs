@@ -1,5 +1,6 @@
 //! Whatever section 2 says is legal reads.
 
+use genom_description::model::{Ix as _, ServiceIx};
 use serde_json::json;
 
 use super::{component, plain};
@@ -81,8 +82,11 @@ fn several_validates_run_in_order_and_attributes_may_have_codels() {
            codels-require \"a\"; codels-requires \"b\"; };",
     );
     let c = component(&specification, "c");
-    let names: Vec<_> =
-        c.services[0].validates.iter().map(|rank| c.codels[*rank].name.as_str()).collect();
+    let names: Vec<_> = c.services[ServiceIx::new(0)]
+        .validates
+        .iter()
+        .map(|rank| c.codels[*rank].name.as_str())
+        .collect();
     assert_eq!(names, ["a", "b"]);
     assert_eq!(c.codels_requires, ["a", "b"]);
 }

@@ -1,5 +1,7 @@
 //! The standard interface in every component (genom3.md 4.8).
 
+use genom_description::model::{Ix as _, ServiceIx, TaskIx};
+
 use super::{component, type_names, whole};
 use genom_description::{Options, read_text};
 
@@ -20,7 +22,7 @@ fn every_component_begins_with_the_standard_services_and_port() {
     );
     let ports: Vec<_> = c.ports.iter().map(|p| p.name.as_str()).collect();
     assert_eq!(ports, ["genom_state", "p"]);
-    assert_eq!(c.services[3].interrupts, [0, 1, 2, 3, 4]);
+    assert_eq!(c.services[ServiceIx::new(3)].interrupts, [0, 1, 2, 3, 4].map(ServiceIx::new));
     assert_eq!(c.states, ["ether", "start", "stop"]);
 }
 
@@ -32,7 +34,7 @@ fn every_service_may_throw_the_seven_standard_exceptions() {
     );
     let c = component(&specification, "c");
     assert_eq!(
-        type_names(&specification, &c.services[4].throws),
+        type_names(&specification, &c.services[ServiceIx::new(4)].throws),
         [
             "::genom::incompatible_digest",
             "::genom::bad_transition",
@@ -45,7 +47,7 @@ fn every_service_may_throw_the_seven_standard_exceptions() {
             "::c::e",
         ]
     );
-    assert_eq!(c.tasks[0].throws, c.services[4].throws);
+    assert_eq!(c.tasks[TaskIx::new(0)].throws, c.services[ServiceIx::new(4)].throws);
     assert!(type_names(&specification, &c.throws).contains(&"::genom::port_io".to_owned()));
 }
 
@@ -56,7 +58,7 @@ fn one_who_gives_the_interface_gets_it_once() {
     let specification = whole(text);
     let c = component(&specification, "c");
     assert_eq!(c.services.len(), 1);
-    assert!(c.services[0].standard);
+    assert!(c.services[ServiceIx::new(0)].standard);
 }
 
 #[test]

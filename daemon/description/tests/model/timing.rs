@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use genom_description::model::{Ix as _, TaskIx};
+
 use super::{component, plain};
 
 fn clock(tasks: &str) -> Option<Duration> {
@@ -27,7 +29,7 @@ fn the_clock_is_the_greatest_that_serves_all() {
 fn a_constant_may_stand_before_the_unit() {
     let specification =
         plain("const long n = 3; component c { task t { period n * 2 ms; delay n us; }; };");
-    let task = &component(&specification, "c").tasks[0];
+    let task = &component(&specification, "c").tasks[TaskIx::new(0)];
     assert_eq!(task.period, Some(Duration::from_millis(6)));
     assert_eq!(task.delay, Duration::from_micros(3));
 }
@@ -47,9 +49,9 @@ fn tasks_take_the_stack_and_scheduling_of_their_component() {
         "component c { stack 2 M; scheduling real-time; task t; task u { stack 20k; priority 7; }; };",
     );
     let c = component(&specification, "c");
-    assert_eq!(c.tasks[0].stack, Some(2 << 20));
-    assert_eq!(c.tasks[1].stack, Some(20 << 10));
-    assert_eq!(c.tasks[1].priority, Some(7));
+    assert_eq!(c.tasks[TaskIx::new(0)].stack, Some(2 << 20));
+    assert_eq!(c.tasks[TaskIx::new(1)].stack, Some(20 << 10));
+    assert_eq!(c.tasks[TaskIx::new(1)].priority, Some(7));
     assert!(c.tasks.iter().all(|task| task.real_time));
 }
 

@@ -82,7 +82,8 @@ pub(crate) async fn describe(
     let hosted = find(&daemon, &component)?;
     // The description as every tool shows it, and over it what is this instance's own.
     let mut reply = tools::describe(hosted.specification(), hosted.model());
-    for (index, service) in reply["services"].as_array_mut().into_iter().flatten().enumerate() {
+    let described = reply["services"].as_array_mut().into_iter().flatten();
+    for (index, service) in hosted.model().services.places().zip(described) {
         service["served"] = hosted.served_on(index).into();
     }
     // `remotes` has their names alone; what each calls is told here.

@@ -65,7 +65,7 @@ fn describe(page: &mut Page, hosted: &Hosted) {
         let help = "Calls longer than the stated wcet.";
         page.add("genom_codel_above_wcet_total", COUNTER, help, &labels, count(codel.above_wcet));
     }
-    for index in 0..hosted.model().ports.len() {
+    for index in hosted.model().ports.places() {
         for key in ports::elements(hosted, index) {
             let Some(gauge) = hosted.ties.gauge(&key) else { continue };
             let (counts, address) = (gauge.counts(), hosted.port_address(&key).to_string());

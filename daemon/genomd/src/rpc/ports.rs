@@ -6,6 +6,7 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_description::model;
+use genom_description::model::PortIx;
 use genom_middleware::OpenError;
 use genom_ports::PortKey;
 use genom_protocol::{
@@ -178,9 +179,9 @@ pub(crate) async fn traffic(
 }
 
 /// The port of that name.
-pub(super) fn find(hosted: &Hosted, port: &str) -> Result<usize, RpcError> {
+pub(super) fn find(hosted: &Hosted, port: &str) -> Result<PortIx, RpcError> {
     let ports = &hosted.model().ports;
-    ports.iter().position(|found| found.name == port).ok_or_else(|| {
+    ports.find(|found| found.name == port).ok_or_else(|| {
         let what = format!("{} has no port", hosted.name);
         let names = ports.iter().map(|port| port.name.as_str());
         RpcError::unknown(Code::NoSuchPort, what, port, names)
@@ -208,7 +209,7 @@ pub(super) fn key(
 }
 
 /// The port itself, or the elements of a multiple one.
-pub(super) fn elements(hosted: &Hosted, port: usize) -> Vec<PortKey> {
+pub(super) fn elements(hosted: &Hosted, port: PortIx) -> Vec<PortKey> {
     if hosted.model().ports[port].multiple {
         let elements = hosted.ties.elements(port).into_iter();
         elements.map(|element| PortKey { port, element: Some(element) }).collect()
@@ -224,7 +225,7 @@ fn described(hosted: &Hosted, parameters: &PortParameters) -> Vec<Port> {
         Port { value, ..one(hosted, key) }
     };
     let mut out = Vec::new();
-    for index in 0..hosted.model().ports.len() {
+    for index in hosted.model().ports.places() {
         let elements = elements(hosted, index);
         if elements.is_empty() {
             out.push(one(&PortKey::new(index, None)));

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use axum::{Extension, Json};
+use genom_description::model::{Ix as _, ServiceIx};
 use genom_description_tools as tools;
 use genom_protocol::{CallParameters, CallReply, Code, Inputs, Outcome, Service, Started};
 use serde_json::Value;
@@ -18,9 +19,9 @@ use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::input::{Body, Parameters};
 
-fn find(hosted: &Hosted, service: &str) -> Result<usize, RpcError> {
+fn find(hosted: &Hosted, service: &str) -> Result<ServiceIx, RpcError> {
     let services = &hosted.model().services;
-    services.iter().position(|found| found.name == service).ok_or_else(|| {
+    services.find(|found| found.name == service).ok_or_else(|| {
         let what = format!("{} has no service", hosted.name);
         let names = services.iter().map(|service| service.name.as_str());
         RpcError::unknown(Code::NoSuchService, what, service, names)
@@ -55,7 +56,7 @@ pub(crate) async fn describe(
         Err(_) => None,
     };
     let mut component = tools::describe(hosted.specification(), hosted.model());
-    let mut described = component["services"][index].take();
+    let mut described = component["services"][index.index()].take();
     described["served"] = hosted.served_on(index).into();
     for parameter in described["parameters"].as_array_mut().into_iter().flatten() {
         let value = parameter["name"].as_str().and_then(|name| current.as_ref()?.get(name));
@@ -167,7 +168,7 @@ fn order(hosted: &Hosted, service: &str) -> String {
     let Some(service) = services.iter().find(|found| found.name == service) else {
         return String::new();
     };
-    let names = |indices: &[usize]| {
+    let names = |indices: &[ServiceIx]| {
         let names: Vec<_> = indices.iter().map(|&index| services[index].name.as_str()).collect();
         names.join(", ")
     };

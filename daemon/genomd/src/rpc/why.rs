@@ -5,7 +5,7 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use genom_description::model::{
-    CodelParameter, Direction, PortDirection, Service, ServiceKind, Source,
+    CodelParameter, Direction, PortDirection, PortIx, Service, ServiceKind, Source,
 };
 use genom_middleware::{Address, Obstacle};
 use genom_ports::PortKey;
@@ -33,15 +33,19 @@ pub(crate) async fn explain(
 ) -> Result<Json<Findings>, RpcError> {
     let hosted = components::find(&daemon, &component)?;
     let remote = hosted.model().remotes.iter().position(|remote| remote.name == port);
-    let index = remote.map_or_else(|| ports::find(&hosted, &port), Ok)?;
+    let port = match remote {
+        Some(_) => None,
+        None => Some(ports::find(&hosted, &port)?),
+    };
     // Discovery may have to ask other processes.
     let work = move || {
-        if remote.is_some() {
-            return Json(Findings { findings: of_remote(&daemon, &hosted, index), flows: vec![] });
-        }
-        let mut findings = of_port(&daemon, &hosted, index);
+        let Some(port) = port else {
+            let findings = remote.map(|remote| of_remote(&daemon, &hosted, remote));
+            return Json(Findings { findings: findings.unwrap_or_default(), flows: vec![] });
+        };
+        let mut findings = of_port(&daemon, &hosted, port);
         // What is wrong with the component may not matter to this port.
-        let flows = if findings.is_empty() { flows(&hosted, index) } else { Vec::new() };
+        let flows = if findings.is_empty() { flows(&hosted, port) } else { Vec::new() };
         findings.extend(of_component(&hosted));
         Json(Findings { findings, flows })
     };
@@ -53,7 +57,7 @@ fn finding(what: impl Into<String>, fix: impl Into<String>) -> Finding {
 }
 
 /// What of a port data flows through: written or read not long ago.
-fn flows(hosted: &Hosted, port: usize) -> Vec<String> {
+fn flows(hosted: &Hosted, port: PortIx) -> Vec<String> {
     let model = &hosted.model().ports[port];
     let one = |key: PortKey| {
         let counts = hosted.ties.gauge(&key)?.counts();
@@ -68,7 +72,7 @@ fn flows(hosted: &Hosted, port: usize) -> Vec<String> {
     ports::elements(hosted, port).into_iter().filter_map(one).collect()
 }
 
-fn of_port(daemon: &Daemon, hosted: &Hosted, port: usize) -> Vec<Finding> {
+fn of_port(daemon: &Daemon, hosted: &Hosted, port: PortIx) -> Vec<Finding> {
     let mut out = Vec::new();
     let elements = ports::elements(hosted, port);
     let model = &hosted.model().ports[port];
@@ -230,7 +234,7 @@ fn idle(hosted: &Hosted) -> bool {
 }
 
 /// Which activities write a port, for somebody who wants it written.
-fn start_one(hosted: &Hosted, port: usize) -> String {
+fn start_one(hosted: &Hosted, port: PortIx) -> String {
     let name = &hosted.name;
     let writes = |service: &&Service| {
         service.kind == ServiceKind::Activity
@@ -246,7 +250,7 @@ fn start_one(hosted: &Hosted, port: usize) -> String {
     }
 }
 
-fn writes_port(parameter: &CodelParameter, port: usize) -> bool {
+fn writes_port(parameter: &CodelParameter, port: PortIx) -> bool {
     parameter.direction != Direction::In && parameter.source == Source::Port(port)
 }
 

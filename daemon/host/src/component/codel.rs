@@ -1,6 +1,8 @@
 //! Codels ready to be called: address, call interface, ways to the arguments.
 
-use genom_description::model::{Codel, CodelParameter, Component as Model, Owner, Source};
+use genom_description::model::{
+    Codel, CodelParameter, Component as Model, Indexed, Owner, PortIx, ServiceIx, Source,
+};
 use genom_types::{CompiledPath, DataType, PathError, PathStep};
 
 use super::cxx::CxxTypes;
@@ -42,7 +44,7 @@ pub(super) enum From {
     Output(Way),
     Local(Way),
     /// The handle of a port, by rank.
-    Port(usize),
+    Port(PortIx),
     /// The handle of a remote, by rank.
     Remote(usize),
 }
@@ -71,7 +73,7 @@ pub(super) struct Workshop<'a> {
     pub(super) model: &'a Model,
     pub(super) library: &'a Library,
     pub(super) ids: Option<&'a DataType>,
-    pub(super) services: &'a [Option<ServiceTypes>],
+    pub(super) services: &'a Indexed<ServiceIx, Option<ServiceTypes>>,
     /// For codels in C++.
     pub(super) cxx: Option<&'a CxxTypes>,
 }

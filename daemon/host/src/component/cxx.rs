@@ -4,7 +4,9 @@
 
 use std::cell::{Cell, OnceCell};
 
-use genom_description::model::{Component as Model, Dialect, Direction, Port, Service};
+use genom_description::model::{
+    Component as Model, Dialect, Direction, Indexed, Port, PortIx, Service, ServiceIx,
+};
 use genom_types::{CompiledPath, DataType, PathStep, Record};
 
 use super::error::LoadError;
@@ -14,8 +16,8 @@ use crate::cxx::{CxxPath, CxxPathError, CxxType, Object, copy, to_cxx};
 /// Types of a component in C++; `None` where one is wrong, which is noted.
 pub(super) struct CxxTypes {
     pub(super) ids: Option<CxxType>,
-    pub(super) services: Vec<Option<CxxService>>,
-    pub(super) ports: Vec<Option<CxxType>>,
+    pub(super) services: Indexed<ServiceIx, Option<CxxService>>,
+    pub(super) ports: Indexed<PortIx, Option<CxxType>>,
 }
 
 /// Objects of a service and what is copied between them, the request and the IDS.

@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::Owner;
+use genom_description::model::{Owner, ServiceIx};
 use genom_runtime::body::{Frame, Returned};
 use genom_types::{Record, foreign};
 use serde_json::{Value, json};
@@ -29,7 +29,7 @@ const ABSENT: u16 = u16::MAX;
 
 /// The memory of one run, with codels bound to it.
 pub(super) struct BoundFrame {
-    pub(super) service: Option<usize>,
+    pub(super) service: Option<ServiceIx>,
     pub(super) input: Record,
     pub(super) output: Record,
     pub(super) local: Record,

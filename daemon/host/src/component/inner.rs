@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 use std::sync::{Arc, OnceLock};
 
-use genom_description::model::{Port, Service};
+use genom_description::model::{Indexed, Port, PortIx, Service, ServiceIx, TaskIx};
 use genom_runtime::plan::Plan;
 use genom_types::{DataType, Record, Zones};
 
@@ -27,7 +27,7 @@ pub(super) struct Inner {
     pub(super) remotes: Remotes,
     /// By codel of the model; `None` for those the runtime supplies.
     pub(super) codels: Vec<Option<Prepared>>,
-    pub(super) services: Vec<ServiceTypes>,
+    pub(super) services: Indexed<ServiceIx, ServiceTypes>,
     /// Codels of each service and of each task.
     pub(super) owned: Owned,
     /// For codels in C++.
@@ -95,9 +95,8 @@ impl Inner {
     /// What lies around its IDS and its simple ports.
     pub(super) fn all_zones(&self) -> Watched {
         let mut watched = Watched::default();
-        let ports = self.described.ports.iter().enumerate();
-        for (rank, described) in ports {
-            if let Some(zones) = self.ports.zones(rank) {
+        for (port, described) in self.described.ports.pairs() {
+            if let Some(zones) = self.ports.zones(port) {
                 // SAFETY: the ports are asked only as long as they live.
                 unsafe { watched.add(zones, described) };
             }
@@ -123,8 +122,8 @@ pub(super) struct Meant {
 pub(super) struct AllDescribed {
     pub(super) ids: Option<Described>,
     /// By service: inputs, outputs, local variables.
-    pub(super) services: Vec<[Described; 3]>,
-    pub(super) ports: Vec<Described>,
+    pub(super) services: Indexed<ServiceIx, [Described; 3]>,
+    pub(super) ports: Indexed<PortIx, Described>,
 }
 
 impl AllDescribed {
@@ -171,12 +170,12 @@ impl Ids {
 
 /// What a component in C++ has besides.
 pub(super) struct InCpp {
-    pub(super) services: Vec<CxxService>,
+    pub(super) services: Indexed<ServiceIx, CxxService>,
     pub(super) exceptions: Arc<Exceptions>,
 }
 
 /// Codels by owner.
 pub(super) struct Owned {
-    pub(super) services: Vec<Vec<usize>>,
-    pub(super) tasks: Vec<Vec<usize>>,
+    pub(super) services: Indexed<ServiceIx, Vec<usize>>,
+    pub(super) tasks: Indexed<TaskIx, Vec<usize>>,
 }

@@ -19,7 +19,7 @@ pub use zones::{MemoryCheck, check_memory};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use genom_description::model::{Owner, Span};
+use genom_description::model::{Owner, PortIx, Span};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, Frame, Opener, RemoteCall};
 use genom_runtime::plan::Plan;
@@ -115,13 +115,13 @@ impl Body for Component {
         Box::new(frame::BoundFrame::new(&self.inner, owner))
     }
 
-    fn bind_out(&self, port: usize, element: Option<&str>, publisher: Option<Box<dyn Publisher>>) {
+    fn bind_out(&self, port: PortIx, element: Option<&str>, publisher: Option<Box<dyn Publisher>>) {
         self.inner.ports.bind_out(port, element, publisher);
     }
 
     fn bind_in(
         &self,
-        port: usize,
+        port: PortIx,
         element: Option<&str>,
         subscription: Option<Box<dyn Subscription>>,
     ) {
@@ -136,15 +136,15 @@ impl Body for Component {
         self.inner.ports.set_opener(opener);
     }
 
-    fn port_value(&self, port: usize, element: Option<&str>) -> Option<Value> {
+    fn port_value(&self, port: PortIx, element: Option<&str>) -> Option<Value> {
         self.inner.ports.look(port, element, Record::to_json)
     }
 
-    fn last_value(&self, port: usize, element: Option<&str>) -> Option<Record> {
+    fn last_value(&self, port: PortIx, element: Option<&str>) -> Option<Record> {
         self.inner.ports.last(port, element)
     }
 
-    fn port_message(&self, port: usize, element: Option<&str>) -> Option<Vec<u8>> {
+    fn port_message(&self, port: PortIx, element: Option<&str>) -> Option<Vec<u8>> {
         let message = |value: &Record| {
             let mut out = Vec::with_capacity(value.message_size());
             value.encode_message(&mut out).ok().map(|()| out)
@@ -156,7 +156,7 @@ impl Body for Component {
         self.inner.damage.get().cloned()
     }
 
-    fn write_port(&self, port: usize, value: &Record) {
+    fn write_port(&self, port: PortIx, value: &Record) {
         self.inner.ports.write(port, value);
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use genom_description::model::{Port, Service};
+use genom_description::model::{Indexed, Port, PortIx, Service, ServiceIx};
 use genom_runtime::plan::{Event, Meaning, Plan};
 use genom_types::{DataType, Kind, Record, ScopedName, TypeTable};
 
@@ -37,9 +37,9 @@ const GIVEN: &[&str] = &[
 /// What can be wrong, laid out and prepared.
 pub(super) struct Parts {
     pub(super) ids: Option<DataType>,
-    pub(super) services: Vec<Option<ServiceTypes>>,
+    pub(super) services: Indexed<ServiceIx, Option<ServiceTypes>>,
     pub(super) codels: Vec<Option<Prepared>>,
-    pub(super) ports: Vec<Option<DataType>>,
+    pub(super) ports: Indexed<PortIx, Option<DataType>>,
     pub(super) remotes: Vec<Option<Signature>>,
     pub(super) details: Details,
     pub(super) nothing: DataType,
@@ -58,14 +58,12 @@ impl Parts {
             return None;
         }
         let ids = model.ids.and_then(|ids| checker.lay_out(ids, "the ids", model.span));
-        let services: Vec<_> = model
+        let services = model
             .services
-            .iter()
-            .map(|service| ServiceTypes::new(checker, service, ids.as_ref(), model.dialect))
-            .collect();
+            .map(|_, service| ServiceTypes::new(checker, service, ids.as_ref(), model.dialect));
         let port =
             |port: &Port| checker.lay_out(port.ty, &format!("port `{}`", port.name), port.span);
-        let ports: Vec<_> = model.ports.iter().map(port).collect();
+        let ports: Indexed<PortIx, _> = model.ports.iter().map(port).collect();
         if model.lang == "c++" && library.needs("libc++.so") {
             checker.errors.push(LoadError::OtherLibrary { component: model.name.clone() });
         }
@@ -121,10 +119,10 @@ impl Parts {
         let contexts = Contexts::new(plan.contexts(), self.details.room(), fatal);
         let shared = Arc::new(Shared { events: table, contexts });
         let details = Arc::new(self.details);
-        let types: Vec<DataType> = self.ports.into_iter().collect::<Option<_>>()?;
+        let types: Indexed<PortIx, DataType> = self.ports.into_iter().collect::<Option<_>>()?;
         let signatures = self.remotes.into_iter().collect::<Option<Vec<_>>>()?;
         let in_cxx = |(cxx, exceptions): (CxxTypes, Exceptions)| {
-            let ports: Vec<CxxType> = cxx.ports.into_iter().collect::<Option<_>>()?;
+            let ports: Indexed<PortIx, CxxType> = cxx.ports.into_iter().collect::<Option<_>>()?;
             let services = cxx.services.into_iter().collect::<Option<_>>()?;
             let exceptions = Arc::new(exceptions);
             let in_ports = InCxx { types: ports, exceptions: Arc::clone(&exceptions) };

@@ -13,7 +13,7 @@ use std::collections::HashSet;
 use std::ffi::c_void;
 use std::sync::{Arc, OnceLock};
 
-use genom_description::model::{Port, PortDirection};
+use genom_description::model::{Indexed, Port, PortDirection, PortIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::Opener;
 use genom_types::{DataType, Record, Zones};
@@ -27,7 +27,7 @@ use multiple::Elements;
 
 /// The ports of one component.
 pub(crate) struct Ports {
-    ports: Vec<Handle>,
+    ports: Indexed<PortIx, Handle>,
     opener: Arc<OnceLock<Box<dyn Opener>>>,
 }
 
@@ -49,26 +49,26 @@ enum Shown {
 /// What ports of a component in C++ need besides.
 pub(crate) struct InCxx {
     /// Type of each port.
-    pub(crate) types: Vec<CxxType>,
+    pub(crate) types: Indexed<PortIx, CxxType>,
     pub(crate) exceptions: Arc<Exceptions>,
 }
 
 impl Ports {
     /// Handles for `ports`; `None` when there is no memory for executable code.
     pub(crate) fn new(
-        ports: &[Port],
-        types: &[DataType],
+        ports: &Indexed<PortIx, Port>,
+        types: &Indexed<PortIx, DataType>,
         cxx: Option<&InCxx>,
         shared: &Arc<Shared>,
     ) -> Option<Self> {
         let opener = Arc::new(OnceLock::new());
-        let handle = |(rank, port): (usize, &Port)| {
-            let ty = &types[rank];
-            let in_cxx = cxx.and_then(|cxx| cxx.types.get(rank));
+        let handle = |(ix, port): (PortIx, &Port)| {
+            let ty = &types[ix];
+            let in_cxx = cxx.and_then(|cxx| cxx.types.get(ix));
             let direction = port.direction;
             let buffers = if port.multiple {
                 let opener = Arc::clone(&opener);
-                Buffers::Multiple(Arc::new(Elements::new(rank, direction, ty, in_cxx, opener)))
+                Buffers::Multiple(Arc::new(Elements::new(ix, direction, ty, in_cxx, opener)))
             } else {
                 Buffers::Simple(Arc::new(Element::new(ty, in_cxx, Link::unbound(direction))))
             };
@@ -87,12 +87,12 @@ impl Ports {
             };
             Some(Handle { name: port.name.clone(), buffers, shown })
         };
-        let ports = ports.iter().enumerate().map(handle).collect::<Option<_>>()?;
+        let ports = ports.pairs().map(handle).collect::<Option<_>>()?;
         Some(Self { ports, opener })
     }
 
     /// What codels get for the port.
-    pub(crate) fn handle(&self, port: usize) -> *const c_void {
+    pub(crate) fn handle(&self, port: PortIx) -> *const c_void {
         match &self.ports[port].shown {
             Shown::C { table, .. } => table.as_ptr().cast(),
             Shown::Cxx(handle) => handle.address(),
@@ -102,7 +102,7 @@ impl Ports {
     /// Binds an out port, or one of its elements.
     pub(crate) fn bind_out(
         &self,
-        port: usize,
+        port: PortIx,
         element: Option<&str>,
         publisher: Option<Box<dyn Publisher>>,
     ) {
@@ -112,14 +112,14 @@ impl Ports {
     /// Binds an in port, or one of its elements.
     pub(crate) fn bind_in(
         &self,
-        port: usize,
+        port: PortIx,
         element: Option<&str>,
         subscription: Option<Box<dyn Subscription>>,
     ) {
         self.bind(port, element, Link::In(subscription));
     }
 
-    fn bind(&self, port: usize, element: Option<&str>, link: Link) {
+    fn bind(&self, port: PortIx, element: Option<&str>, link: Link) {
         let Some(handle) = self.ports.get(port) else { return };
         match (&handle.buffers, element) {
             (Buffers::Simple(buffer), None) => drop(buffer.bind(link)),
@@ -137,7 +137,7 @@ impl Ports {
     }
 
     /// What lies around the buffer of a simple port.
-    pub(crate) fn zones(&self, port: usize) -> Option<Zones> {
+    pub(crate) fn zones(&self, port: PortIx) -> Option<Zones> {
         match &self.ports.get(port)?.buffers {
             Buffers::Simple(buffer) => Some(buffer.zones()),
             Buffers::Multiple(_) => None,
@@ -164,7 +164,7 @@ impl Ports {
     /// What `look` makes of the value last read or written by codels.
     pub(crate) fn look<T>(
         &self,
-        port: usize,
+        port: PortIx,
         element: Option<&str>,
         look: impl FnOnce(&Record) -> T,
     ) -> Option<T> {
@@ -176,7 +176,7 @@ impl Ports {
     }
 
     /// The value last read or written by codels, when a copy of that very one was kept.
-    pub(crate) fn last(&self, port: usize, element: Option<&str>) -> Option<Record> {
+    pub(crate) fn last(&self, port: PortIx, element: Option<&str>) -> Option<Record> {
         match (&self.ports.get(port)?.buffers, element) {
             (Buffers::Simple(buffer), None) => buffer.last(),
             (Buffers::Multiple(elements), Some(name)) => elements.get(name.as_bytes())?.last(),
@@ -185,7 +185,7 @@ impl Ports {
     }
 
     /// Publishes a value on a simple out port.
-    pub(crate) fn write(&self, port: usize, value: &Record) {
+    pub(crate) fn write(&self, port: PortIx, value: &Record) {
         let Some(Handle { name, buffers: Buffers::Simple(buffer), .. }) = self.ports.get(port)
         else {
             return;

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashSet};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use genom_description::model::PortDirection;
+use genom_description::model::{PortDirection, PortIx};
 use genom_runtime::body::Opener;
 use genom_types::DataType;
 
@@ -19,7 +19,7 @@ pub(super) const ENAMETOOLONG: i32 = 36;
 
 /// The elements of one multiple port.
 pub(super) struct Elements {
-    port: usize,
+    port: PortIx,
     direction: PortDirection,
     ty: DataType,
     cxx: Option<CxxType>,
@@ -30,7 +30,7 @@ pub(super) struct Elements {
 impl Elements {
     /// None yet.
     pub(super) fn new(
-        port: usize,
+        port: PortIx,
         direction: PortDirection,
         ty: &DataType,
         cxx: Option<&CxxType>,

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
+use genom_description::model::PortIx;
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
 use genom_runtime::body::{Body, Opener};
 use genom_types::Record;
@@ -46,11 +47,11 @@ impl Subscription for FakeSubscription {
 struct FakeOpener(Sent);
 
 impl Opener for FakeOpener {
-    fn open(&self, _: usize, _: &str) -> Result<Box<dyn Publisher>, String> {
+    fn open(&self, _: PortIx, _: &str) -> Result<Box<dyn Publisher>, String> {
         Ok(Box::new(FakePublisher(Arc::clone(&self.0))))
     }
 
-    fn close(&self, _: usize, _: &str) {}
+    fn close(&self, _: PortIx, _: &str) {}
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use genom_description::model::{CodelKind, Owner, Span};
+use genom_description::model::{CodelKind, Ix as _, Owner, PortIx, ServiceIx, Span, TaskIx};
 use genom_description_tools::{Language, header};
 use genom_host::{Component, Library, LoadErrors};
 use genom_runtime::body::{Body, Frame, Returned};
@@ -75,9 +75,8 @@ pub(crate) fn refusal(compiled: &Arc<Compiled>, text: &str) -> String {
 }
 
 impl Loaded {
-    fn service(&self, name: &str) -> usize {
-        let services = &self.plan.component().services;
-        services.iter().position(|service| service.name == name).expect("a service")
+    fn service(&self, name: &str) -> ServiceIx {
+        self.plan.service(name).expect("a service")
     }
 
     /// A frame of a service, begun with these inputs.
@@ -121,14 +120,14 @@ impl Loaded {
 
     /// Calls a codel of a task.
     pub(crate) fn task(&self, codel: &str) -> String {
-        let mut frame = self.component.frame(Owner::Task(0));
+        let mut frame = self.component.frame(Owner::Task(TaskIx::new(0)));
         self.call(&mut *frame, codel)
     }
 
     /// Rank of a port.
-    pub(crate) fn port(&self, name: &str) -> usize {
+    pub(crate) fn port(&self, name: &str) -> PortIx {
         let ports = &self.plan.component().ports;
-        ports.iter().position(|port| port.name == name).expect("a port")
+        ports.find(|port| port.name == name).expect("a port")
     }
 
     /// Type of a port.

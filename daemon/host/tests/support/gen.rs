@@ -29,7 +29,7 @@ impl Gen {
             codels_requires: vec![],
             clock_rate: None,
             ids: None,
-            tasks: vec![Task {
+            tasks: [Task {
                 name: "main".into(),
                 doc: None,
                 period: None,
@@ -40,10 +40,12 @@ impl Gen {
                 codels: vec![],
                 throws: vec![],
                 span: Span::default(),
-            }],
-            ports: vec![],
+            }]
+            .into_iter()
+            .collect(),
+            ports: Indexed::default(),
             remotes: vec![],
-            services: vec![],
+            services: Indexed::default(),
             codels: vec![],
             states: ["ether", "start", "stop"].map(String::from).into(),
             sinks: vec![],
@@ -110,7 +112,7 @@ impl Gen {
         direction: PortDirection,
         multiple: bool,
         ty: TypeId,
-    ) -> usize {
+    ) -> PortIx {
         self.component.ports.push(Port {
             name: name.into(),
             direction,
@@ -119,8 +121,7 @@ impl Gen {
             ty,
             doc: None,
             span: Span::default(),
-        });
-        self.component.ports.len() - 1
+        })
     }
 
     fn parameters(parameters: &[(Direction, &str, TypeId)]) -> Vec<Parameter> {
@@ -156,7 +157,7 @@ impl Gen {
         name: &str,
         parameters: &[(Direction, &str, TypeId)],
         locals: &[(&str, TypeId)],
-    ) -> usize {
+    ) -> ServiceIx {
         let (input, output) = self.records(name, parameters);
         let local = self.structure(&format!("{name}_local"), locals);
         let locals: Vec<_> = locals.iter().map(|(n, ty)| (Direction::InOut, *n, *ty)).collect();
@@ -169,7 +170,7 @@ impl Gen {
             input,
             output,
             local,
-            task: (kind == ServiceKind::Activity).then_some(0),
+            task: (kind == ServiceKind::Activity).then_some(TaskIx::new(0)),
             interrupts: vec![],
             before: vec![],
             after: vec![],
@@ -181,12 +182,11 @@ impl Gen {
             digest: String::new(),
             call_digest: String::new(),
             span: Span::default(),
-        });
-        self.component.services.len() - 1
+        })
     }
 
     /// Makes parameter `parameter` of attribute `service` set or get a member of the IDS.
-    pub(crate) fn target(&mut self, service: usize, parameter: usize, path: &[PathStep]) {
+    pub(crate) fn target(&mut self, service: ServiceIx, parameter: usize, path: &[PathStep]) {
         self.component.services[service].parameters[parameter].target =
             Some(AttributeTarget { path: path.to_vec() });
     }
@@ -254,7 +254,7 @@ impl Gen {
         &mut self,
         name: &str,
         parameters: &[(Direction, &str, TypeId)],
-    ) -> (usize, usize) {
+    ) -> (ServiceIx, usize) {
         let service = self.service(ServiceKind::Function, &format!("s_{name}"), parameters, &[]);
         let arguments: Vec<_> = parameters
             .iter()

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::{CodelKind, Owner, Specification};
+use genom_description::model::{CodelKind, Owner, ServiceIx, Specification};
 use genom_host::{Component, Library, LoadErrors};
 use genom_runtime::body::{Body, Frame, Returned};
 use genom_runtime::plan::Plan;
@@ -48,7 +48,7 @@ pub(crate) fn load(make: Gen, c: &str) -> Loaded {
 
 impl Loaded {
     /// A frame of a service, begun with these inputs.
-    pub(crate) fn begin(&self, service: usize, input: Value) -> Box<dyn Frame> {
+    pub(crate) fn begin(&self, service: ServiceIx, input: Value) -> Box<dyn Frame> {
         let mut frame = self.component.frame(Owner::Service(service));
         let ty = self.specification.components[0].services[service].input;
         frame.begin(&record(&self.specification, ty, input));
@@ -56,7 +56,7 @@ impl Loaded {
     }
 
     /// Runs one codel of a service; gives the event's name ("" for ok) and the outputs.
-    pub(crate) fn run(&self, service: usize, codel: usize, input: Value) -> (String, Value) {
+    pub(crate) fn run(&self, service: ServiceIx, codel: usize, input: Value) -> (String, Value) {
         let mut frame = self.begin(service, input);
         let event = self.call(&mut *frame, codel);
         (event, frame.output().to_json())

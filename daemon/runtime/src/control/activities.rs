@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use genom_description::model::ServiceIx;
+
 use super::{Afterwards, Control, Entry, Phase, Stage, interrupted};
 use crate::api::{Outcome, Progress, Reply};
 use crate::body::Frame;
@@ -25,7 +27,7 @@ impl Engine {
     }
 
     /// 7.3.11: the activity is accepted; it starts when nothing it interrupts runs.
-    pub(crate) fn accept(&self, service: usize, frame: Box<dyn Frame>, mut reply: Reply) {
+    pub(crate) fn accept(&self, service: ServiceIx, frame: Box<dyn Frame>, mut reply: Reply) {
         let compiled = &self.shared.plan.services()[service];
         let (Some(machine), Some(task)) = (compiled.machine, compiled.task) else { return };
         let mut after = Afterwards::default();
@@ -83,7 +85,7 @@ impl Engine {
 
     /// Asks every activity of a service to stop. Returns ids and services of those that have not
     /// ended, also of those that were asked before.
-    pub(crate) fn abort_all(&self, by: &str) -> Vec<(u32, usize)> {
+    pub(crate) fn abort_all(&self, by: &str) -> Vec<(u32, ServiceIx)> {
         let mut after = Afterwards::default();
         let mut told = Vec::new();
         {
@@ -105,7 +107,7 @@ impl Engine {
     pub(crate) fn interrupt(
         &self,
         control: &mut Control,
-        service: usize,
+        service: ServiceIx,
         but: Option<u32>,
         after: &mut Afterwards,
     ) {

@@ -1,5 +1,6 @@
 //! Results of tasks on their way to clients (genom3.md 7.5, "Ends").
 
+use genom_description::model::TaskIx;
 use serde_json::{Value, json};
 
 use super::{Afterwards, Control, Stage, genom, interrupted, take_attention};
@@ -17,7 +18,7 @@ impl Engine {
         let mut after = Afterwards::default();
         let write_state = {
             let mut control = self.lock();
-            for task in 0..control.links.len() {
+            for task in control.links.places() {
                 let link = &mut control.links[task];
                 // Ends first: what led to them is then in the other ring already.
                 let ended: Vec<Box<Run>> = std::iter::from_fn(|| link.from.pop().ok()).collect();
@@ -61,7 +62,7 @@ impl Engine {
     fn finish(
         &self,
         control: &mut Control,
-        task: usize,
+        task: TaskIx,
         mut run: Box<Run>,
         after: &mut Afterwards,
     ) {

@@ -12,6 +12,7 @@ use std::collections::VecDeque;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 
+use genom_description::model::{Indexed, ServiceIx, TaskIx};
 use rtrb::{Consumer, Producer};
 use serde_json::{Value, json};
 
@@ -75,8 +76,8 @@ pub(crate) enum Stage {
 pub(crate) struct Entry {
     pub(crate) id: u32,
     /// `None` for a permanent activity.
-    pub(crate) service: Option<usize>,
-    pub(crate) task: usize,
+    pub(crate) service: Option<ServiceIx>,
+    pub(crate) task: TaskIx,
     pub(crate) marker: Arc<Marker>,
     pub(crate) stage: Stage,
     /// Who asked it to stop first, if it was asked.
@@ -109,7 +110,7 @@ pub(crate) enum Step {
     /// Activities of services, and requests under way, are to end (7.7.1).
     Activities,
     /// The permanent activity of this task is to end; those of the tasks after it have (7.7.2).
-    Permanent(usize),
+    Permanent(TaskIx),
     /// Codels that did not return in time may still do so, until the deadline of the shutdown.
     Rest,
     /// The threads are to end.
@@ -122,10 +123,10 @@ pub(crate) struct Control {
     pub(crate) next_id: u32,
     /// In order of acceptance.
     pub(crate) entries: Vec<Entry>,
-    pub(crate) services: Vec<ServiceQueue>,
+    pub(crate) services: Indexed<ServiceIx, ServiceQueue>,
     /// Services with a request that a worker may take.
-    pub(crate) ready: VecDeque<usize>,
-    pub(crate) links: Vec<TaskLink>,
+    pub(crate) ready: VecDeque<ServiceIx>,
+    pub(crate) links: Indexed<TaskIx, TaskLink>,
     /// Requests that workers are at.
     pub(crate) serving: usize,
     /// Free contexts of control workers.
@@ -142,7 +143,7 @@ pub(crate) struct Control {
     /// The list of activities changed since the state port was written.
     pub(crate) dirty: bool,
     /// How a permanent activity failed.
-    pub(crate) failure: Option<(usize, Exception)>,
+    pub(crate) failure: Option<(TaskIx, Exception)>,
 }
 
 /// What is to be done once the lock is released, because replies and watchers may block.
@@ -179,13 +180,13 @@ impl Entry {
 }
 
 impl Control {
-    pub(crate) fn new(plan: &Plan, links: Vec<TaskLink>) -> Self {
+    pub(crate) fn new(plan: &Plan, links: Indexed<TaskIx, TaskLink>) -> Self {
         let tasks = plan.component().tasks.len();
         Self {
             phase: Phase::Starting,
             next_id: 1,
             entries: Vec::new(),
-            services: plan.services().iter().map(|_| ServiceQueue::default()).collect(),
+            services: plan.services().map(|_, _| ServiceQueue::default()),
             ready: VecDeque::new(),
             links,
             serving: 0,
@@ -209,7 +210,7 @@ impl Control {
     }
 
     /// Hands a run to its task.
-    pub(crate) fn send(&mut self, task: usize, run: Box<Run>) {
+    pub(crate) fn send(&mut self, task: TaskIx, run: Box<Run>) {
         // The ring has room for every slot and the permanent activity.
         let _ = self.links[task].to.push(run);
     }

@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::ServiceKind;
+use genom_description::model::{ServiceIx, ServiceKind};
 use genom_types::Record;
 use serde_json::{Value, json};
 
@@ -32,7 +32,7 @@ impl Engine {
     /// Queues a request; with a virtual clock it is served at once, on this thread.
     pub(crate) fn submit(
         self: &Arc<Self>,
-        service: usize,
+        service: ServiceIx,
         inputs: Inputs,
         mut reply: Reply,
         ticket: Ticket,
@@ -63,7 +63,7 @@ impl Engine {
     }
 
     /// Takes back a request that has not begun; `false` when it has.
-    pub(crate) fn withdraw(&self, service: usize, ticket: &Ticket) -> bool {
+    pub(crate) fn withdraw(&self, service: ServiceIx, ticket: &Ticket) -> bool {
         if !ticket.give_up() {
             return false;
         }
@@ -82,7 +82,7 @@ impl Engine {
     pub(crate) fn serve_one<'a>(
         &'a self,
         mut control: Guard<'a, Control>,
-        service: usize,
+        service: ServiceIx,
         context: usize,
     ) -> Guard<'a, Control> {
         let queue = &mut control.services[service];
@@ -112,7 +112,7 @@ impl Engine {
 
     fn serve(
         &self,
-        service: usize,
+        service: ServiceIx,
         mut inputs: Inputs,
         asker: &Asker,
         ticket: &Ticket,
@@ -143,7 +143,7 @@ impl Engine {
     }
 
     /// 7.3.10: an attribute or function interrupts without waiting, and counts as run.
-    fn interrupt_from(&self, service: usize) {
+    fn interrupt_from(&self, service: ServiceIx) {
         let mut after = Afterwards::default();
         {
             let mut control = self.lock();
@@ -156,7 +156,7 @@ impl Engine {
 
     fn perform(
         &self,
-        service: usize,
+        service: ServiceIx,
         inputs: &mut Inputs,
         context: usize,
         ticket: &Ticket,
@@ -175,7 +175,7 @@ impl Engine {
 
     fn perform_with_slot(
         &self,
-        service: usize,
+        service: ServiceIx,
         inputs: &mut Inputs,
         context: usize,
         ticket: &Ticket,
@@ -203,7 +203,7 @@ impl Engine {
     }
 
     /// 7.3.1: an activity needs a slot of its task.
-    fn take_slot(&self, service: usize) -> Result<(), Exception> {
+    fn take_slot(&self, service: ServiceIx) -> Result<(), Exception> {
         let Some(task) = self.shared.plan.services()[service].task else { return Ok(()) };
         let mut control = self.lock();
         if control.links[task].used >= self.activity_limit {
@@ -213,17 +213,17 @@ impl Engine {
         Ok(())
     }
 
-    fn release_slot(&self, service: usize) {
+    fn release_slot(&self, service: ServiceIx) {
         if let Some(task) = self.shared.plan.services()[service].task {
             self.lock().links[task].used -= 1;
         }
     }
 
     /// 7.3.3, 7.6: `before` and `after`, at request time only.
-    fn check_order(&self, service: usize) -> Result<(), Exception> {
+    fn check_order(&self, service: ServiceIx) -> Result<(), Exception> {
         let model = &self.shared.plan.component().services[service];
         let control = self.lock();
-        let ran = |other: &usize| control.services[*other].ran;
+        let ran = |other: &ServiceIx| control.services[*other].ran;
         let allowed = model.after.iter().all(ran) && !model.before.iter().any(ran);
         if allowed { Ok(()) } else { Err(genom("disallowed", Value::Null)) }
     }
@@ -231,7 +231,7 @@ impl Engine {
     /// 7.3.5 to 7.3.7: validation, transfers, simple codels.
     fn run_codels(
         &self,
-        service: usize,
+        service: ServiceIx,
         frame: &mut dyn Frame,
         inputs: &mut Inputs,
         context: usize,
@@ -274,7 +274,7 @@ impl Engine {
     }
 
     /// What the IDS hold where an attribute stores its inputs.
-    fn look(&self, service: usize, context: usize) -> Record {
+    fn look(&self, service: ServiceIx, context: usize) -> Record {
         let plan = &self.shared.plan;
         let mut now = Record::new(&plan.services()[service].input);
         let mut frame = self.take_frame(service);
@@ -287,7 +287,7 @@ impl Engine {
 
     fn validate(
         &self,
-        service: usize,
+        service: ServiceIx,
         frame: &mut dyn Frame,
         context: usize,
         ticket: &Ticket,
@@ -307,7 +307,7 @@ impl Engine {
     /// out keep what the codels wrote.
     fn transfer(
         &self,
-        service: usize,
+        service: ServiceIx,
         frame: &mut dyn Frame,
         (inputs, mut seen): (&mut Inputs, Option<Record>),
         context: usize,
@@ -374,7 +374,7 @@ impl Engine {
     }
 
     /// 7.3.7: what a function may not throw becomes `unkex`, with its name.
-    fn filtered(&self, service: usize, frame: &dyn Frame, returned: Returned) -> Exception {
+    fn filtered(&self, service: ServiceIx, frame: &dyn Frame, returned: Returned) -> Exception {
         let throws = &self.shared.plan.services()[service].throws;
         let exception = self.as_it_is(frame, returned);
         match returned {

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::Ordering;
 
-use genom_description::model::Task;
+use genom_description::model::{Task, TaskIx};
 use genom_types::Record;
 use serde_json::{Value, json};
 
@@ -47,8 +47,8 @@ impl Engine {
     fn state(&self, recent: &mut [Window]) -> Value {
         let model = self.shared.plan.component();
         let activities = self.activities();
-        let task = |((rank, task), window): ((usize, &Task), &mut Window)| {
-            let shared = &self.shared.tasks[rank];
+        let task = |((ix, task), window): ((TaskIx, &Task), &mut Window)| {
+            let shared = &self.shared.tasks[ix];
             let list: Vec<Value> = activities
                 .iter()
                 .filter(|activity| activity.task == task.name)
@@ -63,7 +63,7 @@ impl Engine {
                 "activity": list,
             })
         };
-        let tasks: Vec<Value> = model.tasks.iter().enumerate().zip(recent).map(task).collect();
+        let tasks: Vec<Value> = model.tasks.pairs().zip(recent).map(task).collect();
         json!({
             "task": tasks,
             "digest": fit(&model.digest, 32),

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use genom_description::model::Owner;
+use genom_description::model::{Ix as _, Owner, PortIx, ServiceIx, TaskIx};
 use genom_description::{Options, read_text};
 use genom_middleware::{Publisher, Subscription};
 use genom_types::Record;
@@ -21,16 +21,16 @@ struct Kept {
 
 impl Body for Kept {
     fn frame(&self, _: Owner) -> Box<dyn Frame> {
-        Box::new(Empty(Record::new(&self.plan.services()[0].output)))
+        Box::new(Empty(Record::new(&self.plan.services()[ServiceIx::new(0)].output)))
     }
-    fn bind_out(&self, _: usize, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
-    fn bind_in(&self, _: usize, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
+    fn bind_out(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
+    fn bind_in(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
     fn bind_remote(&self, _: usize, _: Option<Box<dyn RemoteCall>>) {}
     fn set_opener(&self, _: Box<dyn Opener>) {}
-    fn port_value(&self, _: usize, _: Option<&str>) -> Option<Value> {
+    fn port_value(&self, _: PortIx, _: Option<&str>) -> Option<Value> {
         None
     }
-    fn write_port(&self, _: usize, value: &Record) {
+    fn write_port(&self, _: PortIx, value: &Record) {
         *self.last.lock().unwrap() = Some(value.to_json());
     }
 }
@@ -94,7 +94,7 @@ impl World {
     fn live(&self, seconds: usize, work: Duration) {
         let nanos = u64::try_from(work.as_nanos()).unwrap();
         for _ in 0..seconds {
-            (0..10).for_each(|_| lasted(&self.engine.shared.tasks[0], nanos));
+            (0..10).for_each(|_| lasted(&self.engine.shared.tasks[TaskIx::new(0)], nanos));
             self.clock.step(Duration::from_secs(1));
         }
     }
@@ -153,7 +153,7 @@ fn averages_of_the_state_port_are_those_of_about_the_last_ten_seconds() {
 #[test]
 fn the_load_of_a_periodic_task_is_that_of_its_period() {
     let world = World::new("period 100 ms;");
-    (0..10).for_each(|_| lasted(&world.engine.shared.tasks[0], 150_000_000));
+    (0..10).for_each(|_| lasted(&world.engine.shared.tasks[TaskIx::new(0)], 150_000_000));
     world.clock.step(Duration::from_secs(1));
     let load = world.state()["task"][0]["rusage"]["load"]["max"].as_f64().unwrap();
     assert!((load - 150.0).abs() < 0.01, "an overrun shows: {load}");

@@ -1,6 +1,6 @@
 //! State machines: which codel a state runs, and what each returned event does.
 
-use genom_description::model::{CodelKind, Component, Owner};
+use genom_description::model::{CodelKind, Component, Owner, TaskIx};
 
 use super::event::{Event, Meaning};
 
@@ -10,7 +10,7 @@ pub struct Machine {
     /// Whose it is.
     pub owner: Owner,
     /// The task that runs it.
-    pub task: usize,
+    pub task: TaskIx,
     /// By state: the codel it runs, if any.
     pub codels: Box<[Option<u16>]>,
     /// State `start`.
@@ -62,10 +62,10 @@ pub(super) fn machines(model: &Component) -> Vec<Machine> {
         }
         Machine { owner, task, codels: table.into(), start: state("start"), stop: state("stop") }
     };
-    let permanent = model.tasks.iter().enumerate();
-    let permanent = permanent.map(|(rank, task)| machine(Owner::Task(rank), rank, &task.codels));
-    let services = model.services.iter().enumerate().filter_map(|(rank, service)| {
-        Some(machine(Owner::Service(rank), service.task?, &service.codels))
+    let permanent = model.tasks.pairs();
+    let permanent = permanent.map(|(ix, task)| machine(Owner::Task(ix), ix, &task.codels));
+    let services = model.services.pairs().filter_map(|(ix, service)| {
+        Some(machine(Owner::Service(ix), service.task?, &service.codels))
     });
     permanent.chain(services).collect()
 }

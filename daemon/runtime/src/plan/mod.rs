@@ -13,7 +13,9 @@ mod service;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use genom_description::model::{Component, Dialect, PortDirection, Specification};
+use genom_description::model::{
+    Component, Dialect, Indexed, PortDirection, PortIx, ServiceIx, Specification,
+};
 use genom_types::DataType;
 
 use crate::body::EventId;
@@ -40,12 +42,12 @@ pub struct Plan {
     transitions: Vec<Box<[Transition]>>,
     /// Permanent activities first, by task; then those of services, see [`ServicePlan::machine`].
     machines: Vec<Machine>,
-    services: Vec<ServicePlan>,
+    services: Indexed<ServiceIx, ServicePlan>,
     nodes: Nodes,
     /// Type of each port, in the model's order.
-    ports: Vec<DataType>,
+    ports: Indexed<PortIx, DataType>,
     /// The port that the runtime writes (genom3.md 4.8), if the component has it.
-    state_port: Option<usize>,
+    state_port: Option<PortIx>,
 }
 
 impl Plan {
@@ -75,8 +77,7 @@ impl Plan {
         }
         let state_port = model
             .ports
-            .iter()
-            .position(|port| port.name == "genom_state" && port.direction == PortDirection::Out);
+            .find(|port| port.name == "genom_state" && port.direction == PortDirection::Out);
         Ok(Self {
             specification: Arc::clone(specification),
             component,
@@ -86,7 +87,7 @@ impl Plan {
             machines,
             services,
             nodes,
-            ports,
+            ports: ports.into_iter().collect(),
             state_port,
         })
     }
@@ -135,14 +136,14 @@ impl Plan {
 
     /// Services, in the model's order.
     #[must_use]
-    pub fn services(&self) -> &[ServicePlan] {
+    pub fn services(&self) -> &Indexed<ServiceIx, ServicePlan> {
         &self.services
     }
 
     /// The service of this name.
     #[must_use]
-    pub fn service(&self, name: &str) -> Option<usize> {
-        self.component().services.iter().position(|service| service.name == name)
+    pub fn service(&self, name: &str) -> Option<ServiceIx> {
+        self.component().services.find(|service| service.name == name)
     }
 
     /// State machines: permanent activities by task, then services'.
@@ -165,13 +166,13 @@ impl Plan {
 
     /// Type of a port's data.
     #[must_use]
-    pub fn port_type(&self, port: usize) -> Option<&DataType> {
+    pub fn port_type(&self, port: PortIx) -> Option<&DataType> {
         self.ports.get(port)
     }
 
     /// The port that tells the component's state (genom3.md 4.8), if it has it.
     #[must_use]
-    pub fn state_port(&self) -> Option<usize> {
+    pub fn state_port(&self) -> Option<PortIx> {
         self.state_port
     }
 
@@ -213,9 +214,9 @@ fn layout(
 /// Checks every index of the model once, so that the engine need not check any while it runs.
 fn check_indices(model: &Component) -> Result<(), PlanError> {
     let codels = model.codels.len();
-    let services = model.services.len();
+    let services = &model.services;
     let ok_codels = |list: &[usize]| list.iter().all(|codel| *codel < codels);
-    let ok_services = |list: &[usize]| list.iter().all(|service| *service < services);
+    let ok_services = |list: &[ServiceIx]| list.iter().all(|ix| services.get(*ix).is_some());
     let inconsistent =
         |what: String| Err(PlanError::Inconsistent { component: model.name.clone(), what });
     for service in &model.services {
@@ -224,7 +225,7 @@ fn check_indices(model: &Component) -> Result<(), PlanError> {
             && ok_services(&service.interrupts)
             && ok_services(&service.before)
             && ok_services(&service.after)
-            && service.task.is_none_or(|task| task < model.tasks.len());
+            && service.task.is_none_or(|task| model.tasks.get(task).is_some());
         if !fine {
             return inconsistent(format!("service `{}`", service.name));
         }

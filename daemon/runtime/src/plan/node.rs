@@ -1,6 +1,8 @@
 //! What excludes what, as bit sets: the static half of genom3.md 4.5 and 7.10.
 
-use genom_description::model::{CodelKind, Component, Owner, ServiceKind, Source};
+use genom_description::model::{
+    CodelKind, Component, Ix as _, Owner, ServiceIx, ServiceKind, Source,
+};
 
 use super::conflict::Touching;
 
@@ -32,19 +34,19 @@ impl Nodes {
                 }
             }
         }
-        let touching = |node: usize| match node.checked_sub(codels) {
+        let touching = |node: usize| match model.transferred_by(node) {
             None => Touching::Codel(&model.codels[node]),
             Some(service) => Touching::Transfer(&model.services[service]),
         };
         // Served side by side here, hence in conflict with each other as well.
-        let beside = |node: usize| match node.checked_sub(codels) {
+        let beside = |node: usize| match model.transferred_by(node) {
             None => !matches!(model.codels[node].kind, CodelKind::Fsm { .. }),
             Some(_) => true,
         };
         // Transfers of the papers' activities are unknown to the current language.
         let of_papers = |node: usize| {
-            node.checked_sub(codels).is_some_and(|rank| {
-                let service = &model.services[rank];
+            model.transferred_by(node).is_some_and(|service| {
+                let service = &model.services[service];
                 service.through_ids && service.kind != ServiceKind::Attribute
             })
         };
@@ -64,13 +66,15 @@ impl Nodes {
                         .any(|p| matches!(p.source, Source::Port(_) | Source::Remote(_)))
             })
         };
-        let twins = twins(&conflicts, |node| match node.checked_sub(codels) {
-            Some(service) => (None, Some(service)),
+        let twins = twins(&conflicts, |node| match model.transferred_by(node) {
+            Some(service) => Some(Owner::Service(service)),
             None => match (&model.codels[node].kind, model.codels[node].owner) {
-                (CodelKind::Fsm { .. }, Owner::Task(task)) => (Some(task), None),
-                (CodelKind::Fsm { .. }, Owner::Service(rank)) => (model.services[rank].task, None),
-                (_, Owner::Service(rank)) => (None, Some(rank)),
-                (_, Owner::Task(_)) => (None, None),
+                (CodelKind::Fsm { .. }, Owner::Task(task)) => Some(Owner::Task(task)),
+                (CodelKind::Fsm { .. }, Owner::Service(ix)) => {
+                    model.services[ix].task.map(Owner::Task)
+                }
+                (_, Owner::Service(ix)) => Some(Owner::Service(ix)),
+                (_, Owner::Task(_)) => None,
             },
         });
         Self { codels, conflicts, global: (0..count).map(global).collect(), twins }
@@ -100,8 +104,8 @@ impl Nodes {
 
     /// The node of a service's data transfer.
     #[must_use]
-    pub fn transfer(&self, service: usize) -> usize {
-        self.codels + service
+    pub fn transfer(&self, service: ServiceIx) -> usize {
+        self.codels + service.index()
     }
 
     /// An earlier node that never runs while this one does and excludes the same others.
@@ -135,14 +139,15 @@ impl Nodes {
     }
 }
 
-/// By node: the first one of the same runner that excludes the same others.
+/// By node: the first one that the same task runs, or the same service, and that excludes the same
+/// others.
 fn twins(
     conflicts: &[Box<[usize]>],
-    runner: impl Fn(usize) -> (Option<usize>, Option<usize>),
+    runner: impl Fn(usize) -> Option<Owner>,
 ) -> Vec<Option<usize>> {
     let others = |node: usize| conflicts[node].iter().filter(move |other| **other != node);
     let same = |a: usize, b: usize| {
-        runner(a) == runner(b) && runner(a) != (None, None) && others(a).eq(others(b))
+        runner(a).is_some() && runner(a) == runner(b) && others(a).eq(others(b))
     };
     (0..conflicts.len()).map(|node| (0..node).find(|before| same(*before, node))).collect()
 }

@@ -1,6 +1,8 @@
 //! Services as the engine needs them.
 
-use genom_description::model::{Component, Owner, Service, ServiceKind};
+use genom_description::model::{
+    Component, Indexed, Owner, Service, ServiceIx, ServiceKind, TaskIx,
+};
 use genom_types::{DataType, TypeTable};
 
 use super::error::PlanError;
@@ -32,11 +34,11 @@ pub struct ServicePlan {
     /// Exceptions it may throw.
     pub throws: EventSet,
     /// The task of an activity.
-    pub task: Option<usize>,
+    pub task: Option<TaskIx>,
     /// State machine of an activity, by rank in [`Plan::machines`](super::Plan::machines).
     pub machine: Option<usize>,
     /// By service: whether this one interrupts it.
-    pub interrupts: Box<[bool]>,
+    pub interrupts: Indexed<ServiceIx, bool>,
     /// The runtime's own work in place of codels.
     pub builtin: Option<Builtin>,
     /// Whether parameters live in the IDS: attributes, and services of the papers.
@@ -48,8 +50,8 @@ pub(super) fn services(
     types: &std::sync::Arc<TypeTable>,
     events: &[Event],
     machines: &[Machine],
-) -> Result<Vec<ServicePlan>, PlanError> {
-    let one = |(rank, service): (usize, &Service)| {
+) -> Result<Indexed<ServiceIx, ServicePlan>, PlanError> {
+    let one = |(ix, service): (ServiceIx, &Service)| {
         let layout = |ty, what: &str| {
             DataType::new(types, ty).map_err(|source| PlanError::Layout {
                 component: model.name.clone(),
@@ -57,7 +59,7 @@ pub(super) fn services(
                 source,
             })
         };
-        let mut interrupts = vec![false; model.services.len()];
+        let mut interrupts = model.services.map(|_, _| false);
         for &other in &service.interrupts {
             interrupts[other] = true;
         }
@@ -68,7 +70,7 @@ pub(super) fn services(
                 what: format!("activity `{}` has no task", service.name),
             });
         }
-        let mine = |machine: &Machine| machine.owner == Owner::Service(rank);
+        let mine = |machine: &Machine| machine.owner == Owner::Service(ix);
         Ok(ServicePlan {
             kind: service.kind,
             input: layout(service.input, "inputs")?,
@@ -76,12 +78,12 @@ pub(super) fn services(
             throws: EventSet::of_exceptions(events, &service.throws, types),
             task: service.task,
             machine: machines.iter().position(mine).filter(|_| activity),
-            interrupts: interrupts.into(),
+            interrupts,
             builtin: builtin(service),
             through_ids: service.through_ids || service.kind == ServiceKind::Attribute,
         })
     };
-    model.services.iter().enumerate().map(one).collect()
+    model.services.pairs().map(one).collect()
 }
 
 fn builtin(service: &Service) -> Option<Builtin> {

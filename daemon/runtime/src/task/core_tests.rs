@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use genom_description::model::Owner;
+use genom_description::model::{Ix as _, Owner, ServiceIx};
 use genom_description::{Options, read_text};
 use genom_types::Record;
 use serde_json::Value;
@@ -65,7 +65,7 @@ fn run(plan: &Plan) -> (Box<Run>, Arc<Marker>) {
     let owner = Owner::Service(plan.service("a").unwrap());
     let machine = plan.machines().iter().position(|machine| machine.owner == owner).unwrap();
     let marker = Arc::new(Marker::new(plan.machines()[machine].start));
-    let frame = Box::new(NoFrame(Record::new(&plan.services()[0].output)));
+    let frame = Box::new(NoFrame(Record::new(&plan.services()[ServiceIx::new(0)].output)));
     let tokens = Vec::with_capacity(8);
     let shared = Arc::clone(&marker);
     (Box::new(Run { id: 1, machine, frame, marker, tokens, at_stop: false, outcome: None }), shared)

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use genom_description::model::{Ix as _, TaskIx};
 use rtrb::{Consumer, Producer};
 
 use super::core::{Calls, Core, Passed};
@@ -22,7 +23,7 @@ pub(crate) struct TaskSide {
 /// One task of an instance; a thread, or the stepper of a virtual clock, drives it.
 pub(crate) struct Runner {
     shared: Arc<Shared>,
-    task: usize,
+    task: TaskIx,
     core: Core,
     side: TaskSide,
     /// Room for the states of external events.
@@ -34,7 +35,7 @@ pub(crate) struct Runner {
 }
 
 impl Runner {
-    pub(crate) fn new(shared: Arc<Shared>, task: usize, side: TaskSide) -> Self {
+    pub(crate) fn new(shared: Arc<Shared>, task: TaskIx, side: TaskSide) -> Self {
         let model = shared.plan.component();
         let periodic = shared.tasks[task].timing.is_some();
         let by_period = shared.plan.steps_by_period() && periodic;
@@ -44,7 +45,7 @@ impl Runner {
         Self { shared, task, core, side, fired, started: false, end: 0 }
     }
 
-    pub(crate) fn task(&self) -> usize {
+    pub(crate) fn task(&self) -> TaskIx {
         self.task
     }
 
@@ -92,7 +93,7 @@ impl Runner {
                 (run.outcome, shared.fetch_node(machine.owner))
             {
                 // dialects.md A: outputs are read from the IDS at the end.
-                let _permit = shared.exclusion.enter(task, node);
+                let _permit = shared.exclusion.enter(task.index(), node);
                 run.frame.fetch();
             }
             // The outbox has room for every run there can be.
@@ -114,7 +115,7 @@ impl Runner {
 /// Calls codels for the rules.
 struct Caller<'a> {
     shared: &'a Shared,
-    task: usize,
+    task: TaskIx,
     /// Date at which the last codel ended: the start of the next one.
     now: u64,
     notices: &'a mut Option<Producer<Notice>>,
@@ -124,13 +125,13 @@ impl Calls for Caller<'_> {
     #[inline]
     fn call(&mut self, run: &mut Run, codel: usize) -> Returned {
         let shared = self.shared;
-        let permit = shared.exclusion.enter(self.task, shared.plan.nodes().codel(codel));
+        let permit = shared.exclusion.enter(self.task.index(), shared.plan.nodes().codel(codel));
         if permit.waited() {
             self.now = shared.clock.now();
         }
-        let at_work = &shared.at_work[self.task];
+        let at_work = &shared.at_work[self.task.index()];
         at_work.begins(codel, shared.clock.real(self.now));
-        let returned = run.frame.call(codel, self.task);
+        let returned = run.frame.call(codel, self.task.index());
         at_work.ends();
         drop(permit);
         let end = shared.clock.now();

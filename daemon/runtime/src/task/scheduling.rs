@@ -3,7 +3,7 @@
 use std::num::NonZeroU64;
 use std::sync::atomic::Ordering;
 
-use genom_description::model::Task;
+use genom_description::model::{Ix as _, Task, TaskIx};
 
 use crate::exclusion::set_fifo;
 use crate::options::TaskOptions;
@@ -28,7 +28,7 @@ impl Wanted {
 
     /// Applies it to the calling thread. A refusal by the system is logged, and the thread runs
     /// without it.
-    pub(crate) fn apply(&self, instance: &str, task: usize, shared: &Shared) {
+    pub(crate) fn apply(&self, instance: &str, task: TaskIx, shared: &Shared) {
         // Wake-ups are not to be gathered with others'.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
         let name = &shared.plan.component().tasks[task].name;
@@ -54,7 +54,7 @@ impl Wanted {
             }
         }
         shared.tasks[task].real_time.store(fifo > 0, Ordering::Relaxed);
-        shared.exclusion.inheritance().announce(task, fifo);
+        shared.exclusion.inheritance().announce(task.index(), fifo);
     }
 }
 

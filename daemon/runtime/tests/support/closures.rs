@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use genom_description::model::Owner;
+use genom_description::model::{Ix as _, Owner, PortIx, ServiceIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, EventId, Frame, Opener, RemoteCall, Returned};
 use genom_runtime::{
@@ -110,7 +110,7 @@ impl Body for Closures {
     fn frame(&self, owner: Owner) -> Box<dyn Frame> {
         let service = match owner {
             Owner::Service(service) => &self.plan.services()[service],
-            Owner::Task(_) => &self.plan.services()[0],
+            Owner::Task(_) => &self.plan.services()[ServiceIx::new(0)],
         };
         Box::new(ClosureFrame {
             codels: self.codels.clone(),
@@ -119,16 +119,16 @@ impl Body for Closures {
         })
     }
 
-    fn bind_out(&self, _: usize, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
-    fn bind_in(&self, _: usize, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
+    fn bind_out(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
+    fn bind_in(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
     fn bind_remote(&self, _: usize, _: Option<Box<dyn RemoteCall>>) {}
     fn set_opener(&self, _: Box<dyn Opener>) {}
 
-    fn port_value(&self, _: usize, _: Option<&str>) -> Option<Value> {
+    fn port_value(&self, _: PortIx, _: Option<&str>) -> Option<Value> {
         None
     }
 
-    fn write_port(&self, _: usize, _: &Record) {
+    fn write_port(&self, _: PortIx, _: &Record) {
         self.states.fetch_add(1, Ordering::SeqCst);
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-use genom_description::model::{CodelKind, Owner};
+use genom_description::model::{CodelKind, Ix as _, Owner, PortIx, ServiceIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, Frame, Opener, RemoteCall, Returned};
 use genom_runtime::{Plan, VirtualClock};
@@ -55,7 +55,7 @@ impl Body for Scripted {
             }
             // Nothing is asked of the records of a permanent activity.
             Owner::Task(_) => {
-                let any = &self.plan.services()[0];
+                let any = &self.plan.services()[ServiceIx::new(0)];
                 (Record::new(&any.input), Record::new(&any.output))
             }
         };
@@ -70,16 +70,16 @@ impl Body for Scripted {
         })
     }
 
-    fn bind_out(&self, _: usize, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
-    fn bind_in(&self, _: usize, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
+    fn bind_out(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Publisher>>) {}
+    fn bind_in(&self, _: PortIx, _: Option<&str>, _: Option<Box<dyn Subscription>>) {}
     fn bind_remote(&self, _: usize, _: Option<Box<dyn RemoteCall>>) {}
     fn set_opener(&self, _: Box<dyn Opener>) {}
 
-    fn port_value(&self, _: usize, _: Option<&str>) -> Option<Value> {
+    fn port_value(&self, _: PortIx, _: Option<&str>) -> Option<Value> {
         None
     }
 
-    fn write_port(&self, port: usize, value: &Record) {
+    fn write_port(&self, port: PortIx, value: &Record) {
         assert_eq!(Some(port), self.plan.state_port());
         let shown = value.to_json();
         let tasks = shown["task"].as_array().unwrap();

@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
 use std::time::Duration;
 
+use genom_description::model::ServiceIx;
 use genom_runtime::Ticket;
 use tokio::sync::mpsc;
 use tokio::time::timeout;
@@ -18,7 +19,7 @@ const LOOK: Duration = Duration::from_millis(250);
 impl Hosted {
     /// Sends a request and waits for its end, or for its acceptance when it is an activity.
     /// Blocks. What a stuck codel keeps from being served is given up.
-    pub fn request_blocking(&self, service: usize, asked: Asked) -> Answer {
+    pub fn request_blocking(&self, service: ServiceIx, asked: Asked) -> Answer {
         let (sender, answers) = std::sync::mpsc::channel();
         let ticket = Ticket::default();
         self.submit_by(&ticket, service, asked, move |heard| {
@@ -38,7 +39,7 @@ impl Hosted {
     }
 
     /// The same for whoever may not block.
-    pub async fn request(self: &Arc<Self>, service: usize, asked: Asked) -> Answer {
+    pub async fn request(self: &Arc<Self>, service: ServiceIx, asked: Asked) -> Answer {
         let (sender, mut answers) = mpsc::unbounded_channel();
         let ticket = Ticket::default();
         let (hosted, shared) = (Arc::clone(self), ticket.clone());

@@ -5,7 +5,7 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
-use genom_description::model::{Direction, ServiceKind};
+use genom_description::model::{Direction, ServiceIx, ServiceKind};
 use genom_runtime::{Exception, Inputs, Outcome, Progress, Ticket, input_record};
 use genom_types::Record;
 use serde_json::Value;
@@ -18,7 +18,12 @@ const PATIENCE: Duration = Duration::from_millis(250);
 
 impl Hosted {
     /// Reads the inputs of a service.
-    pub fn asked(&self, service: usize, given: &Value, rest: Rest) -> Result<Asked, InputError> {
+    pub fn asked(
+        &self,
+        service: ServiceIx,
+        given: &Value,
+        rest: Rest,
+    ) -> Result<Asked, InputError> {
         let model = &self.model().services[service];
         let filled = self.filled(service, given);
         if rest == Rest::Zero {
@@ -45,7 +50,7 @@ impl Hosted {
     }
 
     /// Inputs over the defaults of the description; what has none is zero.
-    pub fn filled(&self, service: usize, given: &Value) -> Result<Record, InputError> {
+    pub fn filled(&self, service: ServiceIx, given: &Value) -> Result<Record, InputError> {
         let name = self.model().services[service].name.as_str();
         let refused = |error| InputError::new(name, error);
         let empty = || Record::new(&self.plan().services()[service].input);
@@ -56,7 +61,7 @@ impl Hosted {
 
     /// What an attribute would keep of its inputs; `None` of what is no attribute, and while codels
     /// are in the way. Blocks for a moment.
-    pub fn current(&self, service: usize) -> Option<Value> {
+    pub fn current(&self, service: ServiceIx) -> Option<Value> {
         let model = &self.model().services[service];
         let takes = model.parameters.iter().any(|one| one.direction != Direction::Out);
         if model.kind != ServiceKind::Attribute || !takes {
@@ -78,7 +83,7 @@ impl Hosted {
     }
 
     /// The inputs as the runtime takes them, and what will come of them if they are not all.
-    pub(super) fn inputs(&self, service: usize, asked: Asked) -> (Inputs, Option<Completion>) {
+    pub(super) fn inputs(&self, service: ServiceIx, asked: Asked) -> (Inputs, Option<Completion>) {
         let given = match asked {
             Asked::Whole(record) => return (Inputs::Whole(record), None),
             Asked::Partial(given) => given,

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use genom_description::model::{Component as Model, Direction, ServiceKind, Specification};
+use genom_description::model::{
+    Component as Model, Direction, PortIx, ServiceIx, ServiceKind, Specification,
+};
 use genom_middleware::{Address, Quality, Served, Subscription};
 use genom_ports::PortKey;
 use genom_runtime::body::{Body, RemoteCall};
@@ -48,8 +50,8 @@ pub enum Answer {
 /// Services of one component, each by its rank, by middleware.
 pub type ServedOn = Vec<(String, ServedServices)>;
 
-/// Services that are served on one middleware, by rank in the model.
-pub type ServedServices = Vec<(usize, Box<dyn Served>)>;
+/// Services that are served on one middleware.
+pub type ServedServices = Vec<(ServiceIx, Box<dyn Served>)>;
 
 /// A component that runs.
 pub struct Hosted {
@@ -144,7 +146,7 @@ impl Hosted {
     }
 
     /// The middlewares that a service is offered on.
-    pub fn served_on(&self, service: usize) -> Vec<String> {
+    pub fn served_on(&self, service: ServiceIx) -> Vec<String> {
         let all = self.served.lock().unwrap_or_else(PoisonError::into_inner);
         let there = all.iter().filter(|(_, served)| served.iter().any(|(one, _)| *one == service));
         there.map(|(name, _)| name.clone()).collect()
@@ -174,7 +176,7 @@ impl Hosted {
     }
 
     /// Type of a port's data.
-    pub fn port_type(&self, port: usize) -> Option<&DataType> {
+    pub fn port_type(&self, port: PortIx) -> Option<&DataType> {
         self.plan.port_type(port)
     }
 
@@ -212,7 +214,7 @@ impl Hosted {
     /// Sends a request; `progress` hears how it goes on, from the component's control threads.
     pub fn submit(
         &self,
-        service: usize,
+        service: ServiceIx,
         input: Record,
         progress: impl FnMut(Heard) + Send + 'static,
     ) {
@@ -223,7 +225,7 @@ impl Hosted {
     pub(super) fn submit_by(
         &self,
         ticket: &Ticket,
-        service: usize,
+        service: ServiceIx,
         asked: Asked,
         mut progress: impl FnMut(Heard) + Send + 'static,
     ) {
@@ -270,7 +272,7 @@ impl Hosted {
     }
 
     /// Whether the inputs of a service are to be remembered.
-    fn remembered(&self, service: usize) -> bool {
+    fn remembered(&self, service: ServiceIx) -> bool {
         let service = &self.model().services[service];
         let takes = service.parameters.iter().any(|one| one.direction != Direction::Out);
         !service.standard

@@ -77,7 +77,7 @@ enum First {
 
 fn ask(hosted: &Hosted, service: &str, inputs: &Value) -> Result<First, RequestError> {
     let services = &hosted.model().services;
-    let Some(index) = services.iter().position(|one| one.name == service) else {
+    let Some(index) = services.find(|one| one.name == service) else {
         let help = suggest(service, services.iter().map(|one| one.name.as_str()));
         let why = format!("{} has no service `{service}`; {help}", hosted.name);
         return Err(RequestError::new(&["service"], why));

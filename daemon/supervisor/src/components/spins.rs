@@ -6,6 +6,7 @@
 use std::collections::HashMap;
 use std::time::Instant;
 
+use genom_description::model::TaskIx;
 use genom_runtime::{Unpaused, seconds};
 
 /// Between two readings of a thread's times that are compared.
@@ -55,7 +56,7 @@ struct Reading {
 /// The tasks of one component that do not pause, by their cycles.
 #[derive(Debug, Default)]
 pub(super) struct Spins {
-    readings: HashMap<(usize, u64), Reading>,
+    readings: HashMap<(TaskIx, u64), Reading>,
     /// Those of the last look.
     pub(super) found: Vec<Spin>,
 }
@@ -102,6 +103,8 @@ fn parse(text: &str) -> Option<Times> {
 
 #[cfg(test)]
 mod tests {
+    use genom_description::model::Ix as _;
+
     use super::*;
     use std::time::Duration;
 
@@ -114,7 +117,7 @@ mod tests {
             for_ns: 12_000_000_000,
             steps: 99,
             thread: Some(7),
-            cycle: (0, began),
+            cycle: (TaskIx::new(0), began),
         }
     }
 

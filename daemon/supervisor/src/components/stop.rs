@@ -49,7 +49,7 @@ impl Hosted {
         for remote in 0..self.model().remotes.len() {
             body.bind_remote(remote, None);
         }
-        for (index, port) in self.model().ports.iter().enumerate() {
+        for (index, port) in self.model().ports.pairs() {
             let elements: Vec<Option<String>> = if port.multiple {
                 self.ties.elements(index).into_iter().map(Some).collect()
             } else {

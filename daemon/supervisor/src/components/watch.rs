@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+use genom_description::model::ServiceIx;
 use genom_runtime::plan::Plan;
 use genom_runtime::{Change as Inner, Watcher};
 
@@ -30,7 +31,7 @@ struct Following {
 #[derive(Default)]
 struct Known {
     /// Transitions do not name it. `None` for a permanent activity.
-    service: Option<usize>,
+    service: Option<ServiceIx>,
     /// A state that yields itself at each period is told once.
     last: Option<(usize, bool)>,
 }
@@ -69,7 +70,7 @@ impl BusWatcher {
         }
     }
 
-    fn service(&self, index: usize) -> String {
+    fn service(&self, index: ServiceIx) -> String {
         self.plan.component().services[index].name.clone()
     }
 
@@ -78,7 +79,7 @@ impl BusWatcher {
     }
 
     /// The service of an activity that moved; `None` when there is nothing new to tell.
-    fn moved(&self, activity: u32, to: (usize, bool)) -> Option<Option<usize>> {
+    fn moved(&self, activity: u32, to: (usize, bool)) -> Option<Option<ServiceIx>> {
         self.with_known(|known| {
             let known = known.entry(activity).or_default();
             let new = known.last.replace(to) != Some(to);

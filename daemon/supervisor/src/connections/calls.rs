@@ -5,7 +5,7 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Weak};
 use std::time::Duration;
 
-use genom_description::model::Service;
+use genom_description::model::{Service, ServiceIx};
 use genom_middleware::Outcome as Reply;
 use genom_middleware::{Address, CallError, Client, Middleware, OpenError, ServiceType};
 use genom_runtime::Outcome;
@@ -47,7 +47,7 @@ impl DirectCall {
         Self { components: Arc::downgrade(components), provider, service, digest, version }
     }
 
-    fn provider(&self) -> Option<(Arc<Hosted>, usize)> {
+    fn provider(&self) -> Option<(Arc<Hosted>, ServiceIx)> {
         let hosted = self.components.upgrade()?.get(&self.provider)?;
         let index = hosted.plan().service(&self.service)?;
         Some((hosted, index))

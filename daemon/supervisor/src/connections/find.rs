@@ -80,7 +80,7 @@ impl Connections {
         };
         let (name, element) = (address.port.as_str(), address.element.as_deref());
         let ports = &hosted.model().ports;
-        let found = ports.iter().position(|port| port.name == name);
+        let found = ports.find(|port| port.name == name);
         let Some(port) = found.filter(|&port| ports[port].direction == PortDirection::In) else {
             let message = match found {
                 Some(_) => format!("{}/{name} is an out port", hosted.name),

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use genom_configuration::BackendNames;
+use genom_description::model::PortIx;
 use genom_middleware::{Address, EndpointKind, OpenError, PortSpec, Publisher, Subscription};
 use genom_ports::{Fan, PortKey, Tap};
 use genom_runtime::HeldUp;
@@ -91,7 +92,7 @@ impl Connections {
     pub fn move_to(
         &self,
         hosted: &Arc<Hosted>,
-        port: Option<usize>,
+        port: Option<PortIx>,
         to: &BackendNames,
     ) -> Result<(), BindError> {
         let _turn = hosted.ties.bindings.turn();
@@ -180,7 +181,7 @@ impl Connections {
     fn own_feeds(
         &self,
         hosted: &Arc<Hosted>,
-        port: Option<usize>,
+        port: Option<PortIx>,
         to: &BackendNames,
     ) -> Result<Vec<NewFeed>, BindError> {
         let mut all = Vec::new();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use genom_configuration::BackendNames;
-use genom_description::model::PortDirection;
+use genom_description::model::{PortDirection, PortIx};
 use genom_middleware::{Address, OpenError, PortSpec, Publisher, Quality};
 use genom_ports::{Ends, Fan, PortKey};
 use genom_registry::{BackendError, Backends};
@@ -97,7 +97,7 @@ impl Opening {
         instance: &str,
         ties: &Arc<Ties>,
     ) -> Result<(), BindError> {
-        for (index, port) in plan.component().ports.iter().enumerate() {
+        for (index, port) in plan.component().ports.pairs() {
             if port.direction == PortDirection::Out
                 && !port.multiple
                 && let Some(ty) = plan.port_type(index)
@@ -127,7 +127,7 @@ struct ElementOpener {
 }
 
 impl Opener for ElementOpener {
-    fn open(&self, port: usize, element: &str) -> Result<Box<dyn Publisher>, String> {
+    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, String> {
         let known = self.plan.component().ports.get(port).zip(self.plan.port_type(port));
         let Some((model, ty)) = known else {
             return Err(format!("{} has no port number {port}", self.instance));
@@ -144,7 +144,7 @@ impl Opener for ElementOpener {
         Ok(fan.publisher())
     }
 
-    fn close(&self, port: usize, element: &str) {
+    fn close(&self, port: PortIx, element: &str) {
         self.ties.closed(&PortKey::new(port, Some(element)));
     }
 }

@@ -187,7 +187,7 @@ fn check_local(
     let refuse = |message, help: String| Err(ConnectError::outport(Kind::Port, message, help));
     let (name, element) = split(outport);
     let ports = &writer.model().ports;
-    let found = ports.iter().position(|port| port.name == name);
+    let found = ports.find(|port| port.name == name);
     let Some(port) = found.filter(|&port| ports[port].direction == PortDirection::Out) else {
         let message = match found {
             Some(port) => {

@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
+use genom_description::model::ServiceIx;
 use genom_description::model::ServiceKind as ModelKind;
 use genom_middleware::{
     ActivityId, Middleware, OpenError, Outcome as Reply, Replies, ServiceHandler, ServiceKind,
@@ -38,7 +39,7 @@ fn serve(
     offers: impl Fn(&str) -> bool,
 ) -> Result<ServedServices, BindError> {
     let mut served = Vec::new();
-    for (index, service) in hosted.model().services.iter().enumerate() {
+    for (index, service) in hosted.model().services.pairs() {
         // Not declared at all: a call finds nobody, as if the component had no such service.
         if !offers(&service.name) {
             continue;
@@ -73,7 +74,7 @@ pub(super) fn kind_of(kind: ModelKind) -> ServiceKind {
 struct Handler {
     /// Weak: the component holds the handler.
     hosted: Weak<Hosted>,
-    service: usize,
+    service: ServiceIx,
 }
 
 /// Who gets the answer, until it has it.

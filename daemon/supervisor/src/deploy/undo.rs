@@ -140,8 +140,7 @@ pub(super) fn move_to(
     let bindings = &hosted.ties.bindings;
     let before = port.map_or_else(|| bindings.component(), |port| bindings.port(port));
     let ports = if port.is_none() { bindings.ports() } else { BTreeMap::new() };
-    let index =
-        port.and_then(|port| hosted.model().ports.iter().position(|known| known.name == port));
+    let index = port.and_then(|port| hosted.model().ports.find(|known| known.name == port));
     supervisor.connections.move_to(&hosted, index, to).map_err(|error| error.to_string())?;
     let port = port.map(str::to_owned);
     Ok(Moved { component: component.to_owned(), port, before, ports })

@@ -8,6 +8,7 @@ mod connection;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use genom_description::model::PortIx;
 use genom_middleware::Address;
 use genom_ports::gauge::Gauge;
 use genom_ports::tape::Tapes;
@@ -85,7 +86,7 @@ impl Ties {
 
     /// Elements of a multiple port: opened (out) or connected (in).
     #[must_use]
-    pub fn elements(&self, port: usize) -> Vec<String> {
+    pub fn elements(&self, port: PortIx) -> Vec<String> {
         self.with(|state| {
             let keys = state.opened.keys().chain(state.ports.keys());
             let all: BTreeSet<String> =

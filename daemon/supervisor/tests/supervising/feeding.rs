@@ -43,7 +43,7 @@ fn both_ends_of_a_port_that_is_fed_have_the_quality_that_is_asked_of_it() {
         ..LoadRequest::default()
     };
     let taker = supervisor.load(&request).unwrap_or_else(|error| panic!("{error}"));
-    let rank = taker.model().ports.iter().position(|port| port.name == "value").unwrap();
+    let rank = taker.model().ports.find(|port| port.name == "value").unwrap();
     let fill = |value: &mut genom_types::Record| Ok::<_, FeedError>(value.merge_json(&0.5.into())?);
     supervisor.connections.feed(&taker, &PortKey::new(rank, None), fill, |_| ()).unwrap();
     let opened = own.opened("taker/value");
