@@ -95,7 +95,11 @@ impl Visitor<'_> for Choice {
 
     fn visit_str<E: de::Error>(self, typed: &str) -> Result<bool, E> {
         let Choice((key, on, off)) = &self;
-        let meant = match nearest(typed, [*on, *off]) {
+        let meant = match [*on, *off]
+            .into_iter()
+            .find(|word| *word == typed)
+            .or_else(|| nearest(typed, [*on, *off]))
+        {
             Some(word) => format!("; did you mean `{key} = {}`?", word == *on),
             None => String::new(),
         };
