@@ -32,11 +32,11 @@ mod sse;
 mod table;
 mod target;
 mod terminal;
+mod times;
 mod top;
 mod traffic;
 mod units;
 mod verbs;
-mod within;
 
 use std::process::ExitCode;
 

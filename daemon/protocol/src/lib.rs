@@ -4,6 +4,19 @@
 //! paths, each with what it takes and what it answers, so that a client cannot read a reply as
 //! another one. [`Refusal`] is the one shape of errors, [`Code`] its reasons.
 //!
+//! ```
+//! use genom_protocol::{Address, PortParameters, routes};
+//!
+//! // GET /ports, which answers `Ports`, without their values.
+//! let route = routes::ports().with(&PortParameters { values: Some(false) });
+//! assert_eq!(route.path, "/ports?values=false");
+//!
+//! let Address { component, port, element } = "arm/cameras/left".parse()?;
+//! assert_eq!((component.as_str(), port.as_str()), ("arm", "cameras"));
+//! assert_eq!(element.as_deref(), Some("left"));
+//! # Ok::<(), genom_protocol::address::NoAddress>(())
+//! ```
+//!
 //! Requests refuse members that they do not know; replies are read with members that a later
 //! daemon adds, and optional ones may be missing.
 

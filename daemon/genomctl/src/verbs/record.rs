@@ -15,7 +15,7 @@ use crate::recording::file::{ChannelSummary, Recorder, WriteError};
 use crate::recording::frames::Frames;
 use crate::session::Session;
 use crate::table::Table;
-use crate::within::seconds;
+use crate::times::seconds;
 
 /// How often the file is brought up to date, and the terminal.
 const SAVE: Duration = Duration::from_secs(1);

@@ -9,7 +9,7 @@ use serde_json::json;
 use super::abort;
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::within::seconds;
+use crate::times::seconds;
 
 /// Stop everything: tell every activity of every component to stop, and wait until all have ended.
 ///

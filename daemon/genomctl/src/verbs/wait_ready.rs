@@ -8,7 +8,7 @@ use genom_protocol::{Code, Ready, ReadyParameters, routes};
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::terminal::Progress;
-use crate::within::seconds;
+use crate::times::seconds;
 
 /// Wait until the daemon has loaded all components that it was started with.
 ///

@@ -1,4 +1,4 @@
-//! `--within SECONDS`: how long a verb waits for what it asked for.
+//! Times as arguments, in seconds: `--within 10`, `--duration 0.5`.
 
 use std::time::Duration;
 
