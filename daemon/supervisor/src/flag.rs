@@ -8,6 +8,12 @@ use tokio::sync::watch;
 #[derive(Clone, Debug, Default)]
 pub struct Flag(Arc<watch::Sender<bool>>);
 
+impl Default for Flag {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 impl Flag {
     /// A flag that is down.
     pub fn new() -> Self {
