@@ -1,5 +1,6 @@
 //! Which services of components are offered on which middlewares.
 
+use genom_protocol::STANDARD_SERVICES;
 use genom_registry::known;
 use serde::{Deserialize, Serialize};
 
@@ -16,15 +17,11 @@ pub struct Offers {
     pub deny: Vec<String>,
 }
 
-/// Services that every component has and that are the supervisor's: over a middleware that leaves
-/// the machine they would need no right.
-const SUPERVISORS: [&str; 5] =
-    ["kill", "connect_port", "connect_service", "connect_remote", "abort_activity"];
-
 impl Default for Offers {
+    /// Over a middleware that leaves the machine, what is a supervisor's would need no right.
     fn default() -> Self {
         let on = |backend: &'static str| {
-            SUPERVISORS.iter().map(move |service| format!("{backend}:*/{service}"))
+            STANDARD_SERVICES.iter().map(move |(service, _)| format!("{backend}:*/{service}"))
         };
         Self { allow: vec!["*".to_owned()], deny: on("zenoh").chain(on("ros2")).collect() }
     }
@@ -110,7 +107,7 @@ mod tests {
         let offers = Offers::default();
         for backend in ["zenoh", "ros2"] {
             assert!(offers.offers(backend, "demo", "goto"));
-            for service in SUPERVISORS {
+            for (service, _) in STANDARD_SERVICES {
                 assert!(!offers.offers(backend, "demo", service), "{backend} {service}");
                 assert!(offers.offers("shm", "demo", service));
             }

@@ -5,13 +5,19 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 /// A flag that is raised once and stays up; clones are the same flag.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Flag(Arc<watch::Sender<bool>>);
+
+impl Default for Flag {
+    fn default() -> Self {
+        Self::new()
+    }
+}
 
 impl Flag {
     /// A flag that is down.
     pub fn new() -> Self {
-        Self(Arc::new(watch::Sender::new(false)))
+        Self::default()
     }
 
     /// Raises it; whether it was down.

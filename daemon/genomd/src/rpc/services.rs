@@ -100,11 +100,7 @@ pub(crate) async fn call(
     let index = find(&hosted, &service)?;
     // Some services that every component has do what other resources ask more for.
     if hosted.model().services[index].standard {
-        let right = match service.as_str() {
-            "connect_port" | "connect_service" | "connect_remote" => Right::Wire,
-            "kill" => Right::Admin,
-            _ => Right::Call,
-        };
+        let right = Right::of_standard_service(&service);
         holder.may(right, format_args!("service {service}"))?;
     }
     let refused = |error: InputError| {

@@ -1,6 +1,6 @@
 //! The supervisor as a library: components run in this very process, without a control plane.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests fail them")]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "helpers fail tests")]
 
 mod example;
 mod feeding;
