@@ -5,7 +5,7 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 /// A flag that is raised once and stays up; clones are the same flag.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Flag(Arc<watch::Sender<bool>>);
 
 impl Default for Flag {
@@ -17,7 +17,7 @@ impl Default for Flag {
 impl Flag {
     /// A flag that is down.
     pub fn new() -> Self {
-        Self::default()
+        Self(Arc::new(watch::Sender::new(false)))
     }
 
     /// Raises it; whether it was down.
