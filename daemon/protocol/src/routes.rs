@@ -7,6 +7,7 @@ use std::any::type_name;
 use std::fmt;
 use std::marker::PhantomData;
 
+use percent_encoding::{AsciiSet, NON_ALPHANUMERIC, utf8_percent_encode};
 use serde::Serialize;
 use serde_json::Value;
 
@@ -234,6 +235,9 @@ routes! {
     Get page() "/docs", Bytes;
 }
 
+/// All but the unreserved characters (RFC 3986, 2.3).
+const RESERVED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~');
+
 /// A path with its names, which never leave their segment.
 fn filled(template: &str, parts: &[(&str, &str)]) -> String {
     let mut path = String::new();
@@ -241,22 +245,11 @@ fn filled(template: &str, parts: &[(&str, &str)]) -> String {
         path.push('/');
         let name = segment.strip_prefix('{').and_then(|segment| segment.strip_suffix('}'));
         match name.and_then(|name| parts.iter().find(|(part, _)| *part == name)) {
-            Some((_, value)) => encode(&mut path, value),
+            Some((_, value)) => path.extend(utf8_percent_encode(value, RESERVED)),
             None => path.push_str(segment),
         }
     }
     path
-}
-
-/// Percent-encodes everything but unreserved characters (RFC 3986, 2.3).
-fn encode(out: &mut String, text: &str) {
-    for byte in text.bytes() {
-        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
-            out.push(char::from(byte));
-        } else {
-            out.push_str(&format!("%{byte:02X}"));
-        }
-    }
 }
 
 #[cfg(test)]
