@@ -7,5 +7,6 @@ mod printed;
 mod readme;
 mod reference;
 mod replies;
+mod stops;
 mod tidy;
 mod uses;
