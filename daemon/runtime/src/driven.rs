@@ -1,11 +1,11 @@
 //! The tasks of an instance on a virtual clock, run by the thread that steps the clock.
 
 use std::sync::atomic::Ordering;
-use std::sync::{Mutex, TryLockError};
+use std::sync::{Mutex, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use crate::clock::Driven;
-use crate::control::Phase;
+use crate::control::{Phase, Stage};
 use crate::engine::Engine;
 use crate::lock::{Guard, lock};
 use crate::task::driven::DrivenTask;
@@ -23,6 +23,13 @@ impl Driven for Engine {
     fn run(&self, now: u64) -> bool {
         let Some(driven) = &self.driven else { return false };
         self.run_tasks(lock(driven), now)
+    }
+
+    fn take_in_accepted(&self) {
+        let mut control = self.lock();
+        while control.entries.iter().any(|entry| matches!(entry.stage, Stage::Accepting)) {
+            control = self.quiet.wait(control).unwrap_or_else(PoisonError::into_inner);
+        }
     }
 }
 

@@ -13,6 +13,9 @@ pub(crate) trait Driven: Send + Sync {
     fn next_date(&self) -> Option<u64>;
     /// Runs all that is to be done at this date; `false` when nothing was.
     fn run(&self, now: u64) -> bool;
+    /// Waits until activities that were accepted are where a tick finds them. Who asked is told
+    /// before that, and may step at once from another thread.
+    fn take_in_accepted(&self);
 }
 
 /// Time that advances when it is told.
@@ -54,11 +57,14 @@ impl VirtualClock {
     /// Advances by `duration`, running every tick on the way at its date, and what follows from
     /// it. Stepping by zero runs what is pending now.
     ///
-    /// Must not be called by a codel.
+    /// Must not be called by a codel, nor by the reply to a request.
     pub fn step(&self, duration: Duration) {
         let _one = self.stepping.lock().unwrap_or_else(PoisonError::into_inner);
         let span = nanos(duration);
         let target = self.now().saturating_add(span);
+        for driven in self.driven() {
+            driven.take_in_accepted();
+        }
         self.settle();
         loop {
             let next = self.driven().iter().filter_map(|driven| driven.next_date()).min();

@@ -65,6 +65,8 @@ impl Engine {
             }
             self.examine(&mut control, &mut after);
         }
+        // A step of the virtual clock waits for this.
+        self.quiet.notify_all();
         self.shared.wake_control();
         self.finish_off(after);
     }
