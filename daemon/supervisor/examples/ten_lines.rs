@@ -1,7 +1,7 @@
 //! A robot without the daemon: starts the demo and calls services of it.
 //!
 //! ```sh
-//! cargo demo --build
+//! cargo demo
 //! cargo run -p genom-supervisor --example ten_lines target/components/demo/demo.so
 //! ```
 
