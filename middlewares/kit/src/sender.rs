@@ -124,6 +124,23 @@ impl<D: Duty> Orders<D> {
         self.ring();
     }
 
+    /// Keeps the first out port from sending until the result is dropped: for tests of what
+    /// real-time callers feel of a stalled network. It holds when this returns.
+    #[must_use]
+    pub fn stall(&self) -> impl Send + use<D> {
+        let (release, held) = channel::<()>();
+        let (begun, begins) = channel();
+        self.submit(move |_, lines| {
+            lines.find(|_| {
+                let _ = begun.send(());
+                let _ = held.recv();
+                Some(())
+            });
+        });
+        let _ = begins.recv();
+        release
+    }
+
     /// Sends what an out port still has, takes it away, and has it ended by `end`. Waits for
     /// that, except on the thread itself.
     pub fn remove(&self, number: usize, end: impl FnOnce(&mut D, D::Line) + Send + 'static) {

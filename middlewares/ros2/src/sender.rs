@@ -4,7 +4,6 @@ use std::collections::HashMap;
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::channel;
 use std::time::{Duration, Instant};
 
 use genom_kit::lines::Lines;
@@ -179,17 +178,7 @@ impl Orders {
 
     /// Keeps the first out port from sending until the result is dropped.
     pub(crate) fn stall(&self) -> impl Send + use<> {
-        let (release, held) = channel::<()>();
-        let (begun, begins) = channel();
-        self.thread.submit(move |_, lines| {
-            lines.find(|_| {
-                let _ = begun.send(());
-                let _ = held.recv();
-                Some(())
-            });
-        });
-        let _ = begins.recv();
-        release
+        self.thread.stall()
     }
 }
 

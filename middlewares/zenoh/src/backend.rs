@@ -66,17 +66,7 @@ impl Zenoh {
     #[doc(hidden)]
     #[must_use]
     pub fn stall(&self) -> impl Send + use<> {
-        let (release, held) = std::sync::mpsc::channel::<()>();
-        let (begun, begins) = std::sync::mpsc::channel();
-        self.core.orders().submit(move |_, lines| {
-            lines.find(|_| {
-                let _ = begun.send(());
-                let _ = held.recv();
-                Some(())
-            });
-        });
-        let _ = begins.recv();
-        release
+        self.core.orders().stall()
     }
 }
 
