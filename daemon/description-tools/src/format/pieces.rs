@@ -1,5 +1,7 @@
 //! Cuts a text into tokens, comments and directives, all of them kept as written.
 
+use genom_text::preprocess::sign_length;
+
 use super::error::FormatError;
 
 /// What a piece is.
@@ -300,16 +302,7 @@ impl Cutter<'_> {
 
     fn sign(&mut self) -> PieceKind {
         let rest = self.text.get(self.at..).unwrap_or_default();
-        let length = match rest.as_bytes() {
-            [b'<', b':', b':', after, ..] if !matches!(after, b':' | b'>') => 1,
-            [b':', b':', ..]
-            | [b'<', b'<' | b'%' | b':', ..]
-            | [b'>', b'>', ..]
-            | [b'%' | b':', b'>', ..]
-            | [b'#', b'#', ..] => 2,
-            _ => rest.chars().next().map_or(1, char::len_utf8),
-        };
-        self.at += length;
+        self.at += sign_length(rest);
         PieceKind::Sign
     }
 }

@@ -18,6 +18,7 @@ mod scanner;
 mod state;
 
 pub use options::Options;
+pub use scanner::sign_length;
 
 use std::path::{Path, PathBuf};
 

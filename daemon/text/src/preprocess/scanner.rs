@@ -5,8 +5,7 @@
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::ptoken::{Kind, PToken, Text};
-use crate::source::Logical;
-use crate::source::Span;
+use crate::source::{Logical, Span};
 
 /// A file being read.
 #[derive(Debug)]
@@ -230,14 +229,7 @@ impl Scanner {
         let bytes = rest.as_bytes();
         let length = match bytes {
             [b'.', b'.', b'.', ..] => 3,
-            // As in C++11: `<::` is `<` and `::` unless a digraph is really meant.
-            [b'<', b':', b':', after, ..] if !matches!(after, b':' | b'>') => 1,
-            [b':', b':', ..]
-            | [b'<', b'<' | b'%' | b':', ..]
-            | [b'>', b'>', ..]
-            | [b'%' | b':', b'>', ..]
-            | [b'#', b'#', ..] => 2,
-            _ => rest.chars().next().map_or(1, char::len_utf8),
+            _ => sign_length(rest),
         };
         self.at += length;
         match bytes.first() {
@@ -261,4 +253,19 @@ impl Scanner {
 
 fn offset(at: usize) -> u32 {
     u32::try_from(at).unwrap_or(u32::MAX)
+}
+
+/// Bytes of the punctuation that a text begins with: one character, or two that are one sign.
+#[must_use]
+pub fn sign_length(rest: &str) -> usize {
+    match rest.as_bytes() {
+        // As in C++11: `<::` is `<` and `::` unless a digraph is really meant.
+        [b'<', b':', b':', after, ..] if !matches!(after, b':' | b'>') => 1,
+        [b':', b':', ..]
+        | [b'<', b'<' | b'%' | b':', ..]
+        | [b'>', b'>', ..]
+        | [b'%' | b':', b'>', ..]
+        | [b'#', b'#', ..] => 2,
+        _ => rest.chars().next().map_or(1, char::len_utf8),
+    }
 }
