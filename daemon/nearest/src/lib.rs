@@ -41,15 +41,21 @@ pub fn nearest_key(message: &str) -> Option<String> {
     nearest(unknown, quoted).map(str::to_owned)
 }
 
-/// ``did you mean `x`? ``, or all candidates when none is near.
+/// ``did you mean `x`?``, when a candidate is near.
+#[must_use]
+pub fn meant<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    nearest(typed, candidates).map(|near| format!("did you mean `{near}`?"))
+}
+
+/// ``did you mean `x`?``, or all candidates when none is near.
 #[must_use]
 pub fn suggest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     let candidates: Vec<&str> = candidates.into_iter().collect();
-    match nearest(typed, candidates.iter().copied()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None if candidates.is_empty() => "there is none".to_owned(),
-        None => format!("there are: {}", candidates.join(", ")),
-    }
+    let meant = meant(typed, candidates.iter().copied());
+    meant.unwrap_or_else(|| match candidates.is_empty() {
+        true => "there is none".to_owned(),
+        false => format!("there are: {}", candidates.join(", ")),
+    })
 }
 
 #[cfg(test)]

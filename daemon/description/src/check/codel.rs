@@ -248,13 +248,10 @@ impl Checker {
                         names.extend(body.remotes.keys().map(|name| &**name));
                         names
                     });
-                    let near = service.and_then(|service| {
-                        let all = service.parameters.iter().chain(&service.locals);
-                        genom_nearest::nearest(&name.text, all.map(|p| &*p.name))
-                    });
+                    let near = service.and_then(|service| near_parameter(service, &name.text));
                     let message = format!("unknown source for parameter `{}`", name.text);
                     let mut error = Diagnostic::error("E0712", name.span, message);
-                    error.help = near.map(|near| format!("did you mean `{near}`?")).or(help);
+                    error.help = near.or(help);
                     self.push(error);
                 }
                 None
@@ -290,12 +287,8 @@ impl Checker {
         let Some((rank, ty, count)) = found else {
             if !self.lost.contains(&name.text) {
                 let message = format!("no such service parameter `{}`", name.text);
-                let near = service.and_then(|service| {
-                    let all = service.parameters.iter().chain(&service.locals);
-                    genom_nearest::nearest(&name.text, all.map(|p| &*p.name))
-                });
                 let mut error = Diagnostic::error("E0718", name.span, message);
-                error.help = near.map(|near| format!("did you mean `{near}`?"));
+                error.help = service.and_then(|service| near_parameter(service, &name.text));
                 self.push(error);
             }
             return None;
@@ -447,4 +440,10 @@ impl Checker {
             );
         }
     }
+}
+
+/// Help with the nearest of the parameters and locals of a service.
+fn near_parameter(service: &Service, name: &str) -> Option<String> {
+    let all = service.parameters.iter().chain(&service.locals);
+    genom_nearest::meant(name, all.map(|p| &*p.name))
 }

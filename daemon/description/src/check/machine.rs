@@ -166,13 +166,11 @@ impl Checker {
                     .and_then(|(_, yields)| yields.iter().find(|e| *e.name.text == *name))
                     .map_or(codel.syntax.name.span, |event| event.name.span);
                 let near = by_state.keys().map(|state| self.state_name(id, *state));
-                let near = genom_nearest::nearest(&name, near);
+                let near = genom_nearest::meant(&name, near);
                 let message = format!("state `{name}` has no codel");
                 let mut error = Diagnostic::error("E0709", span, message);
-                error.help = Some(match near {
-                    Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("add `codel<{name}>`, or yield `ether` to end"),
-                });
+                error.help =
+                    near.or_else(|| Some(format!("add `codel<{name}>`, or yield `ether` to end")));
                 self.push(error);
             }
         }

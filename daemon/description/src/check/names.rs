@@ -133,8 +133,7 @@ impl Checker {
     ) -> Option<String> {
         self.suggestions = self.suggestions.checked_sub(1)?;
         let this: &'s Self = self;
-        let near = genom_nearest::nearest(word, names(this))?;
-        Some(format!("did you mean `{near}`?"))
+        genom_nearest::meant(word, names(this))
     }
 
     /// An entity in a message, with its article.

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use genom_nearest::nearest;
+use genom_nearest::meant;
 
 use super::{Parsed, Parser};
 use crate::syntax::{Name, Property, PropertyKind, Quantity, TimeUnit};
@@ -54,10 +54,7 @@ impl Parser<'_> {
                 Ok(Some(property)) => properties.push(property),
                 // genom3.md 3.1 L7.
                 Ok(None) => {
-                    let help = self
-                        .word()
-                        .and_then(|word| nearest(word, PROPERTIES))
-                        .map(|near| format!("did you mean `{near}`?"));
+                    let help = self.word().and_then(|word| meant(word, PROPERTIES));
                     let _ = self.refuse::<()>("E0107", "a property", help);
                     self.recover(level, from);
                 }

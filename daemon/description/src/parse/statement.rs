@@ -1,6 +1,6 @@
 //! Statements at top level, in modules and in components.
 
-use genom_nearest::nearest;
+use genom_nearest::meant;
 
 use super::{Parsed, Parser};
 use crate::syntax::{
@@ -92,10 +92,9 @@ impl Parser<'_> {
             _ => match self.idl()? {
                 Some(idl) => Ok(Statement::Idl(idl)),
                 None => {
-                    let near = self.word().and_then(|word| {
-                        nearest(word, EXPORTS.iter().copied().chain(["component", "interface"]))
+                    let help = self.word().and_then(|word| {
+                        meant(word, EXPORTS.iter().copied().chain(["component", "interface"]))
                     });
-                    let help = near.map(|near| format!("did you mean `{near}`?"));
                     let _ = start;
                     self.refuse("E0104", "`component`, `interface` or an IDL definition", help)
                 }
@@ -170,8 +169,7 @@ impl Parser<'_> {
                 let help = match self.word() {
                     Some("remote") => Some("remotes come from `uses INTERFACE;`".to_owned()),
                     Some("template") => Some("templates are gone since GenoM 3".to_owned()),
-                    Some(word) => nearest(word, EXPORTS.iter().copied())
-                        .map(|near| format!("did you mean `{near}`?")),
+                    Some(word) => meant(word, EXPORTS.iter().copied()),
                     None if self.is(";") => Some("remove this `;`".to_owned()),
                     None => None,
                 };
