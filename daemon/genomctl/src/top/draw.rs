@@ -66,30 +66,40 @@ fn alarm(bad: bool) -> Style {
     if bad { Style::new().fg(Color::Red) } else { Style::new() }
 }
 
+/// A row: its cells, and what colour it has.
+type Cells = (Vec<String>, Style);
+
+/// Rows from the `scroll`-th on. Columns of at least a width ([`Constraint::Min`]) are names,
+/// which somebody may want to type: they are never cut for the others, whatever is scrolled to.
 fn table(
     frame: &mut Frame<'_>,
     area: Rect,
     header: &[&str],
-    rows: Vec<Row<'_>>,
+    rows: Vec<Cells>,
+    scroll: usize,
     widths: &[Constraint],
 ) {
     let below = Rect { y: area.y + 1, height: area.height.saturating_sub(1), ..area };
     let header = Row::new(header.iter().map(|&cell| cell.to_owned()))
         .style(Style::new().add_modifier(Modifier::REVERSED));
+    let whole = |(column, width): (usize, &Constraint)| match *width {
+        Constraint::Min(least) => {
+            let cells = rows.iter().filter_map(|(cells, _)| cells.get(column));
+            let longest = cells.map(|name| Line::raw(name.as_str()).width()).max().unwrap_or(0);
+            Constraint::Min(u16::try_from(longest).unwrap_or(u16::MAX).max(least))
+        }
+        other => other,
+    };
+    let widths: Vec<Constraint> = widths.iter().enumerate().map(whole).collect();
+    let rows = rows.into_iter().skip(scroll).map(|(cells, style)| Row::new(cells).style(style));
     frame.render_widget(Table::new(rows, widths).header(header).column_spacing(2), below);
-}
-
-/// A column of names, which somebody may want to type: it is never cut for the others.
-fn whole<S: AsRef<str>>(names: impl Iterator<Item = S>, least: u16) -> Constraint {
-    let longest = names.map(|name| Line::raw(name.as_ref()).width()).max().unwrap_or(0);
-    Constraint::Min(u16::try_from(longest).unwrap_or(u16::MAX).max(least))
 }
 
 fn draw_tasks(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
     let rows = now.tasks().map(|(component, task)| {
         let period = task.period_ns.map_or_else(|| "-".to_owned(), duration);
         let late = task.period_ns.is_some_and(|period| task.cycles.max_ns > period);
-        Row::new([
+        let cells = vec![
             format!("{component}/{}", task.name),
             period,
             if task.real_time { "yes" } else { "no" }.to_owned(),
@@ -98,14 +108,13 @@ fn draw_tasks(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
             duration(task.cycles.mean_ns),
             duration(task.cycles.max_ns),
             duration(task.lateness.p99_ns),
-        ])
-        .style(alarm(task.overruns > 0 || late))
+        ];
+        (cells, alarm(task.overruns > 0 || late))
     });
     let header = ["TASK", "PERIOD", "RT", "CYCLES", "OVERRUNS", "WORK", "LONGEST", "LATE P99"];
     let widths = [16, 10, 3, 9, 8, 10, 10, 10].map(Constraint::Length);
-    let names = now.tasks().map(|(component, task)| format!("{component}/{}", task.name));
-    let widths = [&[whole(names, 16)], &widths[1..]].concat();
-    table(frame, area, &header, rows.collect(), &widths);
+    let widths = [&[Constraint::Min(16)], &widths[1..]].concat();
+    table(frame, area, &header, rows.collect(), 0, &widths);
 }
 
 fn draw_activities(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
@@ -114,13 +123,11 @@ fn draw_activities(frame: &mut Frame<'_>, area: Rect, now: &Snapshot) {
         let style = alarm(exception.is_some());
         let state = exception.or_else(|| one.state.clone()).unwrap_or_default();
         let name = format!("{component}/{}", one.service);
-        Row::new([name, one.activity.to_string(), one.status.to_string(), state]).style(style)
+        (vec![name, one.activity.to_string(), one.status.to_string(), state], style)
     });
-    let names = now.activities().into_iter();
-    let names = names.map(|(component, one)| format!("{component}/{}", one.service));
     let widths =
-        [whole(names, 16), Constraint::Length(8), Constraint::Length(10), Constraint::Fill(2)];
-    table(frame, area, &["ACTIVITY", "NUMBER", "STATUS", "STATE"], rows.collect(), &widths);
+        [Constraint::Min(16), Constraint::Length(8), Constraint::Length(10), Constraint::Fill(2)];
+    table(frame, area, &["ACTIVITY", "NUMBER", "STATUS", "STATE"], rows.collect(), 0, &widths);
 }
 
 fn draw_ports(
@@ -130,11 +137,11 @@ fn draw_ports(
     before: Option<&Snapshot>,
     scroll: usize,
 ) {
-    let rows = now.ports.iter().skip(scroll).map(|port| {
+    let rows = now.ports.iter().map(|port| {
         let rate = before.and_then(|before| now.rate(port, before));
         let dash = || "-".to_owned();
         let dropped = port.traffic.map_or(0, |traffic| traffic.dropped);
-        Row::new([
+        let cells = vec![
             port.address.clone(),
             port.direction.to_string(),
             port.backend.to_string(),
@@ -142,20 +149,20 @@ fn draw_ports(
             port.traffic.map_or_else(dash, |traffic| traffic.samples.to_string()),
             dropped.to_string(),
             port.connected.clone().unwrap_or_else(dash),
-        ])
-        .style(alarm(dropped > 0))
+        ];
+        (cells, alarm(dropped > 0))
     });
     let widths = [
-        whole(now.ports.iter().map(|port| &port.address), 20),
+        Constraint::Min(20),
         Constraint::Length(3),
         Constraint::Length(10),
         Constraint::Length(10),
         Constraint::Length(9),
         Constraint::Length(7),
-        whole(now.ports.iter().filter_map(|port| port.connected.as_ref()), 9),
+        Constraint::Min(9),
     ];
     let header = ["PORT", "DIR", "BACKEND", "RATE", "SAMPLES", "DROPPED", "CONNECTED"];
-    table(frame, area, &header, rows.collect(), &widths);
+    table(frame, area, &header, rows.collect(), scroll, &widths);
 }
 
 /// The table as plain text, all of it, so many columns wide.
