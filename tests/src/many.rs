@@ -64,6 +64,8 @@ pub struct Footprint {
     pub resident: u64,
     /// That part of it which is shared memory, KiB.
     pub shared: u64,
+    /// The most that was in RAM at once, KiB.
+    pub peak: u64,
     /// Threads.
     pub threads: u64,
 }
@@ -88,6 +90,7 @@ impl Footprint {
             segments: maps.lines().filter(|line| line.contains("/dev/shm/")).count(),
             resident: number("VmRSS:"),
             shared: number("RssShmem:"),
+            peak: number("VmHWM:"),
             threads: number("Threads:"),
         }
     }

@@ -140,19 +140,26 @@ mod tests {
         assert_eq!(snapshot.latest(), Some(4.into()), "looking again shows it again");
     }
 
-    #[test]
-    fn a_large_value_is_copied_at_first_and_while_somebody_looks() {
+    /// An array of octets that is copied only while somebody looks.
+    fn large() -> Record {
         let mut table = TypeTable::default();
         let element = table.add(Kind::Octet);
         let length = u32::try_from(LARGE).unwrap() + 1;
         let array = table.add(Kind::Array { element, length });
-        let mut value = Record::new(&DataType::new(&Arc::new(table), array).unwrap());
+        Record::new(&DataType::new(&Arc::new(table), array).unwrap())
+    }
+
+    fn offer_filled(snapshot: &Snapshot, value: &mut Record, byte: u8) {
+        value.set_bytes(&vec![byte; LARGE + 1]).unwrap();
+        // SAFETY: only the thread of the test offers.
+        unsafe { snapshot.offer(value) };
+    }
+
+    #[test]
+    fn a_large_value_is_copied_at_first_and_while_somebody_looks() {
+        let mut value = large();
         let snapshot = Snapshot::new(value.ty());
-        let mut offer = |byte| {
-            value.set_bytes(&vec![byte; LARGE + 1]).unwrap();
-            // SAFETY: only this thread offers.
-            unsafe { snapshot.offer(&value) };
-        };
+        let mut offer = |byte| offer_filled(&snapshot, &mut value, byte);
         let first = |value: Option<Value>| value.unwrap()[0].clone();
         offer(1);
         offer(2);
@@ -163,17 +170,9 @@ mod tests {
 
     #[test]
     fn a_copy_of_an_older_value_is_not_told_as_the_last() {
-        let mut table = TypeTable::default();
-        let element = table.add(Kind::Octet);
-        let length = u32::try_from(LARGE).unwrap() + 1;
-        let array = table.add(Kind::Array { element, length });
-        let mut value = Record::new(&DataType::new(&Arc::new(table), array).unwrap());
+        let mut value = large();
         let snapshot = Snapshot::new(value.ty());
-        let mut offer = |byte| {
-            value.set_bytes(&vec![byte; LARGE + 1]).unwrap();
-            // SAFETY: only this thread offers.
-            unsafe { snapshot.offer(&value) };
-        };
+        let mut offer = |byte| offer_filled(&snapshot, &mut value, byte);
         let first = |value: Option<Record>| value.map(|value| value.bytes().unwrap()[0]);
         assert_eq!(first(snapshot.last()), None);
         offer(1);

@@ -6,20 +6,13 @@ mod forger;
 use std::net::UdpSocket;
 
 use forger::{Forger, USER, announcement_ports, fragment, gap, heartbeat, ports};
-use genom_tests::{Daemon, Home, component, path, until};
+use genom_tests::{Daemon, Footprint, Home, component, path, until};
 
 /// Ticks of the demo's task so far.
 fn ticks(daemon: &Daemon) -> u64 {
     let told = daemon.json(&["stats", "demo"]);
     let tasks = told["tasks"].as_array().unwrap();
     tasks.iter().map(|task| task["cycles"]["count"].as_u64().unwrap()).sum()
-}
-
-/// Bytes of memory that a process has had at most.
-fn peak(process: u32) -> u64 {
-    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
-    line.trim().trim_end_matches(" kB").parse::<u64>().unwrap() << 10
 }
 
 #[test]
@@ -33,7 +26,7 @@ fn a_component_goes_on_under_datagrams_that_would_end_its_daemon() {
     let socket = UdpSocket::bind(("127.0.0.1", 0)).unwrap();
     let port = socket.local_addr().unwrap().port();
     let forger = Forger(*b"\x01\x10forged....");
-    let before = peak(daemon.process().id());
+    let before = Footprint::of(daemon.process().id()).peak;
     // Known first, with a writer of what the demo reads.
     let announced = || {
         for to in announcement_ports(domain) {
@@ -64,6 +57,6 @@ fn a_component_goes_on_under_datagrams_that_would_end_its_daemon() {
     });
     let then = ticks(&daemon);
     until("the task goes on", || ticks(&daemon) > then + 5);
-    let grown = peak(daemon.process().id()).saturating_sub(before) >> 20;
+    let grown = Footprint::of(daemon.process().id()).peak.saturating_sub(before) >> 10;
     assert!(grown < 64, "{grown} MiB more");
 }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use genom_tests::{Daemon, Finished, Running, component, path, program};
+use genom_tests::{Daemon, Finished, Footprint, Running, component, path, program};
 
 /// What the program may allocate, in KiB: the system refuses it more, and the program ends.
 const ROOM: &str = "300000";
@@ -150,13 +150,6 @@ fn long_texts_end() {
     refused(&format!("{}{types}{}", repeat(90, deep), "};\n".repeat(90)), "[E0408]");
 }
 
-/// KiB of memory that a process has had at most.
-fn peak(process: u32) -> u64 {
-    let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
-    line.trim().trim_end_matches(" kB").parse().unwrap()
-}
-
 #[test]
 fn a_daemon_that_is_to_load_them_stays_within_as_much_and_goes_on() {
     let daemon = Daemon::demo("local");
@@ -178,7 +171,7 @@ fn a_daemon_that_is_to_load_them_stays_within_as_much_and_goes_on() {
         fs::write(&file, text).unwrap();
         daemon.ctl(&["load", path(&file)]).expect_code(1).expect_err(code);
     }
-    let peak = peak(daemon.process().id());
+    let peak = Footprint::of(daemon.process().id()).peak;
     assert!(peak < 300_000, "{peak} KiB");
     daemon.ctl(&["call", "demo", "get_speed"]).expect_code(0);
 }

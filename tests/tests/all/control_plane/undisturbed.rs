@@ -168,22 +168,10 @@ fn under_attack(doors: &Doors, work: impl FnOnce()) -> u64 {
     let foes = Foes { doors, enough: AtomicBool::new(false), attacks: AtomicU64::new(0) };
     thread::scope(|scope| {
         for door in [0, 1] {
-            scope.spawn({
+            for attack in [Foes::noise, Foes::halves, Foes::deaf, Foes::large] {
                 let foes = &foes;
-                move || foes.noise(door)
-            });
-            scope.spawn({
-                let foes = &foes;
-                move || foes.halves(door)
-            });
-            scope.spawn({
-                let foes = &foes;
-                move || foes.deaf(door)
-            });
-            scope.spawn({
-                let foes = &foes;
-                move || foes.large(door)
-            });
+                scope.spawn(move || attack(foes, door));
+            }
         }
         // Also when the work panics.
         let _end = End(&foes.enough);
