@@ -4,7 +4,8 @@
 
 use std::io::Write as _;
 
-use crate::loading::{self, LoadError};
+use genom_supervisor::loading::{self, LoadError};
+
 use crate::run::Refusal;
 use crate::settings::Settings;
 

@@ -4,8 +4,7 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use clap::{Parser, ValueHint};
-
-use crate::config::{ClockKind, Config};
+use genom_configuration::{ClockKind, Config};
 
 /// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
 /// here.

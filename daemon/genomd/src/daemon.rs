@@ -3,10 +3,10 @@
 use std::ops::Deref;
 use std::sync::Arc;
 
+use genom_configuration::RpcSettings;
 use genom_supervisor::Supervisor;
 
 use crate::announcements::Announcements;
-use crate::config::RpcSettings;
 use crate::settings::Settings;
 use crate::slots::Slots;
 use crate::startup::Startup;

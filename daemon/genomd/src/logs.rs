@@ -6,7 +6,9 @@ use std::sync::LazyLock;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use genom_host::StandardError;
+use genom_ports::dates::Dates;
 use genom_protocol::{Level as Grade, LogEntry};
+use genom_supervisor::bus::Numbers;
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::filter::{LevelFilter, filter_fn};
@@ -14,8 +16,6 @@ use tracing_subscriber::layer::{Context, SubscriberExt as _};
 use tracing_subscriber::util::SubscriberInitExt as _;
 use tracing_subscriber::{EnvFilter, Layer};
 
-use crate::bus::Numbers;
-use crate::dates::Dates;
 use crate::telemetry;
 
 /// The crates that a filter calls `genomd`: users see one program.
@@ -163,7 +163,7 @@ mod tests {
             tracing::warn!(instance = "arm", task = "main", "cannot run on {}", 3);
         });
         let kept = past().listen(Some(0)).take_past();
-        let mine = |entry: &&crate::bus::Numbered| entry.data["component"] == "arm";
+        let mine = |entry: &&genom_supervisor::bus::Numbered| entry.data["component"] == "arm";
         let entry = kept.iter().find(mine).expect("it was kept");
         assert_eq!(entry.data["level"], "warn");
         assert_eq!(entry.data["message"], "cannot run on 3 task=\"main\"");

@@ -23,16 +23,9 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{CommandFactory as _, Parser as _};
-use genom_configuration as config;
-use genom_ports::dates;
-use genom_registry as registry;
-use genom_supervisor::{
-    bus, components as hosting, connections, deploy, ending, flag, limits, loading, recording,
-    spans, ties,
-};
+use genom_configuration::Config;
 
 use crate::cli::Cli;
-use crate::config::Config;
 use crate::run::Refusal;
 use crate::settings::Settings;
 
@@ -79,8 +72,8 @@ fn settings(cli: Cli) -> Result<Settings, Refusal> {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage)?;
     let settings = Settings::new(cli, config).map_err(Refusal::usage)?;
     logs::start(&settings.log, settings.collector.is_some()).map_err(Refusal::usage)?;
-    registry::check(&settings.supervisor.backend).map_err(Refusal::usage)?;
-    registry::check_options(&settings.supervisor.backends).map_err(Refusal::usage)?;
+    genom_registry::check(&settings.supervisor.backend).map_err(Refusal::usage)?;
+    genom_registry::check_options(&settings.supervisor.backends).map_err(Refusal::usage)?;
     Ok(settings)
 }
 
@@ -109,7 +102,7 @@ fn dump_config(cli: &Cli) -> ExitCode {
 
 fn version() -> String {
     let mut text = format!("genomd {}\n", env!("CARGO_PKG_VERSION"));
-    for known in registry::known() {
+    for known in genom_registry::known() {
         text.push_str(&format!("backend {} ({})\n", known.name, known.version));
     }
     text

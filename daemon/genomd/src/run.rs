@@ -6,15 +6,15 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
+use genom_configuration::{RpcSettings, Spot};
 use genom_host::{KeptProcess, StandardError};
+use genom_supervisor::deploy::Step;
+use genom_supervisor::deploy::apply::{ApplyError, apply};
+use genom_supervisor::deploy::plan::plan;
+use genom_supervisor::limits;
+use genom_supervisor::loading::{self, LoadError};
 
-use crate::config::{RpcSettings, Spot};
 use crate::daemon::Daemon;
-use crate::deploy::Step;
-use crate::deploy::apply::{ApplyError, apply};
-use crate::deploy::plan::plan;
-use crate::limits;
-use crate::loading::{self, LoadError};
 use crate::memory;
 use crate::rpc;
 use crate::rpc::access::{Door, Log};

@@ -2,12 +2,12 @@
 
 use std::path::PathBuf;
 
+use genom_configuration::{
+    Config, Deployment, LoadRequest, MOST_ACTIVITIES, MemoryCheck, RpcSettings, UsageError, levels,
+};
 use genom_supervisor::settings::Settings as Supervised;
 
 use crate::cli::Cli;
-use crate::config::{
-    Config, Deployment, LoadRequest, MOST_ACTIVITIES, MemoryCheck, RpcSettings, UsageError, levels,
-};
 use crate::telemetry::Collector;
 
 /// Everything decided before anything starts.
@@ -96,8 +96,9 @@ fn host(check: MemoryCheck) -> genom_host::MemoryCheck {
 mod tests {
     use clap::Parser as _;
 
+    use genom_configuration::ClockKind;
+
     use super::*;
-    use crate::config::ClockKind;
 
     fn settings(arguments: &[&str]) -> Result<Settings, String> {
         let cli = Cli::try_parse_from(std::iter::once(&"genomd").chain(arguments)).unwrap();

@@ -2,7 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use crate::flag::Flag;
+use genom_supervisor::flag::Flag;
 
 /// What is still to be loaded, and whether all is there.
 pub(crate) struct Startup {

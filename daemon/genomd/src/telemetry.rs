@@ -11,6 +11,8 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use axum::body::{Body, to_bytes};
 use axum::http::{Request, Uri, header};
+use genom_supervisor::flag::Flag;
+use genom_supervisor::spans::TARGET;
 use hyper::client::conn::http1;
 use hyper_util::rt::TokioIo;
 use serde_json::{Map, Value, json};
@@ -22,9 +24,6 @@ use tracing::{Metadata, Subscriber};
 use tracing_subscriber::Layer;
 use tracing_subscriber::layer::Context;
 use tracing_subscriber::registry::LookupSpan;
-
-use crate::flag::Flag;
-use crate::spans::TARGET;
 
 /// Spans that wait for the collector at most.
 const MOST: usize = 4096;

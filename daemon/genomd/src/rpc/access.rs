@@ -9,9 +9,9 @@ use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
+use genom_configuration::Right;
 use genom_protocol::Code;
 
-use crate::config::Right;
 use crate::rpc::error::RpcError;
 use crate::rpc::guests::{Guest, Held};
 use crate::rpc::holder::Holder;

@@ -6,9 +6,9 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_protocol::{Aborted, AbortedActivity, Activities, AllAborted, Code, LookParameters};
+use genom_supervisor::components::{Activity, Hosted};
 
 use crate::daemon::Daemon;
-use crate::hosting::{Activity, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{self, Parameters};

@@ -6,8 +6,8 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_protocol::{Code, MoveRequest, Moved};
+use genom_supervisor::connections::BindError;
 
-use crate::connections::BindError;
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;

@@ -2,8 +2,7 @@
 
 use genom_protocol::{RunningCodel, Spin, Unpaused};
 use genom_runtime as runtime;
-
-use crate::hosting;
+use genom_supervisor::components;
 
 /// A codel that runs, as it is told.
 pub(super) fn running(of: &runtime::RunningCodel) -> RunningCodel {
@@ -17,7 +16,7 @@ pub(super) fn running(of: &runtime::RunningCodel) -> RunningCodel {
 }
 
 /// A task that keeps a processor, as it is told.
-pub(super) fn spin(of: &hosting::Spin) -> Spin {
+pub(super) fn spin(of: &components::Spin) -> Spin {
     Spin { unpaused: unpaused(&of.unpaused), processor: of.processor }
 }
 

@@ -7,13 +7,13 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_description_tools as tools;
 use genom_protocol::{Code, Component, Components, Description, LeftBehind, LoadRequest, Unloaded};
+use genom_registry::BackendError;
 use genom_runtime::seconds;
+use genom_supervisor::components::{Hosted, UnloadError};
+use genom_supervisor::loading::{self, LoadError};
 use serde_json::Value;
 
 use crate::daemon::Daemon;
-use crate::hosting::{Hosted, UnloadError};
-use crate::loading::{self, LoadError};
-use crate::registry::BackendError;
 use crate::rpc::codels;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;

@@ -5,18 +5,18 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_configuration::terms;
 use genom_protocol::{
     Code, Connection as Made, ConnectionKind, ConnectionRequest, Connections, Disconnected,
     NoPolicy,
 };
+use genom_supervisor::connections::{self, ConnectError, Patience};
+use genom_supervisor::ties::Connection;
 
-use crate::config::terms;
-use crate::connections::{self, ConnectError, Patience};
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
 use crate::rpc::{components, ports};
-use crate::ties::Connection;
 
 /// List the connections.
 #[utoipa::path(

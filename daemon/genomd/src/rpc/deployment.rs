@@ -7,14 +7,14 @@ use std::time::Duration;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::{Extension, Json};
+use genom_configuration::{Config, ConfigError, Deployment, Right, Spot};
 use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment};
+use genom_supervisor::deploy::apply::ApplyError;
+use genom_supervisor::deploy::plan::PlanError;
+use genom_supervisor::deploy::{self, Step};
 use serde_json::{Map, Value};
 
-use crate::config::{Config, ConfigError, Deployment, Right, Spot};
 use crate::daemon::Daemon;
-use crate::deploy::apply::ApplyError;
-use crate::deploy::plan::PlanError;
-use crate::deploy::{self, Step};
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::input::Body;
@@ -115,7 +115,7 @@ fn read(daemon: &Daemon, wanted: &DeploymentRequest) -> Result<Deployment, RpcEr
     })?;
     // A file that says its own default middleware means it for its components.
     if config.backend != Config::default().backend {
-        let default = crate::config::BackendNames::one(config.backend.as_str());
+        let default = genom_configuration::BackendNames::one(config.backend.as_str());
         for component in &mut deployment.component {
             component.backend.get_or_insert_with(|| default.clone());
         }

@@ -7,12 +7,12 @@ use axum::Extension;
 use axum::body::Bytes;
 use axum::http::{StatusCode, header};
 use axum::response::{Html, IntoResponse};
+use genom_configuration::Right;
 
 use utoipa::openapi::path::Operation;
 use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
 use utoipa::openapi::{ContentBuilder, OpenApi, Ref, RefOr, ResponseBuilder, Tag};
 
-use crate::config::Right;
 use crate::rpc::access::Asked;
 
 /// What every operation may answer, whatever it does: the doors before the handlers.

@@ -9,11 +9,11 @@ use axum::response::sse::{Event, Sse};
 use axum::{Extension, Json};
 use genom_nearest::suggest;
 use genom_protocol::{ChangeParameters, Code, Fired};
+use genom_supervisor::bus::{Change, Heard};
 use serde_json::json;
 use strum::VariantNames as _;
 use tokio_stream::Stream;
 
-use crate::bus::{Change, Heard};
 use crate::daemon::Daemon;
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
@@ -126,8 +126,9 @@ fn event(heard: &Heard) -> Event {
 mod tests {
     use std::sync::Arc;
 
+    use genom_supervisor::bus::Numbered;
+
     use super::*;
-    use crate::bus::Numbered;
 
     fn told(change: &Change) -> Heard {
         let data = Arc::new(serde_json::to_value(change).unwrap());

@@ -13,10 +13,10 @@ use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes};
+use genom_supervisor::flag::Flag;
 use hyper::body::{Body as HttpBody, Frame, SizeHint};
 use tokio::sync::Notify;
 
-use crate::flag::Flag;
 use crate::rpc::holder::Holder;
 use crate::slots::{Full, Slot, Slots};
 

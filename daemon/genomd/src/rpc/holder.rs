@@ -3,9 +3,9 @@
 use std::fmt;
 
 use axum::http::StatusCode;
+use genom_configuration::Right;
 use genom_protocol::Code;
 
-use crate::config::Right;
 use crate::rpc::error::RpcError;
 use crate::slots::Share;
 

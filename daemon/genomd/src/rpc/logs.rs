@@ -9,12 +9,12 @@ use axum::response::sse::{Event, Sse};
 use axum::{Extension, Json};
 use genom_nearest::suggest;
 use genom_protocol::{Level, LogEntry, LogParameters, Logs};
+use genom_supervisor::bus::{Heard, Numbered};
 use serde::Deserialize as _;
 use serde_json::{Value, json};
 use strum::VariantNames as _;
 use tokio_stream::Stream;
 
-use crate::bus::{Heard, Numbered};
 use crate::daemon::Daemon;
 use crate::logs;
 use crate::rpc::components;

@@ -7,10 +7,9 @@ use axum::extract::State;
 use axum::http::header;
 use axum::response::IntoResponse;
 use genom_runtime::Durations;
+use genom_supervisor::components::Hosted;
 
 use crate::daemon::Daemon;
-use crate::hosting::Hosted;
-use crate::registry;
 use crate::rpc::ports;
 
 /// Figures for Prometheus, in its text format.
@@ -26,7 +25,8 @@ pub(crate) async fn text(State(daemon): State<Arc<Daemon>>) -> impl IntoResponse
     for hosted in daemon.components.all() {
         describe(&mut page, &hosted);
     }
-    let open = registry::known().iter().filter_map(|known| daemon.backends.opened(known.name));
+    let open =
+        genom_registry::known().iter().filter_map(|known| daemon.backends.opened(known.name));
     for open in open {
         for refused in open.refused() {
             let labels = [("backend", open.name()), ("why", refused.why)];

@@ -9,9 +9,9 @@ use genom_protocol::{
     Capabilities, Endpoint, EndpointKind, Middleware, MiddlewareParameters, Middlewares, Refused,
     Stranger,
 };
+use genom_registry::Known;
 
 use crate::daemon::Daemon;
-use crate::registry::{self, Known};
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Parameters;
 
@@ -59,7 +59,7 @@ fn described(daemon: &Daemon, visible: bool) -> Middlewares {
     };
     Middlewares {
         default: daemon.settings.backend.clone(),
-        middlewares: registry::known().iter().map(described).collect(),
+        middlewares: genom_registry::known().iter().map(described).collect(),
     }
 }
 

@@ -13,12 +13,12 @@ use genom_protocol::{
     Code, Port, PortDirection, PortParameters, PortTraffic, PortType, Ports, Published,
     ValueParameters,
 };
+use genom_supervisor::components::{Hosted, layout};
+use genom_supervisor::connections::feed::FeedError;
 use genom_types::Record;
 use serde_json::Value;
 
-use crate::connections::feed::FeedError;
 use crate::daemon::Daemon;
-use crate::hosting::{self, Hosted};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{Body, Parameters};
@@ -148,7 +148,7 @@ pub(crate) async fn layout(
     let hosted = components::find(&daemon, &component)?;
     let index = find(&hosted, &port)?;
     match hosted.port_type(index) {
-        Some(ty) => Ok(Json(hosting::layout::of(ty))),
+        Some(ty) => Ok(Json(layout::of(ty))),
         None => Err(RpcError::internal(format!("{component}/{port} has no type"))),
     }
 }

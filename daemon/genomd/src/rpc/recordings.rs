@@ -11,13 +11,13 @@ use axum::{Extension, Json};
 use genom_protocol::address::NoAddress;
 use genom_protocol::frames::Start;
 use genom_protocol::{Code, RecordingEnds, RecordingRequest, Subject};
+use genom_supervisor::deploy;
+use genom_supervisor::recording;
 use tokio::sync::mpsc;
 use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::ReceiverStream;
 
 use crate::daemon::Daemon;
-use crate::deploy;
-use crate::recording;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::input::Body;

@@ -21,7 +21,6 @@ use genom_middleware::Middleware;
 use genom_protocol::{Code, Daemons, VisibleDaemon};
 
 use crate::daemon::Daemon;
-use crate::registry;
 use crate::rpc::error::RpcError;
 
 pub(crate) use answering::announce;
@@ -56,7 +55,7 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Daemons> {
 }
 
 fn relays(daemon: &Daemon) -> Vec<(&'static str, Arc<dyn Middleware>)> {
-    let open = registry::known().iter();
+    let open = genom_registry::known().iter();
     let open = open.filter_map(|known| Some((known.name, daemon.backends.opened(known.name)?)));
     open.filter(|(_, open)| open.relay().is_some()).collect()
 }

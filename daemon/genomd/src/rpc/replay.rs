@@ -7,8 +7,8 @@ use axum::body::Bytes;
 use axum::extract::State;
 use genom_protocol::address::NoAddress;
 use genom_protocol::{Address, Replayed, replay};
+use genom_supervisor::connections::feed::FeedError;
 
-use crate::connections::feed::FeedError;
 use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::{components, ports};

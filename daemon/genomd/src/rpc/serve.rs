@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use axum::Router;
 use genom_host::{keep_from_children, keep_off};
+use genom_supervisor::flag::Flag;
 use hyper::Request;
 use hyper::body::Incoming;
 use hyper::server::conn::http1;
@@ -19,7 +20,6 @@ use tokio::task::JoinSet;
 use tokio::time::timeout;
 use tokio_rustls::TlsAcceptor;
 
-use crate::flag::Flag;
 use crate::rpc::access::Peer;
 use crate::rpc::guests::{Guest, Guests, Reach};
 use crate::rpc::stall::Unstalled;

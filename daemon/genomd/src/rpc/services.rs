@@ -5,15 +5,15 @@ use std::sync::Arc;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use axum::{Extension, Json};
+use genom_configuration::Right;
 use genom_description::model::{Ix as _, ServiceIx};
 use genom_description_tools as tools;
 use genom_protocol::{CallParameters, CallReply, Code, Inputs, Outcome, Service, Started};
+use genom_supervisor::components::{Answer, Hosted, InputError, Rest};
+use genom_supervisor::ending::Ending;
 use serde_json::Value;
 
-use crate::config::Right;
 use crate::daemon::Daemon;
-use crate::ending::Ending;
-use crate::hosting::{Answer, Hosted, InputError, Rest};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;

@@ -6,10 +6,9 @@
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware};
 use genom_ports::PortKey;
+use genom_supervisor::components::Hosted;
 
 use crate::daemon::Daemon;
-use crate::hosting::Hosted;
-use crate::registry;
 
 /// What is stranded, and what brings it back.
 pub(super) struct Stranded {
@@ -22,7 +21,8 @@ pub(super) struct Stranded {
 pub(super) fn stranded(daemon: &Daemon, hosted: &Hosted, key: &PortKey) -> Vec<Stranded> {
     let model = &hosted.model().ports[key.port];
     let at = hosted.port_address(key);
-    let open = registry::known().iter().filter_map(|known| daemon.backends.opened(known.name));
+    let open =
+        genom_registry::known().iter().filter_map(|known| daemon.backends.opened(known.name));
     match model.direction {
         PortDirection::In => {
             let made = hosted.ties.connection(key);

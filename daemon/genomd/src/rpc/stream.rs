@@ -7,12 +7,12 @@ use std::time::Duration;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use genom_protocol::Code;
+use genom_supervisor::flag::Flag;
 use tokio::sync::mpsc;
 use tokio_stream::Stream;
 use tokio_stream::wrappers::ReceiverStream;
 
 use crate::daemon::Daemon;
-use crate::flag::Flag;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::slots::{Full, Slot};

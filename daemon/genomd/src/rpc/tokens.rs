@@ -185,8 +185,9 @@ fn parse(path: &Path, text: &str) -> Result<Vec<Entry>, TokenError> {
 
 #[cfg(test)]
 mod tests {
+    use genom_configuration::Right;
+
     use super::*;
-    use crate::config::Right;
 
     const FILE: &str = "[[token]]\nname = \"dashboard\"\n\
         token = \"0123456789abcdef0123456789abcdef\"\nrights = [\"read\"]\n";

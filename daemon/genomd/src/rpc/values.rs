@@ -9,14 +9,14 @@ use axum::extract::{Path, State};
 use axum::response::sse::{Event, Sse};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
+use genom_ports::dates::Dates;
 use genom_protocol::{Form, StreamEnd, StreamParameters};
+use genom_supervisor::components::Hosted;
 use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
 use tokio_stream::Stream;
 
 use crate::daemon::Daemon;
-use crate::dates::Dates;
-use crate::hosting::Hosted;
 use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::input::Parameters;

@@ -11,10 +11,10 @@ use genom_middleware::{Address, Obstacle};
 use genom_ports::PortKey;
 use genom_protocol::{Finding, Findings, advice};
 use genom_runtime::seconds;
+use genom_supervisor::components::Hosted;
+use genom_supervisor::connections;
 
-use crate::connections;
 use crate::daemon::Daemon;
-use crate::hosting::Hosted;
 use crate::rpc::error::RpcError;
 use crate::rpc::stranded::stranded;
 use crate::rpc::{components, ports};

@@ -104,9 +104,8 @@ const FLOORS: &[(&str, &str)] = &[
     ),
     (
         "genomd",
-        "config dates registry bus connections deploy ending flag hosting limits loading \
-         recording spans ties cli memory announcements slots startup telemetry settings daemon logs rpc \
-         signals run check main",
+        "cli memory announcements slots startup telemetry settings daemon logs rpc signals run check \
+         main",
     ),
 ];
 
