@@ -14,7 +14,7 @@
 //!     tokenize_text("axis.gen", "#define AXES 3\nlong x[AXES];", &mut sources);
 //! assert!(diagnostics.is_empty());
 //! assert!(tokens.iter().any(|token| token.kind == TokenKind::Integer(3)));
-//! A macro's tokens have the position where the macro is used.
+//! // A macro's tokens have the position where the macro is used.
 //! assert_eq!(sources.location(tokens[3].span).line, 2);
 //! ```
 //!

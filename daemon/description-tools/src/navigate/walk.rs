@@ -2,7 +2,6 @@
 //!
 //! Names are resolved at the end, so the order of declarations does not matter: this index is for
 //! texts that are being written, it checks nothing.
-//! people who are in the middle of writing, it checks nothing.
 
 use genom_description::model::Span;
 use genom_description::syntax::{

@@ -60,7 +60,7 @@ places! {
 /// let names: Indexed<PortIx, &str> = ["pose", "map"].into_iter().collect();
 /// let map = names.find(|name| *name == "map").unwrap();
 /// assert_eq!((map.index(), names[map]), (1, "map"));
-/// `map` makes a list with the same indices.
+/// // `map` makes a list with the same indices.
 /// let lengths = names.map(|_, name| name.len());
 /// assert_eq!(lengths[map], 3);
 /// ```

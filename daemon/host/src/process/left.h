@@ -6,7 +6,7 @@
 
 namespace genom_host {
   struct left {
-    const char *how;  // in words
+    const char *how;  // what it called, for the message of the exception
   };
 }
 
