@@ -82,10 +82,37 @@ pub trait Body: Send + Sync {
     fn write_port(&self, port: PortIx, value: &Record);
 }
 
+/// An element of a multiple out port could not be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum ElementError {
+    /// The component has no such port, or one without a type.
+    #[error("{instance} has no port number {port}")]
+    NoSuchPort {
+        /// The component.
+        instance: String,
+        /// The requested port.
+        port: PortIx,
+    },
+    /// A part of the name is empty.
+    #[error("`{element}` cannot name an element of {port}")]
+    Name {
+        /// The requested name.
+        element: String,
+        /// The port.
+        port: String,
+    },
+    /// A middleware of the port is not available, or refused.
+    #[error(transparent)]
+    Open(Box<dyn std::error::Error + Send + Sync>),
+}
+
 /// Opens publishers for elements of multiple out ports when codels ask for them.
 pub trait Opener: Send + Sync {
-    /// A publisher for element `element` of `port`, or the reason why there is none.
-    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, String>;
+    /// A publisher for element `element` of `port`.
+    ///
+    /// # Errors
+    /// There is no such port, the name is not allowed, or no middleware accepts the element.
+    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, ElementError>;
 
     /// The codel closed an element, and its publisher was dropped.
     fn close(&self, port: PortIx, element: &str);
