@@ -1,10 +1,10 @@
-//! Runs components: finds, loads, connects, moves, deploys and records them, and takes them down.
+//! Runs GenoM3 components: finds, loads, connects, moves, deploys and records them, and unloads them.
 //!
-//! A [`Supervisor`] holds what runs. `loading` brings a component up, `connections`
-//! binds, connects and moves its ports and services, `deploy` takes the steps from what runs to what is wanted,
-//! `recording` sends what passes, and `vigil` looks after codels that do not return. It speaks no
-//! HTTP and reads no command line: `genomd` puts a control plane before it, and another program may
-//! do without one:
+//! A [`Supervisor`] holds what is running. `loading` loads and starts a component, `connections`
+//! binds, connects and moves its ports and services, `deploy` applies a deployment, `recording`
+//! streams samples and calls, and `vigil` reports codels that do not return. The crate contains
+//! neither HTTP nor a command line: `genomd` adds a control plane, and other programs can use it
+//! directly:
 //!
 //! ```no_run
 //! use genom_supervisor::{LoadRequest, Settings, Supervisor};
