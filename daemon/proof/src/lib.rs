@@ -2,8 +2,8 @@
 //! they hold the same token. The token is never transmitted, and those who pass the messages on can
 //! neither make a request nor an answer themselves.
 //!
-//! `docs/security.md` explains the design and specifies every byte. This crate holds what both sides
-//! need; it opens no socket and reads no clock and no file.
+//! `docs/security.md` explains the design and specifies every byte. This crate holds what both
+//! sides need; it opens no socket and reads no clock and no file.
 //!
 //! ```text
 //! genomctl                     daemons that answer to the name

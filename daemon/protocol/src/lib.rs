@@ -1,8 +1,8 @@
 //! The types that cross the control plane of genomd, each defined once.
 //!
-//! Each file holds the requests, queries and replies of one resource. [`routes`] lists the paths with
-//! the types of their bodies and replies, so that a client cannot read a reply as another type. All
-//! errors have the form of [`Refusal`], and their reasons are listed in [`Code`].
+//! Each file holds the requests, queries and replies of one resource. [`routes`] lists the paths
+//! with the types of their bodies and replies, so that a client cannot read a reply as another
+//! type. All errors have the form of [`Refusal`], and their reasons are listed in [`Code`].
 //!
 //! ```
 //! use genom_protocol::{Address, PortParameters, routes};

@@ -1,4 +1,4 @@
-//! Runs GenoM3 components: finds, loads, connects, moves, deploys and records them, and unloads them.
+//! Runs GenoM3 components: finds, loads, connects, moves, deploys, records and unloads them.
 //!
 //! A [`Supervisor`] holds what is running. `loading` loads and starts a component, `connections`
 //! binds, connects and moves its ports and services, `deploy` applies a deployment, `recording`
