@@ -27,7 +27,8 @@ pub enum PlaceError {
 impl Place {
     /// Parses an address, with or without a middleware before it.
     ///
-    /// # Errors The text is not an address, or no middleware has the name before it.
+    /// # Errors
+    /// The text is not an address, or no middleware has the name before it.
     pub fn parse(text: &str) -> Result<Self, PlaceError> {
         let genom_protocol::Place { backend, address } = text.parse()?;
         if let Some(backend) = &backend {

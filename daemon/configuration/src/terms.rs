@@ -9,7 +9,8 @@ use genom_runtime::TaskOptions;
 
 /// Options of a task, for the runtime.
 ///
-/// # Errors The period is not positive and finite.
+/// # Errors
+/// The period is not positive and finite.
 pub fn task_options(entry: &TaskEntry) -> Result<TaskOptions, String> {
     let period = match entry.period_ms {
         None => None,

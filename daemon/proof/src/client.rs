@@ -68,7 +68,8 @@ pub enum Forged {
 impl Greeting {
     /// A hello to the daemons called `daemon`.
     ///
-    /// # Errors The operating system provides no random bytes.
+    /// # Errors
+    /// The operating system provides no random bytes.
     pub fn new(token: &Token, daemon: &str) -> std::io::Result<Self> {
         Ok(Self { token: token.clone(), daemon: daemon.to_owned(), nonce: random()? })
     }
@@ -84,8 +85,9 @@ impl Greeting {
     /// Establishes the session. `answers` are all answers that arrived, each with the identity of
     /// the endpoint that sent it.
     ///
-    /// # Errors No answer, several answers, or an answer without a valid proof that its sender
-    /// holds the token.
+    /// # Errors
+    /// No answer, several answers, or an answer without a valid proof that its sender holds the
+    /// token.
     pub fn meet(self, answers: &[(String, Vec<u8>)]) -> Result<Session, HandshakeError> {
         let daemon = self.daemon.clone();
         let mut met = answers.iter().map(|(from, bytes)| (from, self.examine(from, bytes)));
@@ -171,7 +173,8 @@ impl Session {
 
     /// Checks the answer to question `number`, and returns its content.
     ///
-    /// # Errors The answer was not sent by the daemon of this session, or it is a refusal.
+    /// # Errors
+    /// The answer was not sent by the daemon of this session, or it is a refusal.
     pub fn open<'a>(&self, number: u64, bytes: &'a [u8]) -> Result<&'a [u8], Forged> {
         let forged = || Forged::Code(self.daemon.clone());
         let (head, answer) = decode::<FromDaemon>(bytes).map_err(|_| forged())?;

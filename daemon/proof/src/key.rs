@@ -24,7 +24,8 @@ const PROTOCOL: &[u8] = b"genomd relay 1";
 
 /// Random bytes from the operating system.
 ///
-/// # Errors The operating system provides none.
+/// # Errors
+/// The operating system provides none.
 pub fn random<const N: usize>() -> std::io::Result<[u8; N]> {
     let mut bytes = [0; N];
     getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;

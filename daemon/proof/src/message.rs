@@ -120,7 +120,8 @@ pub fn encode(head: &impl Serialize, body: &[u8]) -> Vec<u8> {
 
 /// Splits a message into head and body.
 ///
-/// # Errors The head is not JSON of type `T`.
+/// # Errors
+/// The head is not JSON of type `T`.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<(T, &[u8]), serde_json::Error> {
     let end = bytes.iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len());
     let (head, body) = bytes.split_at(end);

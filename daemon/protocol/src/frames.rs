@@ -154,7 +154,8 @@ impl<'a> Frame<'a> {
     /// Decodes the first frame of `bytes`, and returns it with its length; `None` if it is not
     /// complete.
     ///
-    /// # Errors The bytes are not a valid frame.
+    /// # Errors
+    /// The bytes are not a valid frame.
     pub fn first(bytes: &'a [u8]) -> Result<Option<(Self, usize)>, NoFrame> {
         let Some(length) = complete(bytes)? else { return Ok(None) };
         let (kind, content) = (bytes[4], &bytes[5..length]);
@@ -172,7 +173,8 @@ impl<'a> Frame<'a> {
 
 /// Length of the first frame of `bytes`; `None` if it is not complete.
 ///
-/// # Errors The length is above the limit.
+/// # Errors
+/// The length is above the limit.
 pub fn complete(bytes: &[u8]) -> Result<Option<usize>, NoFrame> {
     let Some((length, rest)) = bytes.split_first_chunk::<4>() else { return Ok(None) };
     let length = u32::from_le_bytes(*length) as usize;

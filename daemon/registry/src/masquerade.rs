@@ -17,7 +17,8 @@ impl Backends {
     /// daemon has no such middleware. If two foreign names are given to one type, the first
     /// applies.
     ///
-    /// # Errors The middleware does not accept the foreign name.
+    /// # Errors
+    /// The middleware does not accept the foreign name.
     pub fn masquerade(
         self: &Arc<Self>,
         on: &str,

@@ -28,6 +28,18 @@ pub struct Numbered {
 const KEPT: usize = 1024;
 
 /// Sends changes to listeners.
+///
+/// ```
+/// use genom_ports::dates::Dates;
+/// use genom_supervisor::bus::{Bus, Change};
+///
+/// let bus = Bus::new(Dates::default());
+/// bus.tell(&Change::ComponentUnloaded { component: "demo".into() });
+///
+/// // A listener that comes back after message 0 receives what is kept.
+/// let kept = bus.listen(Some(0)).take_past();
+/// assert_eq!((kept[0].id, &kept[0].data["component"]), (1, &"demo".into()));
+/// ```
 #[derive(Debug)]
 pub struct Bus(Numbers);
 

@@ -85,7 +85,8 @@ impl Supervisor {
 
     /// Starts the threads that keep connections up and report codels that do not return.
     ///
-    /// # Errors The system cannot create a thread.
+    /// # Errors
+    /// The system cannot create a thread.
     pub fn watch(&self) -> std::io::Result<()> {
         connections::watch(self.connections.clone(), self.stop.clone())?;
         let (components, bus) = (Arc::clone(&self.components), Arc::clone(&self.bus));

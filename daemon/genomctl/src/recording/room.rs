@@ -31,7 +31,8 @@ impl Room {
 
     /// Reserves space up to `end` bytes.
     ///
-    /// # Errors There is not enough space; the same error as writing would give.
+    /// # Errors
+    /// There is not enough space; the same error as writing would give.
     pub(crate) fn reach(&mut self, end: u64) -> io::Result<()> {
         if getrlimit(Resource::Fsize).current.is_some_and(|most| end > most) {
             return Err(Errno::FBIG.into());

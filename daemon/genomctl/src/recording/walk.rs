@@ -41,7 +41,8 @@ pub(crate) struct Extent {
 
 /// Passes each part of a file to `each`, in order, up to the end or the first damage.
 ///
-/// # Errors The file cannot be read, is not MCAP, or is compressed; or `each` failed.
+/// # Errors
+/// The file cannot be read, is not MCAP, or is compressed; or `each` failed.
 pub(crate) fn walk<E: From<ReadError>>(
     path: &Path,
     mut each: impl FnMut(Part<'_>) -> Result<(), E>,

@@ -58,8 +58,9 @@ impl Hosted {
     /// Inputs that are left out keep their present values if the service is an attribute; otherwise
     /// they take their defaults.
     ///
-    /// # Errors There is no such service, the inputs are not valid, or a stuck codel blocks the
-    /// request. Nothing was executed.
+    /// # Errors
+    /// There is no such service, the inputs are not valid, or a stuck codel blocks the request.
+    /// Nothing was executed.
     pub fn call(&self, service: &str, inputs: &Value) -> Result<Ending, RequestError> {
         let stopped = || RequestError::new(&[], format!("{} stops", self.name));
         match ask(self, service, inputs)? {

@@ -12,7 +12,29 @@ impl Connections {
     /// Makes a connection on request, in place of an existing one. A deployment's declaration for
     /// this in port or remote is dropped. Blocks while codels are excluded.
     ///
-    /// # Errors The connection could not be made. The previous one is kept.
+    /// # Errors
+    /// The connection could not be made. The previous one is kept.
+    ///
+    /// ```
+    /// use genom_configuration::ConnectionEntry;
+    /// use genom_supervisor::connections::Wanted;
+    /// use genom_supervisor::{LoadRequest, Settings, Supervisor};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let paths = genom_components::Paths::of_workspace()?;
+    /// let supervisor = Supervisor::new(Settings::default());
+    /// for name in ["demo", "mission"] {
+    ///     # let library = genom_components::build(&paths, name)?.library;
+    ///     supervisor.load(&LoadRequest { library, ..LoadRequest::default() })?;
+    /// }
+    /// let (inport, outport) = ("demo/parameter".into(), "mission/gain".into());
+    /// let entry = ConnectionEntry { inport, outport, policy: None, backend: None };
+    /// supervisor.connections.connect(&Wanted::from(&entry))?;
+    /// assert_eq!(supervisor.connections.all().len(), 1);
+    /// assert!(supervisor.unload_all().is_empty());
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn connect(&self, wanted: &Wanted) -> Result<Connection, ConnectError> {
         let made = self.make(wanted)?;
         self.declared.forget(&wanted.inport);
@@ -37,7 +59,8 @@ impl Connections {
     /// Removes the connection of an in port or remote, and a deployment's declaration for it.
     /// Returns whether there was a connection. Blocks while codels are excluded.
     ///
-    /// # Errors There is no such in port or remote, or a codel of its component does not return.
+    /// # Errors
+    /// There is no such in port or remote, or a codel of its component does not return.
     pub fn disconnect(&self, inport: &str) -> Result<bool, ConnectError> {
         // First, because otherwise the connection could be made again in between.
         self.declared.forget(inport);

@@ -63,8 +63,9 @@ impl Connections {
     /// Blocks while codels are excluded. A port that is connected to something else is refused: the
     /// user has to disconnect it first.
     ///
-    /// # Errors The port cannot take values from outside, or this value is not valid. The port
-    /// keeps its last value.
+    /// # Errors
+    /// The port cannot take values from outside, or this value is not valid. The port keeps its
+    /// last value.
     pub fn feed<T>(
         &self,
         hosted: &Hosted,

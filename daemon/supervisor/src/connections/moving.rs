@@ -90,7 +90,8 @@ impl Connections {
     /// Connections of this daemon's components that read the moved out ports follow, unless their
     /// middleware was requested explicitly.
     ///
-    /// # Errors A middleware reports an error, or a codel does not return. Nothing is changed then.
+    /// # Errors
+    /// A middleware reports an error, or a codel does not return. Nothing is changed then.
     pub fn move_to(
         &self,
         hosted: &Arc<Hosted>,

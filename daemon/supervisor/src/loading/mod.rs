@@ -28,7 +28,8 @@ impl Supervisor {
     /// Loads a component, starts it and sets its attributes. Blocks for file access and start
     /// codels.
     ///
-    /// # Errors A step failed; everything done for the component was undone.
+    /// # Errors
+    /// A step failed; everything done for the component was undone.
     pub fn load(self: &Arc<Self>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
         load(self, request)
     }
