@@ -151,8 +151,8 @@ impl Config {
     }
 
     /// The configuration as TOML.
-    pub fn text(&self) -> Result<String, String> {
-        toml::to_string(self).map_err(|error| error.to_string())
+    pub fn text(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
     }
 
     /// The part of the file for the daemon of this name. If the file names daemons, the name has to
@@ -193,9 +193,10 @@ impl Config {
     /// Checks the log filter, the names of middlewares, their options, and that no in port is
     /// connected twice. Errors carry the line.
     pub fn check(&self, path: &Path, text: &str) -> Result<(), ConfigError> {
-        if let Err(message) = levels::understood(&self.log) {
+        if let Err(error) = levels::understood(&self.log) {
             let line = text.lines().position(|line| line.trim_start().starts_with("log"));
             let (path, line) = (path.to_owned(), line.map_or(1, |at| at + 1));
+            let message = error.to_string();
             return Err(ConfigError::Mistake { path, line, message, nearest: None });
         }
         if let Some((line, inport)) = spot::connected_twice(text) {

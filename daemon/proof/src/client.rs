@@ -33,7 +33,7 @@ pub enum HandshakeError {
         /// Identity of the answering endpoint on the middleware.
         at: String,
         /// What was wrong with its answer.
-        why: String,
+        why: Doubt,
     },
     /// Several daemons answered to one name.
     #[error(
@@ -46,6 +46,24 @@ pub enum HandshakeError {
         /// Identities of the answering endpoints, each with the result of its check.
         each: Vec<String>,
     },
+}
+
+/// Why no session was established from an answer; printed after the name of its sender.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// It is not a message of this protocol, or not the expected one.
+    #[error("sends what is no answer of a genomd of this version")]
+    NotUnderstood,
+    /// The daemon reports that it does not hold the token.
+    #[error("does not know your token")]
+    NoToken,
+    /// The proof is not valid.
+    #[error("does not prove that it holds your token")]
+    NoProof,
+    /// The proof is valid, but of a daemon at another endpoint.
+    #[error("passes on what daemon {0} says")]
+    PassedOn(String),
 }
 
 /// An answer that was not sent by the daemon of the session.
@@ -109,22 +127,21 @@ impl Greeting {
     }
 
     /// Checks one answer.
-    fn examine(&self, from: &str, bytes: &[u8]) -> Result<Session, String> {
-        let not_understood = || "sends what is no answer of a genomd of this version".to_owned();
-        let (head, _) = decode::<FromDaemon>(bytes).map_err(|_| not_understood())?;
+    fn examine(&self, from: &str, bytes: &[u8]) -> Result<Session, Doubt> {
+        let (head, _) = decode::<FromDaemon>(bytes).map_err(|_| Doubt::NotUnderstood)?;
         let (at, cookie, proof) = match head {
             FromDaemon::Hello { at, cookie, proof } => (at, cookie.0, proof),
-            FromDaemon::Refused { .. } => return Err("does not know your token".to_owned()),
-            FromDaemon::Sealed { .. } => return Err(not_understood()),
+            FromDaemon::Refused { .. } => return Err(Doubt::NoToken),
+            FromDaemon::Sealed { .. } => return Err(Doubt::NotUnderstood),
         };
         let handshake =
             Handshake { daemon: &self.daemon, at: &at, nonce: &self.nonce, cookie: &cookie };
         let keys = self.token.keys(&handshake);
         if !keys.proves(&proof) {
-            return Err("does not prove that it holds your token".to_owned());
+            return Err(Doubt::NoProof);
         }
         if at != from {
-            return Err(format!("passes on what daemon {at} says"));
+            return Err(Doubt::PassedOn(at));
         }
         Ok(Session {
             daemon: self.daemon.clone(),

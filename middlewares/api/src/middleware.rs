@@ -7,8 +7,8 @@
 use std::sync::Arc;
 
 use crate::{
-    Address, Client, DiscoverError, Discovery, Endpoint, Obstacle, OpenError, Ports, Relay, Served,
-    ServiceHandler, ServiceType, Services, Stranger,
+    Address, Client, DiscoverError, Discovery, Endpoint, NoForeignName, Obstacle, OpenError, Ports,
+    Relay, Served, ServiceHandler, ServiceType, Services, Stranger,
 };
 
 /// A middleware, open and ready. One value serves a whole daemon.
@@ -44,8 +44,8 @@ pub trait Middleware: Ports + Send + Sync {
     /// from now on. A backend without such types has nothing to do.
     ///
     /// # Errors
-    /// The foreign name is none; the text says what would be.
-    fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), String> {
+    /// The foreign name is none; the error says what would be.
+    fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
         let _ = (ours, foreign);
         Ok(())
     }

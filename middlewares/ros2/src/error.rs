@@ -1,5 +1,7 @@
 //! Why the middleware does not open.
 
+use rustdds::dds::CreateError;
+
 use crate::options::OptionsError;
 
 /// What configurations and errors call this middleware.
@@ -18,7 +20,7 @@ pub enum ParticipantError {
         /// Number of the domain.
         domain: u16,
         /// The library's own words.
-        why: String,
+        why: CreateError,
     },
     /// The system gave no thread.
     #[error("no thread for ROS 2: {0}")]

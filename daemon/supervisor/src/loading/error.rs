@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::locate::LocateError;
 use crate::connections::BindError;
 use crate::known::ReadError;
+use genom_configuration::NoPeriod;
 use genom_registry::BackendError;
 
 /// Why a component could not be loaded. Everything done for it was undone.
@@ -47,8 +48,8 @@ pub enum LoadError {
     #[error("{name}: {source}")]
     Bind { name: String, source: BindError },
     /// An option of a task is not valid.
-    #[error("{name}: {why}")]
-    Override { name: String, why: String },
+    #[error("{name}: {source}")]
+    Override { name: String, source: NoPeriod },
     /// The initial value of an attribute was refused.
     #[error("{name} does not take its attributes: {why}")]
     Attribute { name: String, key: Vec<String>, why: String },

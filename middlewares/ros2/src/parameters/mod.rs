@@ -4,6 +4,7 @@
 //! they ask the attributes, as any caller does. Nothing is kept here: a parameter has the value
 //! that the component has.
 
+mod error;
 mod gather;
 mod node;
 mod table;
