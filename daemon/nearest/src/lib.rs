@@ -7,8 +7,8 @@
 /// ones, the first. A candidate equal to `typed` is ignored.
 ///
 /// The distance is the number of insertions, deletions, replacements and swaps of adjacent
-/// characters, ignoring case. It may be 1, plus 1 for every four characters of the shorter name, and
-/// must be less than the length of `typed`.
+/// characters, ignoring case. It may be 1, plus 1 for every four characters of the shorter name,
+/// and must be less than the length of `typed`.
 ///
 /// ```
 /// use genom_nearest::nearest;
