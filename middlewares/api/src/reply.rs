@@ -73,15 +73,18 @@ pub struct ReplyReceiver(Receiver<Reply>);
 ///
 /// ```
 /// use std::time::Duration;
-/// use genom_middleware::{CallError, Outcome, Replies, Reply, pair};
+/// use genom_middleware::reply::{Reply, pair};
+/// use genom_middleware::{CallError, Outcome, Replies};
 ///
 /// let (sender, replies) = pair();
 /// let mut service: Box<dyn Replies> = Box::new(sender);
 /// service.feedback("main");
-/// service.finish(Outcome::Lost(CallError::Gone));
+/// let (name, detail) = ("::demo::TOO_FAR_AWAY".to_owned(), serde_json::Value::Null);
+/// service.finish(Outcome::Exception { name, detail });
 /// let first = replies.next(Duration::from_secs(1))?;
 /// assert!(matches!(first, Reply::Feedback(state) if state == "main"));
-/// assert!(matches!(replies.wait(Duration::from_secs(1))?, Outcome::Lost(_)));
+/// let outcome = replies.wait(Duration::from_secs(1))?;
+/// assert!(matches!(outcome, Outcome::Exception { name, .. } if name == "::demo::TOO_FAR_AWAY"));
 /// # Ok::<(), CallError>(())
 /// ```
 #[must_use]
@@ -120,7 +123,8 @@ impl ReplyReceiver {
     /// Waits at most `timeout` for the outcome, and skips the replies before it.
     ///
     /// # Errors
-    /// The request did not end in time, or the service went away.
+    /// The request did not end in time, the service went away, or the outcome is
+    /// [`Outcome::Lost`].
     pub fn wait(&self, timeout: Duration) -> Result<Outcome, CallError> {
         let end = Instant::now() + timeout;
         loop {
