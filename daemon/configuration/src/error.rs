@@ -3,6 +3,8 @@
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
+use genom_nearest::nearest_key;
+
 /// Most activities that a task may be allowed at once: room for all is made when it starts.
 pub const MOST_ACTIVITIES: usize = 4096;
 
@@ -42,10 +44,22 @@ pub enum UsageError {
     Daemon { file: PathBuf, why: WhichDaemon },
     /// `log` is no filter.
     #[error("--log {0}")]
-    Log(String),
+    Log(#[from] NoLevel),
     /// `telemetry.otlp` is no place to send to.
-    #[error("{0}")]
-    Collector(String),
+    #[error("telemetry.otlp: {0}: write http://HOST:4318")]
+    Collector(#[from] NoCollector),
+}
+
+/// Spans of services cannot be sent there.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what they hold")]
+pub enum NoCollector {
+    #[error("`{0}` is no URL")]
+    NoUrl(String),
+    #[error("`{0}` is no http URL")]
+    NotHttp(String),
+    #[error("`{0}` names no host")]
+    NoHost(String),
 }
 
 /// A configuration file cannot be used.
@@ -60,8 +74,46 @@ pub enum ConfigError {
     Mistake { path: PathBuf, line: usize, message: String, nearest: Option<String> },
     /// A mistake in `--set`.
     #[error("--set {word}: {why}")]
-    Set { word: String, why: String },
+    Set { word: String, why: SetError },
 }
+
+/// A word of `--set` cannot be put over the configuration.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum SetError {
+    /// There is no `=` in it.
+    #[error("write KEY=VALUE, for instance rpc.max_streams=8")]
+    NoValue,
+    /// A part of the key stands for a plain value.
+    #[error("{key} is a {ty} and has no `{member}`")]
+    NoTable { key: String, ty: &'static str, member: String },
+    /// No such key, or a value of the wrong type.
+    #[error("{message}{}", suggestion(.nearest))]
+    Unreadable { message: String, nearest: Option<String> },
+}
+
+impl From<toml::de::Error> for SetError {
+    fn from(error: toml::de::Error) -> Self {
+        let message = error.message().trim().replace('\n', ", ");
+        Self::Unreadable { nearest: nearest_key(&message), message }
+    }
+}
+
+/// A filter of logs names a level that is none.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "`{word}` is no level of logs: error, warn, info, debug or trace, or for a part such as \
+     info,genomd=debug{}", suggestion(.nearest)
+)]
+pub struct NoLevel {
+    pub(crate) word: String,
+    pub(crate) nearest: Option<String>,
+}
+
+/// A task cannot run with this period.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("period_ms = {0} is no period")]
+pub struct NoPeriod(pub(crate) f64);
 
 /// A file describes several daemons, and which of them is meant is not said, or is none of them.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

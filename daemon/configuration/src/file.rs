@@ -149,8 +149,8 @@ impl Config {
     }
 
     /// As a file.
-    pub fn text(&self) -> Result<String, String> {
-        toml::to_string(self).map_err(|error| error.to_string())
+    pub fn text(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
     }
 
     /// The part that concerns the daemon of this name. A file that names daemons says nothing to
@@ -191,9 +191,10 @@ impl Config {
     /// Refuses names of middlewares that are none, and options they have not, with the line where
     /// they stand.
     pub fn check(&self, path: &Path, text: &str) -> Result<(), ConfigError> {
-        if let Err(message) = levels::understood(&self.log) {
+        if let Err(error) = levels::understood(&self.log) {
             let line = text.lines().position(|line| line.trim_start().starts_with("log"));
             let (path, line) = (path.to_owned(), line.map_or(1, |at| at + 1));
+            let message = error.to_string();
             return Err(ConfigError::Mistake { path, line, message, nearest: None });
         }
         if let Some((line, inport)) = spot::connected_twice(text) {

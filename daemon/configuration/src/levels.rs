@@ -2,9 +2,11 @@
 
 use genom_nearest::nearest;
 
+use crate::error::NoLevel;
+
 /// Whether a filter says what to log: a level, or levels of parts (`info,genomd=debug`). A word that
 /// is neither would be taken for a part that nothing is of, and silence all.
-pub fn understood(filter: &str) -> Result<(), String> {
+pub fn understood(filter: &str) -> Result<(), NoLevel> {
     const LEVELS: [&str; 6] = ["off", "error", "warn", "info", "debug", "trace"];
     let is_level = |word: &str| {
         LEVELS.contains(&word.to_ascii_lowercase().as_str())
@@ -14,12 +16,8 @@ pub fn understood(filter: &str) -> Result<(), String> {
         let level = word.rsplit_once('=').map_or(word, |(_, level)| level);
         // A span or a field may stand in brackets, and hold anything.
         if !is_level(level) && !word.contains(['[', ']']) {
-            let near = nearest(level, LEVELS);
-            let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
-            return Err(format!(
-                "`{level}` is no level of logs: error, warn, info, debug or trace, or for a part \
-                 such as info,genomd=debug{near}"
-            ));
+            let nearest = nearest(level, LEVELS).map(str::to_owned);
+            return Err(NoLevel { word: level.to_owned(), nearest });
         }
     }
     Ok(())

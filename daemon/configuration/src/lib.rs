@@ -16,7 +16,9 @@ mod rpc;
 mod spot;
 pub mod terms;
 
-pub use error::{ConfigError, MOST_ACTIVITIES, UsageError, WhichDaemon};
+pub use error::{
+    ConfigError, MOST_ACTIVITIES, NoCollector, NoLevel, NoPeriod, SetError, UsageError, WhichDaemon,
+};
 pub use file::{Config, MemoryCheck, Telemetry};
 pub use genom_protocol::{
     BackendNames, CallEntry, ClockKind, ConnectionEntry, Deployment, LoadRequest, PortQos,

@@ -1,36 +1,30 @@
 //! What the command line sets of the configuration: `--set rpc.max_body=1024`.
 
-use genom_nearest::nearest_key;
 use genom_registry::Sections;
 use serde::de::DeserializeOwned;
 use toml::{Table, Value};
 
-use crate::error::ConfigError;
+use crate::error::{ConfigError, SetError};
 
 /// Puts `key=value` words over a configuration's text.
 pub(crate) fn set<Config: DeserializeOwned + Default>(
     text: &str,
     words: &[String],
 ) -> Result<Config, ConfigError> {
-    let refuse = |word: &str, why: String| ConfigError::Set { word: word.to_owned(), why };
+    let refuse = |word: &str, why: SetError| ConfigError::Set { word: word.to_owned(), why };
     let mut table: Table =
-        text.parse().map_err(|error: toml::de::Error| refuse("", error.message().to_owned()))?;
+        text.parse().map_err(|error: toml::de::Error| refuse("", error.into()))?;
     let mut config = Config::default();
     for word in words {
         let Some((key, value)) = word.split_once('=') else {
-            return Err(refuse(word, "write KEY=VALUE, for instance rpc.max_streams=8".to_owned()));
+            return Err(refuse(word, SetError::NoValue));
         };
         put(&mut table, key.trim(), parse(value.trim())).map_err(|why| refuse(word, why))?;
         // After each, so that the mistaken one is named.
         let read = table.clone().try_into();
         let read =
             read.and_then(|config: Config| table.clone().try_into::<Sections>().map(|_| config));
-        config = read.map_err(|error: toml::de::Error| {
-            let message = error.message().trim().replace('\n', ", ");
-            let near = nearest_key(&message);
-            let near = near.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
-            refuse(word, format!("{message}{near}"))
-        })?;
+        config = read.map_err(|error: toml::de::Error| refuse(word, error.into()))?;
     }
     Ok(config)
 }
@@ -44,7 +38,7 @@ fn parse(text: &str) -> Value {
     }
 }
 
-fn put(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
+fn put(table: &mut Table, key: &str, value: Value) -> Result<(), SetError> {
     let Some((first, rest)) = key.split_once('.') else {
         table.insert(key.to_owned(), value);
         return Ok(());
@@ -52,7 +46,10 @@ fn put(table: &mut Table, key: &str, value: Value) -> Result<(), String> {
     let inner = table.entry(first).or_insert_with(|| Value::Table(Table::new()));
     match inner {
         Value::Table(inner) => put(inner, rest, value),
-        other => Err(format!("{first} is a {} and has no `{rest}`", other.type_str())),
+        other => {
+            let (key, ty, member) = (first.to_owned(), other.type_str(), rest.to_owned());
+            Err(SetError::NoTable { key, ty, member })
+        }
     }
 }
 

@@ -7,17 +7,19 @@ use genom_middleware as middleware;
 use genom_protocol::{Policy, PortQos, TaskEntry};
 use genom_runtime::TaskOptions;
 
+use crate::error::NoPeriod;
+
 /// Options of a task.
 ///
 /// # Errors
-/// The period is none; with a sentence.
-pub fn task_options(entry: &TaskEntry) -> Result<TaskOptions, String> {
+/// The period is none.
+pub fn task_options(entry: &TaskEntry) -> Result<TaskOptions, NoPeriod> {
     let period = match entry.period_ms {
         None => None,
         Some(ms) => {
             let period = Duration::try_from_secs_f64(ms / 1e3).ok();
             let period = period.filter(|period| !period.is_zero());
-            Some(period.ok_or_else(|| format!("period_ms = {ms} is no period"))?)
+            Some(period.ok_or(NoPeriod(ms))?)
         }
     };
     Ok(TaskOptions {

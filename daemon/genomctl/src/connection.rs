@@ -44,12 +44,23 @@ pub(crate) enum Host {
     Zenoh(String),
 }
 
-impl FromStr for Host {
-    type Err = String;
+/// What is typed is no place of a daemon.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum HostError {
+    #[error("expected zenoh:NAME; `genomctl daemons` lists names")]
+    NoName,
+    #[error("`{0}://` is neither http nor https")]
+    Scheme(String),
+    #[error("expected ADDRESS:PORT, https://NAME:PORT or zenoh:NAME")]
+    NoPort,
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for Host {
+    type Err = HostError;
+
+    fn from_str(text: &str) -> Result<Self, HostError> {
         match text.strip_prefix("zenoh:") {
-            Some("") => Err("expected zenoh:NAME; `genomctl daemons` lists names".to_owned()),
+            Some("") => Err(HostError::NoName),
             Some(name) => Ok(Self::Zenoh(name.to_owned())),
             None => text.parse().map(Self::Tcp),
         }
@@ -75,13 +86,13 @@ pub(crate) struct Tcp {
 }
 
 impl FromStr for Tcp {
-    type Err = String;
+    type Err = HostError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, HostError> {
         let (tls, rest) = match text.split_once("://") {
             Some(("https", rest)) => (Some(true), rest),
             Some(("http", rest)) => (Some(false), rest),
-            Some((scheme, _)) => return Err(format!("`{scheme}://` is neither http nor https")),
+            Some((scheme, _)) => return Err(HostError::Scheme(scheme.to_owned())),
             None => (None, text),
         };
         let parts = rest.trim_end_matches('/').rsplit_once(':');
@@ -91,7 +102,7 @@ impl FromStr for Tcp {
                 let name = name.trim_start_matches('[').trim_end_matches(']').to_owned();
                 Ok(Self { tls, name, port })
             }
-            _ => Err("expected ADDRESS:PORT, https://NAME:PORT or zenoh:NAME".to_owned()),
+            _ => Err(HostError::NoPort),
         }
     }
 }

@@ -11,9 +11,9 @@ use genom_protocol::{Level as Grade, LogEntry};
 use genom_supervisor::bus::Numbers;
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Subscriber};
-use tracing_subscriber::filter::{LevelFilter, filter_fn};
+use tracing_subscriber::filter::{LevelFilter, ParseError, filter_fn};
 use tracing_subscriber::layer::{Context, SubscriberExt as _};
-use tracing_subscriber::util::SubscriberInitExt as _;
+use tracing_subscriber::util::{SubscriberInitExt as _, TryInitError};
 use tracing_subscriber::{EnvFilter, Layer};
 
 use crate::telemetry;
@@ -37,13 +37,21 @@ pub(crate) fn past() -> &'static Numbers {
 const QUIET: &str = "rustdds=off,zenoh_link_unixsock_stream=error,\
                      zenoh::net::routing::hat::peer=error,genom::service=off";
 
-/// Starts logging; the filter was wrong when this gives an error.
-/// With `spans`, those of services are exported, whatever is logged.
-pub(crate) fn start(filter: &str, spans: bool) -> Result<(), String> {
+/// Logging does not start.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum LogsError {
+    #[error("--log {filter}: {source}; write for instance info,genomd=debug")]
+    Filter { filter: String, source: ParseError },
+    /// Something else in the process logs already.
+    #[error(transparent)]
+    Taken(#[from] TryInitError),
+}
+
+/// Starts logging. With `spans`, those of services are exported, whatever is logged.
+pub(crate) fn start(filter: &str, spans: bool) -> Result<(), LogsError> {
     let passes = || {
-        EnvFilter::try_new(format!("{QUIET},{}", of_all_parts(filter))).map_err(|error| {
-            format!("--log {filter}: {error}; write for instance info,genomd=debug")
-        })
+        EnvFilter::try_new(format!("{QUIET},{}", of_all_parts(filter)))
+            .map_err(|source| LogsError::Filter { filter: filter.to_owned(), source })
     };
     let ours = filter_fn(telemetry::is_ours).with_max_level_hint(LevelFilter::INFO);
     let terminal = tracing_subscriber::fmt::layer()
@@ -55,8 +63,8 @@ pub(crate) fn start(filter: &str, spans: bool) -> Result<(), String> {
         .with(terminal.with_filter(passes()?))
         .with(Keep.with_filter(passes()?))
         .with(spans.then(|| telemetry::Exported.with_filter(ours)))
-        .try_init()
-        .map_err(|error| error.to_string())
+        .try_init()?;
+    Ok(())
 }
 
 /// A filter in which what is said of `genomd` is said of all its crates.

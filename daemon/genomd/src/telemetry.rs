@@ -10,7 +10,8 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use axum::body::{Body, to_bytes};
-use axum::http::{Request, Uri, header};
+use axum::http::{Request, StatusCode, Uri, header};
+use genom_configuration::NoCollector;
 use genom_supervisor::flag::Flag;
 use genom_supervisor::spans::TARGET;
 use hyper::client::conn::http1;
@@ -80,13 +81,13 @@ pub(crate) struct Collector {
 
 impl Collector {
     /// Reads `http://HOST:PORT`, with a path or without.
-    pub(crate) fn parse(text: &str) -> Result<Self, String> {
-        let wrong = |why: &str| format!("telemetry.otlp: `{text}` {why}: write http://HOST:4318");
-        let uri: Uri = text.parse().map_err(|_| wrong("is no URL"))?;
+    pub(crate) fn parse(text: &str) -> Result<Self, NoCollector> {
+        let text = || text.to_owned();
+        let uri: Uri = text().parse().map_err(|_| NoCollector::NoUrl(text()))?;
         if uri.scheme_str() != Some("http") {
-            return Err(wrong("is no http URL"));
+            return Err(NoCollector::NotHttp(text()));
         }
-        let authority = uri.authority().ok_or_else(|| wrong("names no host"))?;
+        let authority = uri.authority().ok_or_else(|| NoCollector::NoHost(text()))?;
         let port = authority.port_u16().unwrap_or(4318);
         let path = match uri.path() {
             "" | "/" => "/v1/traces",
@@ -199,7 +200,7 @@ pub(crate) async fn export(collector: Collector, daemon: Option<String>, closed:
         if !spans.is_empty() {
             let patience = if ends { LAST } else { PATIENCE };
             let posted = tokio::time::timeout(patience, post(&collector, spans, daemon.as_deref()));
-            let outcome = posted.await.unwrap_or_else(|_| Err("no answer".to_owned()));
+            let outcome = posted.await.unwrap_or(Err(ExportError::Silent));
             if let Err(why) = &outcome
                 && !refused
             {
@@ -221,11 +222,26 @@ pub(crate) async fn export(collector: Collector, daemon: Option<String>, closed:
     }
 }
 
+/// The collector did not take spans.
+#[derive(Debug, thiserror::Error)]
+enum ExportError {
+    #[error(transparent)]
+    Connect(#[from] std::io::Error),
+    #[error(transparent)]
+    Talk(#[from] hyper::Error),
+    #[error(transparent)]
+    Request(#[from] axum::http::Error),
+    #[error("status {0}")]
+    Refused(StatusCode),
+    #[error("no answer")]
+    Silent,
+}
+
 async fn post(
     collector: &Collector,
     spans: Vec<Value>,
     daemon: Option<&str>,
-) -> Result<(), String> {
+) -> Result<(), ExportError> {
     let text = |key: &str, value: &str| json!({"key": key, "value": {"stringValue": value}});
     let version = env!("CARGO_PKG_VERSION");
     let mut resource = vec![text("service.name", "genomd"), text("service.version", version)];
@@ -234,21 +250,18 @@ async fn post(
         "resource": {"attributes": resource},
         "scopeSpans": [{"scope": {"name": "genomd", "version": version}, "spans": spans}],
     }]});
-    let failed = |error: &dyn std::fmt::Display| error.to_string();
-    let stream = TcpStream::connect(&collector.authority).await.map_err(|error| failed(&error))?;
-    let (mut sender, connection) =
-        http1::handshake(TokioIo::new(stream)).await.map_err(|error| failed(&error))?;
+    let stream = TcpStream::connect(&collector.authority).await?;
+    let (mut sender, connection) = http1::handshake(TokioIo::new(stream)).await?;
     tokio::spawn(connection);
     let request = Request::post(&collector.path)
         .header(header::HOST, &collector.authority)
         .header(header::CONTENT_TYPE, "application/json")
         .header(header::CONNECTION, "close")
-        .body(Body::from(body.to_string()))
-        .map_err(|error| failed(&error))?;
-    let response = sender.send_request(request).await.map_err(|error| failed(&error))?;
+        .body(Body::from(body.to_string()))?;
+    let response = sender.send_request(request).await?;
     let status = response.status();
     let _ = to_bytes(Body::new(response.into_body()), 1 << 16).await;
-    if status.is_success() { Ok(()) } else { Err(format!("status {status}")) }
+    if status.is_success() { Ok(()) } else { Err(ExportError::Refused(status)) }
 }
 
 #[cfg(test)]

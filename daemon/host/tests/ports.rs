@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex};
 use genom_description::model::Direction::{In, InOut, Out};
 use genom_description::model::{Ix as _, Owner, PortDirection, PortIx, ServiceIx, Source};
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
-use genom_runtime::body::{Body, Frame, Opener, RemoteCall};
+use genom_runtime::body::{Body, ElementError, Frame, Opener, RemoteCall};
 use genom_types::{Kind, Record, TypeId};
 use serde_json::{Value, json};
 use support::generator::Gen;
@@ -190,9 +190,9 @@ fn an_in_port_shows_nothing_until_a_value_was_read() {
 struct FakeOpener(Arc<Mutex<Vec<String>>>, Sent);
 
 impl Opener for FakeOpener {
-    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, String> {
+    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, ElementError> {
         if element == "taken" {
-            return Err("demo/p/taken already has a publisher".into());
+            return Err(ElementError::Open("demo/p/taken already has a publisher".into()));
         }
         self.0.lock().unwrap().push(format!("{port}/{element}"));
         Ok(Box::new(FakePublisher(self.1.clone(), None)))

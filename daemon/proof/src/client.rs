@@ -32,7 +32,7 @@ pub enum HandshakeError {
         /// Which end of the middleware answered.
         at: String,
         /// How it failed.
-        why: String,
+        why: Doubt,
     },
     /// Several answer to one name.
     #[error(
@@ -45,6 +45,24 @@ pub enum HandshakeError {
         /// Which ends of the middleware answered, each with what is known of it.
         each: Vec<String>,
     },
+}
+
+/// Why an answer begins no session; goes after the name of what sent it.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Doubt {
+    /// It is no message of this protocol, or not the one that was asked for.
+    #[error("sends what is no answer of a genomd of this version")]
+    NotUnderstood,
+    /// It says that it has no such token.
+    #[error("does not know your token")]
+    NoToken,
+    /// Its proof is wrong.
+    #[error("does not prove that it holds your token")]
+    NoProof,
+    /// The proof is that of a daemon elsewhere.
+    #[error("passes on what daemon {0} says")]
+    PassedOn(String),
 }
 
 /// An answer that does not come from the daemon of the session.
@@ -107,22 +125,21 @@ impl Greeting {
     }
 
     /// What one answer is worth.
-    fn examine(&self, from: &str, bytes: &[u8]) -> Result<Session, String> {
-        let not_understood = || "sends what is no answer of a genomd of this version".to_owned();
-        let (head, _) = decode::<FromDaemon>(bytes).map_err(|_| not_understood())?;
+    fn examine(&self, from: &str, bytes: &[u8]) -> Result<Session, Doubt> {
+        let (head, _) = decode::<FromDaemon>(bytes).map_err(|_| Doubt::NotUnderstood)?;
         let (at, cookie, proof) = match head {
             FromDaemon::Hello { at, cookie, proof } => (at, cookie.0, proof),
-            FromDaemon::Refused { .. } => return Err("does not know your token".to_owned()),
-            FromDaemon::Sealed { .. } => return Err(not_understood()),
+            FromDaemon::Refused { .. } => return Err(Doubt::NoToken),
+            FromDaemon::Sealed { .. } => return Err(Doubt::NotUnderstood),
         };
         let handshake =
             Handshake { daemon: &self.daemon, at: &at, nonce: &self.nonce, cookie: &cookie };
         let keys = self.token.keys(&handshake);
         if !keys.proves(&proof) {
-            return Err("does not prove that it holds your token".to_owned());
+            return Err(Doubt::NoProof);
         }
         if at != from {
-            return Err(format!("passes on what daemon {at} says"));
+            return Err(Doubt::PassedOn(at));
         }
         Ok(Session {
             daemon: self.daemon.clone(),

@@ -20,7 +20,7 @@ mod key;
 pub mod message;
 mod window;
 
-pub use client::{Forged, Greeting, HandshakeError, Session};
+pub use client::{Doubt, Forged, Greeting, HandshakeError, Session};
 pub use hex::Bytes;
 pub use key::{HINT, Handshake, Keys, MAC, NONCE, Token, random};
 pub use window::Window;

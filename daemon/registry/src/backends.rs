@@ -63,7 +63,7 @@ impl Backends {
         open.insert(known.name, (Arc::clone(&middleware), Instant::now()));
         let masquerades = self.masquerades();
         for (one, _) in masquerades.iter().filter(|(one, _)| one.on == known.name) {
-            middleware.masquerade(&one.ours, &one.foreign).map_err(BackendError::Masquerade)?;
+            middleware.masquerade(&one.ours, &one.foreign)?;
         }
         drop(masquerades);
         drop(open);

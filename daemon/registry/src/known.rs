@@ -1,9 +1,10 @@
 //! Every middleware there is: the one place that knows them.
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::sync::Arc;
 
-use genom_middleware::{Backend, Middleware};
+use genom_middleware::{Backend, Middleware, NoForeignName};
 use genom_nearest::{nearest, nearest_key};
 use serde::Deserialize;
 
@@ -15,9 +16,9 @@ pub struct Known {
     /// Version of the library behind it.
     pub version: &'static str,
     /// Refuses a section of the configuration that makes no sense, and opens nothing.
-    pub(crate) check: fn(&toml::Table) -> Result<(), String>,
+    pub(crate) check: fn(&toml::Table) -> Result<(), SectionError>,
     /// Opens it with its section of the configuration.
-    pub(crate) open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, String>,
+    pub(crate) open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, SectionError>,
 }
 
 impl Known {
@@ -25,8 +26,8 @@ impl Known {
         Self {
             name: B::NAME,
             version: B::VERSION,
-            check: |section| B::check(&read(section)?).map_err(|error| error.to_string()),
-            open: |section| B::open(read(section)?).map_err(|error| error.to_string()),
+            check: |section| B::check(&read(section)?).map_err(SectionError::refused),
+            open: |section| B::open(read(section)?).map_err(SectionError::refused),
         }
     }
 }
@@ -66,12 +67,33 @@ pub struct Sections {
     backends: EachSection,
 }
 
-fn read<T: serde::de::DeserializeOwned>(options: &toml::Table) -> Result<T, String> {
+fn read<T: serde::de::DeserializeOwned>(options: &toml::Table) -> Result<T, SectionError> {
     options.clone().try_into().map_err(|error: toml::de::Error| {
         let message = error.message().to_owned();
-        let near = nearest_key(&message).map(|near| format!("; did you mean `{near}`?"));
-        message + &near.unwrap_or_default()
+        SectionError::Unreadable { nearest: nearest_key(&message), message }
     })
+}
+
+/// A backend does not open with its section of the configuration.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the messages say what the fields are")]
+pub enum SectionError {
+    /// An unknown key, or a value of the wrong type.
+    #[error("{message}{}", suggestion(.nearest.as_deref()))]
+    Unreadable { message: String, nearest: Option<String> },
+    /// The backend refused, in its own words: its error is of a type that only it knows.
+    #[error("{0}")]
+    Refused(String),
+}
+
+impl SectionError {
+    fn refused(error: impl Display) -> Self {
+        Self::Refused(error.to_string())
+    }
+}
+
+fn suggestion(nearest: Option<&str>) -> String {
+    nearest.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default()
 }
 
 /// A middleware could not be had.
@@ -83,13 +105,13 @@ pub enum BackendError {
     Unknown { name: String },
     /// Its section of the configuration makes no sense.
     #[error("[backends.{name}]: {why}")]
-    Options { name: String, why: String },
+    Options { name: String, why: SectionError },
     /// It does not open on this machine.
     #[error("backend {name} cannot be opened: {why}")]
-    Closed { name: String, why: String },
+    Closed { name: String, why: SectionError },
     /// What a description says of a foreign type makes no sense.
     #[error("#pragma masquerade: {0}")]
-    Masquerade(String),
+    Masquerade(#[from] NoForeignName),
 }
 
 fn meant(name: &str) -> String {

@@ -34,8 +34,7 @@ impl Backends {
             *holders += 1;
         } else {
             if let Some((middleware, _)) = open.get(disguise.on) {
-                let taken = middleware.masquerade(&disguise.ours, &disguise.foreign);
-                taken.map_err(BackendError::Masquerade)?;
+                middleware.masquerade(&disguise.ours, &disguise.foreign)?;
             }
             all.push((disguise.clone(), 1));
         }

@@ -81,10 +81,37 @@ pub trait Body: Send + Sync {
     fn write_port(&self, port: PortIx, value: &Record);
 }
 
+/// An element of a multiple out port could not be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum ElementError {
+    /// The component has no such port, or one without a type.
+    #[error("{instance} has no port number {port}")]
+    NoSuchPort {
+        /// The component.
+        instance: String,
+        /// What was asked for.
+        port: PortIx,
+    },
+    /// A part of the name is empty.
+    #[error("`{element}` cannot name an element of {port}")]
+    Name {
+        /// The name that was given.
+        element: String,
+        /// Of which port.
+        port: String,
+    },
+    /// A middleware of the port is not there, or refused.
+    #[error(transparent)]
+    Open(Box<dyn std::error::Error + Send + Sync>),
+}
+
 /// Opens publishers for elements of multiple out ports, on behalf of codels.
 pub trait Opener: Send + Sync {
-    /// A publisher for element `element` of `port`, or why there is none.
-    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, String>;
+    /// A publisher for element `element` of `port`.
+    ///
+    /// # Errors
+    /// The port is none, the element cannot have such a name, or no middleware takes it.
+    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, ElementError>;
 
     /// The component closed an element; its publisher is gone.
     fn close(&self, port: PortIx, element: &str);

@@ -44,6 +44,18 @@ pub enum OpenError {
     },
 }
 
+/// A type or service cannot be shown as one of the middleware's own: there are no such names.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{ours} cannot masquerade as `{foreign}`: write {form}")]
+pub struct NoForeignName {
+    /// Full name of the IDL type or service.
+    pub ours: String,
+    /// What was given.
+    pub foreign: String,
+    /// How such names are written.
+    pub form: &'static str,
+}
+
 /// Publishing failed. Has no heap data, because it is created on the real-time path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]

@@ -26,7 +26,7 @@ pub mod service;
 pub use address::Address;
 pub use backend::Backend;
 pub use discovery::{Discovery, Endpoint, EndpointKind, Obstacle, Stranger};
-pub use error::{CallError, DiscoverError, OpenError, PublishError, ReadError};
+pub use error::{CallError, DiscoverError, NoForeignName, OpenError, PublishError, ReadError};
 pub use middleware::{Capabilities, Middleware, Refused};
 pub use port::{Policy, PortSpec, Ports, Publisher, Reading, Subscription};
 pub use quality::Quality;

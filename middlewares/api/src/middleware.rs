@@ -7,8 +7,8 @@
 use std::sync::Arc;
 
 use crate::{
-    Address, Client, DiscoverError, Discovery, Endpoint, Obstacle, OpenError, Ports, Relay, Served,
-    ServiceHandler, ServiceType, Services, Stranger,
+    Address, Client, DiscoverError, Discovery, Endpoint, NoForeignName, Obstacle, OpenError, Ports,
+    Relay, Served, ServiceHandler, ServiceType, Services, Stranger,
 };
 
 /// An open middleware. A daemon has one value of each, shared by all its components.
@@ -45,7 +45,7 @@ pub trait Middleware: Ports + Send + Sync {
     ///
     /// # Errors
     /// `foreign` is not a valid name; the text says what would be one.
-    fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), String> {
+    fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
         let _ = (ours, foreign);
         Ok(())
     }

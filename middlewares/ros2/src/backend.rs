@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use genom_middleware::{
     Address, Backend, Capabilities, Client, DiscoverError, Discovery, Endpoint, Middleware,
-    Obstacle, OpenError, Refused, Served, ServiceHandler, ServiceType, Services,
+    NoForeignName, Obstacle, OpenError, Refused, Served, ServiceHandler, ServiceType, Services,
 };
 
 use crate::core::Core;
@@ -80,7 +80,7 @@ impl Middleware for Ros2 {
         Some(self)
     }
 
-    fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), String> {
+    fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
         self.core.masquerades.add(ours, foreign)
     }
 

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use genom_middleware::CallError;
 use rustdds::bytes::Bytes;
+use rustdds::dds::CreateResult;
 use rustdds::mio1::Token;
 use rustdds::rpc::SampleIdentity;
 use rustdds::{GUID, RTPSEntity, SequenceNumber, Timestamp, WriteOptions, WriteOptionsBuilder};
@@ -162,7 +163,7 @@ impl ServerEnd {
         maker: &Maker,
         names: &Names,
         on_request: OnRequest,
-    ) -> Result<Self, String> {
+    ) -> CreateResult<Self> {
         let qos = wire::qos(true, false, CACHED);
         let writer = dds.writer(&names.reply_topic(), &names.reply, &qos)?;
         let ourselves = prefix(&writer.guid());
@@ -316,7 +317,7 @@ fn half(of: &GUID) -> u64 {
 }
 
 impl ClientEnd {
-    pub(crate) fn open(dds: &Dds, maker: &Maker, names: &Names) -> Result<Self, String> {
+    pub(crate) fn open(dds: &Dds, maker: &Maker, names: &Names) -> CreateResult<Self> {
         let qos = wire::qos(true, false, CACHED);
         let since = Timestamp::now();
         let reader: Reader = dds.reader(&names.reply_topic(), &names.reply, &qos)?;

@@ -6,6 +6,7 @@ use genom_middleware::describe::type_of_port;
 use genom_middleware::{Address, EndpointKind, OpenError, Quality};
 use genom_types::DataType;
 use rustdds::RTPSEntity;
+use rustdds::dds::CreateResult;
 
 use crate::channel::Maker;
 use crate::dds::Dds;
@@ -151,8 +152,8 @@ impl Core {
         })
     }
 
-    pub(crate) fn failed(&self, at: &Address, why: String) -> OpenError {
-        OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why }
+    pub(crate) fn failed(&self, at: &Address, why: impl std::fmt::Display) -> OpenError {
+        OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why: why.to_string() }
     }
 
     /// The reader of a topic, shared by all in ports of this daemon that read it.
@@ -161,7 +162,7 @@ impl Core {
         wanted: &Wanted,
         ty: &DataType,
         quality: &Quality,
-    ) -> Result<Arc<FeedHandle>, String> {
+    ) -> CreateResult<Arc<FeedHandle>> {
         let wish = Wish::new(quality, &self.options.qos);
         self.feeds.get(&wanted.topic, wish, || {
             let ourselves = self.dds.participant.guid();

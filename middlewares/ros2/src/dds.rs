@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
+use rustdds::dds::CreateResult;
 use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, TopicKind};
 
 use crate::domain::Domain;
@@ -25,22 +26,20 @@ pub(crate) enum Direction {
 }
 
 impl Dds {
-    pub(crate) fn open(domain: &Domain) -> Result<Self, String> {
+    pub(crate) fn open(domain: &Domain) -> CreateResult<Self> {
         let mut builder = DomainParticipantBuilder::new(domain.number);
         if let Some(addresses) = domain.addresses() {
             builder = builder.with_only_networks(addresses);
         }
-        let participant = builder.build().map_err(|error| error.to_string())?;
+        let participant = builder.build()?;
         let qos = QosPolicies::qos_none();
-        let publisher = participant.create_publisher(&qos).map_err(|error| error.to_string())?;
-        let subscriber = participant.create_subscriber(&qos).map_err(|error| error.to_string())?;
+        let publisher = participant.create_publisher(&qos)?;
+        let subscriber = participant.create_subscriber(&qos)?;
         Ok(Self { publisher, subscriber, participant, opened: Mutex::default() })
     }
 
-    fn topic(&self, name: &str, ty: &str, qos: &QosPolicies) -> Result<rustdds::Topic, String> {
-        self.participant
-            .create_topic(name.to_owned(), ty.to_owned(), qos, TopicKind::NoKey)
-            .map_err(|error| error.to_string())
+    fn topic(&self, name: &str, ty: &str, qos: &QosPolicies) -> CreateResult<rustdds::Topic> {
+        self.participant.create_topic(name.to_owned(), ty.to_owned(), qos, TopicKind::NoKey)
     }
 
     fn note(&self, topic: &str, direction: Direction, ty: &str, qos: &QosPolicies) {
@@ -58,37 +57,20 @@ impl Dds {
         opened.get(&(topic.to_owned(), direction)).cloned()
     }
 
-    pub(crate) fn writer(
-        &self,
-        topic: &str,
-        ty: &str,
-        qos: &QosPolicies,
-    ) -> Result<Writer, String> {
+    pub(crate) fn writer(&self, topic: &str, ty: &str, qos: &QosPolicies) -> CreateResult<Writer> {
         self.note(topic, Direction::Writes, ty, qos);
         let topic = self.topic(topic, ty, qos)?;
-        let writer = self.publisher.create_datawriter_no_key(&topic, Some(qos.clone()));
-        writer.map_err(|error| error.to_string())
+        self.publisher.create_datawriter_no_key(&topic, Some(qos.clone()))
     }
 
-    pub(crate) fn reader(
-        &self,
-        topic: &str,
-        ty: &str,
-        qos: &QosPolicies,
-    ) -> Result<Reader, String> {
+    pub(crate) fn reader(&self, topic: &str, ty: &str, qos: &QosPolicies) -> CreateResult<Reader> {
         self.note(topic, Direction::Reads, ty, qos);
         self.moment(topic, ty, qos)
     }
 
     /// Creates a reader that is not recorded in `opened`.
-    pub(crate) fn moment(
-        &self,
-        topic: &str,
-        ty: &str,
-        qos: &QosPolicies,
-    ) -> Result<Reader, String> {
+    pub(crate) fn moment(&self, topic: &str, ty: &str, qos: &QosPolicies) -> CreateResult<Reader> {
         let topic = self.topic(topic, ty, qos)?;
-        let reader = self.subscriber.create_simple_datareader_no_key(&topic, Some(qos.clone()));
-        reader.map_err(|error| error.to_string())
+        self.subscriber.create_simple_datareader_no_key(&topic, Some(qos.clone()))
     }
 }

@@ -1,5 +1,7 @@
 //! Errors of opening the middleware.
 
+use rustdds::dds::CreateError;
+
 use crate::options::OptionsError;
 
 /// Name of this middleware in configurations and errors.
@@ -18,7 +20,7 @@ pub enum ParticipantError {
         /// Number of the domain.
         domain: u16,
         /// The library's message.
-        why: String,
+        why: CreateError,
     },
     /// The system cannot start another thread.
     #[error("no thread for ROS 2: {0}")]

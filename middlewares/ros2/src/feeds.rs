@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
+use rustdds::dds::CreateResult;
 use rustdds::mio1::Token;
 use rustdds::{GUID, QosPolicies};
 
@@ -39,7 +40,7 @@ impl FeedHandle {
         (wish, cached): (Wish, i32),
         (inlet, dds): (&Arc<Inlet>, &Arc<Dds>),
         announce: Box<dyn Fn() + Send + Sync>,
-    ) -> Result<Self, String> {
+    ) -> CreateResult<Self> {
         let asks = feed.asks(wish);
         let qos = wire::qos(asks.reliable, asks.transient_local, cached);
         let reader = dds.reader(&feed.topic, &feed.dds_type, &qos)?;
@@ -115,8 +116,8 @@ impl Feeds {
         &self,
         topic: &str,
         wish: Wish,
-        make: impl FnOnce() -> Result<FeedHandle, String>,
-    ) -> Result<Arc<FeedHandle>, String> {
+        make: impl FnOnce() -> CreateResult<FeedHandle>,
+    ) -> CreateResult<Arc<FeedHandle>> {
         let mut feeds = self.lock();
         // Dropped after the lock is released, because dropping the last handle of a feed takes the
         // lock.

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{PoisonError, RwLock};
 
-use genom_middleware::{ServiceKind, ServiceType};
-use genom_rosidl::{Interface, Library, Manner, Mapper, Ours, TypeName};
+use genom_middleware::{NoForeignName, ServiceKind, ServiceType};
+use genom_rosidl::{Interface, Library, Manner, Mapper, MasqueradeError, Ours, TypeName};
 use genom_types::DataType;
 
 use crate::names;
@@ -36,9 +36,11 @@ impl Masquerades {
     }
 
     /// Adds a masquerade, unless the options contain another one for the same name.
-    pub(crate) fn add(&self, ours: &str, foreign: &str) -> Result<(), String> {
-        let name = TypeName::parse(foreign).ok_or_else(|| {
-            format!("{ours} cannot masquerade as `{foreign}`: write package/msg/Type")
+    pub(crate) fn add(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
+        let name = TypeName::parse(foreign).ok_or_else(|| NoForeignName {
+            ours: ours.to_owned(),
+            foreign: foreign.to_owned(),
+            form: "package/msg/Type",
         })?;
         let mut all = self.all.write().unwrap_or_else(PoisonError::into_inner);
         all.entry(ours.to_owned()).or_insert(name);
@@ -53,17 +55,15 @@ impl Masquerades {
     }
 
     /// The message of a port.
-    pub(crate) fn message(&self, ty: &DataType) -> Result<TypeName, String> {
+    pub(crate) fn message(&self, ty: &DataType) -> Result<TypeName, MasqueradeError> {
         let masquerades = self.all();
         let (table, id) = (ty.table(), ty.id());
         let Some(foreign) = genom_rosidl::masqueraded(table, id, &masquerades) else {
             return Ok(names::message(ty));
         };
         let ours = Ours { masquerades: &masquerades, library: &self.library };
-        match ours.message((table, id), foreign) {
-            Ok(()) => Ok(foreign.clone()),
-            Err(error) => Err(error.to_string()),
-        }
+        ours.message((table, id), foreign)?;
+        Ok(foreign.clone())
     }
 
     /// The hash by which ROS nodes identify the message of a port; `None` if a message within it is
@@ -82,7 +82,10 @@ impl Masquerades {
     }
 
     /// The foreign type of a service, if it masquerades.
-    pub(crate) fn service(&self, ty: &ServiceType) -> Result<Option<(TypeName, Manner)>, String> {
+    pub(crate) fn service(
+        &self,
+        ty: &ServiceType,
+    ) -> Result<Option<(TypeName, Manner)>, MasqueradeError> {
         let (input, output) = (&ty.input, &ty.output);
         let Some(name) = genom_rosidl::service_of(input.table(), input.id()) else {
             return Ok(None);
@@ -92,13 +95,10 @@ impl Masquerades {
         let ours = Ours { masquerades: &masquerades, library: &self.library };
         let types = ((&**input.table(), input.id()), (&**output.table(), output.id()));
         let manner = match ty.kind {
-            ServiceKind::Activity => ours.action(&name, types, foreign),
-            _ => ours.service(&name, types, foreign),
+            ServiceKind::Activity => ours.action(&name, types, foreign)?,
+            _ => ours.service(&name, types, foreign)?,
         };
-        match manner {
-            Ok(manner) => Ok(Some((foreign.clone(), manner))),
-            Err(error) => Err(error.to_string()),
-        }
+        Ok(Some((foreign.clone(), manner)))
     }
 }
 

@@ -9,6 +9,7 @@ use genom_middleware::{
     Address, Client, EndpointKind, OpenError, Served, ServiceHandler, ServiceKind, ServiceType,
 };
 use genom_rosidl::TypeName;
+use rustdds::dds::CreateResult;
 use rustdds::{GUID, RTPSEntity, Timestamp};
 
 use crate::body::Style;
@@ -133,7 +134,7 @@ impl ServiceEnds {
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
         claim: Claim,
-    ) -> Result<Box<dyn Served>, String> {
+    ) -> CreateResult<Box<dyn Served>> {
         let parameter = self.parameters.add(&self.core, at, ty, &handler);
         let server = Server::new(ty.clone(), plan.style, handler);
         let weak = Arc::downgrade(&server);
@@ -161,7 +162,7 @@ impl ServiceEnds {
         ty: &ServiceType,
         handler: Arc<dyn ServiceHandler>,
         claim: Claim,
-    ) -> Result<Box<dyn Served>, String> {
+    ) -> CreateResult<Box<dyn Served>> {
         let server = ActionServer::new(ty.clone(), plan.style, handler, self.core.orders().clone());
         let (maker, dds) = (self.core.maker(), &self.core.dds);
         let open = |names: &Names, on: fn(&Arc<ActionServer>, _, _, &[u8])| {
@@ -239,7 +240,7 @@ impl ServiceEnds {
         }))
     }
 
-    fn action(&self, plan: &Plan) -> Result<ActionEnd, String> {
+    fn action(&self, plan: &Plan) -> CreateResult<ActionEnd> {
         let (maker, dds) = (self.core.maker(), &self.core.dds);
         let runs = Arc::new(Runs::default());
         let (topic, name) = plan.feedback();
@@ -271,8 +272,8 @@ impl ServiceEnds {
 fn shared<T>(
     all: &Mutex<HashMap<String, Weak<T>>>,
     name: String,
-    make: impl FnOnce() -> Result<T, String>,
-) -> Result<Arc<T>, String> {
+    make: impl FnOnce() -> CreateResult<T>,
+) -> CreateResult<Arc<T>> {
     let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
     if let Some(there) = all.get(&name).and_then(Weak::upgrade) {
         return Ok(there);

@@ -257,5 +257,10 @@ fn structures_that_differ_are_refused_and_both_are_shown() {
     ros2.masquerade("::demo::look", "camera_msgs/srv/Look").unwrap();
     let unknown = told(&service(ServiceKind::Function, "look", &[], &[]));
     assert!(unknown.contains("camera_msgs/srv/Look is not known"), "{unknown}");
-    assert!(ros2.masquerade("::demo::look", "Look").unwrap_err().contains("package/msg/Type"));
+    assert!(
+        ros2.masquerade("::demo::look", "Look")
+            .unwrap_err()
+            .to_string()
+            .contains("package/msg/Type")
+    );
 }

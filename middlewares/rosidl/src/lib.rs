@@ -28,5 +28,5 @@ pub use map::{MapError, Mapper, Place, Problem};
 pub use masquerade::{Failure, Manner, MasqueradeError, Ours, Typed};
 pub use names::{TypeName, masqueraded, message, service, service_of};
 pub use package::{PackageError, Packages};
-pub use parse::{ParseError, parse};
+pub use parse::{Mistake, ParseError, parse};
 pub use structure::{Difference, Find, compare};

@@ -14,7 +14,35 @@ pub struct ParseError {
     /// Line number, from 1.
     pub line: usize,
     /// What is wrong there.
-    pub why: String,
+    pub why: Mistake,
+}
+
+/// What is wrong with a line, or with the number of parts.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Mistake {
+    /// A type, or less, where a field or constant should be.
+    #[error("`{0}` has no name")]
+    NoName(String),
+    /// Neither a built-in type nor the name of a message.
+    #[error("`{0}` is no type")]
+    NoType(String),
+    /// A bound or a length that is no number.
+    #[error("`{0}` is no size")]
+    NoSize(String),
+    /// A line `---` after the last part that there may be.
+    #[error("a {0} has no more parts")]
+    MoreParts(String),
+    /// Too few of them.
+    #[error("it has {found} parts, a {folder} has {wanted}")]
+    Parts {
+        /// Parts of the text.
+        found: usize,
+        /// `msg`, `srv` or `action`.
+        folder: String,
+        /// Parts of such an interface.
+        wanted: usize,
+    },
 }
 
 /// Parses the text of an interface. `name` determines its kind.
@@ -27,13 +55,13 @@ pub fn parse(name: &TypeName, text: &str) -> Result<Interface, ParseError> {
         "action" => &["_Goal", "_Result", "_Feedback"],
         _ => &[""],
     };
-    let error = |line: usize, why: String| ParseError { name: name.clone(), line, why };
+    let error = |line: usize, why: Mistake| ParseError { name: name.clone(), line, why };
     let mut parts = vec![Message::new(name.part(suffixes.first().copied().unwrap_or_default()))];
     for (at, line) in text.lines().enumerate() {
         let code = line.split('#').next().unwrap_or_default().trim();
         if code == "---" {
             let Some(suffix) = suffixes.get(parts.len()) else {
-                return Err(error(at + 1, format!("a {} has no more parts", name.folder)));
+                return Err(error(at + 1, Mistake::MoreParts(name.folder.clone())));
             };
             parts.push(Message::new(name.part(suffix)));
             continue;
@@ -46,7 +74,8 @@ pub fn parse(name: &TypeName, text: &str) -> Result<Interface, ParseError> {
         read.map_err(|why| error(at + 1, why))?;
     }
     if parts.len() != suffixes.len() {
-        let why = format!("it has {} parts, a {} has {}", parts.len(), name.folder, suffixes.len());
+        let (found, wanted) = (parts.len(), suffixes.len());
+        let why = Mistake::Parts { found, folder: name.folder.clone(), wanted };
         return Err(error(text.lines().count().max(1), why));
     }
     let mut parts = parts.into_iter();
@@ -63,15 +92,15 @@ pub fn parse(name: &TypeName, text: &str) -> Result<Interface, ParseError> {
 }
 
 /// Parses one field or constant.
-fn member(to: &mut Message, package: &str, code: &str, line: &str) -> Result<(), String> {
-    let (ty, rest) =
-        code.split_once(char::is_whitespace).ok_or_else(|| format!("`{code}` has no name"))?;
+fn member(to: &mut Message, package: &str, code: &str, line: &str) -> Result<(), Mistake> {
+    let no_name = || Mistake::NoName(code.to_owned());
+    let (ty, rest) = code.split_once(char::is_whitespace).ok_or_else(no_name)?;
     let (base, shape) = field_type(ty, package)?;
     let rest = rest.trim_start();
     let name: String =
         rest.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
     if name.is_empty() {
-        return Err(format!("`{code}` has no name"));
+        return Err(no_name());
     }
     let after = rest.get(name.len()..).unwrap_or_default().trim_start();
     if after.starts_with('=') {
@@ -85,8 +114,8 @@ fn member(to: &mut Message, package: &str, code: &str, line: &str) -> Result<(),
     Ok(())
 }
 
-fn field_type(text: &str, package: &str) -> Result<(Base, Shape), String> {
-    let number = |text: &str| text.parse::<u32>().map_err(|_| format!("`{text}` is no size"));
+fn field_type(text: &str, package: &str) -> Result<(Base, Shape), Mistake> {
+    let number = |text: &str| text.parse::<u32>().map_err(|_| Mistake::NoSize(text.to_owned()));
     let (element, shape) = match text.strip_suffix(']').and_then(|text| text.rsplit_once('[')) {
         None => (text, Shape::One),
         Some((element, "")) => (element, Shape::Sequence(None)),
@@ -122,7 +151,8 @@ fn field_type(text: &str, package: &str) -> Result<(Base, Shape), String> {
                 [package, name] => format!("{package}/msg/{name}"),
                 _ => other.to_owned(),
             };
-            Base::Message(TypeName::parse(&full).ok_or_else(|| format!("`{other}` is no type"))?)
+            let name = TypeName::parse(&full).ok_or_else(|| Mistake::NoType(other.to_owned()))?;
+            Base::Message(name)
         }
     };
     Ok((base, shape))

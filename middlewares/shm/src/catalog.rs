@@ -8,7 +8,7 @@
 
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, DirBuilder, File, OpenOptions};
-use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, OpenOptionsExt as _};
 use std::path::{Path, PathBuf};
 
@@ -140,11 +140,31 @@ pub(crate) struct Catalog {
     gone: usize,
 }
 
-fn create(path: &Path) -> Result<File, String> {
+/// The catalog of this daemon could not be made or written.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum CatalogError {
+    #[error("cannot make {}: {source}", path.display())]
+    Make { path: PathBuf, source: io::Error },
+    #[error("cannot write {}: {source}", path.display())]
+    Write { path: PathBuf, source: io::Error },
+}
+
+impl CatalogError {
+    fn make(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        |source| Self::Make { path, source }
+    }
+
+    fn write(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_owned();
+        |source| Self::Write { path, source }
+    }
+}
+
+fn create(path: &Path) -> Result<File, CatalogError> {
     let mut options = OpenOptions::new();
     options.append(true).create_new(true).mode(0o600);
-    let file = options.open(path);
-    file.map_err(|error| format!("cannot make {}: {error}", path.display()))
+    options.open(path).map_err(CatalogError::make(path))
 }
 
 fn added(key: &str, offer: &Offer) -> String {
@@ -153,17 +173,22 @@ fn added(key: &str, offer: &Offer) -> String {
 
 impl Catalog {
     /// Creates an empty catalog.
-    pub(crate) fn create(node: &Node<Ipc>) -> Result<Self, String> {
+    pub(crate) fn create(node: &Node<Ipc>) -> Result<Self, CatalogError> {
         let (folder, prefix) = place(node);
         let made = DirBuilder::new().recursive(true).mode(0o700).create(&folder);
-        made.map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
+        made.map_err(CatalogError::make(&folder))?;
         let path = folder.join(format!("{prefix}{:032x}", node.id().value()));
         let file = create(&path)?;
         Ok(Self { path, file, offers: HashMap::new(), gone: 0 })
     }
 
     /// Announces an offer. Returns false if it was announced already.
-    pub(crate) fn add(&mut self, kind: Kind, address: &str, offer: Offer) -> Result<bool, String> {
+    pub(crate) fn add(
+        &mut self,
+        kind: Kind,
+        address: &str,
+        offer: Offer,
+    ) -> Result<bool, CatalogError> {
         let key = key(kind, address);
         if self.offers.contains_key(&key) {
             return Ok(false);
@@ -194,21 +219,20 @@ impl Catalog {
         }
     }
 
-    fn write(&mut self, text: &str) -> Result<(), String> {
-        let written = self.file.write_all(text.as_bytes());
-        written.map_err(|error| format!("cannot write {}: {error}", self.path.display()))
+    fn write(&mut self, text: &str) -> Result<(), CatalogError> {
+        self.file.write_all(text.as_bytes()).map_err(CatalogError::write(&self.path))
     }
 
     /// Replaces the file by one that has only the current offers.
-    fn renew(&mut self) -> Result<(), String> {
+    fn renew(&mut self) -> Result<(), CatalogError> {
         let mut new = self.path.clone().into_os_string();
         new.push(".new");
         let new = PathBuf::from(new);
         let _ = fs::remove_file(&new);
         let mut file = create(&new)?;
         let text: String = self.offers.iter().map(|(key, offer)| added(key, offer)).collect();
-        let done = file.write_all(text.as_bytes()).and_then(|()| fs::rename(&new, &self.path));
-        done.map_err(|error| format!("cannot write {}: {error}", new.display()))?;
+        let written = file.write_all(text.as_bytes()).and_then(|()| fs::rename(&new, &self.path));
+        written.map_err(CatalogError::write(&new))?;
         (self.file, self.gone) = (file, 0);
         Ok(())
     }

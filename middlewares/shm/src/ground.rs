@@ -14,7 +14,7 @@ use iceoryx2::service::builder::publish_subscribe::{
 
 use crate::attain::{Attempt, attain};
 use crate::attributes::{DIGEST_KEY, TYPE_KEY, attribute, attributes, describe, type_of_service};
-use crate::catalog::{Catalog, Kind, Offer, Reader};
+use crate::catalog::{Catalog, CatalogError, Kind, Offer, Reader};
 use crate::error::{BACKEND, failed};
 use crate::options::Options;
 use crate::raw::{self, Ipc, RawPublisher, RawService};
@@ -70,12 +70,13 @@ impl Ground {
     /// Announces that this daemon offers something at an address, unless the address is taken.
     pub(crate) fn offer(&self, kind: Kind, at: &Address, offer: Offer) -> Result<(), OpenError> {
         let (address, taken) = (at.to_string(), || OpenError::Taken { address: at.clone() });
+        let refused = |error: CatalogError| failed(at, &error.to_string());
         let mut catalog = lock(&self.catalog);
         let own = match &mut *catalog {
             Some(own) => own,
-            none => none.insert(Catalog::create(&self.node).map_err(|why| failed(at, &why))?),
+            none => none.insert(Catalog::create(&self.node).map_err(refused)?),
         };
-        if !own.add(kind, &address, offer).map_err(|why| failed(at, &why))? {
+        if !own.add(kind, &address, offer).map_err(refused)? {
             return Err(taken());
         }
         // Check after announcing: of two daemons that announce at the same time, at most one keeps

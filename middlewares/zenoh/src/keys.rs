@@ -28,6 +28,16 @@ pub(crate) struct Token {
     pub(crate) address: String,
 }
 
+/// An address has no key.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum KeyError {
+    #[error("`{0}` is no key: it has wild cards")]
+    WildCards(String),
+    /// zenoh does not take it: an empty chunk, for instance.
+    #[error("{0}")]
+    Refused(zenoh::Error),
+}
+
 impl Keys {
     pub(crate) fn new(prefix: &str) -> Self {
         let prefix = prefix.trim_matches('/');
@@ -40,12 +50,12 @@ impl Keys {
     }
 
     /// The key of a port or service; the error says why it is not valid.
-    pub(crate) fn of(&self, at: &Address) -> Result<OwnedKeyExpr, String> {
+    pub(crate) fn of(&self, at: &Address) -> Result<OwnedKeyExpr, KeyError> {
         let key = format!("{}{at}", self.prefix);
         if key.contains(['*', '$']) {
-            return Err(format!("`{key}` is no key: it has wild cards"));
+            return Err(KeyError::WildCards(key));
         }
-        OwnedKeyExpr::new(key).map_err(|error| error.to_string())
+        OwnedKeyExpr::new(key).map_err(KeyError::Refused)
     }
 
     /// A key expression that matches all tokens.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use genom_description::diagnostic::fix;
 use genom_description::model::Span;
 use genom_description::source::SourceMap;
-use genom_description_tools::navigate::Navigator;
+use genom_description_tools::navigate::{Navigator, RenameError};
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionOrCommand, CodeActionParams, Range, TextEdit, Uri,
     WorkspaceEdit,
@@ -38,8 +38,8 @@ pub(super) fn rename(
     file: u32,
     offset: u32,
     to: &str,
-) -> Result<WorkspaceEdit, String> {
-    let places = read.rename(file, offset, to).map_err(|error| error.to_string())?;
+) -> Result<WorkspaceEdit, RenameError> {
+    let places = read.rename(file, offset, to)?;
     let sources = &read.analysis.sources;
     Ok(workspace(places.into_iter().filter_map(|span| edit(sources, span, to))))
 }

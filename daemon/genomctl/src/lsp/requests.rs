@@ -1,8 +1,8 @@
 //! Questions of the editor, and their answers.
 
 use genom_description::source::SourceFile;
-use genom_description_tools::format_text;
 use genom_description_tools::navigate::Navigator;
+use genom_description_tools::{FormatError, format_text};
 use lsp_server::Request;
 use lsp_types::{
     CodeActionParams, CompletionParams, DocumentFormattingParams, DocumentSymbolParams,
@@ -25,6 +25,12 @@ pub(super) enum Refusal {
     Parameters(String),
     /// It cannot be done, for this reason.
     Failed(String),
+}
+
+impl Refusal {
+    fn failed(why: impl std::fmt::Display) -> Self {
+        Self::Failed(why.to_string())
+    }
 }
 
 /// A question about a place in an open text.
@@ -79,20 +85,20 @@ pub(super) fn answer(workspace: &Workspace, request: Request) -> Result<Value, R
             let asked: DocumentFormattingParams = parameters(request)?;
             let text = open(workspace, &asked.text_document.uri);
             let edits = text.map(|(_, _, file)| format(file));
-            value(edits.transpose().map_err(Refusal::Failed)?)
+            value(edits.transpose().map_err(Refusal::failed)?)
         }
         "textDocument/prepareRename" => {
             let asked: TextDocumentPositionParams = parameters(request)?;
             let at = at(workspace, &asked);
             let span = at.map(|at| at.read.renamed_at(at.rank, at.offset).map(|span| (at, span)));
-            let span = span.transpose().map_err(|error| Refusal::Failed(error.to_string()))?;
+            let span = span.transpose().map_err(Refusal::failed)?;
             value(span.map(|(at, span)| place::range(at.file, span)))
         }
         "textDocument/rename" => {
             let asked: RenameParams = parameters(request)?;
             let at = at(workspace, &asked.text_document_position);
             let edit = at.map(|at| edits::rename(at.read, at.rank, at.offset, &asked.new_name));
-            value(edit.transpose().map_err(Refusal::Failed)?)
+            value(edit.transpose().map_err(Refusal::failed)?)
         }
         "textDocument/codeAction" => {
             let asked: CodeActionParams = parameters(request)?;
@@ -113,7 +119,7 @@ fn parameters<P: DeserializeOwned>(request: Request) -> Result<P, Refusal> {
 }
 
 fn value(answer: impl Serialize) -> Result<Value, Refusal> {
-    serde_json::to_value(answer).map_err(|error| Refusal::Failed(error.to_string()))
+    serde_json::to_value(answer).map_err(Refusal::failed)
 }
 
 fn open<'a>(workspace: &'a Workspace, uri: &Uri) -> Option<(&'a Navigator, u32, &'a SourceFile)> {
@@ -134,9 +140,9 @@ fn hover(at: &At<'_>) -> Option<Hover> {
 
 /// The edit that formats a text: the lines that change, so that the rest of the editor's marks
 /// stay where they are.
-fn format(file: &SourceFile) -> Result<Vec<TextEdit>, String> {
+fn format(file: &SourceFile) -> Result<Vec<TextEdit>, FormatError> {
     let before: &str = file.text();
-    let after = format_text(before).map_err(|error| error.to_string())?;
+    let after = format_text(before)?;
     if after == before {
         return Ok(Vec::new());
     }

@@ -9,6 +9,7 @@ use axum::http::StatusCode;
 use axum::{Extension, Json};
 use genom_configuration::{Config, ConfigError, Deployment, Right, Spot};
 use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment};
+use genom_supervisor::deploy::StepError;
 use genom_supervisor::deploy::apply::ApplyError;
 use genom_supervisor::deploy::plan::PlanError;
 use genom_supervisor::deploy::{self, Step};
@@ -137,7 +138,8 @@ fn placed(place: &Spot, wanted: &DeploymentRequest, error: &impl std::fmt::Displ
 }
 
 fn failed(error: &ApplyError, wanted: &DeploymentRequest) -> RpcError {
-    let code = if error.timeout { Code::Timeout } else { Code::NotApplied };
+    let late = matches!(*error.why, StepError::Absent { .. });
+    let code = if late { Code::Timeout } else { Code::NotApplied };
     let help = if error.left.is_empty() { "everything is as it was before" } else { "see above" };
     RpcError::conflict(code, placed(&error.place, wanted, error)).help(help)
 }

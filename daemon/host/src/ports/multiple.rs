@@ -74,7 +74,8 @@ impl Elements {
             return Ok(());
         }
         let opener = self.opener.get().ok_or(Failure::NoSuchOutport)?;
-        let publisher = opener.open(self.port, name).map_err(Failure::Middleware)?;
+        let publisher =
+            opener.open(self.port, name).map_err(|error| Failure::Middleware(error.to_string()))?;
         self.bind(name, Link::Out(Some(publisher)));
         Ok(())
     }

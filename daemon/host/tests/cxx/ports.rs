@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use genom_description::model::PortIx;
 use genom_middleware::{PublishError, Publisher, ReadError, Reading, Subscription};
-use genom_runtime::body::{Body, Opener};
+use genom_runtime::body::{Body, ElementError, Opener};
 use genom_types::Record;
 use serde_json::{Value, json};
 
@@ -47,7 +47,7 @@ impl Subscription for FakeSubscription {
 struct FakeOpener(Sent);
 
 impl Opener for FakeOpener {
-    fn open(&self, _: PortIx, _: &str) -> Result<Box<dyn Publisher>, String> {
+    fn open(&self, _: PortIx, _: &str) -> Result<Box<dyn Publisher>, ElementError> {
         Ok(Box::new(FakePublisher(Arc::clone(&self.0))))
     }
 

@@ -7,7 +7,7 @@ use genom_description::model::{PortDirection, PortIx};
 use genom_middleware::{Address, OpenError, PortSpec, Publisher, Quality};
 use genom_ports::{Ends, Fan, PortKey};
 use genom_registry::{BackendError, Backends};
-use genom_runtime::body::{Body, Opener};
+use genom_runtime::body::{Body, ElementError, Opener};
 use genom_runtime::plan::Plan;
 use genom_runtime::{Clock, HeldUp};
 use genom_types::DataType;
@@ -127,18 +127,19 @@ struct ElementOpener {
 }
 
 impl Opener for ElementOpener {
-    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, String> {
+    fn open(&self, port: PortIx, element: &str) -> Result<Box<dyn Publisher>, ElementError> {
         let known = self.plan.component().ports.get(port).zip(self.plan.port_type(port));
         let Some((model, ty)) = known else {
-            return Err(format!("{} has no port number {port}", self.instance));
+            return Err(ElementError::NoSuchPort { instance: self.instance.clone(), port });
         };
         let name = &model.name;
         if element.split('/').any(str::is_empty) {
-            return Err(format!("`{element}` cannot name an element of {name}"));
+            let (element, port) = (element.to_owned(), name.clone());
+            return Err(ElementError::Name { element, port });
         }
         let address = Address::new(self.instance.as_str(), format!("{name}/{element}"));
         let fan = self.opening.fan(&self.ties, &address, name, ty);
-        let fan = fan.map_err(|error| error.to_string())?;
+        let fan = fan.map_err(|error| ElementError::Open(Box::new(error)))?;
         let key = PortKey::new(port, Some(element));
         self.opening.opened(&self.ties, key, &address, ty, &fan);
         Ok(fan.publisher())

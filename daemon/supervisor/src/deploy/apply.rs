@@ -7,9 +7,10 @@ use std::time::{Duration, Instant};
 use genom_description::model::ServiceKind;
 
 use super::Step;
+use super::error::StepError;
 use super::undo::{Gone, Requested, Running, Undo, move_to, take_away, take_back};
 use crate::bus::{Change, StepStatus};
-use crate::components::request;
+use crate::components::{UnloadError, request};
 use crate::connections::Wanted;
 use crate::ending::Ending;
 use crate::loading;
@@ -26,11 +27,10 @@ pub struct ApplyError {
     /// The step that was refused.
     pub step: String,
     /// Why it was refused.
-    pub why: String,
+    #[source]
+    pub why: Box<StepError>,
     /// Where it is asked for in the file.
     pub place: Spot,
-    /// It was given up waiting.
-    pub timeout: bool,
     /// What could not be undone.
     pub left: Vec<String>,
 }
@@ -63,9 +63,9 @@ pub fn apply(
             take(supervisor, step, &ran, &mut undo)
                 .inspect(|()| tell(supervisor, step, StepStatus::Done))
         };
-        if let Err(Refused { step, why, place, timeout }) = taken {
+        if let Err(Refused { step, why, place }) = taken {
             let left = take_back(supervisor, undo);
-            return Err(ApplyError { step, why, place, timeout, left });
+            return Err(ApplyError { step, why, place, left });
         }
     }
     Ok(())
@@ -78,16 +78,15 @@ fn tell(supervisor: &Supervisor, step: &Step, status: StepStatus) {
 /// A step that was refused.
 struct Refused {
     step: String,
-    why: String,
+    why: Box<StepError>,
     place: Spot,
-    timeout: bool,
 }
 
 impl Refused {
     fn new<S: Into<String>>(
         step: &Step,
         key: impl IntoIterator<Item = S>,
-        why: impl Into<String>,
+        why: impl Into<StepError>,
     ) -> Self {
         let place = match step {
             Step::Load(request) | Step::Reload { request, .. } => Spot::component(request),
@@ -100,7 +99,7 @@ impl Refused {
             Step::Start(entry) => Spot::request("activity", entry),
         };
         let place = place.key(key);
-        Self { step: step.to_string(), why: why.into(), place, timeout: false }
+        Self { step: step.to_string(), why: Box::new(why.into()), place }
     }
 }
 
@@ -114,8 +113,7 @@ fn take(
     match step {
         Step::Load(request) => {
             let loaded = loading::load(supervisor, request);
-            let hosted =
-                loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
+            let hosted = loaded.map_err(|error| Refused::new(step, error.key(), error))?;
             undo.push(Undo::Unload(hosted.name.clone()));
         }
         Step::Reload { request, .. } => {
@@ -123,7 +121,7 @@ fn take(
             let none: [&str; 0] = [];
             take_down(supervisor, &name, undo).map_err(|why| Refused::new(step, none, why))?;
             let loaded = loading::load(supervisor, request);
-            loaded.map_err(|error| Refused::new(step, error.key(), error.to_string()))?;
+            loaded.map_err(|error| Refused::new(step, error.key(), error))?;
         }
         Step::Unload(name) => {
             let none: [&str; 0] = [];
@@ -132,7 +130,7 @@ fn take(
         Step::Disconnect(entry) => {
             let before = supervisor.connections.present(&entry.inport);
             take_away(supervisor.connections.disconnect(&entry.inport))
-                .map_err(|why| Refused::new(step, ["in"], why))?;
+                .map_err(|error| Refused::new(step, ["in"], StepError::Disconnect(error)))?;
             undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
         }
         Step::Move { component, port, to } => {
@@ -144,9 +142,10 @@ fn take(
             let before = Requested::before(supervisor, entry, step.to_string(), ran);
             request::send(&supervisor.components, entry).map_err(|error| {
                 // As the file has it: inputs stand under the service's name.
-                let members = error.key.into_iter().filter(|key| key != "inputs");
+                let members = error.key.iter().filter(|key| *key != "inputs").cloned();
                 let key = ["attributes".to_owned(), entry.service.clone()];
-                Refused::new(step, key.into_iter().chain(members), error.why)
+                let key: Vec<String> = key.into_iter().chain(members).collect();
+                Refused::new(step, key, error)
             })?;
             undo.push(Undo::Request(before));
         }
@@ -159,7 +158,7 @@ fn take(
             }
             let before = Requested::before(supervisor, entry, step.to_string(), ran);
             let activity = request::send(&supervisor.components, entry)
-                .map_err(|error| Refused::new(step, error.key, error.why))?;
+                .map_err(|error| Refused::new(step, error.key.clone(), error))?;
             let hosted = supervisor.components.get(&entry.component);
             match (step, activity, &hosted) {
                 (Step::Start(_), Some(number), _) => {
@@ -170,8 +169,7 @@ fn take(
                     // Called, not started: what comes next may rely on its end.
                     let ended = hosted.activities.get(number).map(|activity| activity.wait());
                     if let Some(Some(Ending::Exception { name, .. })) = ended {
-                        let why = format!("it ended with {name}");
-                        return Err(Refused::new(step, ["service"], why));
+                        return Err(Refused::new(step, ["service"], StepError::Exception(name)));
                     }
                 }
                 _ => undo.push(Undo::Request(before)),
@@ -185,22 +183,27 @@ fn take(
 }
 
 /// Stops a component, which may be put back.
-fn take_down(supervisor: &Arc<Supervisor>, name: &str, undo: &mut Vec<Undo>) -> Result<(), String> {
+fn take_down(
+    supervisor: &Arc<Supervisor>,
+    name: &str,
+    undo: &mut Vec<Undo>,
+) -> Result<(), UnloadError> {
     let before = supervisor.components.get(name).map(|hosted| Gone::of(&hosted));
     undo.extend(before.map(|before| Undo::PutBack(Box::new(before))));
-    supervisor.unload(name).map_err(|error| error.to_string())
+    supervisor.unload(name)
 }
 
 /// Only activities are started: anything else would be over when the next one begins.
-fn is_activity(supervisor: &Supervisor, entry: &CallEntry) -> Result<(), String> {
+fn is_activity(supervisor: &Supervisor, entry: &CallEntry) -> Result<(), StepError> {
     let hosted = supervisor.components.get(&entry.component);
     let services = hosted.as_ref().map_or(&[][..], |hosted| &hosted.model().services);
-    let what = match services.iter().find(|one| one.name == entry.service).map(|one| one.kind) {
+    let kind = match services.iter().find(|one| one.name == entry.service).map(|one| one.kind) {
         Some(ServiceKind::Attribute) => "an attribute",
         Some(ServiceKind::Function) => "a function",
         Some(ServiceKind::Activity) | None => return Ok(()),
     };
-    Err(format!("{}/{} is {what}: name it in [[call]]", entry.component, entry.service))
+    let (component, service) = (entry.component.clone(), entry.service.clone());
+    Err(StepError::NoActivity { component, service, kind })
 }
 
 /// Makes connections, each as soon as its other side is there.
@@ -224,18 +227,18 @@ fn connect_all(
                 }
                 // The other side comes when its daemon does; a name with a mistake in it waits
                 // until the time is over, and is reported then.
-                Err(error) if error.is_absent() => absent.push((entry, step, error.sentence())),
-                Err(error) => return Err(Refused::new(&step, [error.key()], error.sentence())),
+                Err(error) if error.is_absent() => absent.push((entry, step, error)),
+                Err(error) => return Err(Refused::new(&step, [error.key()], error)),
             }
         }
-        if let Some((_, step, why)) = absent.first() {
+        if let Some((_, step, _)) = absent.first() {
             if supervisor.stopping() {
-                return Err(Refused::new(step, ["out"], "the daemon stops"));
+                return Err(Refused::new(step, ["out"], StepError::Stopping));
             }
             if patience.is_some_and(|patience| begin.elapsed() >= patience) {
-                let after = begin.elapsed().as_secs_f64();
-                let why = format!("nothing after {after:.1} s: {why}");
-                return Err(Refused { timeout: true, ..Refused::new(step, ["out"], why) });
+                let (_, step, source) = absent.swap_remove(0);
+                let why = StepError::Absent { after: begin.elapsed(), source };
+                return Err(Refused::new(&step, ["out"], why));
             }
             if !told {
                 told = true;

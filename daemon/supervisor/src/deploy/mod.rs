@@ -2,8 +2,11 @@
 
 pub mod apply;
 pub mod dump;
+mod error;
 pub mod plan;
 mod undo;
+
+pub use error::{MoveError, StepError};
 
 use std::fmt;
 

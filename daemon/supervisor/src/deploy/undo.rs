@@ -7,6 +7,7 @@ use genom_runtime::Clock;
 use serde_json::Value;
 
 use super::dump;
+use super::error::{MoveError, UndoError};
 use super::plan::entries;
 use crate::components::{Hosted, request};
 use crate::connections::{ConnectError, Wanted};
@@ -60,7 +61,8 @@ impl Gone {
             return vec![format!("{name} does not run: {error}")];
         }
         let connected = self.connections.iter().filter_map(|entry| {
-            make_anyway(supervisor, entry).err().map(|why| format!("{entry}: {why}"))
+            let failed = make_anyway(supervisor, entry).err();
+            failed.map(|error| format!("{entry}: {}", error.sentence()))
         });
         let stopped =
             self.interrupted.iter().map(|service| format!("{name}/{service} was interrupted"));
@@ -133,15 +135,15 @@ pub(super) fn move_to(
     component: &str,
     port: Option<&str>,
     to: &BackendNames,
-) -> Result<Moved, String> {
+) -> Result<Moved, MoveError> {
     let Some(hosted) = supervisor.components.get(component) else {
-        return Err(format!("{component} does not run"));
+        return Err(MoveError::NotThere(component.to_owned()));
     };
     let bindings = &hosted.ties.bindings;
     let before = port.map_or_else(|| bindings.component(), |port| bindings.port(port));
     let ports = if port.is_none() { bindings.ports() } else { BTreeMap::new() };
     let index = port.and_then(|port| hosted.model().ports.find(|known| known.name == port));
-    supervisor.connections.move_to(&hosted, index, to).map_err(|error| error.to_string())?;
+    supervisor.connections.move_to(&hosted, index, to)?;
     let port = port.map(str::to_owned);
     Ok(Moved { component: component.to_owned(), port, before, ports })
 }
@@ -170,7 +172,7 @@ impl Requested {
         Self { activity: Some(activity), ..self }
     }
 
-    fn take_back(self, supervisor: &Supervisor) -> Result<(), String> {
+    fn take_back(self, supervisor: &Supervisor) -> Result<(), UndoError> {
         let Some(hosted) = supervisor.components.get(&self.entry.component) else { return Ok(()) };
         hosted.standing.not_deployed(&self.entry.service, &self.entry.inputs);
         if let Some(number) = self.activity {
@@ -180,14 +182,14 @@ impl Requested {
                 && let Some(activity) = hosted.activities.get(number)
                 && activity.wait_at_most(supervisor.settings.stop_timeout).is_none()
             {
-                return Err(format!("{}, which does not end", self.step));
+                return Err(UndoError::Endless(self.step));
             }
             return Ok(());
         }
-        let Some(values) = self.values else { return Err(self.step) };
+        let Some(values) = self.values else { return Err(UndoError::Final(self.step)) };
         let entry = CallEntry { inputs: values, ..self.entry };
         let restored = request::send_to(&hosted, &entry);
-        restored.map_err(|error| format!("{}: {}", self.step, error.why))?;
+        restored.map_err(|source| UndoError::Request { step: self.step, source })?;
         hosted.standing.attribute_back(&entry.service, self.remembered);
         Ok(())
     }
@@ -201,17 +203,17 @@ fn values(hosted: &Hosted, service: &str, remembered: &Option<Value>) -> Option<
 }
 
 /// A connection that was taken away, if there was one: a name of nothing has none.
-pub(super) fn take_away(taken: Result<bool, ConnectError>) -> Result<(), String> {
+pub(super) fn take_away(taken: Result<bool, ConnectError>) -> Result<(), ConnectError> {
     match taken {
         Ok(_) | Err(ConnectError::NoSuchInport { .. }) => Ok(()),
-        Err(error) => Err(error.to_string()),
+        Err(error) => Err(error),
     }
 }
 
 /// Makes the connection of an entry, whether the other side is there or not.
-fn make_anyway(supervisor: &Supervisor, entry: &ConnectionEntry) -> Result<(), String> {
+fn make_anyway(supervisor: &Supervisor, entry: &ConnectionEntry) -> Result<(), ConnectError> {
     let wanted = Wanted { wait: true, ..Wanted::from(entry) };
-    supervisor.connections.make(&wanted).map(drop).map_err(|error| error.sentence())
+    supervisor.connections.make(&wanted).map(drop)
 }
 
 /// Brings an in port or remote back to the connection it had, or to none.
@@ -219,10 +221,13 @@ fn put_back(
     supervisor: &Supervisor,
     inport: &str,
     before: Option<&Connection>,
-) -> Result<(), String> {
-    let Some(before) = before else { return take_away(supervisor.connections.take_away(inport)) };
+) -> Result<(), UndoError> {
+    let Some(before) = before else {
+        return Ok(take_away(supervisor.connections.take_away(inport))?);
+    };
     let entry = before.entry();
-    make_anyway(supervisor, &entry).map_err(|why| format!("{entry}: {why}"))
+    make_anyway(supervisor, &entry)
+        .map_err(|source| UndoError::Connect { entry: entry.to_string(), source })
 }
 
 /// Takes steps back, the last first; what could not be is named.
@@ -260,7 +265,7 @@ pub(super) fn take_back(supervisor: &Arc<Supervisor>, undo: Vec<Undo>) -> Vec<St
                 let ports = ports.iter().try_for_each(|(port, on)| {
                     move_to(supervisor, &component, Some(port), on).map(drop)
                 });
-                (component, back.and(ports))
+                (component, back.and(ports).map_err(UndoError::from))
             }
             Undo::Reconnect { inport, before } => {
                 let undone = put_back(supervisor, &inport, before.as_ref());
@@ -275,7 +280,7 @@ pub(super) fn take_back(supervisor: &Arc<Supervisor>, undo: Vec<Undo>) -> Vec<St
                 (component, requested.take_back(supervisor))
             }
         };
-        left.extend(undone.err().map(|what| Left { component, what }));
+        left.extend(undone.err().map(|error| Left { component, what: error.to_string() }));
     }
     left.into_iter().map(|left| left.what).collect()
 }

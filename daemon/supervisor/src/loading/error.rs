@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use super::locate::LocateError;
 use crate::connections::BindError;
 use crate::known::ReadError;
+use genom_configuration::NoPeriod;
 use genom_registry::BackendError;
 
 /// A component could not be loaded; nothing of it stays.
@@ -47,8 +48,8 @@ pub enum LoadError {
     #[error("{name}: {source}")]
     Bind { name: String, source: BindError },
     /// What the request says of a task cannot be.
-    #[error("{name}: {why}")]
-    Override { name: String, why: String },
+    #[error("{name}: {source}")]
+    Override { name: String, source: NoPeriod },
     /// An attribute did not take its initial value.
     #[error("{name} does not take its attributes: {why}")]
     Attribute { name: String, key: Vec<String>, why: String },

@@ -45,7 +45,7 @@ pub(super) fn start(
     options.activity_limit = supervisor.settings.max_activities;
     options.stuck_after = supervisor.settings.stuck_after;
     for (task, entry) in &request.tasks {
-        let refused = |why| LoadError::Override { name: name.clone(), why };
+        let refused = |source| LoadError::Override { name: name.clone(), source };
         options.tasks.insert(task.clone(), terms::task_options(entry).map_err(refused)?);
     }
     let starting = Starting {

@@ -4,6 +4,7 @@
 //! call the attributes as any client does. No values are stored here: a parameter always has the
 //! value that the component has.
 
+mod error;
 mod gather;
 mod node;
 mod table;

@@ -5,7 +5,9 @@ use std::sync::{Arc, Mutex, OnceLock};
 
 use genom_middleware::{Address, Outcome};
 use genom_types::Record;
+use rustdds::dds::CreateResult;
 
+use super::error::SetError;
 use super::gather::Gather;
 use super::table::{Attribute, Parameter, parameters};
 use super::value::{Value, put_all, put_long};
@@ -69,7 +71,7 @@ impl Node {
         path: &str,
         at: &Address,
         attributes: Attributes,
-    ) -> Result<Arc<Self>, String> {
+    ) -> CreateResult<Arc<Self>> {
         let (ends, belonging) = (OnceLock::new(), OnceLock::new());
         let node = Arc::new(Self { ends, belonging, attributes, orders: core.orders().clone() });
         let mut made = Vec::with_capacity(SERVICES.len());
@@ -143,11 +145,12 @@ fn get(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
 }
 
 /// Result of setting a parameter: the reason if it was not set.
-type Set = Result<(), String>;
+type Set = Result<(), SetError>;
 
 fn put_set(out: &mut Vec<u8>, set: &Set) {
     out.push(u8::from(set.is_ok()));
-    body::put_string(out, set.as_ref().err().map_or("", String::as_str));
+    let why = set.as_ref().err().map(SetError::to_string);
+    body::put_string(out, why.as_deref().unwrap_or_default());
 }
 
 /// Sets several parameters, one after the other.
@@ -157,16 +160,15 @@ fn set_all(
     then: impl FnOnce(Vec<Set>) + Send + 'static,
 ) {
     let all = node.parameters();
-    let gone = || Err("the component is gone".to_owned());
-    let gather = Gather::new(wanted.iter().map(|_| gone()).collect(), then);
+    let gather = Gather::new(wanted.iter().map(|_| Err(SetError::Gone)).collect(), then);
     for (place, (name, value)) in wanted.iter().enumerate() {
         let input = match all.get(name) {
-            None => Err(format!("there is no parameter `{name}`")),
-            Some(Parameter { set: None, .. }) => Err(format!("`{name}` can only be read")),
+            None => Err(SetError::Unknown(name.clone())),
+            Some(Parameter { set: None, .. }) => Err(SetError::ReadOnly(name.clone())),
             Some(Parameter { set: Some((attribute, shape)), .. }) => {
                 shape.json(value).and_then(|json| {
                     let mut input = Record::new(&attribute.ty.input);
-                    input.merge_json(&json).map_err(|error| error.to_string())?;
+                    input.merge_json(&json)?;
                     Ok((attribute, input))
                 })
             }
@@ -183,9 +185,8 @@ fn set_all(
 fn outcome_of_set(outcome: Outcome) -> Set {
     match outcome {
         Outcome::Success(_) => Ok(()),
-        Outcome::Exception { name, detail } if detail.is_null() => Err(name),
-        Outcome::Exception { name, detail } => Err(format!("{name} {detail}")),
-        Outcome::Lost(error) => Err(error.to_string()),
+        Outcome::Exception { name, detail } => Err(SetError::Exception { name, detail }),
+        Outcome::Lost(error) => Err(SetError::Lost(error)),
     }
 }
 
@@ -214,7 +215,7 @@ fn set_one(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()>
         reply.send(body);
     };
     if wanted.len() > 1 {
-        answer(Err("attributes are set one by one: use set_parameters".to_owned()));
+        answer(Err(SetError::Several));
     } else {
         set_all(node, wanted, move |results| answer(results.into_iter().collect()));
     }

@@ -3,6 +3,7 @@
 use genom_types::{DataType, Kind};
 use serde_json::{Map, Number, Value as Json};
 
+use super::error::SetError;
 use crate::body::{self, Fields};
 
 /// Greatest depth of nested structs with one member each that are followed.
@@ -246,16 +247,15 @@ impl Shape {
     }
 
     /// The struct as JSON, from the parameter's value.
-    pub(crate) fn json(&self, value: &Value) -> Result<Json, String> {
+    pub(crate) fn json(&self, value: &Value) -> Result<Json, SetError> {
         if value.ty() != self.ty {
-            let (is, given) = (self.ty.name(), value.ty().name());
-            return Err(format!("it is of type {is}, not {given}"));
+            return Err(SetError::Type { wanted: self.ty.name(), given: value.ty().name() });
         }
         let json = value.to_json();
-        if let (Some(length), Some(given)) = (self.length, json.as_array().map(Vec::len))
-            && length != given
+        if let (Some(wanted), Some(given)) = (self.length, json.as_array().map(Vec::len))
+            && wanted != given
         {
-            return Err(format!("it has {length} elements, not {given}"));
+            return Err(SetError::Length { wanted, given });
         }
         let within = |json, name: &String| Json::Object(Map::from_iter([(name.clone(), json)]));
         Ok(self.path.iter().rev().fold(json, within))
@@ -363,7 +363,7 @@ mod tests {
         assert_eq!(small.json(&Value::Integer(3)).unwrap(), json!({"v": 3}));
         assert_eq!(small.value(&json!({"v": -3})), Some(Value::Integer(-3)));
         assert_eq!(
-            small.json(&Value::Double(3.0)).unwrap_err(),
+            small.json(&Value::Double(3.0)).unwrap_err().to_string(),
             "it is of type integer, not double"
         );
         let double = shape(&with(|_| Kind::Double));

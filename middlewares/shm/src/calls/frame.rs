@@ -18,7 +18,7 @@
 //! | 7 other types | types of the service as it is served |
 
 use genom_middleware::{ActivityId, CallError, Outcome};
-use genom_types::{DataType, Record};
+use genom_types::{CdrError, DataType, Record};
 
 pub(super) fn accepted(id: ActivityId) -> Vec<u8> {
     with(1, &id.0.to_le_bytes())
@@ -105,33 +105,56 @@ pub(super) enum Response {
 }
 
 pub(super) fn read(frame: &[u8], output: &DataType) -> Response {
-    parse(frame, output)
-        .unwrap_or_else(|why| Response::Finished(Outcome::Lost(CallError::Serialization(why))))
+    parse(frame, output).unwrap_or_else(|error| {
+        Response::Finished(Outcome::Lost(CallError::Serialization(error.to_string())))
+    })
 }
 
-fn parse(frame: &[u8], output: &DataType) -> Result<Response, String> {
-    let (what, rest) = frame.split_first().ok_or("it is empty")?;
-    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).map_err(|e| e.to_string());
+/// A frame is no response.
+#[derive(Debug, thiserror::Error)]
+enum FrameError {
+    #[error("it is empty")]
+    Empty,
+    #[error("an id has 8 bytes")]
+    Id,
+    #[error("it ends early")]
+    Cut,
+    #[error("{0} is no kind of response")]
+    Kind(u8),
+    #[error(transparent)]
+    Text(#[from] std::str::Utf8Error),
+    #[error(transparent)]
+    Output(#[from] CdrError),
+    #[error(transparent)]
+    Detail(#[from] serde_json::Error),
+    /// The other side could not read the request.
+    #[error("{0}")]
+    Refused(String),
+}
+
+fn parse(frame: &[u8], output: &DataType) -> Result<Response, FrameError> {
+    let (what, rest) = frame.split_first().ok_or(FrameError::Empty)?;
+    let text = |bytes: &[u8]| std::str::from_utf8(bytes).map(str::to_owned);
     Ok(match what {
         1 => {
-            let id = rest.try_into().map_err(|_| "an id has 8 bytes")?;
+            let id = rest.try_into().map_err(|_| FrameError::Id)?;
             Response::Accepted(ActivityId(u64::from_le_bytes(id)))
         }
         2 => Response::Feedback(text(rest)?),
         3 => {
             let mut value = Record::new(output);
-            value.decode_message(rest).map_err(|error| error.to_string())?;
+            value.decode_message(rest)?;
             Response::Finished(Outcome::Success(value))
         }
         4 => {
-            let (name, detail) = take(rest).ok_or("it ends early")?;
-            let detail = serde_json::from_slice(detail).map_err(|error| error.to_string())?;
+            let (name, detail) = take(rest).ok_or(FrameError::Cut)?;
+            let detail = serde_json::from_slice(detail)?;
             Response::Finished(Outcome::Exception { name: name.to_owned(), detail })
         }
-        5 => return Err(text(rest)?),
+        5 => return Err(FrameError::Refused(text(rest)?)),
         6 => Response::NotServed,
         7 => Response::OtherTypes(text(rest)?),
-        other => return Err(format!("{other} is no kind of response")),
+        other => return Err(FrameError::Kind(*other)),
     })
 }
 

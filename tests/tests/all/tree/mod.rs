@@ -3,6 +3,7 @@
 mod backend_page;
 mod circles;
 mod citations;
+mod errors;
 mod printed;
 mod readme;
 mod reference;
