@@ -44,15 +44,15 @@ pub enum OpenError {
     },
 }
 
-/// A type or service cannot be shown as one of the middleware's own: there are no such names.
+/// A type or service cannot masquerade: the foreign name does not have the middleware's form.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{ours} cannot masquerade as `{foreign}`: write {form}")]
 pub struct NoForeignName {
     /// Full name of the IDL type or service.
     pub ours: String,
-    /// What was given.
+    /// The foreign name as given.
     pub foreign: String,
-    /// How such names are written.
+    /// Form of the middleware's names, such as `package/msg/Type`.
     pub form: &'static str,
 }
 

@@ -21,26 +21,26 @@ pub struct ParseError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Mistake {
-    /// A type, or less, where a field or constant should be.
+    /// A field or constant without a name.
     #[error("`{0}` has no name")]
     NoName(String),
     /// Neither a built-in type nor the name of a message.
     #[error("`{0}` is no type")]
     NoType(String),
-    /// A bound or a length that is no number.
+    /// A bound or a length that is not a number.
     #[error("`{0}` is no size")]
     NoSize(String),
-    /// A line `---` after the last part that there may be.
+    /// A line `---` after the last part that is allowed.
     #[error("a {0} has no more parts")]
     MoreParts(String),
-    /// Too few of them.
+    /// Too few parts.
     #[error("it has {found} parts, a {folder} has {wanted}")]
     Parts {
-        /// Parts of the text.
+        /// Number of parts in the text.
         found: usize,
         /// `msg`, `srv` or `action`.
         folder: String,
-        /// Parts of such an interface.
+        /// Number of parts that such an interface has.
         wanted: usize,
     },
 }

@@ -140,7 +140,7 @@ pub(crate) struct Catalog {
     gone: usize,
 }
 
-/// The catalog of this daemon could not be made or written.
+/// The catalog of this daemon could not be created or written.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CatalogError {
     #[error("cannot make {}: {source}", path.display())]

@@ -28,12 +28,12 @@ pub(crate) struct Token {
     pub(crate) address: String,
 }
 
-/// An address has no key.
+/// An address cannot be used as a key expression.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum KeyError {
     #[error("`{0}` is no key: it has wild cards")]
     WildCards(String),
-    /// zenoh does not take it: an empty chunk, for instance.
+    /// zenoh refuses it, for instance because of an empty chunk.
     #[error("{0}")]
     Refused(zenoh::Error),
 }

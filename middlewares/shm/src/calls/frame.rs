@@ -110,7 +110,7 @@ pub(super) fn read(frame: &[u8], output: &DataType) -> Response {
     })
 }
 
-/// A frame is no response.
+/// A frame cannot be decoded as a response.
 #[derive(Debug, thiserror::Error)]
 enum FrameError {
     #[error("it is empty")]
