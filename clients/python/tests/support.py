@@ -1,4 +1,4 @@
-"""What the tests share: a component of its own for each test, a watchdog, and another process."""
+"""Shared by the tests: a component for each test, a watchdog, and other processes."""
 
 import contextlib
 import faulthandler
@@ -14,20 +14,20 @@ import unittest
 
 import genom
 
-# Nothing takes so long unless it hangs; then it is told where.
+# Only a hanging test takes this many seconds; the stacks are then printed.
 WATCHDOG = 50.0
 _numbers = itertools.count()
 
 
 def echo(component, other, count):
-    """Another process: what comes on one port goes to the other."""
+    """Runs in another process: copies what arrives on one port to another."""
     g = genom.connect()
     commands = g.load(component).parameter.subscribe(fast=True)
     states = g.load(other).parameter.publisher(fast=True)
     states(-1.0)
     while count > 0:
         value = commands.wait(WATCHDOG)
-        # Not what was published before this process came.
+        # Skip what was published before this process started.
         if value >= 0.0:
             states(value)
             count -= 1
@@ -35,7 +35,7 @@ def echo(component, other, count):
 
 @contextlib.contextmanager
 def process(work, *arguments):
-    """Another process, which ends well by itself."""
+    """Starts another process, and checks that it ends well."""
     context = multiprocessing.get_context("spawn")
     peer = context.Process(target=work, args=arguments, daemon=True)
     peer.start()
@@ -45,19 +45,19 @@ def process(work, *arguments):
 
 
 def is_stopped(stat):
-    """Whether a thread has heard SIGSTOP, by what the kernel says of it."""
+    """Whether a thread has been stopped by SIGSTOP, according to the kernel."""
     with open(stat, encoding="utf-8") as file:
         return file.read().rpartition(")")[2].split()[0] == "T"
 
 
 def p50_p99(spans):
-    """In microseconds, as text."""
+    """Median and 99th percentile in microseconds, as text."""
     spans = sorted(spans)
     return " / ".join(f"{spans[len(spans) * part // 100] * 1e6:.0f}" for part in (50, 99))
 
 
 def tell(figure):
-    """A line for who runs the tests."""
+    """Prints a line for whoever runs the tests."""
     print(figure, file=sys.stderr)
 
 
@@ -79,8 +79,9 @@ class DemoCase(unittest.TestCase):
 
     @contextlib.contextmanager
     def echoed(self, backend, count):
-        """A function that sends a value to another process, which sends it back; as often as
-        that. Values straight from port to port."""
+        """Yields a function that sends a value directly to another process and waits for it to come
+        back, at most that many times.
+        """
         other = self.load()
         commands = self.demo.parameter.publisher(fast=True)
         commands(-1.0)
@@ -96,7 +97,7 @@ class DemoCase(unittest.TestCase):
             yield exchange
 
     def feed(self, publisher):
-        """The demo moves by the values of a publisher at its `parameter`, the last of them 2."""
+        """Moves the demo by values of a publisher at its `parameter`, the last of which is 2."""
         publisher(0.0)
         activity = self.demo.goto(goal=0.1, ack=True)
         with self.demo.parameter.subscribe(fast=False) as gain:
@@ -106,7 +107,9 @@ class DemoCase(unittest.TestCase):
         activity.wait(WATCHDOG)
 
     def burst(self, publisher, count, stopped=False):
-        """The codels get the newest value of a burst; `stopped`: the daemon sleeps meanwhile."""
+        """Checks that codels get the newest value of a burst; with `stopped`, the daemon is stopped
+        meanwhile.
+        """
         publisher(0.0)
         activity = self.demo.goto(goal=1.0, ack=True)
         values = [number * 1e-12 for number in range(count + 1)]
@@ -115,7 +118,7 @@ class DemoCase(unittest.TestCase):
             burst = threading.Thread(target=lambda: [publisher(value) for value in values])
             with self.asleep() if stopped else contextlib.nullcontext():
                 burst.start()
-                # Until it is over, or held back: no longer than a network bears it.
+                # Until it is done or blocked; what a network buffers is limited.
                 burst.join(1.0)
             while gain.wait(WATCHDOG) != values[-1]:
                 pass
@@ -124,11 +127,11 @@ class DemoCase(unittest.TestCase):
 
     @contextlib.contextmanager
     def asleep(self):
-        """The daemon's process is stopped, as by Ctrl-Z."""
+        """Stops the daemon's process meanwhile, as by Ctrl-Z."""
         process = self.g.about()["pid"]
         os.kill(process, signal.SIGSTOP)
         try:
-            # Its threads stop one after another.
+            # Its threads stop one after the other.
             while not all(map(is_stopped, glob.glob(f"/proc/{process}/task/*/stat"))):
                 time.sleep(0.001)
             yield
@@ -136,9 +139,9 @@ class DemoCase(unittest.TestCase):
             os.kill(process, signal.SIGCONT)
 
     def moved(self, positions):
-        """The positions that a follower is told of a motion at 2 m/s, from 0 to 0.2."""
+        """The positions that a subscription receives of a motion at 2 m/s from 0 to 0.2."""
         self.demo.set_speed(2.0)
-        # It was written before.
+        # The value written before.
         self.assertEqual(positions.wait(WATCHDOG), {"position": 0.0, "velocity": 0.0})
         activity = self.demo.goto(0.2, ack=True)
         seen = [positions.wait(WATCHDOG)]
@@ -148,7 +151,7 @@ class DemoCase(unittest.TestCase):
         return [one["position"] for one in seen]
 
     def start_slow(self):
-        """A motion that is under way and does not end by itself in time."""
+        """Starts a motion that does not end in time by itself."""
         with self.g.events() as events:
             activity = self.demo.goto(goal=10.0, ack=True)
             for event in events:

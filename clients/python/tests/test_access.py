@@ -1,4 +1,4 @@
-"""Daemons elsewhere, by TLS: with a token, with a certificate, by the contexts of genomctl."""
+"""Remote daemons, over TLS: with a token, with a certificate, by contexts of genomctl."""
 
 import os
 import sys
@@ -27,7 +27,7 @@ class Tokens(unittest.TestCase):
         with genom.connect(HOST, ca="ca.pem", token_file="admin", timeout=1.0) as g:
             demo = g.component("demo")
             demo.reset()
-            # Longer than that, and the daemon says nothing meanwhile.
+            # Longer than the timeout, with no message of the daemon meanwhile.
             self.assertEqual(demo.goto(1.2), {})
 
     def test_nothing_is_taken_on_trust(self):
@@ -43,14 +43,14 @@ class Tokens(unittest.TestCase):
             genom.connect("http://robot:7300")
 
     def test_the_contexts_of_genomctl_are_known(self):
-        # `robot` is the current one.
+        # `robot` is the current context.
         for options in ({}, {"context": "robot"}):
             with genom.connect(**options) as g:
                 self.assertEqual(g.components(), ["demo"])
                 self.assertEqual(repr(g), f"<genomd on {HOST}>")
         with self.assertRaisesRegex(ValueError, "no context `rbot`; there is: .*robot"):
             genom.connect(context="rbot")
-        # What is said counts more.
+        # Arguments take precedence over the context.
         with self.assertRaises(genom.DaemonError):
             genom.connect(socket="/nowhere/socket")
 

@@ -1,4 +1,4 @@
-"""Services, activities, signatures and errors, with the standard library alone."""
+"""Services, activities, signatures and errors, with the standard library only."""
 
 import asyncio
 import contextlib
@@ -28,10 +28,10 @@ class Services(DemoCase):
             demo.set_speed(1.0)
             self.assertEqual(call(), {})
             self.assertEqual(demo.get_speed(), {"velocity": 0.25})
-        # Nothing given: an attribute keeps its value.
+        # Without inputs, an attribute keeps its values.
         demo.set_speed()
         self.assertEqual(demo.get_speed(), {"velocity": 0.25})
-        # Or takes its default, if that is asked for.
+        # Or takes its defaults, on request.
         demo.set_speed(zero=True)
         self.assertEqual(demo.get_speed(), {"velocity": 0.5})
         self.assertIn("velocity: float = ?", str(inspect.signature(demo.set_speed)))
@@ -181,7 +181,7 @@ class Daemons(DemoCase):
         self.assertIn("/opt", self.g.rpath("/opt"))
         self.assertIsNone(self.g.update())
         self.g.disconnect()
-        # Connections are made again when they are needed.
+        # Connections are opened again when needed.
         self.assertEqual(self.demo.get_speed(), {"velocity": 0.5})
 
     def test_no_daemon_says_how_to_start_one(self):
@@ -192,7 +192,7 @@ class Daemons(DemoCase):
 
 
 class Other(http.server.BaseHTTPRequestHandler):
-    """Something that is no genomd, and tells who asks."""
+    """A server that is not genomd and records who asks."""
 
     def do_GET(self):
         body = self.server.answer
@@ -246,7 +246,7 @@ class Events(DemoCase):
         with self.g.events() as events:
             self.demo.emergency()
             self.assertIn("event_fired", (event["event"] for event in events))
-            # More than the daemon keeps happens before it is back.
+            # More changes than the daemon keeps happen before it is connected again.
             events._connection.sock.shutdown(2)
             for _ in range(1100):
                 self.demo.emergency()
@@ -259,7 +259,7 @@ class Events(DemoCase):
                 if event["event"] == "activity_ended" and event["service"] == "goto":
                     break
             self.assertLess(fired, 1100)
-            # Overruns of a busy machine are missed with them.
+            # On a busy machine there are reports of overruns among those missed.
             self.assertGreaterEqual(missed + fired, 1100)
 
     def test_events_are_iterated_asynchronously(self):

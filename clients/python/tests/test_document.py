@@ -1,6 +1,7 @@
-"""What the client asks of the daemon, and what it reads of the replies, is in the daemon's own
-document: the client's other tests run again, with each request and each look at a reply compared
-with `/openapi.json`."""
+"""Compares what the client requests, and what it reads of replies, with the daemon's document: runs
+the client's other tests again, checking each request and each access to a reply against
+`/openapi.json`.
+"""
 
 import functools
 import json
@@ -16,7 +17,7 @@ from .support import WATCHDOG, DemoCase
 
 
 class Undocumented(AssertionError):
-    """Something that the document does not have."""
+    """Something that the document does not contain."""
 
 
 class Document:
@@ -31,7 +32,7 @@ class Document:
         ]
 
     def operation(self, method, path):
-        """The operation of a request; its query, too, has to be in the document."""
+        """The operation of a request; its query has to be in the document, too."""
         parts = urlsplit(path)
         for known, template, operation in self.operations:
             if known == method and template.match(parts.path):
@@ -42,7 +43,7 @@ class Document:
         raise Undocumented(f"{method} {path} is no operation")
 
     def resolved(self, schema):
-        """The schemas that one stands for: several of which each may hold, and parts of one."""
+        """The schemas that a schema refers to: alternatives, and parts of one."""
         if "$ref" in schema:
             return self.resolved(self.schemas[schema["$ref"].rpartition("/")[2]])
         several = schema.get("oneOf") or schema.get("anyOf")
@@ -58,7 +59,7 @@ class Document:
         return [whole]
 
     def fits(self, value, schema):
-        """The schema that a value has, of those that it may have; None when it has none."""
+        """The first of these schemas that a value matches; None if there is none."""
         return next((one for one in self.resolved(schema) if self._fits(value, one)), None)
 
     def _fits(self, value, schema):
@@ -81,7 +82,7 @@ class Document:
         )
 
     def watched(self, value, schema):
-        """A reply that is looked into with the names of its schema only."""
+        """A reply that can be accessed by names of its schema only."""
         schema = self.fits(value, schema)
         if isinstance(value, list):
             return [self.watched(one, schema.get("items", {})) for one in value]
@@ -96,7 +97,7 @@ class Document:
 
 
 class Watched(dict):
-    """An object of a reply, of which nothing is asked that its schema does not have."""
+    """An object of a reply, of which only members of its schema may be accessed."""
 
     def __init__(self, members, properties):
         super().__init__(members)
@@ -116,7 +117,7 @@ class Watched(dict):
 
 
 def compared(document, send, transport, method, path, text):
-    """Sends a request of the client, compared with the document, and has its reply watched."""
+    """Sends a request of the client, checks it against the document, and wraps its reply."""
     operation = document.operation(method, path)
     body = operation.get("requestBody", {}).get("content", {})
     if text and "application/json" in body:
@@ -129,7 +130,7 @@ def compared(document, send, transport, method, path, text):
         for status, one in operation["responses"].items()
         if status.startswith("2") and "application/json" in one.get("content", {})
     ]
-    # Whoever looks does not know which of them came.
+    # The client does not know which of the alternatives it received.
     schema = {"oneOf": answers}
     if document.fits(reply, schema) is None:
         raise Undocumented(f"{method} {path} answered {reply}")
@@ -141,7 +142,7 @@ def compared(document, send, transport, method, path, text):
 
 
 class Compared(DemoCase):
-    """The client of a test, under watch."""
+    """A test whose client is checked."""
 
     def setUp(self):
         document = Document(genom.connect()._transport.request("GET", "/openapi.json"))

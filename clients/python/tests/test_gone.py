@@ -1,4 +1,4 @@
-"""A daemon that is killed: whoever waits is told. This one ends the daemon."""
+"""A daemon that is killed: everybody who waits gets an error. This test ends the daemon."""
 
 import os
 import signal
@@ -33,7 +33,7 @@ class Gone(DemoCase):
             self.demo.get_speed()
 
     def load(self):
-        # The component goes with the daemon: nothing to unload.
+        # The component ends with the daemon: nothing to unload.
         return self.g.load(os.environ["GENOM_DEMO"])
 
 

@@ -1,6 +1,7 @@
-"""Types of variable size, and whatever holds many numbers: the same on every way to a port.
+"""Types of variable size, and values with many numbers: the same on every way to a port.
 
-`GENOM_FIXTURES` is a folder with a camera that writes images and a viewer that reads them."""
+`GENOM_FIXTURES` is a directory with a camera that writes images and a viewer that reads them.
+"""
 
 import array
 import contextlib
@@ -24,7 +25,7 @@ class Images(DemoCase):
 
     @contextlib.contextmanager
     def on(self, backend, fast):
-        """A viewer that is fed straight on a middleware, or through the daemon."""
+        """A viewer that is fed directly on a middleware, or through the daemon."""
         self.demo.move(backend)
         with self.subTest(backend=backend, fast=fast):
             with self.demo.image.publisher("left", fast=fast) as p:
@@ -32,7 +33,7 @@ class Images(DemoCase):
                 yield p
 
     def seen(self, publisher, frame):
-        """What the viewer sees of an image that is published."""
+        """Checks what the viewer sees of an image that is published."""
         publisher(frame)
         while True:
             seen = self.demo.see("left")["frame"]
@@ -50,7 +51,7 @@ class Images(DemoCase):
                 for number, pixels in enumerate(held, 1):
                     frame = {"number": number, "pixels": pixels, "gains": gains[number % 3]}
                     self.assertEqual(self.seen(p, frame), {"number": number, **wanted})
-                # What was left out is kept; what was given may be changed.
+                # Members left out are kept; those given may be modified afterwards.
                 changed = bytearray(PIXELS)
                 p(number=99, pixels=changed)
                 changed[0] = 99
@@ -65,7 +66,7 @@ class Images(DemoCase):
             with self.on(backend, fast) as p:
                 p(number=1)
                 with self.demo.image.subscribe("left", fast=fast, buffers=True) as images:
-                    # Through the daemon comes what its codels have read.
+                    # Through the daemon, the values that its codels have read are received.
                     self.seen(p, {"number": 2, "pixels": PIXELS, "gains": [0.25]})
                     image = images.wait(WATCHDOG)
                     while image["number"] != 2:
@@ -75,7 +76,7 @@ class Images(DemoCase):
                     self.assertEqual((image["gains"].format, image["gains"].tolist()), ("d", [0.25]))
 
     def test_large_images_take_no_longer_over_one_middleware_than_over_the_other(self):
-        # Two images of 100 kB, as one camera with two eyes has them.
+        # Two images of 100 kB, as of a camera with two lenses.
         eyes = [bytes(100_000), bytearray(100_000)]
         times = {}
         for backend in ("shm", "zenoh"):
@@ -91,10 +92,10 @@ class Images(DemoCase):
                     while images.wait(WATCHDOG)["number"] != number:
                         pass
                     spans.append(time.perf_counter() - begin)
-                # What it takes when nobody else wants the processor.
+                # The best time, when no other process used the processor.
                 times[backend] = min(spans)
         tell("two images of 100 kB: " + ", ".join(f"{times[on] * 1e3:.2f} ms on {on}" for on in times))
-        # By JSON it would be far more than twenty times as much.
+        # As JSON it would be far more than twenty times as much.
         self.assertLess(max(times.values()), 20 * min(times.values()))
 
 

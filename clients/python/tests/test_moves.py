@@ -1,5 +1,6 @@
-"""Ports that move to another middleware, and components that are loaded anew: who reads or
-publishes straight goes with them, or is told. With the packages iceoryx2 and eclipse-zenoh."""
+"""Ports that move to another middleware, and components that are reloaded: direct readers and
+publishers follow, or get an error. With the packages iceoryx2 and eclipse-zenoh.
+"""
 
 import contextlib
 import os
@@ -14,12 +15,12 @@ from .support import WATCHDOG, DemoCase
 
 class Moves(DemoCase):
     def reload(self):
-        """The component as a new process of it would be: its wires are gone."""
+        """Reloads the component as in a new process: it has no connections."""
         genom.Component.unload(self.demo)
         return self.g.load(os.environ["GENOM_DEMO"], "-i", self.demo.name)
 
     def at(self, position):
-        """What is read after a motion to there has ended."""
+        """The value read after a motion to that position has ended."""
         self.demo.set_speed(2.0)
         self.demo.goto(position)
         return {"position": position, "velocity": 0.0}
@@ -59,7 +60,7 @@ class Moves(DemoCase):
             waiter = threading.Thread(target=lambda: seen.append(positions.wait(WATCHDOG)))
             waiter.start()
             self.demo.move("zenoh")
-            # Its last value comes again where it is now.
+            # The last value is received again on the new middleware.
             waiter.join(WATCHDOG)
             self.assertEqual(seen, [{"position": 0.1, "velocity": 0.0}])
             self.until(positions, self.at(0.2))
@@ -106,7 +107,7 @@ class Moves(DemoCase):
                         try:
                             seen = positions.wait(WATCHDOG)
                         except genom.GenoMError as error:
-                            # Nobody has told it yet.
+                            # This client has not been notified yet.
                             self.assertEqual(error.name, "ended")
 
     def test_a_publisher_feeds_its_component_again_after_a_reload(self):
@@ -117,7 +118,7 @@ class Moves(DemoCase):
                     p(0.0)
                     with self.g.events() as events:
                         self.demo = self.reload()
-                        # Without a word from here.
+                        # Without a request of this client.
                         while next(events)["event"] != "connected":
                             pass
                     self.feed(p)
@@ -140,7 +141,7 @@ class Moves(DemoCase):
             p(0.5)
             self.demo.parameter.connect("elsewhere/gain", wait=True)
             self.told(p, "connected")
-        # What feeds it now is not taken away.
+        # The port stays connected to what feeds it now.
         self.assertEqual(self.demo.parameter.connected(), "elsewhere/gain")
         self.demo.parameter.disconnect()
         with self.demo.parameter.publisher(fast=True) as p:
@@ -149,7 +150,7 @@ class Moves(DemoCase):
             self.told(p, "ended")
 
     def told(self, publisher, name):
-        """Publishing raises that, as soon as the news is there."""
+        """Checks that publishing raises this error as soon as the change is known."""
         with self.assertRaises(genom.GenoMError) as caught:
             while True:
                 publisher(0.5)
@@ -162,7 +163,7 @@ class Moves(DemoCase):
         with mock.patch.object(Watch, "_open", autospec=True, side_effect=Watch._open) as opened:
             ends = [self.demo.position.subscribe(fast=True) for _ in range(5)]
             self.assertEqual(opened.call_count, 1)
-        # A client that has let go listens again when it is needed.
+        # A disconnected client monitors changes again when needed.
         self.g.disconnect()
         self.demo.move("shm")
         wanted = self.at(0.1)
@@ -190,7 +191,7 @@ class Moves(DemoCase):
                 with self.asleep(), self.assertRaises(genom.DaemonError) as caught:
                     positions.wait(WATCHDOG)
                 self.assertEqual(caught.exception.name, "no_answer")
-                # And follows again when it is awake.
+                # It follows again when it is awake.
                 wanted, seen = self.at(0.2), None
                 while seen != wanted:
                     with contextlib.suppress(genom.DaemonError):
@@ -199,7 +200,7 @@ class Moves(DemoCase):
     def test_why_names_who_was_left_behind(self):
         from genom import _shm
 
-        # A program that goes nowhere, as those that only know the middleware.
+        # A program that does not follow the port, like those that know the middleware only.
         left = _shm.Reader(self.demo.position, self.demo.position.address(), 1, False)
         self.demo.move("zenoh")
         found = " ".join(one["what"] for one in self.demo.position.why())

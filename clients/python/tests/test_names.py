@@ -1,4 +1,4 @@
-"""What scripts for the field's Python client use, and what a supervisor wants besides."""
+"""Names that scripts of the field's Python client use, and further needs of supervisors."""
 
 import asyncio
 import os
@@ -35,7 +35,7 @@ class Names(DemoCase):
             self.assertNotIn("passing", self.g.components())
         with self.assertRaises(genom.GenoMError):
             self.g.unload("passing")
-        # What the test cleans up.
+        # Removed by the test's cleanup.
         self.g.load(library, "-i", self.demo.name)
 
     def test_what_is_sent_without_waiting_keeps_its_order(self):
@@ -44,7 +44,7 @@ class Names(DemoCase):
         self.assertEqual(self.demo.get_speed(), {"velocity": 49 / 50})
         self.demo.set_speed(0.125, oneway=True)
         self.assertEqual(self.demo.get_speed(), {"velocity": 0.125})
-        # What one of them is refused with is no affair of the others.
+        # If one of them is refused, the others are not affected.
         self.demo.set_speed(9.0, send=True)
         self.demo.set_speed("fast", send=True)
         self.demo.set_speed(0.25, send=True)
@@ -59,7 +59,7 @@ class Names(DemoCase):
         async def work():
             first = self.demo.goto(0.1, ack=True)
             self.assertEqual(await asyncio.gather(first, other.goto(0.0, send=True)), [{}, {}])
-            # Again, of one that has ended.
+            # Awaiting an ended one again.
             self.assertEqual(await first, {})
             with self.assertRaises(self.demo.OUT_OF_RANGE):
                 await self.demo.goto(50.0, ack=True)

@@ -1,4 +1,4 @@
-"""Ports through the daemon: values, publishing, following."""
+"""Ports through the daemon: values, publishing, subscribing."""
 
 import os
 import unittest

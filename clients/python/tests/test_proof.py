@@ -1,4 +1,4 @@
-"""Proofs of tokens: the figures are those of the Rust side's tests, and of anybody's HMAC."""
+"""Proofs of tokens, with the values of the Rust tests and those of independent HMAC."""
 
 import unittest
 
@@ -9,7 +9,7 @@ TEXT = "0123456789abcdef0123456789abcdef"
 
 
 def answer(hello, text, name, at):
-    """What a daemon answers that holds a token."""
+    """The answer of a daemon that holds a token."""
     nonce = bytes.fromhex(decode(hello)[0]["hello"]["nonce"])
     keys = Token(text).keys(name, at, nonce, b"\x09" * 32)
     return keys, encode(

@@ -1,4 +1,4 @@
-"""Ports straight through shared memory, with the package iceoryx2."""
+"""Ports directly over shared memory, with the package iceoryx2."""
 
 import os
 import time
@@ -15,7 +15,7 @@ class SharedMemory(DemoCase):
             self.assertTrue(positions.fast)
             seen = self.moved(positions)
         steps = [after - before for before, after in zip(seen, seen[1:])]
-        # Every sample came: at 2 m/s none is more than a period of 5 ms further on.
+        # No sample was lost: at 2 m/s none is more than a period of 5 ms further on.
         self.assertLess(max(steps), 0.0101)
         self.assertGreaterEqual(min(steps), 0.0)
 
@@ -29,7 +29,7 @@ class SharedMemory(DemoCase):
         self.assertIsNone(self.demo.parameter.connected())
         # The address is free: the daemon itself publishes there now.
         self.demo.parameter.publish(1.0)
-        # And lets go of it when asked from here again.
+        # And closes its publisher when this process opens one again.
         with self.demo.parameter.publisher(fast=True) as p:
             p(0.25)
 
@@ -58,11 +58,12 @@ class SharedMemory(DemoCase):
         tell(f"round trips between two processes: {rate:.0f}/s")
 
     def test_a_simulator_gets_the_command_to_each_state_in_each_step(self):
-        # GENOM_STEPS=10000 takes a longer look.
+        # Set GENOM_STEPS=10000 for a longer run.
         steps = int(os.environ.get("GENOM_STEPS", "1000"))
 
         def run(step):
-            """A loop at 1 kHz: how many steps were late, and the time from one to the next."""
+            """Runs a loop at 1 kHz; returns the number of late steps, and the times between steps.
+            """
             rate, begun = genom.Rate(1000), []
             for number in rate:
                 begun.append(time.perf_counter())
@@ -75,7 +76,7 @@ class SharedMemory(DemoCase):
 
         bare = run(lambda number: None)
         with self.echoed("shm", steps) as exchange:
-            # The command to this state, in this step: none is lost, none comes out of order.
+            # The command for this state, in this step: none is lost, none is out of order.
             ours = run(lambda number: exchange(float(number)))
         tell(f"1 kHz, bare: {bare}")
         tell(f"1 kHz, state and command by shared memory: {ours}")
@@ -89,14 +90,14 @@ class SharedMemory(DemoCase):
             for step in genom.Rate(1000):
                 state(1.0)
                 seen.append(command.read()["position"])
-                # It moves by what it reads from here; how soon is not this test's affair.
+                # It moves by what it reads from here; when it begins is not tested.
                 if seen[-1] > 0.05:
                     break
         self.assertEqual(seen, sorted(seen))
 
 
 class Layouts(unittest.TestCase):
-    """Types that the demo has none of, as the daemon would tell them."""
+    """Types that the demo does not have, in the form of the daemon's description."""
 
     def codec(self, *types):
         from genom._layout import Codec

@@ -1,4 +1,4 @@
-"""A daemon whose time is stepped: `genomd --clock virtual`."""
+"""A daemon with a virtual clock: `genomd --clock virtual`."""
 
 import unittest
 
@@ -16,7 +16,7 @@ class Stepped(DemoCase):
             before, now = now, self.g.step(0.005)
             self.assertAlmostEqual(now - before, 0.005)
         self.assertEqual(activity.wait(WATCHDOG), {})
-        # No sooner than at 2 m/s.
+        # Not earlier than at 2 m/s.
         self.assertGreaterEqual(now - begun, 0.0499)
         self.assertEqual(self.demo.position.read()["position"], 0.1)
 

@@ -1,4 +1,5 @@
-"""A daemon whose process is stopped, as by Ctrl-Z or a debugger: whoever asks is told."""
+"""A daemon whose process is stopped, as by Ctrl-Z or a debugger: everybody who asks gets an error.
+"""
 
 import contextlib
 import unittest
@@ -8,7 +9,7 @@ import genom
 
 from .support import WATCHDOG, DemoCase
 
-# No daemon that is alive takes so long to say that it is.
+# A running daemon reports that it is alive within this many seconds.
 SHORT = 1.0
 
 
@@ -41,7 +42,7 @@ class Stopped(DemoCase):
                         asked.result(WATCHDOG)
                     self.assertEqual(caught.exception.name, "no_answer")
                     self.assertIn("its process is stopped", str(caught.exception))
-        # Where it is at work again, so is who asks: of the motion, which was asked to stop.
+        # When it runs again, so does this request; the motion was asked to stop.
         activity.abort()
         with contextlib.suppress(self.demo.interrupted):
             activity.wait(WATCHDOG)
@@ -51,7 +52,7 @@ class Stopped(DemoCase):
         g = genom.connect(timeout=SHORT)
         self.addCleanup(g.disconnect)
         demo = g.component(self.demo.name)
-        # More than twice as long, and the daemon says nothing meanwhile.
+        # More than twice the timeout, with no message of the daemon.
         demo.set_speed(2.0)
         self.assertEqual(demo.goto(goal=5.0), {})
 

@@ -1,4 +1,4 @@
-"""Ports straight over zenoh, with the package eclipse-zenoh."""
+"""Ports directly over zenoh, with the package eclipse-zenoh."""
 
 import contextlib
 import json
@@ -28,7 +28,7 @@ def bare_session(mode, endpoint):
 
 
 def bare_echo(endpoint, count):
-    """What `echo` does, by zenoh alone."""
+    """The same as `echo`, with zenoh only."""
     with bare_session("connect", endpoint) as session:
         commands = session.declare_subscriber("command")
         states = session.declare_publisher("state")
@@ -36,7 +36,7 @@ def bare_echo(endpoint, count):
             message = commands.recv().payload.to_bytes()
             states.put(message)
             count -= 1
-        # Until the last one is there.
+        # Until the last sample was received.
         session.declare_subscriber("end").recv()
 
 
@@ -77,7 +77,7 @@ class Zenoh(DemoCase):
                 exchange(float(value))
             return size / (time.perf_counter() - begin)
 
-        # In turns, so that both meet the same machine.
+        # Alternating, so that both run under the same conditions.
         with self.bare(count) as bare, self.echoed("zenoh", count) as exchange:
             rates = []
             for begin in range(0, count, size):
@@ -90,7 +90,7 @@ class Zenoh(DemoCase):
 
     @contextlib.contextmanager
     def bare(self, count):
-        """What `echoed` gives, by zenoh alone."""
+        """The same as `echoed`, with zenoh only."""
         directory = tempfile.TemporaryDirectory()
         endpoint = f"unixsock-stream/{directory.name}/bare"
         with directory, bare_session("listen", endpoint) as session:
@@ -114,7 +114,7 @@ class Zenoh(DemoCase):
 
 
 class Messages(unittest.TestCase):
-    """Types that the demo has none of, as the daemon would tell them."""
+    """Types that the demo does not have, in the form of the daemon's description."""
 
     def test_values_of_every_kind_go_in_and_come_out(self):
         from genom._cdr import Cdr
@@ -140,12 +140,12 @@ class Messages(unittest.TestCase):
         self.assertEqual(cdr.decode(cdr.encode(zero)), zero)
         value = cdr.merge(zero, {
             "count": 3, "gain": 0.5, "text": "h\u00e9", "list": [1.0, 2.0], "maybe": 7.0,
-            # An array may be given partially, by index.
+            # Elements of an array may be given by index.
             "row": {"1": 4.0}, "either": {"d": "ON", "u": {"d": 2.5}}, "mode": "ON",
         })
         self.assertEqual(value["row"], [0.0, 4.0, 0.0])
         message = cdr.encode(value)
-        # Header, octet and padding, double, text with its NUL.
+        # Header, octet with padding, double, text with its NUL.
         self.assertEqual(message[:8], b"\0\1\0\0\3\0\0\0")
         self.assertEqual(message[20:28], b"\4\0\0\0h\xc3\xa9\0")
         self.assertEqual(cdr.decode(message), value)

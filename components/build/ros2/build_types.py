@@ -54,7 +54,7 @@ def compiled(sources):
 
 
 def link(library, objects, *others):
-    """Libraries are found by their names: they are loaded when ROS asks for them."""
+    """Adds links under the names by which ROS loads the libraries."""
     wanted = ("rcutils", "fastcdr", "rosidl_runtime_c", "rosidl_typesupport", "rosidl_generator")
     ros = [f"-l:{path.name}" for path in (prefix / "lib").glob("lib*.so")
            if any(part in path.name for part in wanted)]

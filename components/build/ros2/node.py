@@ -1,7 +1,7 @@
-"""A genuine ROS 2 node, told what to do.
+"""A genuine ROS 2 node, controlled line by line.
 
-Each line in is a command, `["verb", arguments...]`, each line out its outcome. A verb that makes
-an end replies when ROS says that the other end is there, so that whoever tells may rely on it.
+Each input line is a command, `["verb", arguments...]`; each output line is its result. A verb that
+creates an endpoint replies when ROS reports a matching endpoint, so that the test may rely on it.
 """
 
 import json
@@ -21,7 +21,7 @@ from rclpy.node import NodeNameNonExistentError
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.parameter_client import AsyncParameterClient
 
-# Only what fails takes this long; the test's own watchdog is longer.
+# Only a failing test takes this long; its own watchdog waits longer.
 PATIENCE = 50.0
 
 rclpy.init()
@@ -31,7 +31,7 @@ executor.add_node(node)
 
 
 def until(what, holds):
-    """Lets ROS work until something holds."""
+    """Spins the node until the condition holds."""
     end = time.monotonic() + PATIENCE
     while not (held := holds()):
         if time.monotonic() > end:
@@ -51,7 +51,7 @@ def type_of(name):
 
 
 def plain(value):
-    """A message as JSON."""
+    """Converts a message to JSON."""
     if hasattr(value, "get_fields_and_field_types"):
         return {name: plain(getattr(value, name)) for name in value.get_fields_and_field_types()}
     if isinstance(value, (list, tuple, array, numpy.ndarray)):
@@ -62,7 +62,7 @@ def plain(value):
 
 
 def fill(message, values):
-    """Sets the fields that JSON gives."""
+    """Sets fields of a message from JSON."""
     for name, value in values.items():
         if isinstance(value, dict):
             fill(getattr(message, name), value)
@@ -72,7 +72,7 @@ def fill(message, values):
 
 
 class Matched:
-    """How many ends of others an end of ours is connected to."""
+    """Counts the endpoints of others that match an endpoint of this node."""
 
     count = 0
 
@@ -189,7 +189,7 @@ def action(name, kind):
 
 
 def goal(action, values):
-    """Sends a goal; whether it was accepted."""
+    """Sends a goal. Returns whether it was accepted."""
     fed, kind = deque(), actions[action]._action_type
     sent = actions[action].send_goal_async(
         fill(kind.Goal(), values), feedback_callback=lambda message: fed.append(message.feedback)
@@ -206,7 +206,7 @@ def feedback(action):
 
 
 def status(action, wanted):
-    """Waits until the goal has a status, as the topic of statuses tells."""
+    """Waits until the status topic reports this status for the goal."""
     handle = goals[action][0]
     until(f"status {wanted}", lambda: handle.status == getattr(GoalStatus, f"STATUS_{wanted}"))
     return wanted

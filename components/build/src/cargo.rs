@@ -1,4 +1,4 @@
-//! Libraries of codels in Rust, and programs of the workspace, through cargo.
+//! Builds libraries of codels in Rust, and programs of the workspace, with cargo.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -9,7 +9,7 @@ use crate::error::BuildError;
 use crate::paths::{Paths, copy_if_changed};
 use crate::recipe::Recipe;
 
-/// Makes `library` of the package of the recipe's name.
+/// Builds `library` from the package that has the recipe's name.
 pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<(), BuildError> {
     let artifacts = cargo_build(paths, Progress::Kept, &["--package", &recipe.name])?;
     let built = artifacts
@@ -24,9 +24,9 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
     copy_if_changed(built.as_std_path(), library)
 }
 
-/// Builds programs of the workspace, each of a package of its name, and tells where they are.
+/// Builds programs of the workspace, each from the package of its name, and returns their paths.
 ///
-/// It may take minutes: cargo's progress goes to standard error.
+/// This may take minutes; cargo's progress goes to standard error.
 ///
 /// # Errors
 /// Cargo cannot be run, or a program does not compile.
@@ -51,15 +51,15 @@ pub fn build_programs<const N: usize>(
     Ok(programs)
 }
 
-/// What becomes of cargo's standard error.
+/// Where cargo's standard error goes.
 enum Progress {
-    /// It is the user's.
+    /// To the user.
     Shown,
-    /// It is part of the error, if there is one.
+    /// Into the error, if there is one.
     Kept,
 }
 
-/// `cargo build` in the same target directory.
+/// Runs `cargo build` with the target directory of this build.
 fn cargo_build(
     paths: &Paths,
     progress: Progress,
@@ -74,8 +74,9 @@ fn cargo_build(
         .arg("--target-dir")
         .arg(&paths.target)
         .stdin(Stdio::null());
-    // What the Cargo that runs a test says of the test's package is none of this one's business:
-    // build scripts that look at it (ring's) would run anew for each, and all above them.
+    // Removes variables that the Cargo running a test sets for the test's package: build scripts
+    // that depend on them (ring's) would otherwise run again, and everything that depends on them
+    // be rebuilt.
     for (variable, _) in std::env::vars_os() {
         let name = variable.to_string_lossy();
         if name == "OUT_DIR"

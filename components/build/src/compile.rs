@@ -1,4 +1,4 @@
-//! Libraries of codels in C and C++, through the system's compilers.
+//! Builds libraries of codels in C and C++ with the system's compilers.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -9,8 +9,8 @@ use crate::error::BuildError;
 use crate::paths::Paths;
 use crate::recipe::{Recipe, files};
 
-/// Debug information lets the host check the codels; no contraction of `a * b + c` lets codels in
-/// two languages agree to the last bit.
+/// With debug information the host can check the codels. Without contraction of `a * b + c` codels
+/// in different languages compute the same bits.
 const FLAGS: [&str; 9] = [
     "-g",
     "-O1",
@@ -23,7 +23,7 @@ const FLAGS: [&str; 9] = [
     "-pthread",
 ];
 
-/// A compiler by its language.
+/// The compiler for a language.
 struct Compiler {
     program: String,
     variable: &'static str,
@@ -45,7 +45,7 @@ impl Compiler {
     }
 }
 
-/// Makes `library` of the codels of `recipe`, unless it was made of the same files.
+/// Builds `library` from the codels of `recipe`, unless it is up to date.
 pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<(), BuildError> {
     let include = paths.root.join("plugin-api/include");
     let sources = recipe.sources()?;
@@ -65,7 +65,7 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
         objects.push(object);
     }
 
-    // A library with C++ in it needs the C++ run time.
+    // A library with C++ sources is linked by the C++ compiler.
     let cpp = sources.iter().find(|source| source.extension().is_some_and(|found| found == "cc"));
     let compiler = Compiler::of(cpp.or(sources.first()).map_or(Path::new(""), PathBuf::as_path));
     let fresh = library.with_extension("so.fresh");
@@ -88,7 +88,7 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
     for (compiler, command) in &mut commands {
         run(compiler, command)?;
     }
-    // A daemon that has the old library mapped keeps it: the new one is another file.
+    // Renamed, so that a daemon that has the old library mapped keeps the old file.
     std::fs::rename(&fresh, library).map_err(BuildError::file(library))?;
     for object in objects {
         std::fs::remove_file(&object).map_err(BuildError::file(&object))?;
@@ -96,7 +96,7 @@ pub(crate) fn library(paths: &Paths, recipe: &Recipe, library: &Path) -> Result<
     std::fs::write(&record, made_of).map_err(BuildError::file(&record))
 }
 
-/// The commands, and the date and size of each input, as text.
+/// The commands, and date and size of each input, as text to compare with that of the last build.
 fn fingerprint(commands: &[(Compiler, Command)], inputs: &[PathBuf]) -> Result<String, BuildError> {
     let mut text = String::new();
     for (_, command) in commands {

@@ -1,4 +1,4 @@
-//! Why a component could not be built.
+//! Errors of building a component.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// Nothing in the repository has that name.
+    /// There is no component of that name.
     #[error("no component is called `{name}`; there are {known}")]
     Unknown {
-        /// The name that was asked for.
+        /// The name.
         name: String,
-        /// Those that exist.
+        /// The names that exist.
         known: String,
     },
     /// A folder or a file could not be read or written.
     #[error("{path}: {source}")]
     File {
-        /// Which one.
+        /// Its path.
         path: PathBuf,
-        /// Why.
+        /// The error of the system.
         source: io::Error,
     },
     /// A compiler or cargo is not installed.
@@ -28,20 +28,20 @@ pub enum BuildError {
     Program {
         /// The command.
         program: String,
-        /// Environment variable that names another.
+        /// The environment variable that selects another command.
         variable: &'static str,
-        /// Why it did not run.
+        /// The error of the system.
         source: io::Error,
     },
-    /// A compiler or cargo refused.
+    /// A compiler or cargo failed.
     #[error("`{command}` failed:\n{output}")]
     Refused {
         /// The whole command.
         command: String,
-        /// What it printed on standard error.
+        /// Its standard error.
         output: String,
     },
-    /// Cargo built the package and named no such file.
+    /// Cargo built the package, but did not report such a file.
     #[error("cargo built no {what} for package `{package}`")]
     NoArtifact {
         /// The package.
@@ -49,13 +49,13 @@ pub enum BuildError {
         /// Kind of file that was expected.
         what: &'static str,
     },
-    /// Cargo does not tell where the workspace is.
+    /// Cargo does not report where the workspace is.
     #[error("cargo does not describe the workspace")]
     Workspace(#[from] cargo_metadata::Error),
 }
 
 impl BuildError {
-    /// Says which file an error is about.
+    /// Adds the path to an error of the system.
     pub(crate) fn file(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self::File { path, source }

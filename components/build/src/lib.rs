@@ -1,7 +1,7 @@
 //! Builds the components of this repository, each as `NAME.so` with `NAME.gen` beside it.
 //!
-//! Tests and `cargo demo` call it; it is no build system for components of others, who compile
-//! their codels as they like.
+//! It is used by tests and by `cargo demo`. It is not a build system for other components, whose
+//! codels may be compiled in any way.
 
 #![forbid(unsafe_code)]
 
@@ -23,24 +23,24 @@ pub use paths::Paths;
 use paths::copy_if_changed;
 use recipe::{Language, Recipe};
 
-/// A component that is built.
+/// A component that was built.
 #[derive(Clone, Debug)]
 pub struct Artifact {
-    /// Name of its folder under `target/components/`; the two figures of the papers are
-    /// `demo-2010` and `demo-2011`, and both components are called `demo`.
+    /// Name of its directory under `target/components/`. The figures of the two papers are
+    /// `demo-2010` and `demo-2011`, although the name of both components is `demo`.
     pub name: String,
-    /// The library.
+    /// Path of the library.
     pub library: PathBuf,
-    /// The `.gen` file beside it.
+    /// Path of the `.gen` file beside it.
     pub description: PathBuf,
 }
 
-/// Builds every component of the repository, those that are up to date excepted.
+/// Builds every component of the repository that is not up to date.
 ///
-/// Several processes may do so at once: one builds, the others wait.
+/// If several processes do so at once, one builds and the others wait.
 ///
 /// # Errors
-/// A compiler is missing or refuses a source, or a file cannot be written.
+/// A compiler is missing or fails, or a file cannot be written.
 pub fn build_all(paths: &Paths) -> Result<Vec<Artifact>, BuildError> {
     let _lock = lock(paths)?;
     recipe::all(&paths.root)?.iter().map(|recipe| make(paths, recipe)).collect()
@@ -62,7 +62,7 @@ pub fn build(paths: &Paths, name: &str) -> Result<Artifact, BuildError> {
     }
 }
 
-/// Keeps other processes out until it is dropped.
+/// Locks out other processes until the result is dropped.
 fn lock(paths: &Paths) -> Result<File, BuildError> {
     let directory = paths.target.join("components");
     std::fs::create_dir_all(&directory).map_err(BuildError::file(&directory))?;

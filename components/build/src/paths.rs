@@ -1,23 +1,23 @@
-//! Where things are, and files that keep their date.
+//! Paths of the workspace, and copies that keep dates.
 
 use std::path::{Path, PathBuf};
 
 use crate::error::BuildError;
 
-/// Where the repository is, and where what is built goes.
+/// Paths of the repository and of what is built.
 #[derive(Clone, Debug)]
 pub struct Paths {
     /// Root of the workspace.
     pub root: PathBuf,
-    /// Cargo's target directory; components go to `components/` below it.
+    /// Cargo's target directory; components are built in `components/` below it.
     pub target: PathBuf,
 }
 
 impl Paths {
-    /// This repository, with the target directory that cargo uses now.
+    /// The paths of this workspace, with the target directory that cargo uses.
     ///
     /// # Errors
-    /// Cargo cannot be run, or refuses the workspace.
+    /// Cargo cannot be run, or it does not accept the workspace.
     pub fn of_workspace() -> Result<Self, BuildError> {
         let metadata = cargo_metadata::MetadataCommand::new()
             .manifest_path(Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml"))
@@ -30,7 +30,7 @@ impl Paths {
     }
 }
 
-/// Copies a small file; one that is the same already keeps its date.
+/// Copies a small file, unless the copy has the same content already: it then keeps its date.
 pub(crate) fn copy_if_changed(from: &Path, to: &Path) -> Result<(), BuildError> {
     let contents = std::fs::read(from).map_err(BuildError::file(from))?;
     if std::fs::read(to).is_ok_and(|old| old == contents) {

@@ -1,7 +1,7 @@
-//! A process of a test that is told what to do line by line, such as a peer of another make.
+//! Child processes that tests control line by line, such as peers that are not genomd.
 //!
-//! [`Lines`] are any lines; of a [`Peer`], commands and replies are JSON, one line each. A process
-//! that says nothing fails the test: it never waits for ever.
+//! [`Lines`] exchanges any lines; a [`Peer`] exchanges commands and replies as JSON, one per line.
+//! If a process does not answer, the test fails under a watchdog.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "part of tests: a failed step ends the test")]
 
@@ -25,10 +25,10 @@ pub struct Lines {
 }
 
 impl Lines {
-    /// Starts it.
+    /// Starts the process.
     ///
     /// # Panics
-    /// It does not start.
+    /// The process cannot be started.
     #[must_use]
     #[track_caller]
     pub fn start(command: &mut Command) -> Self {
@@ -46,19 +46,19 @@ impl Lines {
         Self { child, input, lines }
     }
 
-    /// Tells it a line.
+    /// Sends a line.
     ///
     /// # Panics
-    /// It has ended.
+    /// The process has ended.
     #[track_caller]
     pub fn tell(&mut self, line: &str) {
         writeln!(self.input, "{line}").expect("the peer has not ended");
     }
 
-    /// The next line it says; `to` what, for the message when it says nothing.
+    /// Waits for the next line; `to` names what it answers, for the message of the panic.
     ///
     /// # Panics
-    /// It says nothing.
+    /// No line arrives in time.
     #[track_caller]
     pub fn line(&self, to: &str) -> String {
         match self.lines.recv_timeout(WATCHDOG) {
@@ -68,16 +68,16 @@ impl Lines {
         }
     }
 
-    /// The next line it says, if it has said one already.
+    /// The next line, if one has arrived already.
     #[must_use]
     pub fn heard(&self) -> Option<String> {
         self.lines.try_recv().ok()
     }
 
-    /// It says this line next.
+    /// Checks that the next line is `expected`.
     ///
     /// # Panics
-    /// It says another one, or nothing.
+    /// Another line arrives, or none.
     #[track_caller]
     pub fn says(&self, expected: &str) {
         assert_eq!(self.line(expected), expected);
@@ -86,21 +86,21 @@ impl Lines {
 
 impl Drop for Lines {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// A process that takes commands and replies to each.
+/// A process that replies to commands.
 #[derive(Debug)]
 pub struct Peer(Lines);
 
 impl Peer {
-    /// Starts it, and waits until it says that it is up.
+    /// Starts the process, and waits until it reports that it is ready.
     ///
     /// # Panics
-    /// It does not start.
+    /// The process cannot be started.
     #[must_use]
     #[track_caller]
     pub fn start(command: &mut Command) -> Self {
@@ -109,29 +109,29 @@ impl Peer {
         peer
     }
 
-    /// Has it do something; what it replies.
+    /// Sends a command and waits for its reply.
     ///
     /// # Panics
-    /// It replies nothing, or no JSON.
+    /// There is no reply, or it is not JSON.
     #[track_caller]
     pub fn ask(&mut self, command: &Value) -> Value {
         self.tell(command);
         self.reply(&command.to_string())
     }
 
-    /// Has it do something whose reply is taken later, with [`Peer::reply`].
+    /// Sends a command whose reply is read later with [`Peer::reply`].
     ///
     /// # Panics
-    /// It has ended.
+    /// The process has ended.
     #[track_caller]
     pub fn tell(&mut self, command: &Value) {
         self.0.tell(&command.to_string());
     }
 
-    /// The reply to what it was told.
+    /// Waits for the reply to a command.
     ///
     /// # Panics
-    /// It replies nothing, or no JSON.
+    /// There is no reply, or it is not JSON.
     #[track_caller]
     pub fn reply(&self, to: &str) -> Value {
         let line = self.0.line(to);

@@ -1,7 +1,7 @@
-//! Python environments with pinned packages, for tests against peers of other makes.
+//! Python environments with pinned packages, for tests against peers that are not genomd.
 //!
-//! Made once under the target directory and used again. There is no way to skip: a test without
-//! its peer proves nothing, so what is missing is an error.
+//! An environment is created once under the target directory and then reused. If it cannot be
+//! created, that is an error: tests are not skipped for lack of a peer.
 
 use std::ffi::OsString;
 use std::fs::File;
@@ -10,13 +10,13 @@ use std::process::Command;
 
 use crate::{BuildError, Paths};
 
-/// The interpreter of an environment that holds these packages, given as `name==version`.
+/// The interpreter of an environment that contains these packages, given as `name==version`.
 ///
-/// The first call installs them, which needs the network; several processes may call at once.
-/// `$PYTHON` names another interpreter than `python3` to start from.
+/// The first call installs them, which needs the network. Several processes may call it at once.
+/// `$PYTHON` selects an interpreter other than `python3`.
 ///
 /// # Errors
-/// There is no Python, it has no `venv`, or a package cannot be installed.
+/// There is no Python, it lacks `venv`, or a package cannot be installed.
 pub fn environment(packages: &[&str]) -> Result<PathBuf, BuildError> {
     let name: Vec<_> = packages.iter().map(|package| package.replace("==", "-")).collect();
     let place = made_once(&name.join("+"), |place| {
@@ -29,7 +29,8 @@ pub fn environment(packages: &[&str]) -> Result<PathBuf, BuildError> {
     Ok(place.join("bin/python"))
 }
 
-/// A directory of this name, made by the first who asks. What was interrupted is begun anew.
+/// A directory of this name, created by the first caller. A creation that was interrupted is
+/// started again.
 pub(crate) fn made_once(
     name: &str,
     make: impl FnOnce(&Path) -> Result<(), BuildError>,

@@ -1,30 +1,30 @@
-//! Which components the repository has, and what each is made of.
+//! The components of the repository, and what each is built from.
 
 use std::path::{Path, PathBuf};
 
 use crate::BuildError;
 
-/// What the codels of a component are written in.
+/// The language of a component's codels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Language {
     /// C or C++, by the extension of each source.
     C,
-    /// Rust: a package of the workspace of the component's name.
+    /// Rust: the workspace's package that has the component's name.
     Rust,
 }
 
 /// How one component is built.
 #[derive(Debug)]
 pub(crate) struct Recipe {
-    /// Name of its folder under `target/components/`.
+    /// Name of its directory under `target/components/`.
     pub(crate) name: String,
     /// Name of its files there, without extension.
     pub(crate) stem: String,
-    /// What its codels are written in.
+    /// The language of its codels.
     pub(crate) language: Language,
-    /// The folder of its `.gen` file, which is on the include path.
+    /// The directory of its `.gen` file, which is on the include path.
     pub(crate) directory: PathBuf,
-    /// The `.gen` file and what it includes: they go beside the library.
+    /// The `.gen` file and those it includes; they are copied beside the library.
     pub(crate) descriptions: Vec<PathBuf>,
 }
 
@@ -52,7 +52,7 @@ impl Recipe {
     }
 }
 
-/// Every component under `root`. Each folder of `components/faults` is one.
+/// All components under `root`. Each directory of `components/faults` is one.
 pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
     let components = root.join("components");
     let demo = components.join("demo");
@@ -71,7 +71,7 @@ pub(crate) fn all(root: &Path) -> Result<Vec<Recipe>, BuildError> {
     Ok(recipes)
 }
 
-/// Files of a folder with one of these extensions, in order of name.
+/// Files of a directory with one of these extensions, sorted by name.
 pub(crate) fn files(directory: &Path, extensions: &[&str]) -> Result<Vec<PathBuf>, BuildError> {
     let mut files = entries(directory)?;
     files.retain(|path| {

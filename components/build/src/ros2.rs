@@ -1,4 +1,4 @@
-//! Genuine ROS 2 Jazzy for tests: its nodes, and Python types of packages.
+//! ROS 2 Jazzy for tests: nodes, and Python types of packages.
 
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash as _, Hasher as _};
@@ -7,8 +7,8 @@ use std::process::Command;
 
 use crate::{BuildError, Paths, python};
 
-/// Its client library, its default middleware, some message packages, and what its own
-/// generators of types need.
+/// Its client library, its default middleware, some message packages, and what its generators of
+/// types need.
 const JAZZY: [&str; 7] = [
     "ros-jazzy-rclpy==7.1.6",
     "ros-jazzy-rmw-fastrtps-cpp==8.4.3",
@@ -19,8 +19,8 @@ const JAZZY: [&str; 7] = [
     "catkin-pkg==1.1.1",
 ];
 
-/// A node `peer` in a domain of this machine, for [`Peer`](crate::peer::Peer): `ros2/node.py`
-/// says what it can do. `types` holds what [`types`] made.
+/// A process that runs node `peer` in the given domain, for [`Peer`](crate::peer::Peer);
+/// `ros2/node.py` lists its commands. `types` is a result of [`types`].
 ///
 /// # Errors
 /// ROS cannot be installed.
@@ -32,7 +32,7 @@ pub fn node(domain: u32, types: Option<&Path>) -> Result<Command, BuildError> {
         .env("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
         .env("RMW_IMPLEMENTATION", "rmw_fastrtps_cpp")
         .env("ROS_LOG_DIR", std::env::temp_dir())
-        // Its shared memory would outlive a peer that is killed.
+        // Shared memory would remain after a peer is killed.
         .env("FASTDDS_BUILTIN_TRANSPORTS", "UDPv4")
         .env_remove("ROS_LOCALHOST_ONLY");
     if let Some(types) = types {
@@ -41,10 +41,10 @@ pub fn node(domain: u32, types: Option<&Path>) -> Result<Command, BuildError> {
     Ok(command)
 }
 
-/// The Python types of a ROS package, built with ROS's own generators: a `PYTHONPATH`.
+/// Builds the Python types of a ROS package with ROS's own generators. Returns a `PYTHONPATH`.
 ///
 /// # Errors
-/// ROS cannot be installed, the package is none, or there is no compiler.
+/// ROS cannot be installed, this is not a package, or there is no compiler.
 pub fn types(package: &Path) -> Result<PathBuf, BuildError> {
     let script = Paths::of_workspace()?.root.join("components/build/ros2/build_types.py");
     let mut hash = DefaultHasher::new();
@@ -56,7 +56,7 @@ pub fn types(package: &Path) -> Result<PathBuf, BuildError> {
     })
 }
 
-/// Names and contents of all files.
+/// Hashes the names and contents of all files.
 fn digest(path: &Path, hash: &mut DefaultHasher) -> Result<(), BuildError> {
     path.file_name().hash(hash);
     if !path.is_dir() {

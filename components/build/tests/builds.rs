@@ -1,4 +1,4 @@
-//! Every component builds, once, whoever asks, and stands where users look for it.
+//! Every component is built once, whoever asks, and placed where users look for it.
 
 #![allow(clippy::unwrap_used, reason = "it is a test")]
 
@@ -44,7 +44,8 @@ fn what_is_up_to_date_is_not_built_again() {
 
 #[test]
 fn several_builds_at_once_agree() {
-    // A target directory of its own, so that everything is there to be built; without Rust.
+    // A target directory of its own, so that everything has to be built; without components in
+    // Rust.
     let target = tempfile::tempdir().unwrap();
     let root = Paths::of_workspace().unwrap().root;
     let paths = Paths { root, target: target.path().to_owned() };

@@ -1,4 +1,4 @@
-//! The demo in C and the demo in Rust behave alike, codel by codel.
+//! The demo in C and the demo in Rust behave the same, codel by codel.
 
 #![allow(clippy::unwrap_used, missing_docs, unreachable_pub, reason = "it is a test")]
 
@@ -7,7 +7,7 @@ mod demo;
 use demo::{Demo, State};
 use genom_components::{Paths, build};
 
-/// Runs a scenario on both, and compares what each left behind, to the last bit.
+/// Runs a scenario on both demos, and compares the results bit by bit.
 fn both<R: PartialEq + std::fmt::Debug>(scenario: impl Fn(Demo) -> R) -> R {
     let paths = Paths::of_workspace().unwrap();
     let [c, rust] = ["demo", "demo-rs"].map(|name| {
@@ -19,7 +19,7 @@ fn both<R: PartialEq + std::fmt::Debug>(scenario: impl Fn(Demo) -> R) -> R {
     c
 }
 
-/// Steps the servo until it yields something else than `pause::main`.
+/// Calls the servo until it yields something other than `pause::main`.
 fn drive(demo: &mut Demo, goal: f64) -> (Vec<State>, &'static str) {
     let mut path = Vec::new();
     loop {

@@ -60,7 +60,7 @@ fn text(event: *const c_char) -> String {
     unsafe { CStr::from_ptr(event) }.to_str().unwrap().to_owned()
 }
 
-/// Runs `goto` of a figure by hand; tells the number of periods.
+/// Runs `goto` of a figure, and returns the number of periods it took.
 fn goto(library: &Library, goal: f64, velocity: &mut f64) -> usize {
     // SAFETY: the figures' codels have these types (dialects.md, C signatures).
     let (init, servo, stop) = unsafe {

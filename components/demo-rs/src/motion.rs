@@ -1,4 +1,4 @@
-//! Codels of task `main`: the axis moves here, one period at a time.
+//! Codels of task `main`: they move the axis, one period at a time.
 
 use genom::{Bool, Context, Event, Exception, InPort, OutPort, Thrown, event};
 
@@ -33,10 +33,10 @@ pub(crate) fn demo_begin(halted: &mut Bool) -> Event {
     MAIN
 }
 
-/// Activity `goto`, state `main`: one step, until the goal is reached.
+/// Activity `goto`, state `main`: one step towards the goal.
 ///
-/// The speed grows with the acceleration of the axis, and is such that the axis can still stop
-/// at the goal with it. The last step ends exactly there.
+/// The speed is limited by the acceleration of the axis and such that it can still stop at the
+/// goal. The last step ends exactly there.
 #[genom::codel]
 pub(crate) fn demo_servo(
     goal: f64,
@@ -50,7 +50,7 @@ pub(crate) fn demo_servo(
     if halted {
         return Err(Halted.raise(context));
     }
-    // 1 while nobody writes the port; a negative gain, or none that is a number, stands still.
+    // 1 if the port was never written; 0 for negative gains and NaN.
     let gain = parameter.latest(context).map_or(1.0, |gain| gain.max(0.0));
     let distance = goal - current.position;
     let sign = if distance < 0.0 { -1.0 } else { 1.0 };
@@ -85,9 +85,9 @@ pub(crate) fn demo_brake(
     Ok(if speed > 0.0 { PAUSE_STOP } else { ETHER })
 }
 
-/// Activity `goto`, external event `emergency`: stands still at once.
+/// Activity `goto`, external event `emergency`: stops the axis at once.
 ///
-/// The place of state `main` stays active beside this one: it sees `halted` and ends with
+/// State `main` of the activity stays active besides: its codel sees `halted` and ends with
 /// `HALTED`.
 #[genom::codel]
 pub(crate) fn demo_halt(

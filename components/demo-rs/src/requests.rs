@@ -1,4 +1,4 @@
-//! Codels of the control task: what is asked is checked here.
+//! Codels of the control task: they validate requests.
 
 use std::ops::RangeInclusive;
 

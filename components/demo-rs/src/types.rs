@@ -2,7 +2,7 @@
 
 use genom::{Bool, BoundedString, Data, Exception};
 
-/// Where the axis is (m), and how fast it moves (m/s).
+/// Position (m) and speed (m/s) of the axis.
 #[derive(Clone, Copy, Data)]
 #[genom(name = "::demo::state")]
 #[repr(C)]
@@ -11,22 +11,22 @@ pub(crate) struct State {
     pub(crate) velocity: f64,
 }
 
-/// Factor applied to the speed, 0 to stand still.
+/// Factor applied to the speed; 0 stops the axis.
 pub(crate) type Gain = f64;
 
-/// The IDS.
+/// The internal data structure.
 #[derive(Data)]
 #[genom(name = "::demo::ids")]
 #[repr(C)]
 pub(crate) struct Ids {
-    /// Greatest speed, m/s.
+    /// Maximum speed, m/s.
     pub(crate) velocity: f64,
     pub(crate) current: State,
-    /// An emergency happened during the current motion.
+    /// Whether an emergency happened during the current motion.
     pub(crate) halted: Bool,
 }
 
-/// A request that the axis cannot follow.
+/// The request is outside the limits of the axis.
 #[derive(Clone, Copy, Exception)]
 #[genom(name = "::demo::OUT_OF_RANGE")]
 #[repr(C)]
@@ -37,7 +37,7 @@ pub(crate) struct OutOfRange {
     pub(crate) what: BoundedString<64>,
 }
 
-/// The axis moves.
+/// The axis is moving.
 #[derive(Clone, Copy, Exception)]
 #[genom(name = "::demo::MOVING")]
 pub(crate) struct Moving;

@@ -1,56 +1,56 @@
-//! What is wrong with a configuration, and where.
+//! Errors in the configuration, with the place of each.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
 use genom_nearest::nearest_key;
 
-/// Most activities that a task may be allowed at once: room for all is made when it starts.
+/// Greatest value of `max_activities`: memory for that many is reserved when a task starts.
 pub const MOST_ACTIVITIES: usize = 4096;
 
 /// The command line contradicts itself or the configuration.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum UsageError {
-    /// `--name` or `--gen` with none or several components.
+    /// `--name` or `--gen` is given with no component, or with several.
     #[error("{option} goes with exactly one component, {found} are given")]
     OneComponent { option: &'static str, found: usize },
-    /// `--listen` on an address that others can reach, in the clear.
+    /// `--listen` has an address that other machines can reach, without TLS.
     #[error(
         "{0} can be reached from outside: it needs TLS, `cert` and `key` in section [rpc.tls] of \
          the configuration, and tokens or client certificates; or listen on 127.0.0.1 or [::1]"
     )]
     NoTls(SocketAddr),
-    /// `--listen`, and nothing says who may come in.
+    /// `--listen` is given, and no tokens or client certificates.
     #[error(
         "whoever reaches {0} could command this daemon: say with --token-file FILE who may \
          (`genomctl token NAME --into FILE` begins one), or with rpc.tls.client_ca"
     )]
     Anybody(SocketAddr),
-    /// Nobody could come in, not even to stop it.
+    /// `rpc.max_connections` is 0: no client could connect, not even to stop the daemon.
     #[error("rpc.max_connections = 0: the daemon would answer nobody; one at least")]
     NoConnections,
-    /// No activity could start, or each task had room made for more than there will ever be.
+    /// `max_activities` is 0 or above [`MOST_ACTIVITIES`].
     #[error("max_activities = {0}: give 1 to {MOST_ACTIVITIES}")]
     Activities(usize),
-    /// A pattern of `[services]` that nothing is like.
+    /// A pattern of `[services]` is malformed.
     #[error(
         "[services]: `{0}` is no pattern of services: write BACKEND:COMPONENT/SERVICE or \
          COMPONENT/SERVICE, with * for anything, such as zenoh:*/kill"
     )]
     Offer(String),
-    /// A file for several daemons.
+    /// The configuration is for several daemons, and `--daemon` does not select one.
     #[error("{}: {why}", file.display())]
     Daemon { file: PathBuf, why: WhichDaemon },
-    /// `log` is no filter.
+    /// `log` is not a valid filter.
     #[error("--log {0}")]
     Log(#[from] NoLevel),
-    /// `telemetry.otlp` is no place to send to.
+    /// `telemetry.otlp` is not a valid URL of a collector.
     #[error("telemetry.otlp: {0}: write http://HOST:4318")]
     Collector(#[from] NoCollector),
 }
 
-/// Spans of services cannot be sent there.
+/// Why a text is not the URL of a collector.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what they hold")]
 pub enum NoCollector {
@@ -66,28 +66,28 @@ pub enum NoCollector {
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum ConfigError {
-    /// Missing or unreadable.
+    /// The file is missing or cannot be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Read { path: PathBuf, source: std::io::Error },
-    /// A mistake in it.
+    /// A mistake in the file, with its line and, for a name, the nearest valid one.
     #[error("{}:{line}: {message}{}", path.display(), suggestion(.nearest))]
     Mistake { path: PathBuf, line: usize, message: String, nearest: Option<String> },
-    /// A mistake in `--set`.
+    /// A mistake in an argument of `--set`.
     #[error("--set {word}: {why}")]
     Set { word: String, why: SetError },
 }
 
-/// A word of `--set` cannot be put over the configuration.
+/// Why an argument of `--set` cannot be applied to the configuration.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum SetError {
-    /// There is no `=` in it.
+    /// It contains no `=`.
     #[error("write KEY=VALUE, for instance rpc.max_streams=8")]
     NoValue,
-    /// A part of the key stands for a plain value.
+    /// A part of the key is a plain value and has no members.
     #[error("{key} is a {ty} and has no `{member}`")]
     NoTable { key: String, ty: &'static str, member: String },
-    /// No such key, or a value of the wrong type.
+    /// There is no such key, or the value has the wrong type.
     #[error("{message}{}", suggestion(.nearest))]
     Unreadable { message: String, nearest: Option<String> },
 }
@@ -99,7 +99,7 @@ impl From<toml::de::Error> for SetError {
     }
 }
 
-/// A filter of logs names a level that is none.
+/// A filter of the log contains an invalid level.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "`{word}` is no level of logs: error, warn, info, debug or trace, or for a part such as \
@@ -110,12 +110,12 @@ pub struct NoLevel {
     pub(crate) nearest: Option<String>,
 }
 
-/// A task cannot run with this period.
+/// The period is not positive and finite.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[error("period_ms = {0} is no period")]
 pub struct NoPeriod(pub(crate) f64);
 
-/// A file describes several daemons, and which of them is meant is not said, or is none of them.
+/// A file describes several daemons, and the given name is missing or is none of them.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}; say with --daemon which of these it is: {}", wrong(.given.as_deref()), names.join(", "))]
 pub struct WhichDaemon {

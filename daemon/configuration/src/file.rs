@@ -22,41 +22,41 @@ use crate::spot;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Config {
-    /// Middleware of ports and services.
+    /// Middleware of ports and services that name none.
     pub backend: String,
-    /// Directories to look for components in.
+    /// Directories searched for components.
     pub path: Vec<PathBuf>,
-    /// Directories for the descriptions' `#include`.
+    /// Directories searched for `#include` of descriptions.
     pub include: Vec<PathBuf>,
-    /// What to log.
+    /// Filter of the log, such as `info` or `info,genomd=debug`.
     pub log: String,
-    /// Time of the components.
+    /// Clock of the components.
     pub clock: ClockKind,
-    /// Whether to keep all memory in RAM.
+    /// Whether to lock all memory of the process in RAM (`mlockall`).
     pub lock_memory: bool,
-    /// When to look whether codels wrote past their memory.
+    /// When to check whether codels wrote past their memory.
     pub check_memory: MemoryCheck,
-    /// Seconds the start codel of a task may take.
+    /// Seconds that the start codel of a task may take.
     pub start_timeout: u64,
-    /// Seconds a component may take to stop.
+    /// Seconds that a component may take to stop.
     pub stop_timeout: u64,
     /// Seconds after which a codel counts as stuck.
     pub stuck_after: u64,
-    /// Activities of services that one task runs at once.
+    /// Activities that one task may run at once.
     pub max_activities: usize,
     /// The control plane.
     pub rpc: Rpc,
     /// Which services are offered on which middlewares.
     pub services: Offers,
-    /// What is told to others of what services do.
+    /// What is sent to an OpenTelemetry collector.
     pub telemetry: Telemetry,
-    /// Options of middlewares, by name: each knows its own.
+    /// Options of middlewares, by name of the middleware.
     pub backends: BTreeMap<String, toml::Table>,
     /// Components to load, in order, before those of the command line.
     pub component: Vec<LoadRequest>,
-    /// Connections to make, and to make again when a side comes back.
+    /// Connections to make, and to make again whenever one side comes back.
     pub connection: Vec<ConnectionEntry>,
-    /// Services to call, in order, once everything is wired.
+    /// Services to call, in order, once all connections are made.
     pub call: Vec<CallEntry>,
     /// Activities to start, in order, after the calls.
     pub activity: Vec<CallEntry>,
@@ -66,17 +66,18 @@ pub struct Config {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Telemetry {
-    /// Where spans of services go: `http://HOST:PORT` of an OpenTelemetry collector.
+    /// URL `http://HOST:PORT` of an OpenTelemetry collector that receives a span for each service
+    /// called.
     pub otlp: Option<String>,
 }
 
-/// When to look whether codels wrote past the memory they were given.
+/// When to check whether codels wrote past the memory they were given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MemoryCheck {
     /// Never.
     Off,
-    /// When a codel pauses or ends.
+    /// When a codel yields a `pause::` state or the activity ends.
     #[default]
     Pauses,
     /// After each codel.
@@ -110,7 +111,7 @@ impl Default for Config {
 }
 
 impl Config {
-    /// Reads a file, if there is one, and puts `--set` words over it.
+    /// Reads the file, if one is given, and applies the `KEY=VALUE` words of `--set` to it.
     pub fn read(path: Option<&Path>, words: &[String]) -> Result<Self, ConfigError> {
         let mut text = String::new();
         if let Some(path) = path {
@@ -129,7 +130,7 @@ impl Config {
         Ok(config)
     }
 
-    /// Relative paths start from the directory of the file.
+    /// Makes relative paths relative to the directory of the file.
     pub fn anchor(&mut self, path: &Path) {
         let base = path.parent().unwrap_or(Path::new(""));
         self.path.iter_mut().chain(&mut self.include).for_each(|dir| anchor(base, dir));
@@ -139,7 +140,8 @@ impl Config {
             files.for_each(|file| anchor(base, file));
         }
         for component in &mut self.component {
-            // A bare name is looked for on the component path, not beside the configuration.
+            // A bare name is searched on the component path, not in the directory of the
+            // configuration.
             if component.library.components().count() > 1 || component.library.extension().is_some()
             {
                 anchor(base, &mut component.library);
@@ -148,13 +150,13 @@ impl Config {
         }
     }
 
-    /// As a file.
+    /// The configuration as TOML.
     pub fn text(&self) -> Result<String, toml::ser::Error> {
         toml::to_string(self)
     }
 
-    /// The part that concerns the daemon of this name. A file that names daemons says nothing to
-    /// one that it does not name.
+    /// The part of the file for the daemon of this name. If the file names daemons, the name has to
+    /// be one of them.
     pub fn deployment(&self, daemon: Option<&str>) -> Result<Deployment, WhichDaemon> {
         let mut names: Vec<String> =
             self.component.iter().filter_map(|one| one.daemon.clone()).collect();
@@ -183,13 +185,13 @@ impl Config {
         })
     }
 
-    /// Reads a text; `path` is for messages.
+    /// Parses a text; `path` is used in error messages only.
     pub fn parse(path: &Path, text: &str) -> Result<Self, ConfigError> {
         toml::from_str(text).map_err(|error| mistake(path, text, &error))
     }
 
-    /// Refuses names of middlewares that are none, and options they have not, with the line where
-    /// they stand.
+    /// Checks the log filter, the names of middlewares, their options, and that no in port is
+    /// connected twice. Errors carry the line.
     pub fn check(&self, path: &Path, text: &str) -> Result<(), ConfigError> {
         if let Err(error) = levels::understood(&self.log) {
             let line = text.lines().position(|line| line.trim_start().starts_with("log"));
@@ -233,7 +235,7 @@ fn mistake(path: &Path, text: &str, error: &toml::de::Error) -> ConfigError {
     ConfigError::Mistake { path: path.to_owned(), line, message, nearest }
 }
 
-/// Whether a line that is no comment holds this word.
+/// Whether a line holds this word outside a comment.
 fn holds_word(line: &str, word: &str) -> bool {
     let code = line.split('#').next().unwrap_or_default();
     code.split(|c: char| !c.is_alphanumeric() && c != '_').any(|found| found == word)

@@ -1,8 +1,8 @@
-//! What a daemon is to do, in the words of those who write it: the configuration file, deployment
-//! files, and the requests that say the same.
+//! What users tell a daemon to do: the configuration file, deployment files, and requests of the
+//! same content.
 //!
-//! It says what is wanted, and where in a file it stands. It knows no component that runs, no HTTP
-//! and no command line.
+//! This crate only reads and checks them, and tells where in a file a mistake is. It depends
+//! neither on running components nor on HTTP or the command line.
 
 #![forbid(unsafe_code)]
 

@@ -6,19 +6,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::UsageError;
 
-/// Section `[services]`: patterns `BACKEND:COMPONENT/SERVICE`, with `*` for any run of
-/// characters; without a backend, on all of them. What is denied is not allowed.
+/// Section `[services]`: patterns `BACKEND:COMPONENT/SERVICE`, with `*` for any run of characters;
+/// without a backend a pattern applies to all of them. `deny` takes precedence over `allow`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Offers {
-    /// Patterns of what is offered.
+    /// Patterns of the services that are offered.
     pub allow: Vec<String>,
-    /// Patterns of what is not, whatever is allowed.
+    /// Patterns of services that are not, even if allowed.
     pub deny: Vec<String>,
 }
 
 impl Default for Offers {
-    /// Over a middleware that leaves the machine, what is a supervisor's would need no right.
+    /// By default the supervisor's services (`kill`, `connect_port` ...) are not offered on
+    /// middlewares that leave the machine, where no right protects them.
     fn default() -> Self {
         let on = |backend: &'static str| {
             STANDARD_SERVICES.iter().map(move |(service, _)| format!("{backend}:*/{service}"))
@@ -28,7 +29,7 @@ impl Default for Offers {
 }
 
 impl Offers {
-    /// Refuses patterns that can match nothing.
+    /// Checks the form of the patterns.
     pub fn check(&self) -> Result<(), UsageError> {
         for pattern in self.allow.iter().chain(&self.deny) {
             let (backend, rest) = parts(pattern);
@@ -59,14 +60,15 @@ fn parts(pattern: &str) -> (Option<&str>, &str) {
     pattern.split_once(':').map_or((None, pattern), |(backend, rest)| (Some(backend), rest))
 }
 
-/// Whether a text is as the pattern says, where `*` stands for anything.
+/// Whether a text matches a pattern, where `*` stands for any run of characters.
 fn matches(pattern: &str, text: &str) -> bool {
     let mut pieces = pattern.split('*');
     let first = pieces.next().unwrap_or_default();
     let Some(mut rest) = text.strip_prefix(first) else { return false };
     let Some(last) = pieces.next_back() else { return rest.is_empty() };
     for piece in pieces {
-        // The first place is as good as any: what comes after has the more room.
+        // Matching the first occurrence is sufficient: it leaves the longest rest for the pieces
+        // that follow.
         let Some((_, after)) = rest.split_once(piece) else { return false };
         rest = after;
     }

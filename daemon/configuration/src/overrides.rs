@@ -1,4 +1,4 @@
-//! What the command line sets of the configuration: `--set rpc.max_body=1024`.
+//! Keys of the configuration set on the command line: `--set rpc.max_body=1024`.
 
 use genom_registry::Sections;
 use serde::de::DeserializeOwned;
@@ -6,7 +6,7 @@ use toml::{Table, Value};
 
 use crate::error::{ConfigError, SetError};
 
-/// Puts `key=value` words over a configuration's text.
+/// Applies `KEY=VALUE` words to the text of a configuration.
 pub(crate) fn set<Config: DeserializeOwned + Default>(
     text: &str,
     words: &[String],
@@ -20,7 +20,7 @@ pub(crate) fn set<Config: DeserializeOwned + Default>(
             return Err(refuse(word, SetError::NoValue));
         };
         put(&mut table, key.trim(), parse(value.trim())).map_err(|why| refuse(word, why))?;
-        // After each, so that the mistaken one is named.
+        // Checked after each word, so that an error names the word that caused it.
         let read = table.clone().try_into();
         let read =
             read.and_then(|config: Config| table.clone().try_into::<Sections>().map(|_| config));
@@ -29,7 +29,7 @@ pub(crate) fn set<Config: DeserializeOwned + Default>(
     Ok(config)
 }
 
-/// A TOML value; a word that is none is a string.
+/// A TOML value; anything that is not one is a string.
 fn parse(text: &str) -> Value {
     let document: Result<Table, _> = format!("x = {text}").parse();
     match document.ok().and_then(|mut table| table.remove("x")) {

@@ -1,34 +1,34 @@
-//! Where an in port reads or a remote calls: an address, and on which middleware when that is said.
+//! The source of an in port or the service of a remote: an address, optionally with its middleware.
 
 use genom_middleware::Address;
 use genom_protocol::address::NoPlace;
 use genom_registry::{BackendError, check};
 
-/// `demo/position`, or `zenoh:robot/pose`.
+/// An address such as `demo/position`, or `zenoh:robot/pose`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The middleware, when it was named.
+    /// Name of the middleware, if given.
     pub backend: Option<String>,
-    /// The address on it.
+    /// The address on the middleware.
     pub address: Address,
 }
 
-/// The text names no place.
+/// Why a text is not a [`Place`].
 #[derive(Debug, thiserror::Error)]
 pub enum PlaceError {
-    /// Not of the form.
+    /// It does not have the form `[BACKEND:]COMPONENT/PORT[/ELEMENT]`.
     #[error(transparent)]
     Form(#[from] NoPlace),
-    /// No such middleware.
+    /// There is no middleware of that name.
     #[error(transparent)]
     Backend(#[from] BackendError),
 }
 
 impl Place {
-    /// Reads an address, with or without a middleware before it.
+    /// Parses an address, with or without a middleware before it.
     ///
     /// # Errors
-    /// The text is no address, or no middleware has the name before it.
+    /// The text is not an address, or no middleware has the name before it.
     pub fn parse(text: &str) -> Result<Self, PlaceError> {
         let genom_protocol::Place { backend, address } = text.parse()?;
         if let Some(backend) = &backend {

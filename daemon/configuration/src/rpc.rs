@@ -1,4 +1,4 @@
-//! The control plane: where it listens, who may come in, its limits.
+//! The control plane: addresses it listens on, who may use it, and its limits.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -14,40 +14,41 @@ use crate::error::UsageError;
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Rpc {
-    /// Unix socket.
+    /// Path of the Unix socket.
     pub socket: Option<PathBuf>,
-    /// TCP address.
+    /// TCP address to listen on as well.
     pub listen: Option<SocketAddr>,
-    /// Tokens of those who come by TCP or through a middleware.
+    /// File of tokens, for clients that connect by TCP or through a middleware.
     pub token_file: Option<PathBuf>,
     /// TLS of the TCP address.
     pub tls: Option<Tls>,
-    /// Greatest size of a request's body, in bytes.
+    /// Maximum size of a request's body, in bytes.
     pub max_body: usize,
-    /// Connections served at a time, at each address.
+    /// Connections served at once, per listening address.
     pub max_connections: usize,
-    /// Requests under way at a time, at each address, of one token.
+    /// Requests under way at once with one token, per listening address.
     pub max_connections_per_token: usize,
-    /// Open streams at a time: of the Unix socket, and of all tokens together.
+    /// Streams open at once: by the Unix socket, and by all tokens together.
     pub max_streams: usize,
-    /// The same of one token.
+    /// Streams open at once with one token.
     pub max_streams_per_token: usize,
-    /// Seconds the result of an ended activity stays readable.
+    /// Seconds that the result of an ended activity is kept.
     pub keep_results: u64,
 }
 
-/// Section `[rpc.tls]`; files in PEM.
+/// Section `[rpc.tls]`; all files are PEM.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tls {
-    /// The daemon's certificate, and those between it and its root.
+    /// The daemon's certificate chain, its own certificate first.
     pub cert: PathBuf,
-    /// Its key.
+    /// The daemon's private key.
     pub key: PathBuf,
-    /// Roots of clients' certificates: nobody comes in without one.
+    /// Root certificates that clients' certificates are checked against. If set, clients without a
+    /// certificate are refused.
     #[serde(default)]
     pub client_ca: Option<PathBuf>,
-    /// What a client's certificate is good for.
+    /// Rights of a client that has a valid certificate.
     #[serde(default = "read_only")]
     pub client_rights: Vec<Right>,
 }
@@ -73,33 +74,34 @@ impl Default for Rpc {
     }
 }
 
-/// Where the control plane listens, who may come in, and its limits.
+/// Settings of the control plane after checks and defaults.
 #[derive(Clone, Debug)]
 pub struct RpcSettings {
-    /// Unix socket.
+    /// Path of the Unix socket.
     pub socket: PathBuf,
-    /// TCP address, if asked for.
+    /// TCP address to listen on as well.
     pub listen: Option<SocketAddr>,
-    /// Tokens of those who do not come by the Unix socket.
+    /// File of tokens, for clients that do not use the Unix socket.
     pub token_file: Option<PathBuf>,
     /// TLS of the TCP address.
     pub tls: Option<Tls>,
-    /// Greatest size of a request's body, in bytes.
+    /// Maximum size of a request's body, in bytes.
     pub max_body: usize,
-    /// Connections served at a time, at each address; more wait.
+    /// Connections served at once, per listening address; further ones wait.
     pub max_connections: usize,
-    /// Requests under way at a time, at each address, of one token; more are refused.
+    /// Requests under way at once with one token, per listening address; further ones are refused.
     pub max_connections_per_token: usize,
-    /// Open streams at a time, of the Unix socket and of all tokens together; more are refused.
+    /// Streams open at once, by the Unix socket and by all tokens together; further ones are
+    /// refused.
     pub max_streams: usize,
-    /// The same of one token.
+    /// Streams open at once with one token; further ones are refused.
     pub max_streams_per_token: usize,
-    /// How long the result of an ended activity stays readable.
+    /// How long the result of an ended activity is kept.
     pub keep_results: Duration,
 }
 
 impl RpcSettings {
-    /// What the section comes to, the command line already over it.
+    /// Checks the section, to which the command line was already applied, and fills in defaults.
     pub fn new(config: Rpc) -> Result<Self, UsageError> {
         if let Some(address) = config.listen {
             let certified = config.tls.as_ref().is_some_and(|tls| tls.client_ca.is_some());
@@ -153,7 +155,8 @@ mod tests {
             assert!(settings(address, Some("t"), None).is_ok());
             let refused = settings(address, None, None).unwrap_err();
             assert!(refused.contains("--token-file"), "{refused}");
-            // TLS tells the daemon to clients, not clients to the daemon.
+            // With TLS the daemon is authenticated to clients, but clients are not authenticated to
+            // the daemon.
             assert!(settings(address, None, tls(None)).is_err());
         }
     }

@@ -1,5 +1,5 @@
-//! Where an entry of a configuration stands in its file, for mistakes that show only when it is
-//! applied: a port that its component has not, an attribute of another type.
+//! Finds an entry of a configuration in its file, for mistakes that are found only when it is
+//! applied: a port the component does not have, a value of the wrong type.
 
 use std::fmt;
 use std::path::Path;
@@ -10,18 +10,18 @@ use toml::de::{DeTable, DeValue};
 use genom_protocol::LoadRequest;
 use genom_protocol::{CallEntry, ConnectionEntry};
 
-/// An entry, and a key in it.
+/// Identifies an entry of a configuration, and a key in it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Spot(Box<Inner>);
 
-/// Boxed: errors carry it.
+/// Boxed to keep the errors that carry a `Spot` small.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 struct Inner {
     /// `component`, `connection`, `call` or `activity`.
     section: &'static str,
-    /// Members that tell the entry from others.
+    /// Members that identify the entry.
     is: Vec<(&'static str, String)>,
-    /// Keys from the entry down to the mistake.
+    /// Path of keys from the entry to the mistake.
     key: Vec<String>,
 }
 
@@ -30,7 +30,7 @@ impl Spot {
         Self(Box::new(Inner { section, is, key: Vec::new() }))
     }
 
-    /// An entry of `[[component]]`.
+    /// The entry of `[[component]]` that this request comes from.
     pub fn component(request: &LoadRequest) -> Self {
         let is = match &request.name {
             Some(name) => vec![("name", name.clone())],
@@ -39,7 +39,7 @@ impl Spot {
         Self::entry("component", is)
     }
 
-    /// The entry of `[[component]]` of this name.
+    /// The entry of `[[component]]` of this instance name.
     pub fn named(instance: &str) -> Self {
         Self::entry("component", vec![("name", instance.to_owned())])
     }
@@ -55,19 +55,20 @@ impl Spot {
         Self::entry(section, is)
     }
 
-    /// A key in it.
+    /// Appends keys below the entry.
     pub fn key<S: Into<String>>(mut self, key: impl IntoIterator<Item = S>) -> Self {
         self.0.key = key.into_iter().map(Into::into).collect();
         self
     }
 
-    /// `FILE:LINE: KEY`, as far as it is found there.
+    /// `FILE:LINE: KEY`, or the nearest enclosing place that the file contains.
     pub fn told(&self, file: &Path, text: &str) -> Option<String> {
         let at = self.find(text)?;
         Some(format!("{}:{}: {self}", file.display(), line(text, at)))
     }
 
-    /// Offset of the key, else of what is nearest above it.
+    /// Byte offset of the key or, if the text does not contain it, of the nearest key or entry
+    /// above it.
     fn find(&self, text: &str) -> Option<usize> {
         let parsed = DeTable::parse(text).ok()?;
         let DeValue::Array(entries) = parsed.get_ref().get(self.0.section)?.get_ref() else {
@@ -77,7 +78,8 @@ impl Spot {
             let DeValue::Table(members) = entry.get_ref() else { return false };
             self.0.is.iter().all(|(key, value)| {
                 string(members, key).is_some_and(|found| {
-                    // Paths are anchored meanwhile: the file says how they end.
+                    // Paths in the request were made absolute: compare their end with what the file
+                    // says.
                     found == value || (*key == "library" && value.ends_with(found))
                 })
             })
@@ -97,7 +99,7 @@ impl Spot {
     }
 }
 
-/// Line and name of the first in port, or remote, that a second `[[connection]]` goes into.
+/// Line and address of the first in port or remote that a second `[[connection]]` names.
 pub(crate) fn connected_twice(text: &str) -> Option<(usize, String)> {
     let parsed = DeTable::parse(text).ok()?;
     let DeValue::Array(entries) = parsed.get_ref().get("connection")?.get_ref() else {
@@ -115,7 +117,7 @@ pub(crate) fn connected_twice(text: &str) -> Option<(usize, String)> {
     None
 }
 
-/// The line that a byte is in.
+/// Number of the line, from 1, that contains a byte offset.
 fn line(text: &str, at: usize) -> usize {
     text.as_bytes()[..at.min(text.len())].iter().filter(|&&one| one == b'\n').count() + 1
 }

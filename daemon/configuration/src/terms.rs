@@ -1,5 +1,5 @@
-//! What configurations and requests say of tasks, ports and connections, in the terms of the
-//! runtime and the middlewares.
+//! Converts options of tasks, ports and connections to the types of the runtime and the
+//! middlewares.
 
 use std::time::Duration;
 
@@ -9,10 +9,10 @@ use genom_runtime::TaskOptions;
 
 use crate::error::NoPeriod;
 
-/// Options of a task.
+/// Options of a task, for the runtime.
 ///
 /// # Errors
-/// The period is none.
+/// The period is not positive and finite.
 pub fn task_options(entry: &TaskEntry) -> Result<TaskOptions, NoPeriod> {
     let period = match entry.period_ms {
         None => None,
@@ -30,7 +30,7 @@ pub fn task_options(entry: &TaskEntry) -> Result<TaskOptions, NoPeriod> {
     })
 }
 
-/// Quality of service of a port.
+/// Quality of service of a port, for the middleware.
 #[must_use]
 pub fn quality(of: &PortQos) -> middleware::Quality {
     let PortQos { reliable, depth, transient_local } = *of;
@@ -47,7 +47,7 @@ pub fn policy(of: Policy) -> middleware::Policy {
     }
 }
 
-/// The same as it is told.
+/// Policy of a connection, for the control plane.
 #[must_use]
 pub fn told_policy(of: middleware::Policy) -> Policy {
     match of {

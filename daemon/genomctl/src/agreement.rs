@@ -1,6 +1,7 @@
-//! Whether descriptions get the verdicts that a manifest records of GenoM3's own tool.
+//! Compares our verdicts on descriptions with those of GenoM3's own tool, as recorded in a
+//! manifest.
 //!
-//! It compares verdicts and the line of the first error, not messages nor their number.
+//! The verdict and the line of the first error are compared, not the messages or their number.
 
 use std::path::{Path, PathBuf};
 
@@ -12,17 +13,17 @@ use crate::failure::Failure;
 use crate::table::Table;
 use crate::terminal::Terminal;
 
-/// One row of a manifest, and what we say.
+/// One row of a manifest, with our verdict.
 struct Case {
-    /// As the manifest names it.
+    /// Path as written in the manifest.
     file: String,
-    /// `accept`, `reject` or `CRASH`: a crash of the reference tool is an error here.
+    /// `accept`, `reject` or `CRASH`; where the reference tool crashes, an error is expected here.
     expected: String,
-    /// Line of the reference tool's first error, if its output is kept beside the file.
+    /// Line of the reference tool's first error, if its output is stored beside the file.
     expected_line: Option<u32>,
-    /// Line of our first error; none if the file is accepted.
+    /// Line of our first error; `None` if the file is accepted.
     line: Option<u32>,
-    /// Why another verdict is intended.
+    /// Why a different verdict is intended.
     reason: Option<String>,
 }
 
@@ -33,7 +34,7 @@ impl Case {
         refused == self.line.is_some() && !elsewhere
     }
 
-    /// Whether another verdict is intended, and ours is another.
+    /// Whether a different verdict is intended and ours is indeed different.
     fn intended(&self) -> bool {
         self.reason.is_some() && !self.agrees()
     }
@@ -52,11 +53,11 @@ impl Case {
     }
 }
 
-/// All cases of a manifest.
+/// All rows of a manifest.
 pub(crate) struct Agreement(Vec<Case>);
 
 impl Agreement {
-    /// Reads the manifest and checks each file it names, beside it.
+    /// Reads the manifest, and checks each file that it names relative to itself.
     pub(crate) fn read(manifest: &Path, options: &Options) -> Result<Self, Failure> {
         let text = std::fs::read_to_string(manifest).map_err(|error| {
             Failure::usage(format!("{}: {error}", manifest.display()), "name a manifest")
@@ -71,7 +72,7 @@ impl Agreement {
         .map(Self)
     }
 
-    /// The table and the sum.
+    /// The table and its summary.
     pub(crate) fn text(&self) -> String {
         let line = |line: Option<u32>| line.map_or_else(|| "-".to_owned(), |n| n.to_string());
         let rows: Vec<Vec<String>> = (self.0.iter())
@@ -92,7 +93,7 @@ impl Agreement {
         format!("{table}{agree} of {} agree; {intended} intended differences\n", self.0.len())
     }
 
-    /// The same as data.
+    /// Table and summary as JSON.
     pub(crate) fn data(&self) -> Value {
         let case = |case: &Case| {
             json!({
@@ -104,7 +105,7 @@ impl Agreement {
         self.0.iter().map(case).collect()
     }
 
-    /// Refuses what differs without a reason.
+    /// Fails if a verdict differs without a stated reason.
     pub(crate) fn verdict(&self) -> Result<(), Failure> {
         let wrong = self.count(|case| !case.agrees() && !case.intended());
         let message = match wrong {
@@ -151,20 +152,20 @@ fn malformed(place: &str, why: &str) -> Failure {
     )
 }
 
-/// Line of our first error, in whatever file it is.
+/// Line of our first error, in whichever file it is.
 fn first_line(path: &PathBuf, options: &Options) -> Option<u32> {
     let analysis = read(&[path], options);
     let error = analysis.diagnostics.iter().find(|said| said.severity == Severity::Error)?;
     Some(analysis.sources.location(error.span).line)
 }
 
-/// Line of the first error in the output of the reference tool, `FILE.expected`, if there is one.
+/// Line of the first error in the output of the reference tool (`FILE.expected`), if there is one.
 fn recorded_line(path: &Path) -> Option<u32> {
     let output = std::fs::read_to_string(path.with_extension("expected")).ok()?;
     output.lines().find_map(|line| {
         let mut parts = line.splitn(3, ':');
         let (_, number, message) = (parts.next()?, parts.next()?, parts.next()?);
-        // Notes are indented and warnings say so: neither is an error.
+        // Notes are indented, and warnings are marked: neither counts as an error.
         let counted = !message.starts_with("  ") && !message.starts_with(" warning");
         counted.then(|| number.parse().ok())?
     })

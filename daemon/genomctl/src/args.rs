@@ -1,4 +1,4 @@
-//! What is typed before the verb, and the list of verbs.
+//! Options before the verb, and the list of verbs.
 
 use clap::Parser;
 
@@ -14,7 +14,7 @@ use crate::verbs::Verb;
 pub(crate) struct Cli {
     #[command(flatten)]
     pub(crate) connection: Connection,
-    /// Print the daemon's replies as JSON, one a line.
+    /// Print the daemon's replies as JSON, one per line.
     #[arg(long, global = true)]
     pub(crate) json: bool,
     #[command(subcommand)]

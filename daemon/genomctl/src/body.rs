@@ -1,4 +1,4 @@
-//! The body of a reply, wherever it comes from.
+//! The body of a reply, over HTTP or through a relay.
 
 use http_body_util::BodyExt as _;
 use hyper::body::{Bytes, Incoming};
@@ -7,19 +7,19 @@ use tokio::sync::mpsc;
 use crate::failure::Failure;
 use crate::patience::Watch;
 
-/// A body that is read as it comes.
+/// A body that is read piece by piece.
 pub(crate) enum Body {
-    /// From the daemon that was connected to.
+    /// From the daemon that genomctl is connected to.
     Near(Incoming, Watch),
-    /// From another one, behind it: piece by piece.
+    /// From another daemon, relayed by that one.
     Far(mpsc::Receiver<Result<Bytes, Failure>>),
-    /// All there is.
+    /// The complete body.
     Whole(Option<Bytes>),
 }
 
 impl Body {
-    /// The next piece; `None` at the end, and when the daemon went away; a failure when it answers
-    /// nobody any more. Nothing is lost when the future is dropped before it is ready.
+    /// The next piece; `None` at the end, or when the daemon closed the connection. Fails when the
+    /// daemon stops answering any requests. Cancel safe.
     pub(crate) async fn next(&mut self) -> Result<Option<Bytes>, Failure> {
         loop {
             match self {
@@ -36,7 +36,7 @@ impl Body {
         }
     }
 
-    /// All of it; `None` when the daemon went away.
+    /// The whole body; `None` when the daemon closed the connection before its end.
     pub(crate) async fn whole(self) -> Result<Option<Bytes>, Failure> {
         match self {
             Self::Near(body, watch) => {

@@ -1,10 +1,10 @@
-//! The context that says which daemon is meant, for messages.
+//! The context that selects the daemon, for messages.
 
-/// A context that says which daemon is meant.
+/// The context that selects the daemon.
 #[derive(Clone, Debug)]
 pub(crate) struct Chosen {
     name: String,
-    /// The names of the others.
+    /// Names of the other contexts.
     others: Vec<String>,
 }
 
@@ -15,12 +15,12 @@ impl std::fmt::Display for Chosen {
 }
 
 impl Chosen {
-    /// The context of this name, beside others.
+    /// The context `name`, among others.
     pub(crate) fn new(name: String, others: Vec<String>) -> Self {
         Self { name, others }
     }
 
-    /// How to mean another daemon.
+    /// How to select another daemon.
     pub(crate) fn help(&self) -> String {
         let others = match self.others.as_slice() {
             [] => String::new(),

@@ -1,5 +1,5 @@
-//! Asks the daemon for routes of its control plane: over its Unix socket or TCP, or sealed through
-//! it another one (`far`).
+//! Makes requests to the daemon: over its Unix socket or TCP, or sealed through it to another
+//! daemon (`far`).
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -18,13 +18,15 @@ use crate::http::{self, Response};
 use crate::sse::EventStream;
 use crate::target::Target;
 
-/// A session that was not used for so long is begun anew: the daemon forgets them some time later.
+/// A session not used for this long is replaced by a new one: the daemon drops idle sessions some
+/// time later.
 const IDLE: Duration = Duration::from_secs(60);
 
-/// A daemon to talk to. Each request is a connection of its own: queries are rare and short.
+/// A client of a daemon. Each request opens a connection of its own: requests are rare and short.
 pub(crate) struct Client {
     given: Connection,
-    /// The daemon behind the one at the socket, when that is meant, and when it was last asked.
+    /// The session with the daemon behind the one at the socket, if that is meant, and when it was
+    /// last used.
     far: Mutex<Option<(Arc<Far>, Instant)>>,
 }
 
@@ -35,8 +37,8 @@ impl std::fmt::Debug for Client {
 }
 
 impl Client {
-    /// A client of the daemon that the command line names; nothing is read or opened yet, since
-    /// verbs that talk to no daemon work whatever contexts and tokens there are.
+    /// A client of the daemon that the command line selects. Nothing is read or opened yet, because
+    /// some verbs need no daemon and have to work whatever contexts and tokens there are.
     pub(crate) fn new(given: Connection) -> Self {
         Self { given, far: Mutex::default() }
     }
@@ -46,13 +48,13 @@ impl Client {
         Target::new(connection, chosen).map(Arc::new)
     }
 
-    /// Who is talked to, for messages.
+    /// The daemon, for messages.
     pub(crate) fn target(&self) -> String {
         self.way().map_or_else(|_| "?".to_owned(), |target| target.to_string())
     }
 
-    /// Asks, and waits for the whole reply: of the type that the route answers, which the caller
-    /// reads it as.
+    /// Makes a request and waits for the whole reply. The caller reads it as the type `R` of the
+    /// route.
     pub(crate) async fn request<R, Q, B>(
         &self,
         route: &Route<R, Q, B>,
@@ -70,7 +72,7 @@ impl Client {
         self.resume(route, None).await
     }
 
-    /// Opens a stream where another one broke: after the event of that number.
+    /// Resumes a stream that broke, after the event of that number.
     pub(crate) async fn resume<T, Q>(
         &self,
         route: &Route<Stream<T>, Q>,
@@ -83,7 +85,7 @@ impl Client {
         }
     }
 
-    /// Asks, and gives the reply's body as it comes.
+    /// Makes a request, and returns the reply's body as a stream.
     pub(crate) async fn open<Q, B>(
         &self,
         route: &Route<routes::Bytes, Q, B>,
@@ -96,12 +98,12 @@ impl Client {
         }
     }
 
-    /// The daemon closed the connection before it had answered.
+    /// The daemon closed the connection before it replied.
     pub(crate) fn lost(&self) -> Failure {
         Failure::Lost { target: self.target() }
     }
 
-    /// The reply has another shape than expected.
+    /// The reply does not have the expected form.
     pub(crate) fn misread(&self, why: String) -> Failure {
         Failure::Reply { target: self.target(), why }
     }
@@ -124,7 +126,7 @@ impl Client {
         Ok((response, target))
     }
 
-    /// The session with a daemon behind this one.
+    /// The session with the daemon behind this one, established if needed.
     async fn met(&self, daemon: String) -> Result<Arc<Far>, Failure> {
         let kept = || self.far.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((far, used)) = kept().as_mut()

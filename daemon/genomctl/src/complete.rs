@@ -1,7 +1,7 @@
-//! Completion with live names: components, services, ports and inputs of the daemon that the
-//! line typed so far is about.
+//! Shell completion with live names: components, services, ports and inputs, asked of the daemon
+//! that the line typed so far selects.
 //!
-//! The shell calls `genomctl` with the words typed; whatever fails, it completes nothing.
+//! The shell calls `genomctl` with the words typed. On any failure there are no completions.
 
 use std::ffi::{OsStr, OsString};
 use std::sync::OnceLock;
@@ -20,31 +20,32 @@ use crate::connection::Connection;
 use crate::escape;
 use crate::session::Session;
 
-/// A daemon that does not answer must not hold up a shell.
+/// How long to wait for the daemon: one that hangs must not block the shell.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// The command line. The definition of its arguments names this module, which therefore gets it
-/// handed in.
+/// The command line. It is passed in, because the definition of its arguments refers to this
+/// module.
 static COMMAND: OnceLock<fn() -> Command> = OnceLock::new();
 
-/// Answers a shell that asks for completions, as the variable tells, and ends; otherwise nothing.
+/// If the variable says that a shell asks for completions, prints them and exits. Otherwise does
+/// nothing.
 pub(crate) fn answer(command: fn() -> Command, variable: &'static str) {
     COMMAND.get_or_init(|| command);
     CompleteEnv::with_factory(command).var(variable).complete();
 }
 
-/// What an argument names.
+/// What an argument is the name of.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Names {
     /// Instances.
     Components,
     /// Services of the component typed before.
     Services,
-    /// Activities (the services) of the component typed before.
+    /// Activities of the component typed before.
     Startable,
     /// Inputs of the service typed before, as `name=`.
     Inputs,
-    /// Activities that run or ran lately, by number and by service.
+    /// Activities that run or ended recently, by number and by service.
     Activities,
     /// Events of the component typed before.
     Events,
@@ -54,7 +55,8 @@ pub(crate) enum Names {
     Inports,
     /// In ports and remotes: what can be connected.
     Readers,
-    /// Out ports of the type of the in port typed before; or services, when a remote was.
+    /// Out ports whose type is that of the in port typed before; or services, if a remote was
+    /// typed.
     Outports,
     /// Policies of connections.
     Policies,
@@ -75,7 +77,7 @@ impl From<Names> for ArgValueCompleter {
             let all = fixed(names)
                 .unwrap_or_else(|| Line::read().map_or_else(Vec::new, |line| line.ask(names)));
             all.into_iter()
-                // A name with control characters is none that a shell should get.
+                // A name with control characters must not reach the shell.
                 .filter(|(name, _)| name.starts_with(&*typed) && escape::line(name) == *name)
                 .map(|(name, help)| {
                     let help = help.map(|help| escape::line(&help).into());
@@ -86,7 +88,7 @@ impl From<Names> for ArgValueCompleter {
     }
 }
 
-/// Names that no daemon has to be asked for.
+/// Names that are known without asking a daemon.
 fn fixed(names: Names) -> Option<Vec<Candidate>> {
     let told = |(name, help): (&str, &str)| (name.to_owned(), Some(help.to_owned()));
     match names {
@@ -113,7 +115,7 @@ struct Line {
 }
 
 impl Line {
-    /// The words before the one to complete, as the shell's script hands them over.
+    /// The words before the one to complete, as passed by the shell's script.
     fn read() -> Option<Self> {
         let words: Vec<OsString> =
             std::env::args_os().skip_while(|word| word != "--").skip(1).collect();
@@ -138,7 +140,8 @@ impl Line {
         verb.try_get_one::<String>(argument).ok()?.map(String::as_str)
     }
 
-    /// Digest of the services that the remote typed before may call; `None` when none was typed.
+    /// Digest that services must have to be called by the remote typed before; `None` if no remote
+    /// was typed.
     async fn remote(&self, session: &Session) -> Option<String> {
         let reader = self.reader()?;
         let described = session.ask(routes::component(&reader.component)).await.ok()?.content;
@@ -165,7 +168,7 @@ impl Line {
                 if matches!(names, Names::Startable) {
                     services.retain(|one| one.kind == ServiceKind::Activity);
                 }
-                // What every component has comes last.
+                // Services that every component has come last.
                 services.sort_by_key(|one| one.standard);
                 services.into_iter().map(|one| (one.name, first_line(one.doc))).collect()
             }
@@ -214,8 +217,8 @@ impl Line {
         })
     }
 
-    /// Out ports of the type of the in port typed before; all, when that is not there, as an
-    /// element to come.
+    /// Out ports whose type is that of the in port typed before; all out ports if the in port does
+    /// not exist yet, as an element of a multiple port may.
     async fn outports(&self, session: &Session) -> Option<Vec<Candidate>> {
         let reader = self.reader().map(Address::to_string);
         let all = all_ports(session).await?;
@@ -227,7 +230,7 @@ impl Line {
     }
 }
 
-/// Instances, each with its component.
+/// Instances, each with the name of its component.
 async fn components(session: &Session) -> Option<Vec<Candidate>> {
     let all = session.ask(routes::components()).await.ok()?.content.components;
     Some(all.into_iter().map(|one| (one.name, Some(one.component))).collect())
@@ -238,7 +241,7 @@ async fn all_ports(session: &Session) -> Option<Vec<Port>> {
     Some(session.ask(routes::ports().with(&query)).await.ok()?.content.ports)
 }
 
-/// Ports that are wanted, each with its type.
+/// The ports for which `wanted` is true, each with its type.
 async fn ports(session: &Session, wanted: impl Fn(&Port) -> bool) -> Option<Vec<Candidate>> {
     Some(all_ports(session).await?.iter().filter(|port| wanted(port)).map(port).collect())
 }
@@ -256,7 +259,7 @@ async fn remotes(session: &Session) -> Option<Vec<Candidate>> {
     Some(remotes.map(|address| (address, Some("remote".to_owned()))).collect())
 }
 
-/// Services of all components that a remote of this digest may call.
+/// Services of all components whose digest is that of the remote.
 async fn services(session: &Session, digest: &str) -> Option<Vec<Candidate>> {
     let mut all = Vec::new();
     for Component { name, .. } in session.ask(routes::components()).await.ok()?.content.components {
@@ -272,7 +275,7 @@ fn first_line(doc: Option<String>) -> Option<String> {
     doc?.lines().next().map(str::to_owned)
 }
 
-/// Type, default and documentation of an input.
+/// Description of an input: type, default and documentation.
 fn about(input: &Parameter) -> String {
     let mut about = input.ty.clone();
     if let Some(value) = input.current.as_ref().or(input.default.as_ref()) {

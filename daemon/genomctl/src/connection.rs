@@ -1,11 +1,11 @@
-//! Which daemon to talk to, as typed; `target` makes the way to it of that.
+//! Options that select the daemon; `target` turns them into a connection.
 
 use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
 
-/// Which daemon to talk to.
+/// Options that select the daemon.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct Connection {
     /// Socket of the daemon [default: $XDG_RUNTIME_DIR/genomd.sock, else /tmp/genomd-UID/genomd.sock].
@@ -25,26 +25,26 @@ pub(crate) struct Connection {
     /// File with your token, which only you may read.
     #[arg(long, global = true, value_name = "FILE", env = "GENOMD_TOKEN_FILE")]
     pub(crate) token_file: Option<PathBuf>,
-    /// Give up when the daemon answers nobody for so long [default: 10].
+    /// Give up when the daemon answers no request at all for this many seconds [default: 10].
     ///
-    /// A request may take longer, for as long as the daemon answers others.
+    /// A single request may take longer, as long as the daemon answers others.
     #[arg(long, global = true, value_name = "SECONDS")]
     pub(crate) timeout: Option<f64>,
-    /// Name of a context (`genomctl context`): options kept under that name.
+    /// Name of a context: options kept under a name by `genomctl context`.
     #[arg(long, global = true, value_name = "NAME")]
     pub(crate) context: Option<String>,
 }
 
-/// Where a daemon is, as typed.
+/// A daemon given by `--host`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Host {
     /// At an address.
     Tcp(Tcp),
-    /// Behind the daemon at the socket, which knows it by this name.
+    /// A daemon that the one at the socket sees over zenoh, under this name.
     Zenoh(String),
 }
 
-/// What is typed is no place of a daemon.
+/// The text is not the address of a daemon.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum HostError {
     #[error("expected zenoh:NAME; `genomctl daemons` lists names")]
@@ -76,10 +76,10 @@ impl std::fmt::Display for Host {
     }
 }
 
-/// A name or an address, and a port.
+/// A host name or IP address, and a port.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Tcp {
-    /// `https://`, `http://` or nothing was said.
+    /// Whether `https://` or `http://` was given; `None` if neither.
     pub(crate) tls: Option<bool>,
     pub(crate) name: String,
     pub(crate) port: u16,
@@ -123,7 +123,7 @@ impl std::fmt::Display for Tcp {
 }
 
 impl Tcp {
-    /// Whether what is sent there stays on this machine.
+    /// Whether the address is on this machine (loopback).
     pub(crate) fn is_here(&self) -> bool {
         let address: Option<std::net::IpAddr> = self.name.parse().ok();
         self.name == "localhost" || address.is_some_and(|address| address.is_loopback())

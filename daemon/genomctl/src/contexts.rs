@@ -1,4 +1,4 @@
-//! Named ways to daemons: reads and writes the file that keeps them.
+//! Reads and writes the file of contexts: named sets of options that select a daemon.
 
 use std::io::Write as _;
 use std::os::unix::fs::OpenOptionsExt as _;
@@ -10,7 +10,7 @@ use crate::chosen::Chosen;
 use crate::connection::Connection;
 use crate::failure::Failure;
 
-/// Reads the file; one that is not there holds nothing.
+/// Reads the file; a missing file has no contexts.
 pub(crate) fn read() -> Result<Contexts, Failure> {
     let Some(path) = path() else { return Ok(Contexts::default()) };
     match std::fs::read_to_string(&path) {
@@ -23,7 +23,7 @@ pub(crate) fn read() -> Result<Contexts, Failure> {
     }
 }
 
-/// Writes the file, for this user alone.
+/// Writes the file, with access for this user only.
 pub(crate) fn write(contexts: &Contexts) -> Result<(), Failure> {
     let Some(path) = path() else {
         let message = "nothing says where your configuration is";
@@ -33,7 +33,7 @@ pub(crate) fn write(contexts: &Contexts) -> Result<(), Failure> {
     if let Some(directory) = path.parent() {
         std::fs::create_dir_all(directory)?;
     }
-    // Aside and renamed: a reader sees the old one or the new one, whole.
+    // Written to another file and renamed, so that readers see either the old or the new content.
     let aside = path.with_extension(format!("toml.{}", std::process::id()));
     let mut options = std::fs::OpenOptions::new();
     let mut file = options.create(true).truncate(true).write(true).mode(0o600).open(&aside)?;
@@ -51,7 +51,7 @@ pub(crate) fn named<'a>(contexts: &'a Contexts, name: &str) -> Result<&'a Contex
     })
 }
 
-/// What the command line said, as far as it can be kept.
+/// The options of the command line that a context keeps.
 pub(crate) fn of(connection: &Connection) -> Context {
     let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let kept = |path: &Option<PathBuf>| path.as_deref().map(whole);
@@ -64,14 +64,15 @@ pub(crate) fn of(connection: &Connection) -> Context {
     }
 }
 
-/// Where a context leads, for people.
+/// The daemon that a context selects, for messages.
 pub(crate) fn target(context: &Context) -> String {
     let socket = context.socket.as_ref().map(|path| path.display().to_string());
     context.host.clone().or(socket).unwrap_or_else(|| "the usual socket".to_owned())
 }
 
-/// The options with those of a context under them: the one named, else the current one unless
-/// the command line says itself which daemon is meant. With it, the context if it says that.
+/// Completes the options of the command line with those of a context: the one named, or the current
+/// one if the command line does not select a daemon itself. Also returns the context if it is what
+/// selects the daemon.
 pub(crate) fn complete(
     mut connection: Connection,
 ) -> Result<(Connection, Option<Chosen>), Failure> {

@@ -1,10 +1,9 @@
-//! What came from elsewhere, made harmless for a terminal: characters that it would obey instead
-//! of showing them are written as escapes.
+//! Makes foreign text harmless for a terminal: control characters are written as escapes.
 
 use serde_json::Value;
 
-/// Whether a terminal may do something else with it than to show it: control characters, among
-/// them those that begin escape sequences, and those that change the order of what is shown.
+/// Whether a terminal may interpret the character instead of showing it: control characters,
+/// including those that begin escape sequences, and characters that change the direction of text.
 fn obeyed(c: char) -> bool {
     c.is_control()
         || matches!(
@@ -22,17 +21,17 @@ fn written(text: &str, kept: impl Fn(char) -> bool) -> String {
     out
 }
 
-/// A text of several lines.
+/// Escapes a text that may have several lines.
 pub(crate) fn lines(text: &str) -> String {
     written(text, |c| matches!(c, '\n' | '\t'))
 }
 
-/// A text that has to stay on one line.
+/// Escapes a text that has to stay on one line.
 pub(crate) fn line(text: &str) -> String {
     written(text, |_| false)
 }
 
-/// Every text in a value, names of members too.
+/// Escapes all texts in a value, including names of members.
 pub(crate) fn all(value: &mut Value) {
     match value {
         Value::String(text) if text.contains(obeyed) => *text = lines(text),
@@ -50,11 +49,12 @@ pub(crate) fn all(value: &mut Value) {
     }
 }
 
-/// JSON that says the same, without such characters: inside its texts they have escapes.
+/// Equivalent JSON, in which texts contain such characters as JSON escapes only.
 pub(crate) fn json(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {
-        // Between its texts JSON has line breaks at most; in them none of the first 32 is left.
+        // Outside of texts JSON has no such character but line breaks; within them, serde_json has
+        // already escaped those below 0x20.
         if obeyed(c) && c >= '\u{7f}' {
             out.push_str(&format!("\\u{:04x}", u32::from(c)));
         } else {

@@ -1,4 +1,4 @@
-//! Why a verb failed, how it is told and the exit status it gives.
+//! Why a verb failed, how the failure is printed, and its exit status.
 
 use std::io;
 use std::process::ExitCode;
@@ -14,16 +14,16 @@ use crate::terminal::{Tone, coloured_errors};
 /// Why a verb failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
-    /// What was typed makes no sense; nothing was sent.
+    /// The arguments are not valid. Nothing was sent.
     #[error("{message}")]
     Usage { message: String, help: Option<String> },
-    /// No daemon behind the socket.
+    /// No daemon can be reached.
     #[error("no genomd answers on {target}{}: {source}", by(chosen.as_ref()))]
     Unreachable { target: String, chosen: Option<Chosen>, source: io::Error },
-    /// The daemon went away in the middle of a reply or a stream.
+    /// The daemon closed the connection during a reply or a stream.
     #[error("genomd on {target} went away")]
     Lost { target: String },
-    /// The daemon is there, and answers nobody.
+    /// The daemon accepts connections but answers no request.
     #[error(
         "genomd on {target} does not answer{}",
         stopped.map_or_else(
@@ -32,22 +32,22 @@ pub(crate) enum Failure {
         )
     )]
     Silent { target: String, limit: Duration, stopped: Option<i32> },
-    /// The daemon refused; nothing was changed.
+    /// The daemon refused the request, which changed nothing.
     #[error("{}", .0.message)]
     Refused(Reason),
-    /// The service ran and ended with an exception.
+    /// The service ended with an exception.
     #[error("{what} ended with {exception}{}", members(.detail))]
     Exception { what: String, exception: String, detail: Value },
-    /// The reply is not one of a genomd of this version.
+    /// The reply is not what a genomd of this version sends.
     #[error("the reply of genomd on {target} is not understood: {why}")]
     Reply { target: String, why: String },
-    /// A description is refused; what is wrong was shown.
+    /// A description has errors; they were printed.
     #[error("{} in the description", counted(*.errors, *.warnings))]
     Description { errors: usize, warnings: usize },
-    /// `fmt`: what is wrong with each file was shown.
+    /// `fmt` found files to format or refused some; each was printed.
     #[error("{}", unformatted_files(*.unformatted, *.refused))]
     Format { unformatted: usize, refused: usize },
-    /// Files or the terminal.
+    /// An error of a file or the terminal.
     #[error(transparent)]
     Io(#[from] io::Error),
 }
@@ -91,12 +91,12 @@ fn members(detail: &Value) -> String {
 }
 
 impl Failure {
-    /// Wrong usage, with a way out.
+    /// Invalid arguments, with advice.
     pub(crate) fn usage(message: impl Into<String>, help: impl Into<String>) -> Self {
         Failure::Usage { message: message.into(), help: Some(help.into()) }
     }
 
-    /// A command line that clap refused: what is wrong, then its hints and the usage as the way out.
+    /// An error of clap: its first line is the message; hints and usage are the advice.
     pub(crate) fn typed(told: &str) -> Self {
         let mut lines = told.lines().map(str::trim).filter(|line| !line.is_empty());
         let first = lines.next().unwrap_or_default();
@@ -109,12 +109,12 @@ impl Failure {
         Self::usage(message, help.join("; "))
     }
 
-    /// A refusal of genomctl's own, in the daemon's shape.
+    /// A refusal by genomctl itself, in the form of the daemon's.
     pub(crate) fn refused(code: &str, message: String) -> Self {
         Failure::Refused(Reason::new(code, message))
     }
 
-    /// The same with a way out.
+    /// The same with advice.
     pub(crate) fn refused_with(code: &str, message: String, help: String) -> Self {
         Failure::Refused(Reason { help: Some(help), ..Reason::new(code, message) })
     }
@@ -124,13 +124,13 @@ impl Failure {
         Self::refused("file", format!("{}: {error}", path.display()))
     }
 
-    /// A recording ended before everything had come.
+    /// A recording ended before all samples had arrived.
     pub(crate) fn cut_short(path: &std::path::Path) -> Self {
         let message = format!("cut short: {} holds what came until then", path.display());
         Self::refused("cut_short", message)
     }
 
-    /// The lines for standard error.
+    /// The text for standard error.
     pub(crate) fn text(&self) -> String {
         let mut text = format!("error: {self}\n");
         if let Some(place) = self.place() {
@@ -152,7 +152,7 @@ impl Failure {
     fn help(&self) -> Option<String> {
         match self {
             Failure::Usage { help, .. } => help.clone(),
-            // Failures of TLS are of this kind.
+            // Failures of TLS have this kind.
             Failure::Unreachable { source, .. } if source.kind() == io::ErrorKind::InvalidData => {
                 Some(
                     "--ca FILE names the root of the daemon's certificate, --cert yours".to_owned(),
@@ -173,7 +173,7 @@ impl Failure {
         }
     }
 
-    /// The failure in the daemon's shape of errors, for `--json`.
+    /// The failure in the form of the daemon's errors, for `--json`.
     fn data(&self) -> Value {
         let code = match self {
             Failure::Usage { .. } => "usage",
@@ -181,7 +181,7 @@ impl Failure {
             Failure::Lost { .. } => "lost",
             Failure::Silent { .. } => "silent",
             Failure::Refused(reason) => &reason.code,
-            // The outcome itself was printed on standard output.
+            // The outcome itself was printed on standard output already.
             Failure::Exception { .. } => "exception",
             Failure::Reply { .. } => "not_understood",
             Failure::Description { .. } => "description",
@@ -193,7 +193,8 @@ impl Failure {
         }})
     }
 
-    /// Tells it on standard error; a closed pipe is success.
+    /// Prints the failure on standard error and returns the exit status; a closed pipe counts as
+    /// success.
     pub(crate) fn report(self, json: bool) -> ExitCode {
         if let Failure::Io(error) = &self
             && error.kind() == io::ErrorKind::BrokenPipe

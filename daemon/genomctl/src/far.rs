@@ -1,7 +1,8 @@
-//! A daemon behind the one that is connected to, which passes messages on and reads none.
+//! A session with a daemon behind the one at the socket, which relays messages without being able
+//! to read or change them unnoticed.
 //!
-//! It proves that it holds the token before anything is asked of it, and every request and answer
-//! is sealed (`genom_proof`, `docs/security.md`): the token is sent to nobody.
+//! The daemon proves that it holds the token before anything is asked of it, and all requests and
+//! answers are authenticated (`genom_proof`, `docs/security.md`). The token itself is never sent.
 
 use std::sync::Arc;
 
@@ -18,10 +19,10 @@ use crate::http::{self, Response};
 use crate::patience::patiently;
 use crate::target::Target;
 
-/// Pieces of a stream that wait to be read.
+/// Number of pieces of a stream that are fetched ahead of the reader.
 const WAITING: usize = 4;
 
-/// A daemon that has proved itself.
+/// A session with a daemon that has proved itself.
 pub(crate) struct Far {
     target: Arc<Target>,
     daemon: String,
@@ -29,7 +30,7 @@ pub(crate) struct Far {
 }
 
 impl Far {
-    /// Finds the one daemon of that name that holds the token.
+    /// Establishes a session with the one daemon of that name that holds the token.
     pub(crate) async fn meet(target: Arc<Target>, daemon: String) -> Result<Self, Failure> {
         let Some(token) = target.proof() else {
             return Err(Failure::refused_with(
@@ -80,8 +81,8 @@ impl Far {
         Ok((answer, body.to_vec()))
     }
 
-    /// Waits for what may take long. The daemon between answers whatever the other one does: that
-    /// one is asked too.
+    /// Waits for `work`, which may take long. The relaying daemon answers whatever happens to the
+    /// other one, so the other one is checked, too.
     async fn while_it_answers<T>(
         &self,
         waiting: impl Future<Output = Result<T, Failure>>,
@@ -97,7 +98,7 @@ impl Far {
         patiently(self.target.limit, waiting, ask, silent).await?
     }
 
-    /// Asks as by HTTP.
+    /// Makes a request as over HTTP.
     pub(crate) async fn request(
         self: &Arc<Self>,
         method: Method,
@@ -125,14 +126,15 @@ impl Far {
         Ok(Response { status: answer.status, body })
     }
 
-    /// Fetches a stream for as long as it is read. Should the reader end without a word, the
-    /// daemon closes it when nobody has asked for some time.
+    /// Fetches a stream as long as it is read. If this program ends without closing it, the daemon
+    /// does so when nobody has fetched for some time.
     async fn fetch(self: Arc<Self>, stream: u64, reader: mpsc::Sender<Result<Bytes, Failure>>) {
         loop {
             let more = Question::More(stream);
             let (answer, piece) = match self.ask(&more, &[], false).await {
                 Ok(more) => more,
-                // The daemon in between hangs; should the other one be gone, the stream ends.
+                // The relaying daemon does not answer. If the other daemon is gone, the stream ends
+                // instead.
                 Err(failure @ Failure::Silent { .. }) => {
                     let _ = reader.send(Err(failure)).await;
                     return;

@@ -1,4 +1,4 @@
-//! One request by HTTP/1.1 to the daemon at the end of the way, and its response.
+//! Makes one HTTP/1.1 request to the daemon.
 
 use std::sync::Arc;
 
@@ -16,9 +16,9 @@ use crate::failure::Failure;
 use crate::patience::Watch;
 use crate::target::Target;
 
-/// What came back.
+/// A response.
 pub(crate) struct Response {
-    /// As HTTP has it.
+    /// HTTP status.
     pub(crate) status: u16,
     pub(crate) body: Body,
 }
@@ -28,7 +28,7 @@ impl Response {
         (200..300).contains(&self.status)
     }
 
-    /// The whole body as JSON; what was refused is a failure.
+    /// The whole body as JSON; a refusal becomes an error.
     pub(crate) async fn json(self, target: &Target) -> Result<Value, Failure> {
         if !self.is_success() {
             return Err(self.refusal(target).await);
@@ -40,7 +40,7 @@ impl Response {
         serde_json::from_slice(&bytes).map_err(|error| target.misread(error.to_string()))
     }
 
-    /// Why it was refused.
+    /// The reason of a refusal.
     pub(crate) async fn refusal(self, target: &Target) -> Failure {
         let status = self.status;
         let bytes = match self.body.whole().await {
@@ -49,7 +49,7 @@ impl Response {
             Err(failure) => return failure,
         };
         let mut reply: Value = serde_json::from_slice(&bytes).unwrap_or(Value::Null);
-        // It may be printed on a terminal.
+        // The text may be printed on a terminal.
         escape::all(&mut reply);
         match serde_json::from_value::<Refusal>(reply) {
             Ok(refusal) => Failure::Refused(refusal.error),
@@ -58,8 +58,7 @@ impl Response {
     }
 }
 
-/// Asks the daemon that the way leads to; `after` is the number of the last event heard, of a
-/// stream that goes on.
+/// Makes a request. `after` is the number of the last event received, to resume a stream.
 pub(crate) async fn ask(
     target: &Arc<Target>,
     method: Method,
@@ -85,7 +84,7 @@ pub(crate) async fn ask(
     let (mut sender, connection) = http1::handshake(TokioIo::new(stream))
         .await
         .map_err(|error| target.misread(error.to_string()))?;
-    // It ends when the reply's body has been read or dropped.
+    // This task ends when the reply's body was read or dropped.
     tokio::spawn(connection);
     let response = watch.over(sender.send_request(request)).await?.map_err(|error| {
         if error.is_parse() { target.misread(error.to_string()) } else { target.lost() }

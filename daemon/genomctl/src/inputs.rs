@@ -4,9 +4,9 @@ use serde_json::{Map, Value};
 
 use crate::failure::Failure;
 
-/// The request's body: `{}` when nothing was typed, a JSON object, or `key=value` pairs.
+/// The inputs as JSON: `{}` if nothing was typed, a JSON object, or `key=value` pairs.
 ///
-/// A key may go into a value: `pose.x=1`, `gains.2=0.5`. A value that is no JSON is a string.
+/// A key may have a path: `pose.x=1`, `gains.2=0.5`. A value that is not JSON is taken as a string.
 pub(crate) fn parse(words: &[String]) -> Result<Value, Failure> {
     let mut inputs = Map::new();
     for word in words {
@@ -33,7 +33,7 @@ fn merge_object(inputs: &mut Map<String, Value>, word: &str) -> Result<(), Failu
     }
 }
 
-/// Puts `value` under the dotted key; refuses to replace what is there.
+/// Sets `value` at the dotted key; fails if there is a value already.
 fn set(inputs: &mut Map<String, Value>, key: &str, value: Value) -> Result<(), ()> {
     match key.split_once('.') {
         None if inputs.contains_key(key) => Err(()),

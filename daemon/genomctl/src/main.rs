@@ -1,7 +1,7 @@
-//! `genomctl`: the supervisor's command line.
+//! `genomctl`, the command line of supervisors.
 //!
-//! A client of the daemon's RPC, plus verbs on descriptions that need no daemon. It knows
-//! nothing that the daemon does not tell it.
+//! It is a client of the daemon's control plane, with additional verbs on descriptions that need no
+//! daemon. It has no state of its own but contexts.
 
 #![forbid(unsafe_code)]
 
@@ -46,13 +46,13 @@ use crate::args::Cli;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Whether `--json` was typed, in a line that makes no sense otherwise.
+/// Whether `--json` was given, for a command line that cannot be parsed.
 fn json_wanted() -> bool {
     std::env::args_os().skip(1).take_while(|word| word != "--").any(|word| word == "--json")
 }
 
 fn main() -> ExitCode {
-    // A shell asks: it gets its answer, and nothing else happens.
+    // A shell asks for completions: they are printed and the process exits.
     complete::answer(Cli::command, verbs::COMPLETE);
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
@@ -61,14 +61,15 @@ fn main() -> ExitCode {
         }
         Err(error) => {
             let code = if error.use_stderr() { 2 } else { 0 };
-            // A closed pipe is the reader's choice, not a failure.
+            // A closed pipe is not a failure.
             let _ = error.print();
             return ExitCode::from(code);
         }
     };
     let json = cli.json;
     let session = Session::new(cli.verb.connection(cli.connection), json);
-    // One query, one thread: starting a pool would cost more than the query.
+    // One thread is enough for one request; starting a thread pool would take longer than the
+    // request.
     let outcome = tokio::runtime::Builder::new_current_thread()
         .enable_all()
         .build()

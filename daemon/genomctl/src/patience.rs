@@ -1,5 +1,5 @@
-//! How long a client waits for a daemon: without a limit while the daemon answers other requests,
-//! and no longer than the limit when it answers none, because its process is stopped or hangs.
+//! Waits for a daemon without a limit while it answers other requests, and only up to a limit if it
+//! answers none, because its process is stopped or hangs.
 
 use std::future::Future;
 use std::pin::pin;
@@ -18,8 +18,8 @@ use tokio::time::{Instant, sleep_until, timeout};
 use crate::failure::Failure;
 use crate::target::Target;
 
-/// Waits for `waiting`. Whenever nothing came for half of `limit`, `ask` is tried: the wait fails
-/// when it has no answer within the other half.
+/// Waits for `waiting`. Whenever nothing has arrived for half of `limit`, `ask` makes another
+/// request; the wait fails if that is not answered within the other half.
 pub(crate) async fn patiently<T, A: Future<Output = Result<(), Failure>>>(
     limit: Duration,
     waiting: impl Future<Output = T>,
@@ -39,16 +39,16 @@ pub(crate) async fn patiently<T, A: Future<Output = Result<(), Failure>>>(
     }
 }
 
-/// Watches a daemon whose answer or next piece is waited for, in a task of its own: a wait that is
-/// dropped and begun again, as a recorder does each second, does not begin its time anew.
+/// Monitors a daemon while its reply is awaited, in a task of its own. A wait that is cancelled and
+/// repeated, as a recorder does each second, therefore does not restart the limit.
 #[derive(Debug)]
 pub(crate) struct Watch {
     target: Arc<Target>,
-    /// The process behind its socket, as far as it is known.
+    /// The daemon's process, if known.
     process: Option<i32>,
-    /// When it last said something.
+    /// When the daemon last sent something.
     heard: Arc<Mutex<Instant>>,
-    /// Turns true when it answers nobody.
+    /// Becomes true when the daemon answers no requests.
     silent: watch::Receiver<bool>,
     guard: AbortHandle,
 }
@@ -62,7 +62,7 @@ impl Watch {
         Self { target: Arc::clone(target), process, heard, silent, guard }
     }
 
-    /// Waits for something of the daemon while it answers.
+    /// Waits for `waiting`; fails when the daemon answers no requests.
     pub(crate) async fn over<T>(&self, waiting: impl Future<Output = T>) -> Result<T, Failure> {
         let mut silent = self.silent.clone();
         tokio::select! {
@@ -82,7 +82,7 @@ impl Drop for Watch {
     }
 }
 
-/// Looks after a daemon until it answers nobody.
+/// Monitors a daemon until it answers no requests.
 async fn guard(target: Arc<Target>, heard: Arc<Mutex<Instant>>, tell: watch::Sender<bool>) {
     let last = || *heard.lock().unwrap_or_else(PoisonError::into_inner);
     loop {
@@ -96,13 +96,13 @@ async fn guard(target: Arc<Target>, heard: Arc<Mutex<Instant>>, tell: watch::Sen
                 let _ = tell.send(true);
                 return;
             }
-            // It answers; or it is gone, which the wait itself finds.
+            // It answers, or the connection is closed, which the wait itself detects.
             _ => *heard.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now(),
         }
     }
 }
 
-/// Asks for what costs the daemon least; any answer will do.
+/// Makes the cheapest request; any reply will do.
 async fn answers(target: &Target) -> Result<(), Failure> {
     let (stream, _) = target.open().await?;
     let (mut sender, connection) = http1::handshake(TokioIo::new(stream))

@@ -1,4 +1,4 @@
-//! Secrets that nobody else may read, and sockets that nobody else may have put there.
+//! Checks that nobody else can read a secret, or could have put a socket in place.
 
 use std::fs::File;
 use std::io::{self, Read as _};
@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::failure::Failure;
 
-/// The text of a file that its owner alone may read; `what` it is, for messages.
+/// Reads a file that only its owner may read; `what` describes it in messages.
 pub(crate) fn read(path: &Path, what: &str) -> Result<String, Failure> {
     let refuse = |why: String, help: &str| {
         Failure::usage(format!("the {what} {}: {why}", path.display()), help)
@@ -23,12 +23,12 @@ pub(crate) fn read(path: &Path, what: &str) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Refuses a socket that another user may have put there: requests would go to that user, and
-/// replies come from there. `genomd` has the same rule.
+/// Refuses a socket that another user could have put there, who would then receive requests and
+/// send replies. `genomd` follows the same rule.
 pub(crate) fn place_of_socket(path: &Path) -> Result<(), Failure> {
     let directory = path.parent().filter(|directory| !directory.as_os_str().is_empty());
     let Ok(found) = std::fs::metadata(directory.unwrap_or(Path::new("."))) else {
-        // Then there is no socket either, which is told.
+        // There is no socket either; connecting to it will report that.
         return Ok(());
     };
     let ours = rustix::process::geteuid().as_raw();
@@ -40,11 +40,11 @@ pub(crate) fn place_of_socket(path: &Path) -> Result<(), Failure> {
     ))
 }
 
-/// What is wrong with a directory of that owner and mode, or with the owner of a socket in it.
+/// What is wrong with the owner and mode of a directory, or with the owner of a socket in it.
 fn distrust(ours: u32, (owner, mode): (u32, u32), socket: Option<u32>) -> Option<&'static str> {
     let foreign = |uid: u32| uid != ours && uid != 0;
     if foreign(owner) {
-        // A sticky one, too: its owner may replace what is in it.
+        // Not even if it is sticky: the owner of the directory may replace files in it.
         Some("its directory belongs to another user")
     } else if mode & 0o002 != 0 && mode & 0o1000 == 0 {
         Some("others may put files into its directory")

@@ -1,5 +1,5 @@
-//! Asks for the inputs of a service, one by one, when none were typed and both ends are a terminal.
-//! Whether an answer is valid is the daemon's to say.
+//! Asks for the inputs of a service one by one, if none were typed and both standard input and
+//! output are terminals. The daemon decides whether an answer is valid.
 
 use std::io::{self, BufRead, Write};
 
@@ -10,11 +10,11 @@ use crate::failure::Failure;
 use crate::session::{Reply, Session};
 use crate::{inputs, terminal};
 
-/// How often one input is asked for.
+/// How many times one input is asked for.
 const TRIES: u32 = 3;
 
-/// Calls a service with the inputs typed; or with what somebody answers, when none were. An answer
-/// that the daemon refuses is asked for again. `{}` leaves all out, unasked.
+/// Calls a service with the inputs typed or, if there are none, with the user's answers. An answer
+/// that the daemon refuses is asked for again. With `{}` nothing is asked for.
 pub(crate) async fn call(
     session: &Session,
     component: &str,
@@ -40,9 +40,9 @@ pub(crate) async fn call(
     }
 }
 
-/// The inputs of a service, and what was answered so far.
+/// The inputs of a service, and the answers so far.
 struct Form {
-    /// Each with how often it was asked for.
+    /// Each input, and how many times it was asked for.
     parameters: Vec<(Parameter, u32)>,
     given: Map<String, Value>,
 }
@@ -57,21 +57,21 @@ impl Form {
         Value::Object(self.given.clone())
     }
 
-    /// Asks for each; an empty answer takes what is shown.
+    /// Asks for each input; an empty answer takes the value shown.
     fn fill(&mut self, answers: &mut impl BufRead, out: &mut impl Write) -> Result<(), Failure> {
         let Self { parameters, given } = self;
         parameters.iter_mut().try_for_each(|asked| ask(asked, given, answers, out))
     }
 
-    /// Asks again for the input that was refused; fails with the refusal when it is about none of
-    /// them, or comes too often.
+    /// Asks again for the input that was refused. Fails with the refusal if it concerns none of
+    /// them, or too many times the same one.
     fn mend(
         &mut self,
         refusal: Reason,
         answers: &mut impl BufRead,
         out: &mut impl Write,
     ) -> Result<(), Failure> {
-        // A JSON pointer, maybe into the value.
+        // A JSON pointer, possibly to a part of the value.
         let name =
             refusal.place.as_deref().and_then(|place| place.strip_prefix('/')?.split('/').next());
         let refused = self.parameters.iter_mut().find(|(one, _)| Some(one.name.as_str()) == name);
@@ -94,7 +94,7 @@ fn ask(
     *asked += 1;
     let Parameter { name, ty, doc, default, current, .. } = parameter;
     let doc = doc.as_ref().map_or_else(String::new, |doc| format!(", {}", doc.trim()));
-    // What an empty answer comes to: an attribute keeps what it has.
+    // The value that an empty answer takes: the present one for an attribute, else the default.
     let shown = current.as_ref().or(default.as_ref());
     let shown = shown.map_or_else(String::new, |shown| format!(" [{shown}]"));
     write!(out, "{name} ({ty}{doc}){shown}: ")?;
@@ -109,7 +109,7 @@ fn ask(
     if answer.is_empty() {
         given.remove(name);
     } else {
-        // What is no JSON is text, as in key=value.
+        // An answer that is not JSON is taken as text, as in `key=value`.
         let value = serde_json::from_str(answer).unwrap_or_else(|_| answer.into());
         given.insert(name.clone(), value);
     }
@@ -137,7 +137,7 @@ mod tests {
         .unwrap()
     }
 
-    /// What is given after these answers, and what was asked.
+    /// The inputs that result from these answers, and the questions.
     fn filled(answers: &str) -> (Value, String) {
         let (mut form, mut asked) = (Form::new(service()), Vec::new());
         form.fill(&mut answers.as_bytes(), &mut asked).unwrap();
@@ -172,7 +172,7 @@ mod tests {
         form.mend(refusal("/goal/x"), &mut "y\n".as_bytes(), &mut asked).unwrap();
         assert_eq!(String::from_utf8(asked).unwrap(), "no number\ngoal (double, m) [1.0]: ");
         assert_eq!(form.given(), json!({"goal": "y", "mode": 2}));
-        // The default is an answer, too.
+        // An empty answer, which takes the default.
         form.mend(refusal("/goal"), &mut "\n".as_bytes(), &mut Vec::new()).unwrap();
         assert_eq!(form.given(), json!({"mode": 2}));
         for place in ["/goal", "/other", ""] {

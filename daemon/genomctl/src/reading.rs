@@ -1,4 +1,4 @@
-//! Reading descriptions for the verbs that need no daemon: options, warnings, refusal.
+//! Reads descriptions for the verbs that need no daemon, and prints their diagnostics.
 
 use std::io::{self, Write as _};
 use std::path::PathBuf;
@@ -11,10 +11,10 @@ use genom_description::{Analysis, Options, preprocess, read};
 use crate::failure::Failure;
 use crate::terminal::coloured_errors;
 
-/// Errors and warnings that are printed unless more are asked for.
+/// Maximum number of errors and warnings printed by default.
 pub(crate) const SHOWN: usize = 100;
 
-/// How to read descriptions.
+/// Options for reading descriptions.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct Reading {
     /// Directory for #include; may be repeated.
@@ -30,7 +30,7 @@ pub(crate) struct Reading {
 }
 
 impl Reading {
-    /// The same for the library.
+    /// The options in the form of the library.
     pub(crate) fn options(&self) -> Options {
         let preprocess = preprocess::Options {
             include_dirs: self.include.clone(),
@@ -40,7 +40,7 @@ impl Reading {
         Options { preprocess, standard_interface: !self.no_standard_interface }
     }
 
-    /// Reads the files as one specification, whatever is wrong with it.
+    /// Reads the files as one specification, even if it has errors.
     pub(crate) fn read(&self, files: &[PathBuf]) -> Result<Analysis, Failure> {
         for path in files {
             if let Err(error) = check_file(path) {
@@ -55,7 +55,7 @@ impl Reading {
         Ok(read(files, &self.options()))
     }
 
-    /// Reads a specification that something is made of: tells its warnings, refuses its errors.
+    /// Reads a specification for further use: prints its warnings, and fails if there are errors.
     pub(crate) fn read_sound(&self, files: &[PathBuf]) -> Result<Analysis, Failure> {
         let analysis = self.read(files)?;
         let (said, rest) = first(&analysis.diagnostics, &analysis.sources, SHOWN);
@@ -72,7 +72,7 @@ impl Reading {
     }
 }
 
-/// How many errors and warnings there are.
+/// Number of errors and of warnings.
 pub(crate) fn counts(analysis: &Analysis) -> (usize, usize) {
     (analysis.diagnostics.errors(), analysis.diagnostics.warnings())
 }

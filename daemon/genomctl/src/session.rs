@@ -1,4 +1,4 @@
-//! What every verb works with: the daemon, and where the answer goes.
+//! What every verb uses: the client of the daemon, and the output.
 
 use std::io::{self, Write as _};
 use std::time::Duration;
@@ -15,39 +15,39 @@ use crate::failure::Failure;
 use crate::table::Table;
 use crate::terminal::{Progress, Terminal};
 
-/// A wait that is longer is shown on the terminal.
+/// Waits longer than this are shown on the terminal.
 const LONG: Duration = Duration::from_secs(1);
 
 /// A reply of the daemon.
 #[derive(Clone, Debug)]
 pub(crate) struct Reply<R> {
-    /// As it was sent; with `--json`, which alone prints it.
+    /// The JSON as sent; printed with `--json` only.
     pub(crate) sent: Value,
-    /// As its type. Without `--json`, what a terminal would obey in its texts is escaped.
+    /// The reply as its type. Without `--json`, control characters in its texts are escaped.
     pub(crate) content: R,
 }
 
 /// One run of `genomctl`.
 #[derive(Debug)]
 pub(crate) struct Session {
-    /// The daemon to ask.
+    /// Client of the daemon.
     pub(crate) client: Client,
-    /// What the command line said of it.
+    /// The options that select the daemon.
     pub(crate) given: Connection,
-    /// `--json`: replies as the daemon sent them.
+    /// `--json`: print replies as the daemon sent them.
     pub(crate) json: bool,
-    /// Where text goes.
+    /// Standard output.
     pub(crate) terminal: Terminal,
 }
 
 impl Session {
-    /// A session with the daemon named on the command line; nothing is sent yet.
+    /// A session with the daemon that the command line selects; nothing is sent yet.
     pub(crate) fn new(given: Connection, json: bool) -> Self {
         let client = Client::new(given.clone());
         Self { client, given, json, terminal: Terminal::of_output() }
     }
 
-    /// Asks for what takes no body.
+    /// Makes a request without a body.
     pub(crate) async fn ask<R: DeserializeOwned, Q>(
         &self,
         route: Route<R, Q>,
@@ -56,19 +56,19 @@ impl Session {
         self.reply(sent)
     }
 
-    /// Asks with a body.
+    /// Makes a request with a body.
     pub(crate) async fn send<R: DeserializeOwned, Q, B: Serialize>(
         &self,
         route: Route<R, Q, B>,
         body: &B,
     ) -> Result<Reply<R>, Failure> {
-        // None of the bodies can fail to be JSON.
+        // None of the bodies can fail to serialise.
         let body = serde_json::to_vec(body).unwrap_or_default();
         let sent = self.whole(&route, body).await?;
         self.reply(sent)
     }
 
-    /// Asks; what takes long is seen to take long.
+    /// Makes a request, and shows on the terminal if it takes long.
     async fn whole<R, Q, B>(
         &self,
         route: &Route<R, Q, B>,
@@ -92,7 +92,7 @@ impl Session {
         }
     }
 
-    /// A reply as the type that its route answers.
+    /// Converts a reply to the type of its route.
     pub(crate) fn reply<R: DeserializeOwned>(&self, sent: Value) -> Result<Reply<R>, Failure> {
         let kept = if self.json { sent.clone() } else { Value::Null };
         let mut read = sent;
@@ -104,7 +104,7 @@ impl Session {
         Ok(Reply { sent: kept, content })
     }
 
-    /// Prints a reply: as it was sent with `--json`, else as `render` words it.
+    /// Prints a reply: as sent with `--json`, else as formatted by `render`.
     pub(crate) fn show<R>(
         &self,
         reply: &Reply<R>,
@@ -116,7 +116,7 @@ impl Session {
         self.print(&render(&reply.content))
     }
 
-    /// Prints a reply as a table that fits the terminal, or as it was sent with `--json`.
+    /// Prints a reply as a table fitted to the terminal; as sent with `--json`.
     pub(crate) fn show_table<R>(
         &self,
         reply: &Reply<R>,
@@ -125,7 +125,7 @@ impl Session {
         self.show(reply, |reply| table(reply).text(self.terminal))
     }
 
-    /// Prints what genomctl itself has to say: as JSON with `--json`, else as a table.
+    /// Prints data that did not come from a daemon: as JSON with `--json`, else as a table.
     pub(crate) fn show_own(
         &self,
         data: &impl Serialize,
@@ -137,7 +137,8 @@ impl Session {
         self.print(&table().text(self.terminal))
     }
 
-    /// Prints a text that no daemon sent; with `--json` as the one member of an object.
+    /// Prints a text that did not come from a daemon; with `--json` as the only member of an
+    /// object.
     pub(crate) fn print_text(&self, name: &str, text: &str) -> Result<(), Failure> {
         if self.json {
             return self.print(&format!("{}\n", json!({ name: text })));
@@ -145,17 +146,17 @@ impl Session {
         self.print(text)
     }
 
-    /// Says something to whoever sits there; not data.
+    /// Prints a message for the user on standard error.
     pub(crate) fn tell(&self, text: &str) -> Result<(), Failure> {
         if !self.json {
-            // Over the progress that may stand there.
+            // Clears the line of progress that may be there.
             let clear = if Progress::default().seen() { "\r\x1b[2K" } else { "" };
             io::stderr().lock().write_all(format!("{clear}{text}\n").as_bytes())?;
         }
         Ok(())
     }
 
-    /// Writes on standard output, at once: the reader may be a pipe that follows a stream.
+    /// Writes to standard output and flushes: the reader may be a pipe that follows a stream.
     pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         let mut out = io::stdout().lock();
         let text = if self.json { escape::json(text) } else { text.to_owned() };

@@ -1,18 +1,18 @@
-//! Reads server-sent events (the HTML standard's event streams) from a reply's body.
+//! Reads server-sent events (event streams of the HTML standard) from a reply's body.
 
 use std::collections::VecDeque;
 
 use crate::body::Body;
 use crate::failure::Failure;
 
-/// One event.
+/// A server-sent event.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Event {
     /// `event:`, empty for plain messages.
     pub(crate) kind: String,
     /// `data:` lines, joined.
     pub(crate) data: String,
-    /// `id:`, by which the stream is resumed.
+    /// `id:`, with which the stream can be resumed.
     pub(crate) id: Option<u64>,
 }
 
@@ -28,8 +28,8 @@ impl EventStream {
         Self { body, parser: Parser::default() }
     }
 
-    /// The next event; `None` when the daemon closed the stream, a failure when it answers nobody
-    /// any more.
+    /// The next event; `None` when the daemon closed the stream. Fails when the daemon answers no
+    /// requests.
     pub(crate) async fn next(&mut self) -> Result<Option<Event>, Failure> {
         loop {
             if let Some(event) = self.parser.ready.pop_front() {
@@ -41,14 +41,14 @@ impl EventStream {
     }
 }
 
-/// Cuts bytes into events; a frame may end anywhere.
+/// Parses bytes into events; a piece may end anywhere.
 #[derive(Debug, Default)]
 struct Parser {
-    /// Bytes of a line that is not complete yet.
+    /// Bytes of an incomplete line.
     line: Vec<u8>,
     /// The event that the next empty line completes.
     event: Event,
-    /// Whether `event` holds data: an event without data is dropped.
+    /// Whether `event` has data: events without data are dropped.
     filled: bool,
     ready: VecDeque<Event>,
 }

@@ -1,5 +1,5 @@
-//! Tables: columns as wide as their content, two blanks between them; cut to fit a terminal, but
-//! for names, which somebody may want to type.
+//! Tables whose columns are as wide as their content, separated by two blanks. Cells are cut to fit
+//! the terminal, except names, which users may want to copy.
 
 use crate::escape;
 use crate::terminal::{Terminal, Tone};
@@ -7,12 +7,12 @@ use crate::terminal::{Terminal, Tone};
 /// Rows under a header.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
-    /// One word a column.
+    /// One word per column.
     pub(crate) header: Vec<&'static str>,
     pub(crate) rows: Vec<Vec<String>>,
 }
 
-/// Columns of names that other commands take: they are never cut.
+/// Columns with names that are arguments of other verbs: these are never cut.
 const NAMES: [&str; 14] = [
     "ACTIVITY",
     "BACKEND",
@@ -35,12 +35,12 @@ const NARROW: usize = 6;
 const BETWEEN: usize = 2;
 
 impl Table {
-    /// As text; no header line when there is no row. Without a terminal, nothing is cut.
+    /// The table as text; empty if it has no rows. Cut only if there is a terminal.
     pub(crate) fn text(&self, terminal: Terminal) -> String {
         if self.rows.is_empty() {
             return String::new();
         }
-        // A cell is one line, and says nothing to the terminal.
+        // A cell is one line without control characters.
         let lines = |row: &Vec<String>| row.iter().map(|cell| escape::line(cell)).collect();
         let rows: Vec<Vec<String>> = self.rows.iter().map(lines).collect();
         Self { header: self.header.clone(), rows }.laid_out(terminal)
@@ -71,8 +71,7 @@ impl Table {
         out
     }
 
-    /// Whether a column holds states: only these are coloured, so that a component named `failed`
-    /// is not.
+    /// Whether a column holds states. Only these are coloured: a component named `failed` is not.
     fn tells(&self, column: usize) -> bool {
         self.header.get(column).is_some_and(|name| ["STATE", "STATUS"].contains(name))
     }
@@ -85,7 +84,7 @@ impl Table {
             }
         }
         let Some(most) = most else { return widths };
-        // The widest that may gives first, until the line fits or all are narrow.
+        // The widest columns are narrowed first, until the line fits or all have the minimum width.
         let gives =
             |column: &usize| !self.header.get(*column).is_some_and(|name| NAMES.contains(name));
         loop {
@@ -106,7 +105,7 @@ impl Table {
     }
 }
 
-/// The text, its end replaced by a sign when it is too long.
+/// The text, with a sign in place of its end if it is too long.
 fn cut(text: &str, width: usize) -> String {
     if text.chars().count() <= width {
         return text.to_owned();

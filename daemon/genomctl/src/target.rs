@@ -1,4 +1,4 @@
-//! Which daemon to talk to, from the command line and contexts, and how to connect to it.
+//! Determines the daemon from the command line and contexts, and connects to it.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -23,21 +23,21 @@ use crate::failure::Failure;
 use crate::private;
 use crate::process::is_stopped;
 
-/// A daemon and the way to it.
+/// A daemon, and how to reach it.
 #[derive(Debug)]
 pub(crate) struct Target {
     way: Way,
-    /// Sent with requests; never in a message or a log.
+    /// Sent with requests; never part of a message or a log.
     token: Option<Secret>,
-    /// Another daemon, which this one passes requests on to.
+    /// Name of another daemon, to which this one relays requests.
     pub(crate) daemon: Option<String>,
-    /// The context that says all this, where the command line does not.
+    /// The context that selected the daemon, if the command line did not.
     chosen: Option<Chosen>,
-    /// How long it may answer nobody.
+    /// How long the daemon may leave all requests unanswered.
     pub(crate) limit: Duration,
 }
 
-/// How long a daemon may answer nobody when nothing else is said.
+/// Default of `limit`, in seconds.
 const LIMIT: f64 = 10.0;
 
 #[derive(Debug)]
@@ -47,7 +47,7 @@ enum Way {
     Tls { host: Tcp, ca: PathBuf, cert: Option<PathBuf> },
 }
 
-/// A text that debug output does not show.
+/// A text that debug output omits.
 struct Secret(String);
 
 impl std::fmt::Debug for Secret {
@@ -71,7 +71,7 @@ impl std::fmt::Display for Target {
 }
 
 impl Target {
-    /// The daemon that the options name. Files of certificates are read when it is connected to.
+    /// The daemon that the options select. Files of certificates are read only when connecting.
     pub(crate) fn new(connection: Connection, chosen: Option<Chosen>) -> Result<Self, Failure> {
         let Connection { socket, host, ca, cert, token_file, timeout: seconds, .. } = connection;
         let seconds = seconds.unwrap_or(LIMIT);
@@ -109,35 +109,35 @@ impl Target {
         Ok(Self { way, token, daemon, chosen, limit })
     }
 
-    /// Value of the header that says who asks. A token for another daemon goes to none: it is
-    /// proved.
+    /// Value of the `Authorization` header. A token for a relayed daemon is not sent: its
+    /// possession is proved instead.
     pub(crate) fn authorization(&self) -> Option<String> {
         let own = self.token.as_ref().filter(|_| self.daemon.is_none());
         own.map(|Secret(token)| format!("Bearer {token}"))
     }
 
-    /// What proves to a daemon behind this one who asks.
+    /// The token with which to authenticate to a relayed daemon.
     pub(crate) fn proof(&self) -> Option<genom_proof::Token> {
         self.token.as_ref().map(|Secret(token)| genom_proof::Token::new(token))
     }
 
-    /// The daemon closed the connection before it had answered.
+    /// The daemon closed the connection before it replied.
     pub(crate) fn lost(&self) -> Failure {
         Failure::Lost { target: self.to_string() }
     }
 
-    /// The daemon answers nobody; `process` is its process, as far as it is known.
+    /// The daemon answers no requests; `process` is its process, if known.
     pub(crate) fn silent(&self, process: Option<i32>) -> Failure {
         let (target, limit) = (self.to_string(), self.limit);
         Failure::Silent { target, limit, stopped: process.filter(|one| is_stopped(*one)) }
     }
 
-    /// The reply has another shape than expected.
+    /// The reply does not have the expected form.
     pub(crate) fn misread(&self, why: String) -> Failure {
         Failure::Reply { target: self.to_string(), why }
     }
 
-    /// Opens the way; with the process at its end, as far as it is known.
+    /// Connects. Also returns the process at the other end, if known.
     pub(crate) async fn open(&self) -> Result<(Box<dyn Stream>, Option<i32>), Failure> {
         timeout(self.limit, self.open_in_time()).await.unwrap_or_else(|_| Err(self.silent(None)))
     }
@@ -169,12 +169,13 @@ impl Target {
     }
 }
 
-/// A connection, whatever is below it.
+/// A connection over any transport.
 pub(crate) trait Stream: AsyncRead + AsyncWrite + Unpin + Send {}
 
 impl<S: AsyncRead + AsyncWrite + Unpin + Send> Stream for S {}
 
-/// Connects. A daemon with many peers at its door is waited for: only a thread can do that.
+/// Connects to a Unix socket. If its backlog is full, `connect` blocks, and therefore runs in a
+/// thread.
 async fn socket(path: &Path) -> io::Result<UnixStream> {
     match UnixStream::connect(path).await {
         Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
@@ -182,7 +183,7 @@ async fn socket(path: &Path) -> io::Result<UnixStream> {
     }
     let (sender, connected) = oneshot::channel();
     let path = path.to_owned();
-    // It ends with the process, if nobody opens.
+    // The thread may remain blocked; it ends with the process.
     std::thread::Builder::new().name("connect".to_owned()).spawn(move || {
         let _ = sender.send(std::os::unix::net::UnixStream::connect(path));
     })?;
@@ -227,7 +228,7 @@ fn connector(ca: &Path, cert: Option<&Path>) -> Result<TlsConnector, Failure> {
     Ok(Arc::new(config).into())
 }
 
-/// A token alone, or the first of a daemon's token file.
+/// Reads a token: the only content of the file, or the first of a daemon's token file.
 fn read_token(path: &Path) -> Result<Secret, Failure> {
     let refuse = |why: String, help: &str| {
         Failure::usage(format!("the token file {}: {why}", path.display()), help)

@@ -1,18 +1,18 @@
-//! What is known of the terminal: whether there is one, its width, whether to colour.
+//! Properties of the terminal: whether there is one, its width, whether to use colours.
 
 use std::io::{self, IsTerminal as _, Write as _};
 
-/// Standard output, as far as laying out text is concerned.
+/// Standard output, as far as formatting depends on it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Terminal {
-    /// Columns, when it is a terminal.
+    /// Number of columns, if it is a terminal.
     pub(crate) width: Option<usize>,
-    /// Whether colours are welcome.
+    /// Whether to use colours.
     pub(crate) colour: bool,
 }
 
 impl Terminal {
-    /// That of standard output.
+    /// The properties of standard output.
     pub(crate) fn of_output() -> Self {
         let is_terminal = io::stdout().is_terminal();
         let size = is_terminal.then(crossterm::terminal::size);
@@ -22,23 +22,23 @@ impl Terminal {
     }
 }
 
-/// NO_COLOR (no-color.org) and terminals that cannot.
+/// Neither `NO_COLOR` (no-color.org) nor a terminal without colours.
 fn colours_welcome() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty())
         && std::env::var_os("TERM").is_some_and(|term| term != "dumb")
 }
 
-/// Whether there is a terminal on which to ask questions.
+/// Whether there is a user to ask: standard input and output are terminals.
 pub(crate) fn somebody_there() -> bool {
     io::stdin().is_terminal() && io::stderr().is_terminal()
 }
 
-/// Whether standard error may carry colours.
+/// Whether to use colours on standard error.
 pub(crate) fn coloured_errors() -> bool {
     io::stderr().is_terminal() && colours_welcome()
 }
 
-/// How good or bad the state is that a word names.
+/// Colour of a word that names a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Tone {
     Good,
@@ -71,7 +71,7 @@ impl Tone {
     }
 }
 
-/// One line on standard error that is written over, while something takes long.
+/// One line on standard error that is overwritten while something takes long.
 #[derive(Debug, Default)]
 pub(crate) struct Progress {
     shown: bool,
@@ -83,10 +83,10 @@ impl Progress {
         io::stderr().is_terminal()
     }
 
-    /// Replaces the line; does nothing when standard error is no terminal.
+    /// Replaces the line; does nothing if standard error is not a terminal.
     pub(crate) fn show(&mut self, text: &str) {
         if self.seen() {
-            // Some pseudo-terminals say that they have no columns.
+            // Some pseudo-terminals report zero columns.
             let size = crossterm::terminal::size().ok().filter(|(width, _)| *width > 0);
             let width = size.map_or(80, |(width, _)| usize::from(width));
             let text: String = text.chars().take(width.saturating_sub(1)).collect();

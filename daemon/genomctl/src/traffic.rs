@@ -1,4 +1,4 @@
-//! Rates of a port, from two readings of its counters: exact however fast the port is.
+//! Rates of a port, computed from two readings of its counters: exact at any rate.
 
 use genom_protocol::{Address, Traffic, routes};
 use serde_json::{Value, json};
@@ -8,36 +8,36 @@ use crate::failure::Failure;
 use crate::names::element;
 use crate::session::Session;
 
-/// Squares of intervals come in this unit of time, in nanoseconds.
+/// Unit of the intervals whose squares are summed, in nanoseconds.
 #[allow(clippy::cast_precision_loss, reason = "it is small")]
 const UNIT: f64 = Traffic::UNIT as f64;
 
-/// What passed between two readings.
+/// What passed through a port between two readings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Rate {
-    /// Samples.
+    /// Number of samples.
     pub(crate) samples: u64,
-    /// Samples a second, when there were two at least.
+    /// Samples per second, if there were at least two.
     pub(crate) hertz: Option<f64>,
     /// Standard deviation of the intervals, in seconds.
     pub(crate) jitter: f64,
-    /// Bytes of a sample, when any was weighed.
+    /// Mean size of a sample in bytes, if any was measured.
     pub(crate) size: Option<f64>,
 }
 
-/// Asks the daemon for the counters of a port.
+/// Reads the counters of a port.
 async fn reading(session: &Session, at: &Address) -> Result<Traffic, Failure> {
     let route = routes::traffic(&at.component, &at.port).with(&element(at));
     Ok(session.ask(route).await?.content.traffic)
 }
 
-/// What passed between two readings.
+/// The difference between two readings.
 #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
 fn between(earlier: &Traffic, now: &Traffic) -> Rate {
     let samples = now.counts.samples.saturating_sub(earlier.counts.samples);
     let (start, intervals) = match earlier.last_ns {
         Some(last) => (Some(last), samples),
-        // The first sample ends no interval.
+        // The first sample does not end an interval.
         None => (now.first_ns, samples.saturating_sub(1)),
     };
     let span = now.last_ns.zip(start).map_or(0, |(end, start)| end.saturating_sub(start));
@@ -47,7 +47,7 @@ fn between(earlier: &Traffic, now: &Traffic) -> Rate {
         let mean = span as f64 / intervals as f64;
         let squares = now.squares.wrapping_sub(earlier.squares) as f64 * UNIT * UNIT;
         let variance = (squares / intervals as f64 - mean * mean).max(0.0);
-        // Intervals are rounded down to the unit: less than that is no jitter.
+        // Intervals are rounded down to the unit: smaller deviations are no jitter.
         let deviation = variance.sqrt();
         (Some(1e9 / mean), if deviation < UNIT { 0.0 } else { deviation / 1e9 })
     };
@@ -58,12 +58,12 @@ fn between(earlier: &Traffic, now: &Traffic) -> Rate {
 }
 
 impl Rate {
-    /// Bytes a second.
+    /// Bytes per second.
     pub(crate) fn bandwidth(&self) -> Option<f64> {
         Some(self.hertz? * self.size?)
     }
 
-    /// The same as data.
+    /// The rate as data, for `--json`.
     pub(crate) fn data(&self, port: &Address) -> Value {
         json!({
             "address": port.to_string(), "samples": self.samples, "hertz": self.hertz,
@@ -73,7 +73,7 @@ impl Rate {
     }
 }
 
-/// How to watch a port's traffic.
+/// Options for watching the traffic of a port.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct Watch {
     /// Stop after this many lines.
@@ -82,13 +82,13 @@ pub(crate) struct Watch {
     /// Seconds that each line is about.
     #[arg(long, value_name = "SECONDS", default_value_t = 1.0)]
     window: f64,
-    /// One line about all that passed since the port was opened or connected.
+    /// Print one line on everything since the port was opened or connected.
     #[arg(long, conflicts_with_all = ["count", "window"])]
     total: bool,
 }
 
 impl Watch {
-    /// Prints a line a window, until Ctrl-C.
+    /// Prints one line per window, until Ctrl-C.
     pub(crate) async fn run(
         &self,
         session: &Session,
@@ -108,7 +108,7 @@ impl Watch {
             .ok_or_else(|| {
                 Failure::usage(format!("--window {}: no time to count in", self.window), "try 1")
             })?;
-        // Before anything is said: who reads a line may interrupt at once.
+        // Before anything is printed: a reader of the first line may send the interrupt at once.
         let mut interrupt = signal(SignalKind::interrupt())?;
         let mut ticks = tokio::time::interval(window);
         ticks.tick().await;
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn uneven_intervals_are_jitter() {
-        // 4 ms and 6 ms in turn: 1 ms around the mean.
+        // Alternating 4 ms and 6 ms: 1 ms around the mean.
         let squares = 40_000_u64.pow(2) + 60_000_u64.pow(2);
         let rate = between(&Traffic::default(), &reading(3, 10, squares));
         assert_eq!(rate.hertz, Some(200.0));

@@ -1,6 +1,6 @@
-//! Quantities as people read them: a few digits and a unit.
+//! Formats quantities with a few digits and a unit.
 
-/// Nanoseconds.
+/// A duration in nanoseconds.
 #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
 pub(crate) fn duration(ns: u64) -> String {
     let value = ns as f64;
@@ -12,7 +12,7 @@ pub(crate) fn duration(ns: u64) -> String {
     }
 }
 
-/// Seconds, such as a jitter.
+/// A duration in seconds, such as a jitter.
 pub(crate) fn seconds(value: f64) -> String {
     if value == 0.0 {
         "0 s".to_owned()
@@ -25,7 +25,7 @@ pub(crate) fn seconds(value: f64) -> String {
     }
 }
 
-/// Bytes, or bytes a second with `/s` put behind.
+/// A size in bytes; append `/s` for a bandwidth.
 pub(crate) fn bytes(value: f64) -> String {
     let units = [("GB", 1e9), ("MB", 1e6), ("kB", 1e3)];
     match units.iter().find(|(_, scale)| value >= *scale) {

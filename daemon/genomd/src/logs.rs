@@ -37,17 +37,17 @@ pub(crate) fn past() -> &'static Numbers {
 const QUIET: &str = "rustdds=off,zenoh_link_unixsock_stream=error,\
                      zenoh::net::routing::hat::peer=error,genom::service=off";
 
-/// Logging does not start.
+/// Why logging could not be started.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum LogsError {
     #[error("--log {filter}: {source}; write for instance info,genomd=debug")]
     Filter { filter: String, source: ParseError },
-    /// Something else in the process logs already.
+    /// Another logger is installed in the process.
     #[error(transparent)]
     Taken(#[from] TryInitError),
 }
 
-/// Starts logging. With `spans`, those of services are exported, whatever is logged.
+/// Starts logging. With `spans`, spans of services are exported, whatever the filter of the log.
 pub(crate) fn start(filter: &str, spans: bool) -> Result<(), LogsError> {
     let passes = || {
         EnvFilter::try_new(format!("{QUIET},{}", of_all_parts(filter)))

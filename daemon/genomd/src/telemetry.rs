@@ -222,7 +222,7 @@ pub(crate) async fn export(collector: Collector, daemon: Option<String>, closed:
     }
 }
 
-/// The collector did not take spans.
+/// Why spans could not be sent to the collector.
 #[derive(Debug, thiserror::Error)]
 enum ExportError {
     #[error(transparent)]

@@ -1,5 +1,5 @@
-//! A port within the process as components have it: the exchangeable ends and their counters
-//! included, beside the exchange alone and beside two copies of the bytes.
+//! Cost of a port within the process as components use it (exchangeable ends and counters
+//! included), compared with the bare exchange and with two copies of the bytes.
 //!
 //! `cargo bench -p genom-ports --bench ports`
 
@@ -17,7 +17,8 @@ use genom_types::{DataType, Kind, Record, TypeTable};
 const CALLS: u32 = 10_000;
 const ROUNDS: usize = 500;
 
-/// The best of many short rounds, in nanoseconds a call: the others were disturbed.
+/// The fastest of many short rounds, in nanoseconds per call; slower rounds were disturbed by other
+/// work of the machine.
 fn measure(name: &str, mut call: impl FnMut()) {
     let mut best = f64::INFINITY;
     for _ in 0..ROUNDS {

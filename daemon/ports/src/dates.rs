@@ -1,30 +1,32 @@
-//! Dates of what is recorded or told: those of the world, or of the stepped clock.
+//! Dates of recorded samples and events: wall-clock time, or time of the virtual clock.
 //!
-//! The world's clock may be set while the daemon runs. What is to keep its distance in time is
-//! noted by moments, which no setting moves, and dated by a [`Calendar`].
+//! The wall clock may be set while the daemon runs. Where intervals have to stay correct, a
+//! *moment* of the monotonic clock is stored, and a [`Calendar`] converts it to a date.
 
 use std::time::SystemTime;
 
 use genom_runtime::{Clock, nanos};
 
-/// Gives dates in nanoseconds.
+/// Source of dates and moments, in nanoseconds.
 #[derive(Clone, Debug, Default)]
 pub struct Dates(Clock);
 
 impl Dates {
-    /// Dates for components that live by `clock`.
+    /// Dates for components that run on `clock`.
     pub fn of(clock: &Clock) -> Self {
         Self(clock.clone())
     }
 
-    /// What only goes forward, at the pace of time: from some beginning, or the virtual clock's.
+    /// Monotonic time, in nanoseconds since an arbitrary origin; with a virtual clock, since its
+    /// start.
     pub fn moment(&self) -> u64 {
         self.0.now()
     }
 
-    /// Dates of moments, as the world's clock has them now.
+    /// The conversion from moments to dates, according to the wall clock as it is set now.
     pub fn calendar(&self) -> Calendar {
-        /// Readings: this thread may be held up between its looks at the two clocks.
+        /// Both clocks are read this often and the closest pair is used: the thread may be
+        /// preempted between the two readings.
         const READINGS: usize = 8;
         if let Clock::Virtual(_) = &self.0 {
             return Calendar::default();
@@ -37,7 +39,7 @@ impl Dates {
         readings.min_by_key(|(long, _)| *long).unwrap_or_default().1
     }
 
-    /// Since 1970; of a virtual clock, since its start.
+    /// The date, in nanoseconds since 1970; with a virtual clock, since its start.
     pub fn now(&self) -> u64 {
         match &self.0 {
             Clock::Virtual(clock) => clock.now(),
@@ -49,20 +51,21 @@ impl Dates {
     }
 }
 
-/// From moments to dates. One calendar's dates are as far apart as the moments, however the
-/// world's clock is set meanwhile.
+/// Converts moments to dates. Differences between dates of one calendar equal those of the moments,
+/// even if the wall clock is set in between.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Calendar {
     shift: u64,
 }
 
 impl Calendar {
-    /// The date of a moment.
+    /// The date of a moment, in nanoseconds.
     pub fn date(self, moment: u64) -> u64 {
         moment.wrapping_add(self.shift)
     }
 
-    /// By how many nanoseconds another calendar is ahead of this one.
+    /// Difference `other - self` between the dates that two calendars give one moment, in
+    /// nanoseconds.
     pub fn until(self, other: Self) -> i64 {
         other.shift.wrapping_sub(self.shift).cast_signed()
     }

@@ -1,5 +1,5 @@
-//! The writing end of an out port on one middleware or several, which may be exchanged while
-//! the component runs.
+//! The writing side of an out port: its publishers, on one middleware or several, can be exchanged
+//! while the component runs.
 
 use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
@@ -10,21 +10,21 @@ use genom_types::{DataType, Record};
 use crate::gauge::Gauge;
 use crate::tape::Tapes;
 
-/// What an out port publishes on: middlewares by name, in the order given.
+/// The publishers of an out port, each with the name of its middleware, in the order requested.
 pub type Ends = Vec<(String, Box<dyn Publisher>)>;
 
 /// The supervisor's handle on an out port's publishers.
 #[derive(Clone)]
 pub struct Fan {
-    /// Taken by the codel at each write, and by the supervisor only with all codels excluded:
-    /// a codel never waits for it.
+    /// Locked by the codel at each write, and by the supervisor only while all codels are excluded,
+    /// so that a codel never waits for it.
     ends: Arc<Mutex<Ends>>,
     gauge: Arc<Gauge>,
     tapes: Arc<Tapes>,
 }
 
 impl Fan {
-    /// A port of this type on these.
+    /// A port of type `ty` with these publishers.
     pub fn new(ends: Ends, clock: &Clock, ty: &DataType) -> Self {
         Self {
             ends: Arc::new(Mutex::new(ends)),
@@ -33,36 +33,38 @@ impl Fan {
         }
     }
 
-    /// What the component writes to.
+    /// The publisher that is given to the component.
     pub fn publisher(&self) -> Box<dyn Publisher> {
         Box::new(FanPublisher { fan: self.clone(), scratch: Vec::new() })
     }
 
-    /// What passed.
+    /// Counters of the samples written.
     pub fn gauge(&self) -> &Arc<Gauge> {
         &self.gauge
     }
 
-    /// Where values are recorded.
+    /// The recordings that take samples of this port.
     pub fn tapes(&self) -> &Arc<Tapes> {
         &self.tapes
     }
 
-    /// Exchanges the ends: `change` gets the present ones and gives back those to drop later,
-    /// which may take its time. To be called with all codels excluded.
+    /// Changes the publishers. `change` receives the present ones and returns those to be dropped
+    /// by the caller, since dropping one may take long. All codels must be excluded during the
+    /// call.
     pub fn exchange(&self, change: impl FnOnce(&mut Ends) -> Ends) -> Ends {
         change(&mut self.ends.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Closes the ends of a component that did not stop, unless a codel is within `write`;
-    /// whether it could.
+    /// Drops the publishers of a component that did not stop. Returns `false`, and drops nothing,
+    /// if a codel is inside `write`.
     pub fn cut(&self) -> bool {
         let ends = match self.ends.try_lock() {
             Ok(mut ends) => std::mem::take(&mut *ends),
             Err(TryLockError::Poisoned(poisoned)) => std::mem::take(&mut *poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => return false,
         };
-        // Closed without holding up the codel that returns in this moment.
+        // Dropped after the lock is released, so that a codel that enters `write` now does not
+        // wait.
         drop(ends);
         true
     }
@@ -76,12 +78,13 @@ impl std::fmt::Debug for Fan {
 
 struct FanPublisher {
     fan: Fan,
-    /// For weighing samples.
+    /// Encoding buffer for measuring samples of variable size.
     scratch: Vec<u8>,
 }
 
 impl Publisher for FanPublisher {
-    /// Publishes on all; the first failure is told when none took the value.
+    /// Publishes on every middleware. Fails, with the first error, only if none of them took the
+    /// value.
     fn publish(&mut self, value: &Record) -> Result<(), PublishError> {
         let Fan { ends, gauge, tapes } = &self.fan;
         let mut ends = ends.lock().unwrap_or_else(PoisonError::into_inner);
@@ -145,7 +148,7 @@ mod tests {
         let old = fan.exchange(|ends| vec![ends.remove(0)]);
         assert_eq!(old[0].0, "one");
         drop(old);
-        // The address is free on the middleware it left.
+        // The address is free again on the middleware that the port left.
         drop(one.publisher(&PortSpec::new(&at, &ty)).unwrap());
         publisher.publish(&value).unwrap();
         assert_eq!(fan.gauge().counts().samples, 2);

@@ -1,4 +1,4 @@
-//! The daemon's own publishers at in ports, as state; `wiring::feed` publishes with them.
+//! Publishers of the daemon itself for in ports: values published by a client, without an out port.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -8,28 +8,30 @@ use genom_types::Record;
 
 use crate::key::PortKey;
 
-/// The daemon's own publishers at in ports of one component.
+/// The daemon's own publishers for the in ports of one component.
 ///
-/// Who changes what an in port reads holds them: of two who do so at once, the second sees all
-/// that the first did.
+/// They are locked by whoever changes what an in port reads, so that such changes happen one after
+/// the other.
 #[derive(Default)]
 pub struct Feeds(Mutex<BTreeMap<PortKey, Feed>>);
 
-/// One of them.
+/// The daemon's publisher for one in port.
 pub struct Feed {
     /// Publishes under the in port's own address.
     pub publisher: Box<dyn Publisher>,
-    /// What was published last: members left out of the next value keep theirs.
+    /// The value published last. Members that the next value leaves out keep the values they have
+    /// here.
     pub value: Record,
 }
 
 impl Feeds {
-    /// Closes all.
+    /// Closes all publishers.
     pub fn close_all(&self) {
         self.hold(BTreeMap::clear);
     }
 
-    /// Does `work` while nobody else changes what in ports of the component read.
+    /// Calls `work` with the publishers locked: meanwhile nobody else changes what in ports of the
+    /// component read.
     pub fn hold<T>(&self, work: impl FnOnce(&mut BTreeMap<PortKey, Feed>) -> T) -> T {
         work(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }

@@ -1,7 +1,8 @@
-//! What passed through a port or a connection; counted by codels' threads, read by anybody.
+//! Counters of the samples that passed through a port or a connection. The threads of codels update
+//! them; any thread may read them.
 //!
-//! Rates and bytes are the difference of two readings: exact at any rate, and nothing is asked of
-//! the codels' threads.
+//! Rates are differences between two readings: they are exact at any rate, and reading does not
+//! involve the codels' threads.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -12,36 +13,36 @@ use genom_types::{DataType, Record};
 /// Unit of the intervals whose squares are summed, in nanoseconds.
 const UNIT: u64 = Traffic::UNIT;
 
-/// Samples of variable size are weighed for so long after somebody asked.
+/// After [`Gauge::traffic`], samples of variable size are measured for this long, in nanoseconds.
 const WEIGHED_FOR: u64 = 5_000_000_000;
 
-/// Counters of one binding.
+/// Counters of one port, or of one element of a multiple port.
 #[derive(Debug)]
 pub struct Gauge {
     /// Samples published, or new ones read.
     samples: AtomicU64,
-    /// Samples that middlewares gave up.
+    /// Samples that middlewares dropped.
     dropped: AtomicU64,
     /// Writes or reads that failed.
     failed: AtomicU64,
-    /// Date of the first sample.
+    /// Date of the first sample, in nanoseconds of the components' clock.
     first: AtomicU64,
-    /// Date of the last sample.
+    /// Date of the last sample, likewise.
     last: AtomicU64,
-    /// Sum of the squares of the intervals between samples.
+    /// Sum of the squares of the intervals between samples, in units of `UNIT`², wrapping.
     squares: AtomicU64,
-    /// Samples of variable size that were weighed, and their bytes.
+    /// For samples of variable size: how many were measured, and their total size in bytes.
     weighed: [AtomicU64; 2],
-    /// Until when they are weighed: it costs an encoding each.
+    /// Date until which samples are measured, 0 when they are not: measuring one costs an encoding.
     weigh_until: AtomicU64,
-    /// Bytes of a sample, when all have the same.
+    /// Size of a sample in bytes; `None` if it varies.
     size: Option<u64>,
-    /// That of the components: rates are in their time.
+    /// The clock of the components: rates are in its time.
     clock: Clock,
 }
 
 impl Gauge {
-    /// Nothing passed yet.
+    /// Counters at zero, for samples of type `ty`.
     pub fn new(clock: &Clock, ty: &DataType) -> Self {
         let zero = || AtomicU64::new(0);
         Self {
@@ -58,7 +59,8 @@ impl Gauge {
         }
     }
 
-    /// A sample passed; `dropped` were given up so far. Called by one thread at a time.
+    /// Counts a sample; `dropped` is the total dropped so far. To be called by one thread at a
+    /// time.
     pub(super) fn passed(&self, dropped: u64) {
         let now = self.clock.now();
         if self.samples.fetch_add(1, Ordering::Relaxed) == 0 {
@@ -71,7 +73,7 @@ impl Gauge {
         self.last.store(now, Ordering::Relaxed);
     }
 
-    /// Counts the bytes of a sample, when somebody wants to know and its size varies.
+    /// Measures the encoded size of a sample, if sizes vary and `traffic` was called recently.
     pub(super) fn weigh(&self, value: &Record, scratch: &mut Vec<u8>) {
         if self.size.is_some() || self.weigh_until.load(Ordering::Relaxed) == 0 {
             return;
@@ -87,17 +89,17 @@ impl Gauge {
         }
     }
 
-    /// So many samples were given up so far, though none passed.
+    /// Sets the total of dropped samples, without counting a new sample.
     pub(super) fn lost(&self, dropped: u64) {
         self.dropped.store(dropped, Ordering::Relaxed);
     }
 
-    /// A write or read failed.
+    /// Counts a failed write or read.
     pub(super) fn failed(&self) {
         self.failed.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Reads all.
+    /// Reads the counters.
     pub fn counts(&self) -> Counts {
         let samples = self.samples.load(Ordering::Relaxed);
         let last = self.last.load(Ordering::Relaxed);
@@ -109,7 +111,8 @@ impl Gauge {
         }
     }
 
-    /// Reads what rates are made of; from now on, and for a while, samples are weighed.
+    /// Reads the counters that rates are computed from. From now on, and for five seconds, samples
+    /// of variable size are measured.
     pub fn traffic(&self) -> Traffic {
         let now_ns = self.clock.now();
         self.weigh_until.store(now_ns.saturating_add(WEIGHED_FOR), Ordering::Relaxed);
@@ -169,7 +172,7 @@ mod tests {
         gauge.weigh(&value, &mut scratch);
         let first = gauge.traffic();
         assert_eq!(first.weighed, 1);
-        // The length, the text and its end.
+        // CDR of a string: a length of 4 bytes, the text, a NUL.
         assert_eq!(first.bytes, 4 + 5);
         time.step(Duration::from_nanos(WEIGHED_FOR + 1));
         gauge.weigh(&value, &mut scratch);

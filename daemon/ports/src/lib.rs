@@ -1,9 +1,9 @@
-//! What a port of a component is tied to, and what passes there.
+//! The data path of ports: what codels write to and read from.
 //!
-//! Codels hold a [`Fan`] or a [`Tap`] for as long as they run; the ends behind it, on whatever
-//! middlewares, are exchanged meanwhile. What passes is counted ([`gauge`]) and may be recorded
-//! ([`tape`]). Nothing here knows which middlewares there are, how a port was asked for, or who
-//! looks at it.
+//! Codels hold a [`Fan`] (out port) or a [`Tap`] (in port) for as long as they run; the publishers
+//! and subscriptions behind it can be exchanged for those of other middlewares meanwhile. Samples
+//! are counted ([`gauge`]) and may be recorded ([`tape`]). Which middlewares exist, and how
+//! connections are requested, is the business of other crates.
 
 #![forbid(unsafe_code)]
 

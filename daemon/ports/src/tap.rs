@@ -1,4 +1,4 @@
-//! The reading end of a connection, which may move to another middleware while codels read.
+//! The reading side of a connection: its subscription can be exchanged while codels read.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -9,45 +9,45 @@ use genom_types::{DataType, Record};
 use crate::gauge::Gauge;
 use crate::tape::Tapes;
 
-/// The supervisor's handle on what an in port reads.
+/// The supervisor's handle on the subscription of an in port.
 #[derive(Clone)]
 pub struct Tap {
-    /// Taken by the codel at each read, and by the supervisor only with all codels excluded:
-    /// a codel never waits for it.
+    /// Locked by the codel at each read, and by the supervisor only while all codels are excluded,
+    /// so that a codel never waits for it.
     end: Arc<Mutex<Box<dyn Subscription>>>,
     gauge: Arc<Gauge>,
     tapes: Arc<Tapes>,
 }
 
 impl Tap {
-    /// A connection of this type that reads this.
+    /// A connection of type `ty` that reads from `end`.
     pub fn new(end: Box<dyn Subscription>, clock: &Clock, ty: &DataType) -> Self {
         let (gauge, tapes) = (Arc::new(Gauge::new(clock, ty)), Arc::default());
         Self { end: Arc::new(Mutex::new(end)), gauge, tapes }
     }
 
-    /// What the component reads.
+    /// The subscription that is given to the component.
     pub fn subscription(&self) -> Box<dyn Subscription> {
         Box::new(TapSubscription { tap: self.clone(), read: false, scratch: Vec::new() })
     }
 
-    /// What passed.
+    /// Counters of the samples read.
     pub fn gauge(&self) -> &Arc<Gauge> {
         &self.gauge
     }
 
-    /// Where values are recorded.
+    /// The recordings that take samples of this connection.
     pub fn tapes(&self) -> &Arc<Tapes> {
         &self.tapes
     }
 
-    /// Reads something else from now on; what it read is given back, to be dropped later. To be
-    /// called with all codels excluded.
+    /// Replaces the subscription, and returns the previous one to be dropped by the caller. All
+    /// codels must be excluded during the call.
     pub fn exchange(&self, end: Box<dyn Subscription>) -> Box<dyn Subscription> {
         std::mem::replace(&mut *self.end.lock().unwrap_or_else(PoisonError::into_inner), end)
     }
 
-    /// Closes the end of a component that did not stop, unless a codel is within `read`.
+    /// Drops the subscription of a component that did not stop, unless a codel is inside `read`.
     pub fn cut(&self) {
         if let Ok(mut end) = self.end.try_lock() {
             let old = std::mem::replace(&mut *end, Box::new(Nothing));
@@ -57,7 +57,7 @@ impl Tap {
     }
 }
 
-/// What is read by whoever is cut off.
+/// Replaces the subscription of a component that did not stop; never has a sample.
 struct Nothing;
 
 impl Subscription for Nothing {
@@ -78,9 +78,10 @@ impl std::fmt::Debug for Tap {
 
 struct TapSubscription {
     tap: Tap,
-    /// Whether anything was read yet: then there is a last value, whatever the new end says.
+    /// Whether a sample was ever read. If so the reader has a last value, even if a new
+    /// subscription has none yet.
     read: bool,
-    /// For weighing samples.
+    /// Encoding buffer for measuring samples of variable size.
     scratch: Vec<u8>,
 }
 
@@ -89,7 +90,7 @@ impl Subscription for TapSubscription {
         let Tap { end, gauge, tapes } = &self.tap;
         let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
         let reading = end.read(into);
-        // Some middlewares see what was lost only when there is nothing more to read.
+        // Some middlewares detect losses only when there is nothing more to read.
         gauge.lost(end.dropped());
         match reading {
             Ok(Reading::New) => {
@@ -119,7 +120,7 @@ mod tests {
     use genom_middleware::{Address, Middleware, Policy, PortSpec, Ports as _};
     use genom_types::{DataType, Kind, TypeTable};
 
-    /// Finds nothing, but that so many samples were lost.
+    /// Has no sample, and reports three more lost ones at each read.
     struct Lossy(u64);
 
     impl Subscription for Lossy {

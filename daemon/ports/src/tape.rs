@@ -1,7 +1,7 @@
-//! Samples on their way from a codel's thread to a recording: as CDR, in a ring of bytes.
+//! Carries samples from a codel's thread to a recording, as CDR in a ring buffer of bytes.
 //!
-//! The codel never waits and, for types of fixed size, allocates nothing. What finds no room is
-//! lost, and counted.
+//! The codel never waits and, for types of fixed size, allocates nothing. Samples for which the
+//! ring has no room are dropped and counted.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -11,48 +11,49 @@ use rtrb::{Consumer, Producer, RingBuffer};
 
 use crate::dates::Dates;
 
-/// Before each sample: moment, number, length.
+/// Bytes before each sample: moment (`u64`), number (`u32`), length of the message (`u32`), little
+/// endian.
 const HEAD: usize = 16;
-/// Samples of a fixed size that wait at most: a second of a 1 kHz port.
+/// Capacity of a ring in samples of fixed size: one second of a 1 kHz port.
 const SAMPLES: usize = 1024;
-/// Bytes of a ring, at least and at most. Pages that are never written cost nothing.
+/// Limits of the size of a ring, in bytes. Pages that are never written take no memory.
 const SMALLEST: usize = 256 << 10;
 const GREATEST: usize = 64 << 20;
-/// The ring of a type without fixed size.
+/// Size of the ring for a type of variable size, in bytes.
 const VARIABLE: usize = 16 << 20;
 
-/// The writing end: in the codel's thread.
+/// The writing end, used by the codel's thread.
 pub struct Tape {
     session: u64,
     ring: Producer<u8>,
     dates: Dates,
-    /// The sample with its head; kept for the next one.
+    /// The sample with its head; kept to reuse its memory.
     scratch: Vec<u8>,
     number: u32,
     lost: Arc<AtomicU64>,
 }
 
-/// The reading end: in the recording's thread.
+/// The reading end, used by the recording's thread.
 pub struct Reel {
     ring: Consumer<u8>,
     lost: Arc<AtomicU64>,
     scratch: Vec<u8>,
 }
 
-/// A sample as it was taken.
+/// A recorded sample.
 pub struct Sample<'a> {
-    /// When it was taken, as [`Dates::moment`] counts.
+    /// When it was taken: see [`Dates::moment`].
     pub moment: u64,
-    /// From 0, lost ones counted.
+    /// Number of the sample, from 0; dropped samples have numbers, too.
     pub number: u32,
     /// CDR with its encapsulation header.
     pub message: &'a [u8],
 }
 
-/// Both ends for values of a type.
+/// The two ends of a tape for values of type `ty`, for the recording `session`.
 pub fn tape(session: u64, ty: &DataType, dates: Dates) -> (Tape, Reel) {
     let mut scratch = vec![0; HEAD];
-    // As long as any value of a fixed size.
+    // Reserves what any value of a type of fixed size takes.
     let _ = Record::new(ty).encode_message(&mut scratch);
     let room = if ty.is_fixed_size() {
         scratch.len().saturating_mul(SAMPLES).clamp(SMALLEST, GREATEST)
@@ -77,7 +78,7 @@ impl Tape {
         let encoded = value.encode_message(&mut self.scratch);
         let length = u32::try_from(self.scratch.len() - HEAD).unwrap_or(u32::MAX);
         self.scratch[HEAD - 4..HEAD].copy_from_slice(&length.to_le_bytes());
-        // One step for the reader: it never sees half a sample.
+        // The sample is pushed as a whole: the reader never sees a part of one.
         if encoded.is_err() || self.ring.push_entire_slice(&self.scratch).is_err() {
             self.lost.fetch_add(1, Ordering::Relaxed);
         }
@@ -85,7 +86,7 @@ impl Tape {
 }
 
 impl Reel {
-    /// Hands over all samples that are there, in order.
+    /// Passes all available samples to `each`, in order.
     pub fn wind(&mut self, mut each: impl FnMut(Sample<'_>)) {
         let mut left = self.ring.slots();
         let mut head = [0; HEAD];
@@ -105,28 +106,30 @@ impl Reel {
         }
     }
 
-    /// Samples that found no room, or were no CDR.
+    /// How many samples were dropped: the ring was full, or they could not be encoded.
     pub fn lost(&self) -> u64 {
         self.lost.load(Ordering::Relaxed)
     }
 
-    /// Whether nothing comes any more. To be asked before the last winding.
+    /// Whether the writing end is gone. Check this before the last call of `wind`, so that no
+    /// sample is missed.
     pub fn is_over(&self) -> bool {
         self.ring.is_abandoned()
     }
 }
 
-/// The tapes of one port or connection: most of the time none.
+/// The tapes that take samples of one port or connection; usually none.
 #[derive(Default)]
 pub struct Tapes {
-    /// Spares the codel the lock.
+    /// Whether there are tapes; spares the codel the lock when there are none.
     any: AtomicBool,
-    /// Taken by the codel at each sample, and by the supervisor only with all codels excluded.
+    /// Locked by the codel at each sample, and by the supervisor only while all codels are
+    /// excluded.
     all: Mutex<Vec<Tape>>,
 }
 
 impl Tapes {
-    /// A value passes.
+    /// Passes a sample to all tapes.
     #[inline]
     pub fn take(&self, value: &Record) {
         if self.any.load(Ordering::Relaxed) {
@@ -136,7 +139,7 @@ impl Tapes {
         }
     }
 
-    /// Adds what `make` makes, unless that session has a tape here.
+    /// Adds the tape that `make` creates, unless that session has one already.
     pub fn add(&self, session: u64, make: impl FnOnce() -> Tape) {
         let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
         if all.iter().all(|tape| tape.session != session) {
@@ -145,7 +148,7 @@ impl Tapes {
         }
     }
 
-    /// Takes a session's tape away.
+    /// Removes the tape of a session.
     pub fn remove(&self, session: u64) {
         let mut all = self.all.lock().unwrap_or_else(PoisonError::into_inner);
         all.retain(|tape| tape.session != session);

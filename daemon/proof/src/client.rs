@@ -1,4 +1,5 @@
-//! The asking side: finds the one daemon of a name that holds the token, then talks to it alone.
+//! The client's side: finds the one daemon of a name that holds the token, then talks to that
+//! daemon only.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -6,7 +7,7 @@ use crate::hex::Bytes;
 use crate::key::{HINT, Handshake, Keys, NONCE, Token, random};
 use crate::message::{FromDaemon, Hello, SealedQuestion, ToDaemon, decode, encode};
 
-/// A hello that was not answered yet.
+/// A hello that has not been answered yet.
 #[derive(Debug)]
 pub struct Greeting {
     token: Token,
@@ -14,84 +15,84 @@ pub struct Greeting {
     nonce: [u8; NONCE],
 }
 
-/// No session begins: nothing but the hello was sent.
+/// Why no session was established. Nothing but the hello was sent.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HandshakeError {
-    /// None answers.
+    /// No daemon answered.
     #[error("daemon `{0}` does not answer: its process may be stopped, or have gone just now")]
     Silent(String),
-    /// One answers, and holds no such token.
+    /// One daemon answered, but did not prove that it holds the token.
     #[error(
         "what answers to the name `{daemon}` ({at}) {why}: it is another daemon, or your token is \
          not in its token file; nothing was asked of it"
     )]
     Impostor {
-        /// The name asked for.
+        /// The name that was asked for.
         daemon: String,
-        /// Which end of the middleware answered.
+        /// Identity of the answering endpoint on the middleware.
         at: String,
-        /// How it failed.
+        /// What was wrong with its answer.
         why: Doubt,
     },
-    /// Several answer to one name.
+    /// Several daemons answered to one name.
     #[error(
         "{} answer to the name `{daemon}`: {}; nothing was asked of them: stop all but one, or \
          start each with a name of its own, `--daemon NAME`", .each.len(), .each.join("; ")
     )]
     Several {
-        /// The name asked for.
+        /// The name that was asked for.
         daemon: String,
-        /// Which ends of the middleware answered, each with what is known of it.
+        /// Identities of the answering endpoints, each with the result of its check.
         each: Vec<String>,
     },
 }
 
-/// Why an answer begins no session; goes after the name of what sent it.
+/// Why no session was established from an answer; printed after the name of its sender.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Doubt {
-    /// It is no message of this protocol, or not the one that was asked for.
+    /// It is not a message of this protocol, or not the expected one.
     #[error("sends what is no answer of a genomd of this version")]
     NotUnderstood,
-    /// It says that it has no such token.
+    /// The daemon reports that it does not hold the token.
     #[error("does not know your token")]
     NoToken,
-    /// Its proof is wrong.
+    /// The proof is not valid.
     #[error("does not prove that it holds your token")]
     NoProof,
-    /// The proof is that of a daemon elsewhere.
+    /// The proof is valid, but of a daemon at another endpoint.
     #[error("passes on what daemon {0} says")]
     PassedOn(String),
 }
 
-/// An answer that does not come from the daemon of the session.
+/// An answer that was not sent by the daemon of the session.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Forged {
-    /// The code is wrong, or there is none.
+    /// The authentication code is wrong or missing.
     #[error("somebody changed the answer of daemon `{0}` on its way, or made one up")]
     Code(String),
-    /// It was refused, by the daemon or by somebody who says so.
+    /// A refusal. It carries no authentication code, so that it may come from anybody.
     #[error("daemon `{daemon}` is said to refuse: {message}")]
     Refused {
-        /// The name.
+        /// The name that was asked for.
         daemon: String,
-        /// The words that came.
+        /// The message of the refusal.
         message: String,
     },
 }
 
 impl Greeting {
-    /// A hello to the daemons of that name.
+    /// A hello to the daemons called `daemon`.
     ///
     /// # Errors
-    /// The system gives no random bytes.
+    /// The operating system provides no random bytes.
     pub fn new(token: &Token, daemon: &str) -> std::io::Result<Self> {
         Ok(Self { token: token.clone(), daemon: daemon.to_owned(), nonce: random()? })
     }
 
-    /// The message.
+    /// The hello, as bytes to send.
     #[must_use]
     pub fn message(&self) -> Vec<u8> {
         let (nonce, hint) = (Bytes(self.nonce), self.token.hint(&self.nonce));
@@ -99,11 +100,12 @@ impl Greeting {
         encode(&ToDaemon::Hello(Hello { daemon, nonce, hint }), &[])
     }
 
-    /// The session with the one that answers; `answers` are all that came, each with the end of
-    /// the middleware that it came from.
+    /// Establishes the session. `answers` are all answers that arrived, each with the identity of
+    /// the endpoint that sent it.
     ///
     /// # Errors
-    /// None answers, or it does not hold the token, or there are several.
+    /// No answer, several answers, or an answer without a valid proof that its sender holds the
+    /// token.
     pub fn meet(self, answers: &[(String, Vec<u8>)]) -> Result<Session, HandshakeError> {
         let daemon = self.daemon.clone();
         let mut met = answers.iter().map(|(from, bytes)| (from, self.examine(from, bytes)));
@@ -124,7 +126,7 @@ impl Greeting {
         }
     }
 
-    /// What one answer is worth.
+    /// Checks one answer.
     fn examine(&self, from: &str, bytes: &[u8]) -> Result<Session, Doubt> {
         let (head, _) = decode::<FromDaemon>(bytes).map_err(|_| Doubt::NotUnderstood)?;
         let (at, cookie, proof) = match head {
@@ -153,7 +155,7 @@ impl Greeting {
     }
 }
 
-/// A session with a daemon that has proved itself; may be used from any thread.
+/// A session with a daemon that has proved that it holds the token. May be used by several threads.
 #[derive(Debug)]
 pub struct Session {
     daemon: String,
@@ -167,13 +169,13 @@ pub struct Session {
 }
 
 impl Session {
-    /// Which end of the middleware the daemon is: where questions go.
+    /// Identity of the daemon's endpoint on the middleware, to which questions are sent.
     #[must_use]
     pub fn at(&self) -> &str {
         &self.at
     }
 
-    /// A question as the daemon takes it, and its number.
+    /// Seals a question. Returns its number and the bytes to send.
     pub fn seal(&self, question: &[u8]) -> (u64, Vec<u8>) {
         let number = self.asked.fetch_add(1, Ordering::Relaxed) + 1;
         let head = ToDaemon::Sealed(SealedQuestion {
@@ -186,10 +188,10 @@ impl Session {
         (number, encode(&head, question))
     }
 
-    /// The answer to the question of that number.
+    /// Checks the answer to question `number`, and returns its content.
     ///
     /// # Errors
-    /// It does not come from the daemon.
+    /// The answer was not sent by the daemon of this session, or it is a refusal.
     pub fn open<'a>(&self, number: u64, bytes: &'a [u8]) -> Result<&'a [u8], Forged> {
         let forged = || Forged::Code(self.daemon.clone());
         let (head, answer) = decode::<FromDaemon>(bytes).map_err(|_| forged())?;
@@ -209,7 +211,7 @@ mod tests {
 
     const TEXT: &str = "0123456789abcdef0123456789abcdef";
 
-    /// What a daemon answers that holds a token.
+    /// The answer of a daemon that holds the token `text`.
     fn answer(hello: &[u8], text: &str, name: &str, at: &str) -> Vec<u8> {
         let (head, _) = decode::<ToDaemon>(hello).unwrap();
         let ToDaemon::Hello(hello) = head else { panic!("no hello") };
@@ -234,7 +236,7 @@ mod tests {
     fn a_hello_holds_nothing_of_the_token() {
         let hello = String::from_utf8(greeting().message()).unwrap();
         assert!(!hello.contains(&TEXT[..8]), "{hello}");
-        // Nor do two of them show that they come from one.
+        // Nor can two hellos be linked to one token.
         let other = String::from_utf8(greeting().message()).unwrap();
         let hint = |text: &str| text.split("hint").nth(1).unwrap().to_owned();
         assert_ne!(hint(&hello), hint(&other));
@@ -250,7 +252,7 @@ mod tests {
         assert!(told.contains("(1f) does not prove"), "{told}");
         let told = refused(|hello| vec![("1f", answer(hello, TEXT, "arm", "1f"))]);
         assert!(told.contains("does not prove"), "{told}");
-        // The daemon's own answer, by somebody who stands between.
+        // The answer of the real daemon, passed on by another endpoint.
         let told = refused(|hello| vec![("66", answer(hello, TEXT, "robot", "1f"))]);
         assert!(told.contains("(66) passes on what daemon 1f says"), "{told}");
         let told = refused(|_| vec![("66", b"{}\n".to_vec())]);

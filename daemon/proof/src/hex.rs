@@ -1,11 +1,11 @@
-//! Bytes of a fixed number, as text of hexadecimal digits in JSON.
+//! Byte arrays of fixed length, written in JSON as hexadecimal digits.
 
 use std::fmt;
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// So many bytes.
+/// `N` bytes; in JSON a string of `2 * N` hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Bytes<const N: usize>(pub [u8; N]);
 

@@ -1,4 +1,5 @@
-//! Keys made of a token: one for each purpose, so that no proof can be used as another.
+//! Keys derived from a token: one for each purpose, so that a code made for one purpose is not
+//! valid for another.
 
 use std::fmt;
 
@@ -9,29 +10,29 @@ use subtle::ConstantTimeEq as _;
 
 use crate::hex::Bytes;
 
-/// Length of a nonce.
+/// Length of a nonce, in bytes.
 pub const NONCE: usize = 32;
-/// Length of a hint.
+/// Length of a hint, in bytes.
 pub const HINT: usize = 8;
-/// Length of an authentication code.
+/// Length of an authentication code, in bytes.
 pub const MAC: usize = 32;
 
-/// Separates these keys from whatever else a token may be used for.
+/// Salt of HKDF: separates these keys from others that may be derived from the same token.
 const SALT: &[u8] = b"genomd token";
-/// First in each transcript: another protocol has another name.
+/// First part of each transcript; another version of the protocol has another name.
 const PROTOCOL: &[u8] = b"genomd relay 1";
 
-/// Random bytes of the operating system.
+/// Random bytes from the operating system.
 ///
 /// # Errors
-/// It gives none.
+/// The operating system provides none.
 pub fn random<const N: usize>() -> std::io::Result<[u8; N]> {
     let mut bytes = [0; N];
     getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
     Ok(bytes)
 }
 
-/// What is made of a token; never the token itself, and never shown.
+/// Key material derived from a token. It does not contain the token's text, and is never printed.
 #[derive(Clone)]
 pub struct Token(Hkdf<Sha256>);
 
@@ -42,23 +43,23 @@ impl fmt::Debug for Token {
 }
 
 impl Token {
-    /// The keys of a token's text.
+    /// Derives the key material from the text of a token.
     #[must_use]
     pub fn new(text: &str) -> Self {
         Self(Hkdf::new(Some(SALT), text.as_bytes()))
     }
 
-    /// A key for one purpose.
+    /// The key for one purpose.
     fn key(&self, parts: &[&[u8]]) -> [u8; 32] {
         let mut key = [0; 32];
-        // HKDF refuses lengths above 255 blocks only; this is one.
+        // HKDF refuses only lengths above 255 blocks of the hash; this is one block.
         let made = self.0.expand_multi_info(parts, &mut key);
         debug_assert!(made.is_ok());
         key
     }
 
-    /// By what the daemon finds the token without the client naming it. It differs from nonce to
-    /// nonce, so that who listens does not learn which requests come from one token.
+    /// By this hint the daemon finds the token without the client sending it. It depends on the
+    /// nonce, so that an eavesdropper cannot tell which requests use the same token.
     #[must_use]
     pub fn hint(&self, nonce: &[u8; NONCE]) -> Bytes<HINT> {
         let code = mac(&self.key(&[b"hint"]), &[nonce]);
@@ -67,7 +68,7 @@ impl Token {
         Bytes(hint)
     }
 
-    /// The keys of one handshake.
+    /// The keys of the session that a handshake establishes.
     #[must_use]
     pub fn keys(&self, handshake: &Handshake<'_>) -> Keys {
         let transcript = handshake.transcript();
@@ -79,16 +80,16 @@ impl Token {
     }
 }
 
-/// What both ends said to each other.
+/// What client and daemon told each other in the handshake.
 #[derive(Clone, Copy, Debug)]
 pub struct Handshake<'a> {
-    /// The name asked for: a daemon answers to its own only.
+    /// Name of the daemon that the client asked for; a daemon answers to its own name only.
     pub daemon: &'a str,
-    /// Which end of the middleware the daemon is.
+    /// Identity of the daemon's endpoint on the middleware.
     pub at: &'a str,
-    /// Chosen by the client.
+    /// Random bytes chosen by the client.
     pub nonce: &'a [u8; NONCE],
-    /// Chosen by the daemon.
+    /// Random bytes chosen by the daemon.
     pub cookie: &'a [u8; NONCE],
 }
 
@@ -97,7 +98,8 @@ impl Handshake<'_> {
         let mut hash = Sha256::new();
         for part in [PROTOCOL, self.daemon.as_bytes(), self.at.as_bytes(), self.nonce, self.cookie]
         {
-            // Lengths before the parts: no two handshakes have the same text.
+            // Each part is preceded by its length: two different handshakes never give the same
+            // bytes.
             hash.update((part.len() as u64).to_be_bytes());
             hash.update(part);
         }
@@ -105,7 +107,7 @@ impl Handshake<'_> {
     }
 }
 
-/// Keys of one session.
+/// The keys of one session.
 #[derive(Clone)]
 pub struct Keys {
     proof: [u8; MAC],
@@ -120,37 +122,37 @@ impl fmt::Debug for Keys {
 }
 
 impl Keys {
-    /// What the daemon shows for having the token.
+    /// The daemon's proof that it holds the token.
     #[must_use]
     pub fn proof(&self) -> Bytes<MAC> {
         Bytes(self.proof)
     }
 
-    /// Whether this is that proof; takes the same time whatever it is.
+    /// Checks the daemon's proof, in constant time.
     #[must_use]
     pub fn proves(&self, shown: &Bytes<MAC>) -> bool {
         self.proof.ct_eq(&shown.0).into()
     }
 
-    /// Authentication code of a request.
+    /// Authentication code of request `number`.
     #[must_use]
     pub fn request(&self, number: u64, bytes: &[u8]) -> Bytes<MAC> {
         Bytes(mac(&self.requests, &[&number.to_be_bytes(), bytes]))
     }
 
-    /// Authentication code of an answer.
+    /// Authentication code of the answer to request `number`.
     #[must_use]
     pub fn answer(&self, number: u64, bytes: &[u8]) -> Bytes<MAC> {
         Bytes(mac(&self.answers, &[&number.to_be_bytes(), bytes]))
     }
 
-    /// Whether this is the request of that number.
+    /// Checks the code of request `number`, in constant time.
     #[must_use]
     pub fn is_request(&self, number: u64, bytes: &[u8], shown: &Bytes<MAC>) -> bool {
         code(&self.requests, &[&number.to_be_bytes(), bytes]).verify_slice(&shown.0).is_ok()
     }
 
-    /// Whether this is the answer to the request of that number.
+    /// Checks the code of the answer to request `number`, in constant time.
     #[must_use]
     pub fn is_answer(&self, number: u64, bytes: &[u8], shown: &Bytes<MAC>) -> bool {
         code(&self.answers, &[&number.to_be_bytes(), bytes]).verify_slice(&shown.0).is_ok()
@@ -158,7 +160,7 @@ impl Keys {
 }
 
 fn code(key: &[u8; 32], parts: &[&[u8]]) -> Hmac<Sha256> {
-    // RFC 2104 fills keys up with zeros to a block of the hash.
+    // RFC 2104 pads keys with zeros to one block of the hash.
     let mut block = [0; 64];
     block.iter_mut().zip(key).for_each(|(to, from)| *to = *from);
     let mut code = Hmac::<Sha256>::new(&block.into());
@@ -180,7 +182,7 @@ mod tests {
         Handshake { daemon, at, nonce: &[1; NONCE], cookie: &[2; NONCE] }
     }
 
-    /// The Python client has the same figures in its tests.
+    /// The tests of the Python client contain the same values.
     #[test]
     fn the_codes_are_those_that_other_implementations_make() {
         let token = Token::new(TEXT);
@@ -207,7 +209,7 @@ mod tests {
         assert!(keys.proves(&proof));
         let other = Token::new("0123456789abcdef0123456789abcdeX");
         assert!(!other.keys(&handshake("robot", "1f")).proves(&proof));
-        // Where one name ends and the next begins counts, too.
+        // Where the first name ends and the next begins makes a difference, too.
         for (daemon, at) in [("robot", "2f"), ("arm", "1f"), ("robot1", "f"), ("robo", "t1f")] {
             assert!(!Token::new(TEXT).keys(&handshake(daemon, at)).proves(&proof), "{daemon}");
         }

@@ -1,8 +1,9 @@
-//! Proves who holds a token, to a daemon that is reached through others: the token never leaves
-//! its two ends, and whoever passes the messages on can neither ask nor answer in their place.
+//! Lets a client and a daemon that reach each other through third parties prove to each other that
+//! they hold the same token. The token is never transmitted, and those who pass the messages on can
+//! neither make a request nor an answer themselves.
 //!
-//! `docs/security.md` has the reasoning and every byte. Here are the parts that both ends need;
-//! no socket, no clock, no file.
+//! `docs/security.md` explains the design and specifies every byte. This crate holds what both
+//! sides need; it opens no socket and reads no clock and no file.
 //!
 //! ```text
 //! genomctl                     daemons that answer to the name

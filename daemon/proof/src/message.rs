@@ -1,4 +1,5 @@
-//! What clients and daemons say to each other by a relay: a line of JSON, then bytes.
+//! The messages between clients and daemons that a relay passes on: one line of JSON (the head),
+//! then bytes (the body).
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -6,13 +7,13 @@ use serde::{Deserialize, Serialize};
 use crate::hex::Bytes;
 use crate::key::{HINT, MAC, NONCE};
 
-/// What comes to a daemon.
+/// The head of a message to a daemon.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ToDaemon {
-    /// Somebody wants to talk; says nothing of what about.
+    /// Opens a session; does not tell what the client wants.
     Hello(Hello),
-    /// A [`Question`] is the body, in a session.
+    /// A question within a session. The body is a [`Question`] and the body of its request.
     Sealed(SealedQuestion),
 }
 
@@ -20,107 +21,107 @@ pub enum ToDaemon {
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Hello {
-    /// Name of the daemon that is meant.
+    /// Name of the daemon that is asked for.
     pub daemon: String,
-    /// Chosen by the client.
+    /// Random bytes chosen by the client.
     pub nonce: Bytes<NONCE>,
-    /// By what the daemon finds the token.
+    /// By this the daemon finds the token.
     pub hint: Bytes<HINT>,
 }
 
-/// Says in which session a question is, and that the client asks it.
+/// Tells which session a question belongs to, and proves that the client of that session sent it.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct SealedQuestion {
-    /// As in the hello.
+    /// Nonce of the hello.
     pub nonce: Bytes<NONCE>,
-    /// As in the hello.
+    /// Hint of the hello.
     pub hint: Bytes<HINT>,
-    /// As in the daemon's answer to it.
+    /// Cookie of the daemon's answer to the hello.
     pub cookie: Bytes<NONCE>,
-    /// Each question of a session has another one.
+    /// Number of the question, used only once in a session.
     pub number: u64,
-    /// Authentication code of number and body.
+    /// Authentication code of the number and the body.
     pub mac: Bytes<MAC>,
 }
 
-/// What comes from a daemon.
+/// The head of a message from a daemon.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FromDaemon {
-    /// Answer to a hello.
+    /// The answer to a hello.
     Hello {
-        /// Which end of the middleware the daemon is.
+        /// Identity of the daemon's endpoint on the middleware.
         at: String,
-        /// Chosen by the daemon.
+        /// Random bytes chosen by the daemon.
         cookie: Bytes<NONCE>,
-        /// That it holds the token.
+        /// Proof that the daemon holds the token.
         proof: Bytes<MAC>,
     },
-    /// An [`Answer`] is the body.
+    /// The answer to a question. The body is an [`Answer`] and its content.
     Sealed {
         /// Authentication code of the question's number and the body.
         mac: Bytes<MAC>,
     },
-    /// It does not listen. Nobody vouches for who said so.
+    /// A refusal. It is not authenticated.
     Refused {
-        /// Stable name of the reason.
+        /// Stable name of the reason, for programs.
         code: String,
-        /// One sentence.
+        /// The reason as one sentence.
         message: String,
     },
 }
 
-/// What a client wants of a daemon.
+/// What a client asks of a daemon within a session.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Question {
-    /// A request as by HTTP, with its body.
+    /// A request as over HTTP, followed by its body.
     Request(Request),
-    /// What a stream has sent since it was asked last.
+    /// What stream `.0` has sent since the last such question.
     More(u64),
-    /// Nobody reads that stream any more.
+    /// The client no longer reads stream `.0`.
     End(u64),
 }
 
-/// A request as by HTTP, as far as it is passed on.
+/// An HTTP request, reduced to what the relay supports.
 #[derive(Debug, Deserialize, Serialize)]
 pub struct Request {
-    /// `GET`, `POST` ...
+    /// HTTP method: `GET`, `POST` ...
     pub method: String,
     /// Path and query.
     pub path: String,
-    /// Number of the last event seen, of a stream that goes on.
+    /// Number of the last event received, to resume a stream of events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_event_id: Option<String>,
 }
 
-/// What the daemon answers, with the body or what there is of it.
+/// The daemon's answer, followed by its body, or by the part of it that is available.
 #[derive(Debug, Default, Deserialize, Serialize)]
 pub struct Answer {
-    /// As by HTTP.
+    /// HTTP status.
     pub status: u16,
-    /// As by HTTP.
+    /// HTTP content type.
     pub content_type: String,
-    /// There is more, or will be: ask for it by this number.
+    /// Set if the body goes on: the number of the stream to ask for more of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stream: Option<u64>,
 }
 
-/// One message.
+/// The bytes of a message: head and body.
 #[must_use]
 pub fn encode(head: &impl Serialize, body: &[u8]) -> Vec<u8> {
-    // No head of ours can fail to be JSON, which has no line breaks here.
+    // None of the heads can fail to serialise, and `serde_json` writes no line breaks here.
     let mut bytes = serde_json::to_vec(head).unwrap_or_default();
     bytes.push(b'\n');
     bytes.extend_from_slice(body);
     bytes
 }
 
-/// The parts of a message.
+/// Splits a message into head and body.
 ///
 /// # Errors
-/// The head is not what it should be.
+/// The head is not JSON of type `T`.
 pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<(T, &[u8]), serde_json::Error> {
     let end = bytes.iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len());
     let (head, body) = bytes.split_at(end);

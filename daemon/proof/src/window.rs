@@ -1,19 +1,21 @@
-//! Which numbers of a session were used: each is good once, in whatever order they arrive.
+//! Accepts each number of a session once, in whatever order they arrive (a sliding window against
+//! replays).
 
-/// Numbers that may arrive late: as many as a client's threads ask at a time.
+/// How many numbers behind the greatest one are still accepted: a client has at most this many
+/// questions under way.
 const WIDTH: u64 = 64;
 
-/// The numbers used, as far as they can still be told apart.
+/// The numbers used so far, of those that are not too old.
 #[derive(Clone, Debug, Default)]
 pub struct Window {
-    /// The greatest that was used.
+    /// The greatest number used.
     last: u64,
-    /// Bit n: `last - n` was used.
+    /// Bit n is set if `last - n` was used.
     used: u64,
 }
 
 impl Window {
-    /// Uses a number; `false` if it was used before, or is too old to tell.
+    /// Marks a number as used. Returns `false` if it was used before, or is too old to tell.
     pub fn take(&mut self, number: u64) -> bool {
         if number > self.last {
             let steps = number - self.last;

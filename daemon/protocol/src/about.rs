@@ -2,27 +2,27 @@
 
 use serde::{Deserialize, Serialize};
 
-/// What this daemon is.
+/// The daemon: version, process, addresses.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct About {
-    /// Its version.
+    /// Version of genomd.
     pub genomd: String,
-    /// Its process.
+    /// Process identifier.
     pub pid: u32,
-    /// Its default middleware.
+    /// Name of its default middleware.
     pub backend: String,
-    /// TCP address it listens on as well.
+    /// TCP address that it listens on besides its Unix socket.
     pub listen: Option<String>,
-    /// Where its interface is described.
+    /// Path of its OpenAPI document.
     pub openapi: String,
 }
 
-/// A daemon that was asked to stop.
+/// The daemon was asked to stop.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Stopping {
-    /// It does.
+    /// Always true.
     pub stopping: bool,
 }
 
@@ -35,10 +35,11 @@ pub struct Stopping {
     into_params(parameter_in = Query)
 )]
 pub struct ReadyParameters {
-    /// Answer when it is so, or after so many seconds.
+    /// Wait until the daemon is ready, at most this many seconds.
     #[cfg_attr(feature = "openapi", param(minimum = 0))]
     pub wait: Option<f64>,
-    /// Ready is it only with the connections, calls and activities of its configuration made.
+    /// Count the daemon as ready only when the connections, calls and activities of its
+    /// configuration are made, too.
     pub deployed: Option<bool>,
 }
 
@@ -46,8 +47,8 @@ pub struct ReadyParameters {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Ready {
-    /// It is.
+    /// Always true: a daemon that is not ready refuses the request.
     pub ready: bool,
-    /// Whether connections, calls and activities of its configuration are made, too.
+    /// Whether the connections, calls and activities of its configuration are made.
     pub deployed: bool,
 }

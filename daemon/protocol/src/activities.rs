@@ -1,4 +1,4 @@
-//! Activities: those that run and those that ended lately.
+//! Activities: the running ones, and those that ended recently.
 
 use serde::{Deserialize, Serialize};
 use strum::Display;
@@ -14,33 +14,33 @@ use crate::Outcome;
     into_params(parameter_in = Query)
 )]
 pub struct LookParameters {
-    /// Answer when the activity has ended, or after so many seconds.
+    /// Wait until the activity has ended, at most this many seconds.
     #[cfg_attr(feature = "openapi", param(minimum = 0))]
     pub wait: Option<f64>,
 }
 
-/// Activities of a component, by number.
+/// The activities of a component, in order of their numbers.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Activities {
-    /// Running ones, and those whose results are still kept.
+    /// Running activities, and ended ones whose results are still kept.
     pub activities: Vec<Activity>,
 }
 
-/// An activity that runs, or ended lately.
+/// An activity that runs or ended recently.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Activity {
-    /// Its number, unique in the component's life.
+    /// Its number, unique during the life of the component.
     pub activity: u64,
-    /// The service it runs.
+    /// Name of its service.
     pub service: String,
     /// Whether it runs, or how it ended.
     pub status: Status,
-    /// State it is in, or `waiting` before it starts; of one that runs.
+    /// State that it is in, or `waiting` before it starts; only while it runs.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub state: Option<String>,
-    /// How it ended; of one that ended.
+    /// Its result or exception; only after it ended.
     #[serde(flatten)]
     pub outcome: Outcome,
 }
@@ -59,7 +59,7 @@ pub enum Status {
     Exception,
 }
 
-/// Activities of a component that were asked to stop.
+/// The activities of one component that were asked to stop.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Aborted {
@@ -67,11 +67,11 @@ pub struct Aborted {
     pub aborted: Vec<u64>,
 }
 
-/// Activities of any components that were asked to stop.
+/// The activities of all components that were asked to stop.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct AllAborted {
-    /// Those that had not ended.
+    /// Those that were running.
     pub aborted: Vec<AbortedActivity>,
 }
 
@@ -79,9 +79,9 @@ pub struct AllAborted {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct AbortedActivity {
-    /// Instance that runs it.
+    /// Name of the instance that runs it.
     pub component: String,
-    /// The service it runs.
+    /// Name of its service.
     pub service: String,
     /// Its number.
     pub activity: u64,

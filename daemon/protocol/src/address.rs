@@ -1,38 +1,39 @@
-//! Names of ports, services and remotes: `[BACKEND:]COMPONENT/PORT[/ELEMENT]`.
+//! Addresses of ports, services and remotes: `[BACKEND:]COMPONENT/PORT[/ELEMENT]`.
 //!
-//! This is the one parser of them, for configurations, requests and command lines.
+//! Configurations, requests and command lines are all parsed here.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// `COMPONENT/PORT` or `COMPONENT/PORT/ELEMENT`; a service or a remote stands where a port does.
+/// `COMPONENT/PORT` or `COMPONENT/PORT/ELEMENT`. A service or a remote may take the place of the
+/// port.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Address {
     /// Instance name. Empty for an absolute name of a foreign middleware (see [`Place`]).
     pub component: String,
-    /// Port, service or remote.
+    /// Name of the port, service or remote.
     pub port: String,
-    /// Element of a multiple port.
+    /// Name of the element, if the port is multiple.
     pub element: Option<String>,
 }
 
-/// A text that is no [`Address`].
+/// The text is not an [`Address`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no COMPONENT/PORT")]
 pub struct NoAddress(pub String);
 
-/// An address, and the middleware that it is on when that is said: `shm:demo/position`.
+/// An address, optionally with its middleware: `shm:demo/position`.
 ///
-/// Behind a middleware the name may be absolute, as foreign middlewares have them: `ros2:/scan`.
+/// After a middleware the name may be absolute, as foreign middlewares have them: `ros2:/scan`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Place {
-    /// The middleware; whether there is one of that name is not checked.
+    /// Name of the middleware. Whether there is one of that name is not checked.
     pub backend: Option<String>,
-    /// The address on it.
+    /// The address on the middleware.
     pub address: Address,
 }
 
-/// A text that is no [`Place`].
+/// The text is not a [`Place`].
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{0}` is no COMPONENT/PORT, nor BACKEND:NAME/NAME")]
 pub struct NoPlace(pub String);
@@ -47,7 +48,7 @@ pub enum Subject {
 }
 
 impl Address {
-    /// The port, and `/ELEMENT` behind it when there is one.
+    /// `PORT`, or `PORT/ELEMENT`.
     #[must_use]
     pub fn name(&self) -> String {
         match &self.element {
@@ -56,7 +57,7 @@ impl Address {
         }
     }
 
-    /// Splits `PORT[/ELEMENT]`; what is behind the second slash belongs to the element.
+    /// Splits `PORT[/ELEMENT]`; a second slash and what follows it belong to the element.
     fn of(component: &str, name: &str) -> Option<Self> {
         if name.split('/').any(str::is_empty) {
             return None;

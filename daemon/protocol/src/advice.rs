@@ -1,7 +1,7 @@
-//! What to do about a finding, in the words of the daemon (`genomctl why`) and of
-//! `genomctl doctor` alike.
+//! What users can do about a problem; both the daemon (`genomctl why`) and `genomctl doctor` print
+//! these sentences.
 
-/// A task that missed ticks.
+/// Advice for a task that missed ticks.
 #[must_use]
 pub fn overruns(component: &str) -> String {
     format!(
@@ -9,7 +9,7 @@ pub fn overruns(component: &str) -> String {
     )
 }
 
-/// A codel that yields again and again without `pause::`.
+/// Advice for a codel that yields again and again without `pause::`.
 #[must_use]
 pub fn unpaused(codel: &str) -> String {
     format!("let {codel} yield `pause::` and the state, or end")

@@ -1,16 +1,16 @@
-//! Middlewares of components and ports, and their moves from one to another.
+//! The middlewares of components and ports, and moves between them.
 
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-/// The middlewares a port or a component is on: `"shm"`, `"shm+zenoh"` or `["shm", "zenoh"]`.
+/// The middlewares of a port or a component: `"shm"`, `"shm+zenoh"` or `["shm", "zenoh"]`.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(try_from = "OneOrMore", into = "String")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(value_type = OneOrMore))]
 pub struct BackendNames(Vec<String>);
 
-/// One name, which may be several with `+` between them, or a list of names.
+/// One string, which may hold several names separated by `+`, or a list of names.
 #[derive(Deserialize)]
 #[serde(untagged, expecting = "expected the name of a backend, or a list of names")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
@@ -20,19 +20,19 @@ pub(crate) enum OneOrMore {
 }
 
 impl BackendNames {
-    /// One middleware.
+    /// A single middleware.
     #[must_use]
     pub fn one(name: impl Into<String>) -> Self {
         Self(vec![name.into()])
     }
 
-    /// In the order given, without repetition.
+    /// The names in the order given, without repetition.
     #[must_use]
     pub fn names(&self) -> &[String] {
         &self.0
     }
 
-    /// The one that counts where only one can.
+    /// The first name, for uses that take only one.
     #[must_use]
     pub fn first(&self) -> &str {
         self.0.first().map_or("", String::as_str)
@@ -45,7 +45,7 @@ impl BackendNames {
     }
 }
 
-/// As it is typed: names with `+` between them.
+/// Parses what is typed on a command line: names separated by `+`.
 impl From<&str> for BackendNames {
     fn from(text: &str) -> Self {
         let mut names = Vec::new();
@@ -83,25 +83,25 @@ impl fmt::Display for BackendNames {
     }
 }
 
-/// Where a component, or one of its ports, is to move.
+/// A component, or one of its ports, is to move to other middlewares.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct MoveRequest {
-    /// Where to.
+    /// The new middlewares.
     pub backend: BackendNames,
-    /// One port only.
+    /// Name of the port, to move only that one.
     #[serde(default)]
     pub port: Option<String>,
 }
 
-/// Where it is now.
+/// The middlewares that a component or a port uses now.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Moved {
     /// Instance name.
     pub component: String,
-    /// The port, when one port moved.
+    /// Name of the port, if only one moved.
     pub port: Option<String>,
     /// Its middlewares.
     pub backend: BackendNames,

@@ -1,10 +1,10 @@
-//! The clock that components live by, and its steps when it is virtual.
+//! The clock of the components, and the steps of a virtual one.
 
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize};
 use strum::Display;
 
-/// Which time components live in.
+/// The kind of clock that components use.
 #[derive(Clone, Copy, Debug, Default, Display, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 #[strum(serialize_all = "lowercase")]
@@ -14,27 +14,28 @@ pub enum ClockKind {
     /// The machine's monotonic clock.
     #[default]
     Monotonic,
-    /// One that stands still until a supervisor steps it: same inputs, same codel calls.
+    /// A clock that advances only when it is stepped: equal inputs give equal calls of codels.
     Virtual,
 }
 
-/// A step of a virtual clock.
+/// Advances the virtual clock.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct StepRequest {
-    /// How far to go, in nanoseconds; at most [`StepRequest::LONGEST`]. 0 runs what is pending now.
+    /// How far to advance, in nanoseconds; at most [`StepRequest::LONGEST`]. 0 runs what is due
+    /// now.
     #[cfg_attr(feature = "openapi", schema(maximum = 3_600_000_000_000_i64))]
     #[serde(deserialize_with = "whole")]
     pub nanoseconds: u64,
 }
 
 impl StepRequest {
-    /// The longest step, in nanoseconds; longer ones are made of several.
+    /// The longest step, in nanoseconds (one hour). Make several steps for more.
     pub const LONGEST: u64 = 3_600_000_000_000;
 }
 
-/// A whole number, however it is written: `2.0` is one too in JSON.
+/// A whole number; JSON may write it as `2.0`, too.
 fn whole<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
     let number = serde_json::Number::deserialize(from)?;
     let real = number.as_f64().filter(|real| real.fract() == 0.0 && (0.0..1e18).contains(real));
@@ -44,12 +45,12 @@ fn whole<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
         .ok_or_else(|| D::Error::custom(format_args!("{number} is no number of nanoseconds")))
 }
 
-/// The clock.
+/// The clock of the components.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Clock {
-    /// That of the machine, or one that is stepped.
+    /// Its kind.
     pub clock: ClockKind,
-    /// Its date, in nanoseconds.
+    /// Its time, in nanoseconds.
     pub now: u64,
 }

@@ -1,12 +1,12 @@
-//! Reasons of refusals by their stable names, for programs.
+//! Stable names of the reasons for refusals, for programs.
 
 use serde::{Deserialize, Serialize};
 use strum::{AsRefStr, Display, IntoStaticStr};
 
 /// Why the daemon refused a request.
 ///
-/// The names do not change between versions; later versions may add some, so that clients read
-/// [`Reason::code`](crate::Reason) as text.
+/// Names never change between versions, but later versions may add some. Clients should therefore
+/// read [`Reason::code`](crate::Reason) as text.
 #[derive(
     Clone, Copy, Debug, AsRefStr, Display, IntoStaticStr, PartialEq, Eq, Deserialize, Serialize,
 )]
@@ -14,95 +14,95 @@ use strum::{AsRefStr, Display, IntoStaticStr};
 #[strum(serialize_all = "snake_case")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum Code {
-    /// The inputs or the body have the wrong shape.
+    /// The inputs or the body do not have the expected form.
     BadInput,
-    /// The query has the wrong shape.
+    /// The query does not have the expected form.
     BadQuery,
-    /// Too many sessions are under way.
+    /// Too many sessions are open.
     Busy,
     /// A sealed message was changed on its way.
     Changed,
-    /// The in port reads something else.
+    /// The in port is already connected to something else.
     Connected,
-    /// The other daemon did not answer.
+    /// The other daemon did not answer in time.
     DaemonSilent,
     /// A service of the component does not allow this one now.
     Disallowed,
     /// The activity has already ended.
     Ended,
-    /// A codel does not return, so that nothing was done.
+    /// A codel does not return, so that nothing could be done.
     HeldUp,
-    /// The daemon itself failed.
+    /// An error of the daemon itself.
     Internal,
-    /// The component did not stop in time: its name is free, its threads are still there.
+    /// The component did not stop in time: its name is free again, but its threads still run.
     LeftBehind,
-    /// The body is no JSON.
+    /// The body is not JSON.
     Malformed,
-    /// The middleware failed.
+    /// The middleware reported an error.
     MiddlewareFailed,
-    /// The daemon lives by the machine's clock, which is not stepped.
+    /// The daemon uses the machine's clock, which cannot be stepped.
     MonotonicClock,
-    /// The instance name is in use.
+    /// The instance name is already in use.
     NameTaken,
-    /// No middleware of the daemon passes requests on.
+    /// No middleware of the daemon can relay requests.
     NoRelay,
-    /// The deployment cannot be reached from what runs.
+    /// There is no way from what runs to the deployment.
     NoPlan,
-    /// No activity of that number or service.
+    /// There is no activity of that number, or none of that service.
     NoSuchActivity,
-    /// No component of that name.
+    /// There is no component of that name.
     NoSuchComponent,
-    /// No daemon of that name.
+    /// There is no daemon of that name.
     NoSuchDaemon,
-    /// No event of that name.
+    /// There is no event of that name.
     NoSuchEvent,
-    /// No in port of that address.
+    /// There is no in port of that address.
     NoSuchInport,
-    /// No library of that name.
+    /// There is no library of that name.
     NoSuchLibrary,
-    /// The path takes no such method.
+    /// The path does not support the method.
     NoSuchMethod,
-    /// No out port of that address.
+    /// There is no out port of that address.
     NoSuchOutport,
-    /// No such path.
+    /// There is no such path.
     NoSuchPath,
-    /// No port of that name.
+    /// There is no port of that name.
     NoSuchPort,
-    /// No recording of that number.
+    /// There is no recording of that number.
     NoSuchRecording,
-    /// No remote of that address.
+    /// There is no remote of that address.
     NoSuchRemote,
-    /// No service of that name.
+    /// There is no service of that name.
     NoSuchService,
-    /// A step of the deployment was refused, and those before it were taken back.
+    /// A step of the deployment was refused; the steps before it were undone.
     NotApplied,
     /// The port is not connected.
     NotConnected,
     /// The component cannot be loaded.
     NotLoadable,
-    /// The daemon is still loading what it was started with.
+    /// The daemon is still loading the components of its configuration.
     NotReady,
-    /// The request was made by a client that is too old.
+    /// The version of the client is too old.
     OldClient,
-    /// The request was made by a page of some web site.
+    /// The request comes from a web page of another origin.
     Origin,
-    /// The port is an out port, which its component writes.
+    /// The port is an out port; only its component writes it.
     OutPort,
-    /// A sealed message came a second time.
+    /// A sealed message arrived a second time.
     Replayed,
-    /// The token has not the right that is needed.
+    /// The token lacks the required right.
     RightMissing,
-    /// The session with the daemon is over: begin anew.
+    /// The session with the daemon has expired: start a new one.
     SessionOver,
-    /// The daemon, or the component, stops.
+    /// The daemon or the component is stopping.
     Stopping,
-    /// Another program publishes there.
+    /// Another program already publishes there.
     Taken,
-    /// The other side did not come in time.
+    /// The other side did not appear in time.
     Timeout,
-    /// The token file has a mistake.
+    /// The token file is not valid.
     TokenFile,
-    /// The task runs as many activities as it may.
+    /// The task already runs as many activities as it may.
     TooManyActivities,
     /// Too many requests to other daemons are under way.
     TooManyQuestions,
@@ -110,13 +110,13 @@ pub enum Code {
     TooManyRequests,
     /// Too many streams are open.
     TooManyStreams,
-    /// The body is larger than the daemon reads.
+    /// The body is larger than the limit.
     TooLarge,
-    /// The body did not come in time.
+    /// The body did not arrive in time.
     TooSlow,
     /// The two sides have different types.
     TypeMismatch,
-    /// No token, or an unknown one.
+    /// No token was given, or an unknown one.
     Unauthorized,
     /// The component is being unloaded.
     Unloading,
@@ -125,7 +125,7 @@ pub enum Code {
 }
 
 impl Code {
-    /// As it stands in a refusal.
+    /// The name, as it appears in refusals.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.into()

@@ -1,48 +1,49 @@
-//! Codels at work, as far as they keep others from working. Times are in nanoseconds.
+//! Running codels, and tasks whose codels never pause. Times are in nanoseconds.
 
 use serde::{Deserialize, Serialize};
 
-/// A codel that runs now.
+/// A codel that is running now.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct RunningCodel {
-    /// The codel.
+    /// Name of the codel.
     pub codel: String,
     /// Task or service it belongs to.
     pub owner: String,
-    /// The task whose thread is in it; none when it serves a request.
+    /// The task whose thread runs it; absent if the control task runs it for a request.
     pub task: Option<String>,
     /// How long it has been running, in nanoseconds.
     pub for_ns: u64,
-    /// Whether that is so long that it counts as stuck.
+    /// Whether it counts as stuck (`stuck_after` in the configuration).
     pub stuck: bool,
 }
 
-/// A task whose cycle lasts although its codels return: they yield states without pause.
+/// A task that has been in one cycle for long although its codels return: they yield states without
+/// pause.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Unpaused {
-    /// The task.
+    /// Name of the task.
     pub task: String,
-    /// Whether it misses ticks by that.
+    /// Whether the task is periodic, so that it misses ticks.
     pub periodic: bool,
-    /// The codel that yielded a state without pause last.
+    /// The codel that last yielded a state without pause.
     pub codel: String,
     /// Task or service the codel belongs to.
     pub owner: String,
-    /// How long the cycle has lasted.
+    /// How long the cycle has lasted, in nanoseconds.
     pub for_ns: u64,
-    /// How often a codel yielded a state without pause in it.
+    /// Number of times in this cycle that a codel yielded a state without pause.
     pub steps: u64,
 }
 
-/// A task that keeps a processor and does not pause.
+/// A task that occupies a processor and never pauses.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Spin {
-    /// The task, and what it does instead of pausing.
+    /// The task and its codel.
     #[serde(flatten)]
     pub unpaused: Unpaused,
-    /// Share of a processor that it got lately, from 0 to 1.
+    /// Share of one processor that it used recently, from 0 to 1.
     pub processor: f64,
 }

@@ -1,4 +1,4 @@
-//! Components that run.
+//! Running components.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -7,68 +7,70 @@ use serde::{Deserialize, Serialize};
 
 use crate::{BackendNames, RunningCodel, Spin};
 
-/// Components, in the order they were loaded.
+/// The components, in the order they were loaded.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Components {
-    /// Those that run.
+    /// The running components.
     pub components: Vec<Component>,
-    /// Names of those that are being loaded, or are to be at the daemon's start; absent without any.
+    /// Names of those being loaded now, or still to be loaded at the daemon's start; absent if
+    /// none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub loading: Vec<String>,
-    /// What is left of components that did not stop in time; absent when nothing is.
+    /// Components that did not stop in time; absent if none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_behind: Vec<LeftBehind>,
 }
 
-/// What is left of a component: threads in codels that do not return. Its name is free.
+/// What is left of a component that did not stop: threads in codels that do not return. Its name is
+/// free again.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct LeftBehind {
-    /// The name it had.
+    /// Its instance name.
     pub was: String,
-    /// Name in the description.
+    /// Its name in the description.
     pub component: String,
     /// `left behind: stuck in CODEL for 12 s`.
     pub state: String,
 }
 
-/// A component that runs.
+/// A running component.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Component {
     /// Instance name.
     pub name: String,
-    /// Name in the description.
+    /// Its name in the description.
     pub component: String,
-    /// `running`, `damaged` (its codels wrote past the memory they were given),
-    /// `stuck in CODEL for 12 s`, or `spins in CODEL for 12 s`.
+    /// `running`, `damaged` (its codels wrote past the memory they were given), `stuck in CODEL for
+    /// 12 s`, or `spins in CODEL for 12 s`.
     pub state: String,
-    /// Codels that have not returned for so long that they count as stuck; absent without any.
+    /// Codels that count as stuck; absent if none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stuck: Vec<RunningCodel>,
-    /// Tasks that keep a processor and do not pause; absent without any.
+    /// Tasks that occupy a processor and never pause; absent if none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub spins: Vec<Spin>,
-    /// Middlewares of its services, and of ports that have no others.
+    /// Middlewares of its services, and of its ports unless listed in `port_backends`.
     pub backend: BackendNames,
-    /// Middlewares of ports that have others.
+    /// Middlewares of ports that use others.
     #[serde(default)]
     pub port_backends: BTreeMap<String, BackendNames>,
-    /// File of the library.
+    /// Path of the library.
     #[cfg_attr(feature = "openapi", schema(value_type = String))]
     pub library: PathBuf,
-    /// How many activities run.
+    /// Number of running activities.
     pub activities: usize,
-    /// Services of others that its codels call, by name: what can be connected to one.
+    /// Names of its remotes: services of other components that its codels call.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remotes: Vec<String>,
 }
 
-/// A component is gone.
+/// A component was unloaded.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Unloaded {
-    /// It is.
+    /// Always true.
     pub unloaded: bool,
 }

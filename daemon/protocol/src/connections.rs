@@ -1,4 +1,4 @@
-//! Connections: what feeds which in port, and which services remotes call.
+//! Connections: which out port an in port reads, and which service a remote calls.
 
 use serde::{Deserialize, Serialize};
 use strum::Display;
@@ -10,13 +10,13 @@ use crate::is_false;
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct ConnectionRequest {
-    /// The in port, `COMPONENT/PORT` or `COMPONENT/PORT/ELEMENT`; or a remote.
+    /// The in port, `COMPONENT/PORT` or `COMPONENT/PORT/ELEMENT`, or the remote.
     #[serde(rename = "in")]
     pub inport: String,
-    /// The out port that feeds it; or the service that a remote calls.
+    /// The out port to read, or the service to call.
     #[serde(rename = "out")]
     pub outport: String,
-    /// What the reader gets of the samples it has not read: `latest`, `queue:N` or `ring:N`.
+    /// Which unread samples are kept for the reader: `latest`, `queue:N` or `ring:N`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(
         feature = "openapi",
@@ -28,16 +28,16 @@ pub struct ConnectionRequest {
     /// Middleware to use; by default that of the out port.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backend: Option<String>,
-    /// Connect also when the out port does not exist yet.
+    /// Connect even if the out port does not exist yet.
     #[serde(default, skip_serializing_if = "is_false")]
     pub wait: bool,
 }
 
-/// Connections of all components.
+/// The connections of all components.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Connections {
-    /// By component.
+    /// The connections, by component.
     pub connections: Vec<Connection>,
 }
 
@@ -45,23 +45,23 @@ pub struct Connections {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Connection {
-    /// Of a port, or of a remote.
+    /// Whether it connects ports, or a remote and a service.
     pub kind: ConnectionKind,
-    /// The in port, or the remote.
+    /// Address of the in port or the remote.
     #[serde(rename = "in")]
     pub inport: String,
-    /// The out port, or the service.
+    /// Address of the out port or the service.
     #[serde(rename = "out")]
     pub outport: String,
-    /// Its middleware; none for a remote within the daemon.
+    /// Its middleware; absent for a remote whose service is in the same daemon.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backend: Option<String>,
-    /// Its policy; none for a remote.
+    /// Its policy; absent for a remote.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub policy: Option<String>,
 }
 
-/// What a connection is of.
+/// Kind of a connection.
 #[derive(Clone, Copy, Debug, Display, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
@@ -73,7 +73,7 @@ pub enum ConnectionKind {
     Service,
 }
 
-/// An in port or a remote is connected no more.
+/// An in port or a remote was disconnected.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Disconnected {

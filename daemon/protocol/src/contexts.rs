@@ -1,23 +1,23 @@
-//! Named ways to daemons, as clients keep them in `~/.config/genomd/contexts.toml`.
+//! Contexts: named ways to reach daemons, kept by clients in `~/.config/genomd/contexts.toml`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-/// What the file holds.
+/// The content of the file.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Contexts {
-    /// The context that counts when nothing else says which daemon is meant.
+    /// Name of the context used when nothing else selects a daemon.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub current: Option<String>,
-    /// By name.
+    /// The contexts, by name.
     #[serde(default)]
     pub context: BTreeMap<String, Context>,
 }
 
-/// One way to a daemon: options of genomctl's command line.
+/// How to reach a daemon: options of genomctl's command line.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Context {
@@ -38,7 +38,7 @@ pub struct Context {
     pub token_file: Option<PathBuf>,
 }
 
-/// Where the file is: below `$XDG_CONFIG_HOME`, else below `$HOME/.config`; `None` when neither is
+/// Path of the file: below `$XDG_CONFIG_HOME`, else below `$HOME/.config`; `None` if neither is
 /// set.
 #[must_use]
 pub fn path() -> Option<PathBuf> {

@@ -4,31 +4,31 @@ use serde::{Deserialize, Serialize};
 
 use crate::is_false;
 
-/// Daemons that are visible.
+/// Visible daemons.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Daemons {
-    /// Name of this one, where it is visible.
+    /// Name under which this daemon is visible to others, if it is.
     pub own: Option<String>,
-    /// All of them.
+    /// All visible daemons, this one included.
     pub daemons: Vec<VisibleDaemon>,
 }
 
-/// A daemon on a middleware.
+/// A daemon that is visible on a middleware.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct VisibleDaemon {
-    /// What it calls itself; that is no proof.
+    /// The name it gives itself; not authenticated.
     pub name: String,
-    /// The middleware.
+    /// Name of the middleware.
     pub backend: String,
 }
 
-/// What answered to a name.
+/// Answers to a message sent to all daemons of a name.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Answers {
-    /// Whoever answered in time.
+    /// Those that arrived in time.
     pub answers: Vec<Answered>,
 }
 
@@ -36,9 +36,9 @@ pub struct Answers {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Answered {
-    /// Which end of the middleware it came from.
+    /// Identity of the endpoint on the middleware that sent it.
     pub at: String,
-    /// Its words.
+    /// The answer itself.
     pub message: String,
 }
 
@@ -51,9 +51,9 @@ pub struct Answered {
     into_params(parameter_in = Query)
 )]
 pub struct AskParameters {
-    /// Which end of the middleware is meant, as it was told with the answer to the hello.
+    /// Identity of the endpoint to ask, taken from its answer to the hello.
     pub at: String,
-    /// The answer may take an hour instead of a minute.
+    /// Wait for the answer for up to an hour, instead of a minute.
     #[serde(default, skip_serializing_if = "is_false")]
     pub wait: bool,
 }

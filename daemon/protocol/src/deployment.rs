@@ -8,22 +8,23 @@ use serde_json::{Map, Value};
 
 use crate::{Address, LoadRequest, Place, Policy, is_false};
 
-/// A connection that is to be, and to be kept: an in port reads an out port, or a remote
-/// (`uses`) calls a service.
+/// A connection to make, and to make again whenever one side comes back: an in port reads an out
+/// port, or a remote (`uses`) calls a service.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct ConnectionEntry {
-    /// The in port, `component/port` or `component/port/element`; or `component/remote`.
+    /// The in port, `component/port` or `component/port/element`, or the remote,
+    /// `component/remote`.
     #[serde(rename = "in", deserialize_with = "inport")]
     pub inport: String,
-    /// The out port, or the service; with a middleware before it or not.
+    /// The out port or the service, optionally with its middleware: `shm:demo/position`.
     #[serde(rename = "out", deserialize_with = "outport")]
     pub outport: String,
-    /// `latest`, `queue:N` or `ring:N`; `latest` by default, none for a remote.
+    /// `latest` (default), `queue:N` or `ring:N`; not for a remote.
     #[serde(default, deserialize_with = "policy_text", skip_serializing_if = "Option::is_none")]
     pub policy: Option<String>,
-    /// The middleware, when it is not left to the two sides.
+    /// The middleware; by default chosen from those of the two sides.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backend: Option<String>,
 }
@@ -35,25 +36,25 @@ pub struct ConnectionEntry {
 pub struct CallEntry {
     /// Instance name.
     pub component: String,
-    /// Service.
+    /// Name of the service.
     pub service: String,
-    /// Inputs; what is missing takes its default.
+    /// Inputs by name; those left out take their defaults.
     #[serde(default = "no_inputs", skip_serializing_if = "is_empty")]
     pub inputs: Value,
 }
 
-/// What is to run and how it is wired, on one daemon.
+/// The components, connections and requests wanted on one daemon.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(default)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Deployment {
-    /// Components, in order unless `after` says otherwise.
+    /// Components to load, in this order unless `after` says otherwise.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub component: Vec<LoadRequest>,
-    /// Connections.
+    /// Connections to make.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub connection: Vec<ConnectionEntry>,
-    /// Services to call, in order, once everything is wired.
+    /// Services to call, in order, once all connections are made.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub call: Vec<CallEntry>,
     /// Activities to start, in order, after the calls.
@@ -62,13 +63,13 @@ pub struct Deployment {
 }
 
 impl ConnectionEntry {
-    /// The policy; it was checked when the entry was read.
+    /// The policy; it was validated when the entry was read.
     #[must_use]
     pub fn policy(&self) -> Policy {
         self.policy.as_deref().and_then(|policy| policy.parse().ok()).unwrap_or_default()
     }
 
-    /// Instance that reads, or calls.
+    /// Name of the instance that reads the port or calls the service.
     #[must_use]
     pub fn reader(&self) -> &str {
         self.inport.split('/').next().unwrap_or_default()
@@ -109,21 +110,21 @@ fn policy_text<'de, D: Deserializer<'de>>(from: D) -> Result<Option<String>, D::
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct DeploymentRequest {
-    /// The file's text.
+    /// Text of the deployment file.
     pub text: String,
-    /// The file's name, for messages and for relative paths in it.
+    /// Name of the file, for messages and relative paths.
     #[cfg_attr(feature = "openapi", schema(value_type = String))]
     pub file: PathBuf,
-    /// Which daemon of the file this is; by default the name the daemon was started with.
+    /// Which daemon of the file this one is; by default the name it was started with.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub daemon: Option<String>,
-    /// Take away components and connections that the file does not have.
+    /// Remove components and connections that the file does not contain.
     #[serde(default, skip_serializing_if = "is_false")]
     pub prune: bool,
-    /// Only tell what would be done.
+    /// Report the steps without taking them.
     #[serde(default, skip_serializing_if = "is_false")]
     pub dry_run: bool,
-    /// Seconds each connection may wait for its other side.
+    /// Seconds that each connection may wait for its other side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "openapi", schema(minimum = 0, maximum = 86400))]
     pub timeout: Option<f64>,
@@ -135,17 +136,18 @@ pub struct DeploymentRequest {
 pub struct Dumped {
     /// The deployment.
     pub deployment: RunningDeployment,
-    /// The same as the text of a file.
+    /// The same as text of a deployment file.
     pub text: String,
 }
 
-/// What runs, and the middlewares under it.
+/// What runs, and its middlewares.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct RunningDeployment {
-    /// The default middleware.
+    /// Name of the default middleware.
     pub backend: String,
-    /// Options of middlewares, for those who may know: keys and passwords may stand there.
+    /// Options of middlewares. Only for clients with the right to see them: they may contain keys
+    /// and passwords.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     #[cfg_attr(feature = "openapi", schema(value_type = Object))]
     pub backends: BTreeMap<String, Map<String, Value>>,
@@ -154,15 +156,15 @@ pub struct RunningDeployment {
     pub runs: Deployment,
 }
 
-/// What was done, or would be.
+/// Result of applying a deployment.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Applied {
-    /// The steps, in order.
+    /// The steps taken, or to be taken, in order.
     pub steps: Vec<String>,
-    /// Whether they were taken.
+    /// Whether they were taken; false for a dry run.
     pub applied: bool,
-    /// Components and connections that the file does not have, and that are there still.
+    /// Components and connections that the file does not contain and that were kept.
     #[serde(default)]
     pub beside: Vec<String>,
 }

@@ -1,4 +1,4 @@
-//! What a component offers, as its description says it.
+//! The interface of a component, as its description specifies it.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -6,26 +6,27 @@ use strum::Display;
 
 use crate::{Component, PortDirection};
 
-/// A component that runs, with all its description says.
+/// A running component with the content of its description.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Description {
-    /// What is this instance's own.
+    /// What belongs to this instance.
     #[serde(flatten)]
     pub instance: Component,
-    /// `2010` or `2011`, the languages of two papers, or `current`.
+    /// Dialect of the description: `current`, or `2010` or `2011` for the languages of the papers
+    /// of these years.
     #[serde(default)]
     pub dialect: String,
-    /// Documentation.
+    /// Documentation of the component.
     pub doc: Option<String>,
     /// Version of the component.
     pub version: String,
     /// `c`, `c++` or `rust`: the language of its codels.
     #[serde(default)]
     pub lang: String,
-    /// Who to write to.
+    /// Address of its author.
     pub email: Option<String>,
-    /// Packages that its users need.
+    /// Packages that users of the component need.
     #[serde(default)]
     pub requires: Vec<String>,
     /// Packages that its codels need.
@@ -33,36 +34,36 @@ pub struct Description {
     pub codels_requires: Vec<String>,
     /// Period of the clock of its tasks, in seconds.
     pub clock_rate: Option<f64>,
-    /// Its internal data.
+    /// Members of its internal data structure (IDS).
     pub ids: Option<Vec<Member>>,
-    /// Execution tasks.
+    /// Its execution tasks.
     pub tasks: Vec<TaskDescription>,
-    /// Ports.
+    /// Its ports.
     pub ports: Vec<PortDescription>,
-    /// Services of others that its codels call.
+    /// Services of other components that its codels call.
     #[serde(default)]
     pub uses: Vec<RemoteDescription>,
-    /// Services, those that every component has among them.
+    /// Its services, including those that every component has.
     pub services: Vec<Service>,
-    /// States of its codels.
+    /// Names of all states of its codels.
     #[serde(default)]
     pub states: Vec<String>,
     /// Events that can be fired from outside.
     #[serde(default)]
     pub events: Vec<String>,
-    /// Exceptions of its codels.
+    /// Exceptions that its codels may raise.
     #[serde(default)]
     pub throws: Vec<String>,
-    /// Digest of all this: equal for two components of one interface.
+    /// Digest of all of this: equal for components of the same interface.
     #[serde(default)]
     pub digest: String,
 }
 
-/// A member of the internal data.
+/// A member of the IDS.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Member {
-    /// The member.
+    /// Name of the member.
     pub name: String,
     /// Name of its type.
     #[serde(rename = "type")]
@@ -73,37 +74,37 @@ pub struct Member {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct TaskDescription {
-    /// The task.
+    /// Name of the task.
     pub name: String,
     /// Documentation.
     pub doc: Option<String>,
-    /// Its period; none of an aperiodic one.
+    /// Its period; absent if it is aperiodic.
     pub period: Option<f64>,
-    /// From the date of a period to its tick.
+    /// Offset of its ticks from the start of each period.
     #[serde(default)]
     pub delay: f64,
-    /// 0, the highest, to 255.
+    /// From 0, the highest, to 255.
     pub priority: Option<u32>,
-    /// Whether it asks for real-time scheduling.
+    /// Whether it requests real-time scheduling.
     #[serde(default)]
     pub real_time: bool,
-    /// Bytes of its stack.
+    /// Size of its stack, in bytes.
     pub stack: Option<u64>,
     /// Codels of its permanent activity.
     #[serde(default)]
     pub codels: Vec<Codel>,
-    /// Exceptions of these.
+    /// Exceptions that these codels may raise.
     #[serde(default)]
     pub throws: Vec<String>,
 }
 
-/// A port.
+/// A port of a component.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct PortDescription {
-    /// The port.
+    /// Name of the port.
     pub name: String,
-    /// Whether the component reads or writes it.
+    /// Whether the component reads (`in`) or writes (`out`) it.
     pub direction: PortDirection,
     /// Whether it has elements.
     pub multiple: bool,
@@ -114,20 +115,20 @@ pub struct PortDescription {
     pub doc: Option<String>,
 }
 
-/// A service of another component that codels call.
+/// A remote: a service of another component that codels call.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct RemoteDescription {
-    /// The remote.
+    /// Name of the remote.
     pub name: String,
-    /// The interface that has the service.
+    /// Name of the interface that declares the service.
     pub interface: String,
-    /// What the service takes and gives.
+    /// Parameters of the service.
     pub parameters: Vec<Parameter>,
-    /// Exceptions it may end with.
+    /// Exceptions that the service may end with.
     #[serde(default)]
     pub throws: Vec<String>,
-    /// [`Service::call_digest`] of the services that can be connected to it.
+    /// The [`Service::call_digest`] that a service must have to be connected.
     #[serde(default)]
     pub digest: String,
 }
@@ -136,7 +137,7 @@ pub struct RemoteDescription {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Service {
-    /// The service.
+    /// Name of the service.
     pub name: String,
     /// What kind of service it is.
     pub kind: ServiceKind,
@@ -145,44 +146,44 @@ pub struct Service {
     pub standard: bool,
     /// Documentation.
     pub doc: Option<String>,
-    /// What it takes and gives.
+    /// Its inputs and outputs.
     pub parameters: Vec<Parameter>,
-    /// Variables of its codels.
+    /// Local variables of its codels.
     #[serde(default)]
     pub locals: Vec<Parameter>,
-    /// The task that runs it; none of attributes and functions.
+    /// Task that runs it; absent for attributes and functions.
     pub task: Option<String>,
-    /// Services that it interrupts.
+    /// Services that it interrupts when it starts.
     #[serde(default)]
     pub interrupts: Vec<String>,
-    /// Services that it comes before.
+    /// Services whose success disallows this one: it comes before them.
     #[serde(default)]
     pub before: Vec<String>,
-    /// Services that it comes after.
+    /// Services that must have succeeded once before this one is allowed.
     #[serde(default)]
     pub after: Vec<String>,
-    /// Codels that look at its inputs before it runs.
+    /// Codels that validate its inputs before it starts.
     #[serde(default)]
     pub validates: Vec<Codel>,
     /// Its codels.
     #[serde(default)]
     pub codels: Vec<Codel>,
-    /// Exceptions it may end with.
+    /// Exceptions that it may end with.
     #[serde(default)]
     pub throws: Vec<String>,
     /// Digest of its whole description.
     #[serde(default)]
     pub digest: String,
-    /// Digest of what a caller sees of it.
+    /// Digest of the parts that concern its callers.
     #[serde(default)]
     pub call_digest: String,
     /// Middlewares that it is offered on (`[services]` of the daemon's configuration).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub served: Option<Vec<String>>,
-    /// JSON Schema of its inputs; of a service that was asked for by name.
+    /// JSON Schema of its inputs; only if the service was requested by name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input_schema: Option<Value>,
-    /// JSON Schema of its outputs; as there.
+    /// JSON Schema of its outputs; only if the service was requested by name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub output_schema: Option<Value>,
 }
@@ -193,69 +194,70 @@ pub struct Service {
 #[strum(serialize_all = "snake_case")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum ServiceKind {
-    /// Reads or sets internal data; replies at once.
+    /// Reads or sets members of the IDS; replies at once.
     Attribute,
-    /// A computation; replies at once.
+    /// Computes something; replies at once.
     Function,
-    /// Runs for a while: accepted, then states, then a result; can be aborted.
+    /// Runs through states for a while and then gives a result; can be aborted.
     Activity,
 }
 
-/// What a service takes or gives under a name.
+/// A parameter of a service.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Parameter {
-    /// The name.
+    /// Name of the parameter.
     pub name: String,
-    /// Whether it is taken or given.
+    /// Whether it is an input, an output, or both.
     pub direction: Direction,
     /// Name of its type.
     #[serde(rename = "type")]
     pub ty: String,
-    /// Taken when the input is left out, but of an attribute.
+    /// Value used if the input is left out; not used by attributes.
     pub default: Option<Value>,
     /// Documentation.
     pub doc: Option<String>,
-    /// Of an input of an attribute that was asked for by name: what it keeps when it is left out,
-    /// for those who may call it, and unless codels are in the way.
+    /// For an input of an attribute that was requested by name: the present value, which is kept if
+    /// the input is left out. Only for clients that may call the attribute, and only if no codel
+    /// excludes reading it now.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub current: Option<Value>,
 }
 
-/// Whether a parameter is taken or given.
+/// Direction of a parameter.
 #[derive(Clone, Copy, Debug, Display, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 #[strum(serialize_all = "lowercase")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum Direction {
-    /// Taken.
+    /// An input.
     In,
-    /// Given.
+    /// An output.
     Out,
-    /// Both.
+    /// An input and an output.
     InOut,
 }
 
 impl Direction {
-    /// Whether it is taken.
+    /// Whether the parameter is an input.
     #[must_use]
     pub fn is_input(self) -> bool {
         self != Self::Out
     }
 }
 
-/// A codel.
+/// A codel: a function of the component's library.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Codel {
-    /// The codel.
+    /// Name of the codel.
     pub name: String,
-    /// Whether it runs in a thread of its own.
+    /// Whether it runs in a thread of its own (`async`).
     #[serde(rename = "async")]
     pub asynchronous: bool,
-    /// States that it runs in; of a state machine.
+    /// States in which it runs; only in a state machine.
     pub on: Option<Vec<String>>,
-    /// States that it yields, `pause::` before those that wait for the next tick or event.
+    /// States that it may yield, with `pause::` before those that wait for the next tick or event.
     pub yields: Option<Vec<String>>,
     /// Its arguments.
     pub parameters: Vec<CodelParameter>,
@@ -267,13 +269,13 @@ pub struct Codel {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct CodelParameter {
-    /// The argument.
+    /// Name of the argument.
     pub name: String,
     /// Whether the codel reads or writes it.
     pub direction: Direction,
     /// Name of its type.
     #[serde(rename = "type")]
     pub ty: String,
-    /// Where it comes from: `ids a.b[2]`, `local`, `port NAME`, `remote NAME`.
+    /// What it refers to: `ids a.b[2]`, `local`, `port NAME`, `remote NAME`.
     pub source: String,
 }

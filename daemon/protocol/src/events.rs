@@ -1,4 +1,4 @@
-//! What changes in the daemon, as `GET /events` tells it.
+//! Changes in the daemon, as `GET /events` reports them.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -13,8 +13,8 @@ use strum::VariantNames;
     into_params(parameter_in = Query)
 )]
 pub struct ChangeParameters {
-    /// Changes of these kinds only, as `connected,disconnected`; that the daemon stops, and that
-    /// changes were missed, is told all the same.
+    /// Report only changes of these kinds, such as `connected,disconnected`. That the daemon stops,
+    /// and that changes were missed, is always reported.
     pub only: Option<String>,
 }
 
@@ -22,46 +22,46 @@ pub struct ChangeParameters {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Fired {
-    /// It was.
+    /// Always true.
     pub fired: bool,
 }
 
-/// Something that changed.
+/// A change in the daemon.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, VariantNames)]
 #[serde(tag = "event", rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 #[allow(missing_docs, reason = "members are named as everywhere in the control plane")]
 pub enum Change {
-    /// A component runs.
+    /// A component was started.
     ComponentLoaded { component: String, backend: String },
-    /// A component stopped and is gone.
+    /// A component was unloaded.
     ComponentUnloaded { component: String },
-    /// A component did not stop in time: its name is free, and what is left of it cannot go yet.
+    /// A component did not stop in time: its name is free, but its threads still run.
     ComponentLeft { component: String, why: String },
-    /// A codel has been running for so long that it counts as stuck.
+    /// A codel has run for so long that it counts as stuck.
     CodelStuck {
         component: String,
         codel: String,
-        /// Its task or service.
+        /// Task or service it belongs to.
         owner: String,
-        /// The task whose thread it holds; none when it serves a request.
+        /// The task whose thread it occupies; absent if the control task runs it for a request.
         #[serde(skip_serializing_if = "Option::is_none")]
         task: Option<String>,
         seconds: f64,
     },
-    /// A codel that counted as stuck returned, after so long.
+    /// A codel that counted as stuck returned.
     CodelReturned { component: String, codel: String, owner: String, seconds: f64 },
-    /// A task keeps a processor and does not pause: a codel yields states again and again.
+    /// A task occupies a processor and never pauses: a codel yields states again and again.
     CodelSpins {
         component: String,
         codel: String,
-        /// Its task or service.
+        /// Task or service it belongs to.
         owner: String,
         task: String,
         seconds: f64,
     },
-    /// A component stopped by itself; the reason was logged.
+    /// A component stopped by itself; the log has the reason.
     ComponentFailed { component: String, why: String },
     /// An activity was accepted.
     ActivityStarted { component: String, service: String, activity: u64 },
@@ -75,7 +75,7 @@ pub enum Change {
         #[serde(skip_serializing_if = "Option::is_none")]
         exception: Option<String>,
     },
-    /// Ticks came while a task was still at work.
+    /// A task missed ticks: it was still running when they came.
     Overrun { component: String, task: String, ticks: u64 },
     /// An in port was connected.
     Connected {
@@ -104,31 +104,32 @@ pub enum Change {
     RemoteDisconnected { remote: String },
     /// An external event was fired.
     EventFired { component: String, name: String },
-    /// A deployment takes a step.
+    /// A step of a deployment.
     DeploymentStep { step: String, status: StepStatus },
-    /// A connection of a deployment waits for its other side.
+    /// A connection of a deployment is waiting for its other side.
     DeploymentWaits { step: String },
-    /// The daemon stops.
+    /// The daemon is stopping.
     Stopping {},
 }
 
-/// How far a deployment is with a step.
+/// Progress of a step of a deployment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum StepStatus {
-    /// It is being taken.
+    /// The step begins.
     Begun,
-    /// It was taken.
+    /// The step is done.
     Done,
 }
 
-/// A change of any kind, also one that only a later daemon tells.
+/// A change of any kind, including kinds that only later daemons report.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct AnyChange {
-    /// Its kind: a [`Change`], or `missed` in place of changes that the listener did not get.
+    /// Its kind: one of [`Change`], or `missed` in place of changes that the listener did not
+    /// receive.
     pub event: String,
-    /// What else it says.
+    /// Its other members.
     #[serde(flatten)]
     pub members: Map<String, Value>,
 }

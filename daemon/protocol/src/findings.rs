@@ -4,26 +4,28 @@ use serde::{Deserialize, Serialize};
 
 use crate::is_false;
 
-/// What keeps data from flowing.
+/// The reasons why no data flows through a port.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Findings {
-    /// None: data flows.
+    /// The reasons; empty if data flows.
     pub findings: Vec<Finding>,
-    /// The port and its elements that data flows through, whatever else is found.
+    /// The addresses, among the port and its elements, that data flows through, even if there are
+    /// findings on others.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub flows: Vec<String>,
 }
 
-/// One reason, and what to do.
+/// A reason, with advice.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Finding {
     /// What is wrong.
     pub what: String,
-    /// What to do.
+    /// What the user can do about it.
     pub fix: String,
-    /// Whether both ends are there and still do not meet: a mistake, whatever the port is for.
+    /// Whether both ends exist but do not reach each other. This is an error, whatever the port is
+    /// used for.
     #[serde(default, skip_serializing_if = "is_false")]
     pub unmet: bool,
 }

@@ -1,8 +1,8 @@
-//! What a recording is sent as: frames in a row, each `length: u32, kind: u8, content`, little
-//! endian. The content is JSON, but for samples: `channel: u16, number: u32, date: u64, message`.
+//! The format in which recordings are sent: a sequence of frames, each `length: u32, kind: u8,
+//! content`, little endian. The content is JSON, except for samples: `channel: u16, number: u32,
+//! date: u64, message`.
 //!
-//! The first frame is a [`Start`], the last one an [`End`]; each [`Channel`] comes before its
-//! samples.
+//! The first frame is a [`Start`], the last one an [`End`]; each [`Channel`] precedes its samples.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::ClockKind;
 
-/// A longer frame is none.
+/// Maximum length of a frame, in bytes.
 const LONGEST: usize = 256 << 20;
 
 const START: u8 = 0;
@@ -25,16 +25,16 @@ const END: u8 = 4;
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct RecordingRequest {
-    /// Components, ports, elements of multiple ports; everything when empty.
+    /// Components, ports, and elements of multiple ports; everything if empty.
     #[serde(default)]
     pub ports: Vec<String>,
 }
 
-/// A recording that ends.
+/// A recording was asked to end.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct RecordingEnds {
-    /// It does, once all is sent that was taken until now.
+    /// Always true: the recording ends once all samples taken until now are sent.
     pub ends: bool,
 }
 
@@ -42,45 +42,46 @@ pub struct RecordingEnds {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = RecordingStart))]
 pub struct Start {
-    /// Number of the recording, to end it.
+    /// Number of the recording, needed to end it.
     pub recording: u64,
-    /// Version of the daemon.
+    /// Version of genomd.
     pub genomd: String,
-    /// The clock that dates the samples.
+    /// The clock of the dates of samples.
     pub clock: ClockKind,
-    /// What ran when it began, as a deployment file.
+    /// What ran when the recording began, as text of a deployment file.
     pub deployment: String,
 }
 
-/// A port, or a subject of notes: calls, activities, exceptions, changes.
+/// A port, or one of the subjects that the daemon reports itself: calls, activities, exceptions,
+/// changes.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = RecordingChannel))]
 pub struct Channel {
-    /// Its number in the frames that follow.
+    /// Number of the channel in the frames that follow.
     pub channel: u16,
     /// `/COMPONENT/PORT`, or `/genom/SUBJECT`.
     pub topic: String,
     /// `cdr` or `json`.
     pub encoding: String,
-    /// Name of the schema.
+    /// Name of the schema of its messages.
     pub schema: String,
     /// The schema: a ROS 2 message definition, or a JSON Schema.
     pub definition: String,
-    /// Of a port: `direction`, `type`, and `reads`, the out port that feeds it.
+    /// For a port: `direction`, `type`, and `reads`, the out port that feeds it.
     pub metadata: BTreeMap<String, String>,
 }
 
-/// Samples of a channel that found no room, so far.
+/// Total of samples of a channel that were dropped because the buffer was full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = RecordingLoss))]
 pub struct Lost {
-    /// The channel.
+    /// Number of the channel.
     pub channel: u16,
-    /// How many.
+    /// Number of samples dropped so far.
     pub lost: u64,
 }
 
-/// The last frame: everything was sent.
+/// The last frame: everything before it was sent.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(as = RecordingEnd))]
 pub struct End {
@@ -88,14 +89,14 @@ pub struct End {
     pub why: String,
 }
 
-/// A sample or a note.
+/// A sample of a port, or a report of the daemon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sample<'a> {
-    /// Its channel.
+    /// Number of its channel.
     pub channel: u16,
-    /// From 0 in each channel, without gaps but for lost samples.
+    /// Number of the sample, from 0 in each channel; dropped samples leave gaps.
     pub number: u32,
-    /// When it was taken, in nanoseconds since 1970 or on the virtual clock.
+    /// When it was taken, in nanoseconds since 1970, or of the virtual clock.
     pub date: u64,
     /// CDR with its encapsulation header, or JSON.
     pub message: &'a [u8],
@@ -106,35 +107,35 @@ pub struct Sample<'a> {
 pub enum Frame<'a> {
     /// The recording begins.
     Start(Start),
-    /// A channel comes.
+    /// Announces a channel.
     Channel(Channel),
     /// A sample comes.
     Sample(Sample<'a>),
-    /// Samples were lost.
+    /// Samples were dropped.
     Lost(Lost),
-    /// The recording is over.
+    /// The recording ends.
     End(End),
 }
 
-/// Bytes that are no frames.
+/// The bytes are not a valid frame.
 #[derive(Debug, thiserror::Error)]
 pub enum NoFrame {
-    /// A length that no frame has.
+    /// The length is above the limit.
     #[error("a frame of {0} bytes")]
     Length(usize),
-    /// A kind that is not known.
+    /// The kind is unknown.
     #[error("a frame of kind {0}")]
     Kind(u8),
-    /// A sample that is too short.
+    /// The content is shorter than the header of a sample.
     #[error("a sample without a head")]
     Sample,
-    /// A content that is not what its kind says.
+    /// The content is not the JSON that its kind requires.
     #[error(transparent)]
     Content(#[from] serde_json::Error),
 }
 
 impl Frame<'_> {
-    /// Appends the frame.
+    /// Appends the encoded frame to `out`.
     pub fn append(&self, out: &mut Vec<u8>) {
         match self {
             Self::Start(start) => append_json(out, START, start),
@@ -150,10 +151,11 @@ impl Frame<'_> {
 }
 
 impl<'a> Frame<'a> {
-    /// The first frame of these bytes and its length; `None` when it is not complete.
+    /// Decodes the first frame of `bytes`, and returns it with its length; `None` if it is not
+    /// complete.
     ///
     /// # Errors
-    /// The bytes are no frames.
+    /// The bytes are not a valid frame.
     pub fn first(bytes: &'a [u8]) -> Result<Option<(Self, usize)>, NoFrame> {
         let Some(length) = complete(bytes)? else { return Ok(None) };
         let (kind, content) = (bytes[4], &bytes[5..length]);
@@ -169,10 +171,10 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// Length of the first frame of these bytes; `None` when it is not complete.
+/// Length of the first frame of `bytes`; `None` if it is not complete.
 ///
 /// # Errors
-/// No frame has the length that is said.
+/// The length is above the limit.
 pub fn complete(bytes: &[u8]) -> Result<Option<usize>, NoFrame> {
     let Some((length, rest)) = bytes.split_first_chunk::<4>() else { return Ok(None) };
     let length = u32::from_le_bytes(*length) as usize;
@@ -183,7 +185,7 @@ pub fn complete(bytes: &[u8]) -> Result<Option<usize>, NoFrame> {
 }
 
 fn append_json(out: &mut Vec<u8>, kind: u8, content: &impl Serialize) {
-    // None of the contents can fail to be JSON.
+    // None of the contents can fail to serialise.
     let text = serde_json::to_vec(content).unwrap_or_default();
     append_parts(out, kind, &[&text]);
 }

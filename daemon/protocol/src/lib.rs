@@ -1,8 +1,8 @@
-//! What the control plane of genomd says and hears: every type that crosses it, once.
+//! The types that cross the control plane of genomd, each defined once.
 //!
-//! One file a resource, with its requests, its queries and its replies. [`routes`] lists the
-//! paths, each with what it takes and what it answers, so that a client cannot read a reply as
-//! another one. [`Refusal`] is the one shape of errors, [`Code`] its reasons.
+//! Each file holds the requests, queries and replies of one resource. [`routes`] lists the paths
+//! with the types of their bodies and replies, so that a client cannot read a reply as another
+//! type. All errors have the form of [`Refusal`], and their reasons are listed in [`Code`].
 //!
 //! ```
 //! use genom_protocol::{Address, PortParameters, routes};
@@ -17,8 +17,8 @@
 //! # Ok::<(), genom_protocol::address::NoAddress>(())
 //! ```
 //!
-//! Requests refuse members that they do not know; replies are read with members that a later
-//! daemon adds, and optional ones may be missing.
+//! Requests with unknown members are refused. Replies may have members that a later daemon added,
+//! and optional members may be missing.
 
 #![forbid(unsafe_code)]
 
@@ -103,7 +103,7 @@ pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
 pub use tokens::{Reloaded, TokenEntry, TokenFile};
 pub use values::{Form, StreamEnd, StreamParameters};
 
-/// Whether a flag is down: then it is not sent.
+/// Whether a flag is false: it is then left out of the JSON.
 fn is_false(flag: &bool) -> bool {
     !flag
 }

@@ -1,4 +1,4 @@
-//! A component to load, as configurations, deployment files and requests say it.
+//! A component to load, as configurations, deployment files and requests specify it.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -13,41 +13,42 @@ use crate::{BackendNames, QosEntry};
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct LoadRequest {
-    /// Library (`.so`), description (`.gen`), or a name on the component path.
+    /// Library (`.so`), description (`.gen`), or a name searched on the component path.
     #[cfg_attr(feature = "openapi", schema(value_type = String))]
     pub library: PathBuf,
-    /// Description, when it is neither in the library nor beside it.
+    /// Description, if it is neither in the library nor beside it.
     #[serde(default, rename = "gen", skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "openapi", schema(value_type = Option<String>))]
     pub gen_file: Option<PathBuf>,
-    /// Instance name; by default the component's name.
+    /// Instance name; by default the name of the component.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<String>,
-    /// Daemon that is to run it, when a file describes several; by default each does.
+    /// Name of the daemon that runs it, in a file for several daemons; by default each of them
+    /// does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub daemon: Option<String>,
     /// Middlewares of its ports and services; by default that of the daemon.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backend: Option<BackendNames>,
-    /// Instance names of components that are to run before it.
+    /// Instance names of components to be loaded before it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub after: Vec<String>,
-    /// Middlewares of single ports.
+    /// Middlewares of single ports, by name of the port.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub ports: BTreeMap<String, BackendNames>,
     /// Quality of service of its ports.
     #[serde(default, skip_serializing_if = "QosEntry::is_empty")]
     pub qos: QosEntry,
-    /// Changes to what the description says of tasks.
+    /// Options of its tasks that override the description, by name of the task.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub tasks: BTreeMap<String, TaskEntry>,
-    /// Inputs of attributes that are called as soon as it runs.
+    /// Attributes to call as soon as the component runs: inputs by name of the attribute.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub attributes: BTreeMap<String, Value>,
 }
 
 impl LoadRequest {
-    /// The instance name, as far as it can be told before the description is read.
+    /// The instance name, as far as it is known before the description is read.
     #[must_use]
     pub fn instance(&self) -> String {
         match &self.name {
@@ -57,23 +58,23 @@ impl LoadRequest {
     }
 }
 
-/// What may be changed of a task.
+/// Options of a task that override the description.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct TaskEntry {
-    /// Another period, in milliseconds.
+    /// Period, in milliseconds.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "openapi", schema(exclusive_minimum = 0, maximum = 1e9))]
     pub period_ms: Option<f64>,
-    /// 0, the highest, to 255.
+    /// Priority, from 0, the highest, to 255.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "openapi", schema(maximum = 255))]
     pub priority: Option<u8>,
-    /// Whether to ask for real-time scheduling.
+    /// Whether to request real-time scheduling.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub real_time: Option<bool>,
-    /// Processors to run on.
+    /// Numbers of the processors that it may run on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cpus: Vec<usize>,
 }

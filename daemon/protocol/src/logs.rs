@@ -1,9 +1,9 @@
-//! What the daemon logged, and logs.
+//! The log of the daemon.
 
 use serde::{Deserialize, Serialize};
 use strum::{Display, EnumString, IntoStaticStr, VariantNames};
 
-/// How grave an entry is; the gravest is the least.
+/// Severity of an entry, the most severe first.
 #[derive(
     Clone,
     Copy,
@@ -41,20 +41,20 @@ pub enum Level {
     into_params(parameter_in = Query)
 )]
 pub struct LogParameters {
-    /// This level and graver ones.
+    /// Only entries of this level, and more severe ones.
     #[cfg_attr(feature = "openapi", param(pattern = "^(error|warn|info|debug|trace)$"))]
     pub level: Option<String>,
-    /// What is about this component.
+    /// Only entries about this component.
     pub component: Option<String>,
-    /// At most so many entries, the latest; in a stream, so many before it starts.
+    /// Maximum number of entries: the latest ones; for a stream, how many to send before it starts.
     pub last: Option<usize>,
 }
 
-/// What was logged.
+/// Entries of the log.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Logs {
-    /// Oldest first.
+    /// The entries, oldest first.
     pub logs: Vec<LogEntry>,
 }
 
@@ -62,15 +62,15 @@ pub struct Logs {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct LogEntry {
-    /// Seconds since 1970.
+    /// When it was logged, in seconds since 1970.
     pub time: f64,
-    /// How grave it is.
+    /// Its severity.
     pub level: Level,
-    /// Part of the daemon that logged it.
+    /// Module of the daemon that logged it.
     pub origin: String,
-    /// The component it is about, if it is about one.
+    /// The component it is about, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub component: Option<String>,
-    /// What happened.
+    /// The message.
     pub message: String,
 }

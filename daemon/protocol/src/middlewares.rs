@@ -1,4 +1,4 @@
-//! Middlewares: what they can do, and what is visible on them.
+//! Middlewares: what they support, and what is visible on them.
 
 use std::collections::BTreeMap;
 use std::net::IpAddr;
@@ -17,7 +17,7 @@ use crate::is_false;
     into_params(parameter_in = Query)
 )]
 pub struct MiddlewareParameters {
-    /// Also list what is visible on the open ones.
+    /// Include what is visible on open middlewares.
     #[serde(default, skip_serializing_if = "is_false")]
     pub visible: bool,
 }
@@ -26,9 +26,9 @@ pub struct MiddlewareParameters {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Middlewares {
-    /// The one of components that name none.
+    /// Name of the default middleware, used by components that name none.
     pub default: String,
-    /// All that the daemon knows.
+    /// All middlewares that the daemon was built with.
     pub middlewares: Vec<Middleware>,
 }
 
@@ -36,61 +36,61 @@ pub struct Middlewares {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Middleware {
-    /// What `--backend` calls it.
+    /// Its name, as given to `--backend`.
     pub name: String,
-    /// Version of the library behind it.
+    /// Version of the library that implements it.
     pub version: String,
-    /// What it can do; of an open one.
+    /// What it supports; only if it is open.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub capabilities: Option<Capabilities>,
-    /// Where others meet it, by the names of its own options.
+    /// Where peers meet on it, such as its domain or addresses: values by name of the option.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub meet: BTreeMap<String, String>,
-    /// What is visible on it.
+    /// Endpoints visible on it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub endpoints: Option<Vec<Endpoint>>,
-    /// Who is there besides and does not tell what it opens.
+    /// Peers that do not announce what they opened.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub strangers: Vec<Stranger>,
-    /// What peers sent that would have harmed and was refused.
+    /// Harmful messages of peers that were dropped, by reason.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub refused: Vec<Refused>,
-    /// Why nothing is visible.
+    /// Why the visible endpoints cannot be listed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub problem: Option<String>,
 }
 
-/// What a middleware can do.
+/// What a middleware supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Capabilities {
-    /// Carries types that hold unbounded strings or sequences.
+    /// Types with unbounded strings or sequences.
     pub variable_size: bool,
-    /// Readers see the writer's memory without a copy by the middleware.
+    /// Reading without a copy by the middleware: readers see the writer's memory.
     pub zero_copy: bool,
-    /// Reaches other processes of the machine.
+    /// Peers in other processes of the machine.
     pub cross_process: bool,
-    /// Reaches other machines.
+    /// Peers on other machines.
     pub cross_host: bool,
-    /// Serves and calls services.
+    /// Services.
     pub services: bool,
-    /// Shows services to peers that are no genomd.
+    /// Services that programs other than genomd can call.
     pub native_services: bool,
 }
 
-/// Something visible on a middleware.
+/// An endpoint visible on a middleware.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Endpoint {
-    /// What it is.
+    /// Its kind.
     pub kind: EndpointKind,
-    /// Its name, in the middleware's own spelling: `demo/position` for ours.
+    /// Its name as the middleware spells it: `demo/position` for those of genomd.
     pub address: String,
     /// Name of its type, as far as known.
     pub ty: String,
 }
 
-/// What an endpoint is.
+/// Kind of an endpoint.
 #[derive(Clone, Copy, Debug, Display, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[strum(serialize_all = "snake_case")]
@@ -104,34 +104,34 @@ pub enum EndpointKind {
     Service,
 }
 
-/// Somebody on a middleware who does not tell what it opens, as programs of other makes may.
+/// A peer that does not announce what it opened, as programs other than genomd may do.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum Stranger {
-    /// Somebody reads an out port of this side; as which type is not known.
+    /// A reader of an out port of this daemon; the type it expects is unknown.
     Reader {
-        /// The port.
+        /// Address of the port.
         address: String,
     },
-    /// Somebody is connected; what it opened cannot be seen.
+    /// A connected session; what it opened cannot be seen.
     Session {
         /// Its name on the middleware.
         name: String,
-        /// What it is there, in the middleware's own words.
+        /// Its role, in the terms of the middleware.
         role: String,
     },
 }
 
-/// Messages of peers that were not let in, for one reason.
+/// Messages of peers that were dropped for one reason.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Refused {
-    /// The reason, in the words of the log: `far ahead of what its writer sent`.
+    /// The reason, worded as in the log: `far ahead of what its writer sent`.
     pub why: String,
-    /// How many there were so far.
+    /// How many were dropped so far.
     pub count: u64,
-    /// Who sent the last one, as far as known.
+    /// Sender of the last one, as far as known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "openapi", schema(value_type = Option<String>))]
     pub peer: Option<IpAddr>,

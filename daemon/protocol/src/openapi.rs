@@ -1,4 +1,4 @@
-//! The schemas of all these types, for the daemon's OpenAPI document.
+//! The schemas of the types of this crate, for the daemon's OpenAPI document.
 
 use serde_json::{Map, Value};
 use utoipa::OpenApi;
@@ -12,8 +12,8 @@ use crate::{
     frames,
 };
 
-/// Schemas of the types that cross the control plane, those of streams and recordings among them,
-/// which no operation of the document refers to.
+/// Lists all types that cross the control plane, including those of streams and recordings, to
+/// which no operation of the document refers.
 #[derive(Debug, OpenApi)]
 #[openapi(components(schemas(
     Aborted,
@@ -64,7 +64,7 @@ use crate::{
 )))]
 pub struct Protocol;
 
-/// The same as JSON, by name.
+/// The schemas as JSON, by name of the type.
 #[must_use]
 pub fn schemas() -> Map<String, Value> {
     let components = Protocol::openapi().components.map(|all| serde_json::to_value(all.schemas));

@@ -1,21 +1,22 @@
-//! Policies of connections: what a reader gets of the samples it has not read.
+//! Policies of connections: which unread samples are kept for the reader.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// What a reader gets of the samples it has not read: `latest`, `queue:N` or `ring:N`.
+/// Which unread samples are kept for the reader: `latest`, `queue:N` or `ring:N`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Policy {
-    /// The newest value only.
+    /// Only the newest sample.
     #[default]
     Latest,
-    /// Oldest first, at most so many; new ones are dropped while all places are taken.
+    /// A queue of at most N samples, oldest first; when it is full, new samples are dropped.
     Queue(usize),
-    /// Oldest first, at most so many; a new one takes the place of the oldest.
+    /// A queue of at most N samples, oldest first; when it is full, a new sample replaces the
+    /// oldest.
     Ring(usize),
 }
 
-/// A text that is no policy.
+/// The text is not a policy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a policy is `latest`, `queue:N` (oldest first, new ones dropped when N wait) or `ring:N` \
@@ -23,7 +24,7 @@ pub enum Policy {
 )]
 pub struct NoPolicy;
 
-/// Most samples a reader may have waiting.
+/// Maximum number of samples kept for a reader.
 const MOST: usize = 65_536;
 
 impl FromStr for Policy {

@@ -1,21 +1,22 @@
-//! The type of a port as it lies in memory, for programs that share memory with the daemon.
+//! The memory layout of a port's type, for programs that share memory with the daemon.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
-/// The type of a port, and all types it is made of.
+/// The type of a port, with all types that it consists of.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct PortType {
-    /// Its name.
+    /// Name of the type.
     #[serde(rename = "type")]
     pub ty: String,
-    /// Ports of one digest can be connected.
+    /// Digest of the type; ports of equal digest can be connected.
     pub digest: String,
-    /// As ROS 2 and recordings know it.
+    /// The type as ROS 2 and recordings know it.
     pub message: MessageType,
-    /// The types it is made of, itself first: `kind`, `name`, `size` and `align` in bytes, `fixed`,
-    /// and what the kind asks for. They name each other by their place in this list.
+    /// The type itself, then the types that it consists of: `kind`, `name`, `size` and `align` in
+    /// bytes, `fixed`, and further members that depend on the kind. They refer to each other by
+    /// index in this list.
     #[cfg_attr(feature = "openapi", schema(value_type = Vec<Object>))]
     pub types: Vec<Map<String, Value>>,
 }
@@ -26,6 +27,7 @@ pub struct PortType {
 pub struct MessageType {
     /// `PACKAGE/msg/NAME`.
     pub name: String,
-    /// Its definition, with those of the messages in it; none of a type with natives inside.
+    /// Its definition, followed by those of the messages it contains; absent if the type contains a
+    /// native.
     pub definition: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! Ports: what they are connected to, their values, and what passes through them.
+//! Ports: their connections, values and counters.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -15,7 +15,7 @@ use crate::BackendNames;
     into_params(parameter_in = Query)
 )]
 pub struct ValueParameters {
-    /// Element of a multiple port.
+    /// Name of the element, if the port is multiple.
     pub element: Option<String>,
 }
 
@@ -28,15 +28,15 @@ pub struct ValueParameters {
     into_params(parameter_in = Query)
 )]
 pub struct PortParameters {
-    /// Whether to tell last values, which may be large; as usual.
+    /// Whether to include last values, which may be large; true by default.
     pub values: Option<bool>,
 }
 
-/// Ports, and elements of multiple ones.
+/// Ports, and the elements of multiple ones.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Ports {
-    /// By component, in the order of its description.
+    /// The ports, by component, in the order of its description.
     pub ports: Vec<Port>,
 }
 
@@ -46,96 +46,96 @@ pub struct Ports {
 pub struct Port {
     /// `COMPONENT/PORT` or `COMPONENT/PORT/ELEMENT`.
     pub address: String,
-    /// Its name in the description.
+    /// Name of the port in the description.
     pub name: String,
-    /// Whether its component reads or writes it.
+    /// Whether its component reads (`in`) or writes (`out`) it.
     pub direction: PortDirection,
-    /// Whether it has elements; what each is connected to is told by element.
+    /// Whether it has elements; each of these is listed with its own connection.
     pub multiple: bool,
     /// Name of its type.
     #[serde(rename = "type")]
     pub ty: String,
-    /// Digest of its type: ports of one digest can be connected.
+    /// Digest of its type; ports of equal digest can be connected.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub digest: Option<String>,
     /// Its documentation in the description.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doc: Option<String>,
-    /// The out port that feeds it.
+    /// Address of the out port that it reads.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub connected: Option<String>,
     /// Its middlewares.
     pub backend: BackendNames,
-    /// What passed through it.
+    /// Counters of its samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traffic: Option<Counts>,
-    /// Its last value, if it ever had one.
+    /// Its last value; absent if it never had one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub value: Option<Value>,
 }
 
-/// Whether a component reads or writes a port.
+/// Direction of a port, seen from its component.
 #[derive(Clone, Copy, Debug, Display, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 #[strum(serialize_all = "lowercase")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum PortDirection {
-    /// It reads it.
+    /// The component reads it.
     In,
-    /// It writes it.
+    /// The component writes it.
     Out,
 }
 
-/// What passed through a port.
+/// Counters of a port.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Counts {
-    /// Samples published, or new ones read.
+    /// Samples published, or new samples read.
     pub samples: u64,
-    /// Samples that middlewares gave up.
+    /// Samples that middlewares dropped.
     pub dropped: u64,
     /// Writes or reads that failed.
     pub failed: u64,
-    /// Age of the last sample, in nanoseconds.
+    /// Time since the last sample, in nanoseconds.
     pub age_ns: Option<u64>,
 }
 
-/// Counts from which rates are made, as differences between two readings. Dates are those of the
-/// components' clock.
+/// Counters from which rates are computed, as differences between two readings. Dates are those of
+/// the components' clock, in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Traffic {
-    /// What passed.
+    /// Counters of samples.
     #[serde(flatten)]
     pub counts: Counts,
-    /// The date now, in nanoseconds.
+    /// Date of this reading.
     pub now_ns: u64,
     /// Date of the first sample.
     pub first_ns: Option<u64>,
     /// Date of the last sample.
     pub last_ns: Option<u64>,
-    /// Sum of the squares of the intervals between samples, in (100 ns)^2, modulo 2^64.
+    /// Sum of the squares of the intervals between samples, in (100 ns)², modulo 2⁶⁴.
     pub squares: u64,
-    /// Samples of which `bytes` is the sum.
+    /// Number of samples that `bytes` counts.
     pub weighed: u64,
-    /// Bytes of those samples: in memory, or as CDR when their size varies.
+    /// Total size of these samples: in memory, or as CDR if the size varies.
     pub bytes: u64,
 }
 
 impl Traffic {
-    /// Unit of the intervals whose squares are summed, in nanoseconds: sums of a day of them, or
-    /// of one of minutes, fit 64 bits.
+    /// Unit of the intervals whose squares are summed, in nanoseconds. With it the sums for samples
+    /// of a day, or for intervals of minutes, fit in 64 bits.
     pub const UNIT: u64 = 100;
 }
 
-/// Counts of a port.
+/// Counters of a port.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct PortTraffic {
-    /// Its counts.
+    /// The counters.
     #[serde(flatten)]
     pub traffic: Traffic,
-    /// The port.
+    /// Address of the port.
     pub address: String,
 }
 
@@ -143,8 +143,8 @@ pub struct PortTraffic {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Published {
-    /// The in port.
+    /// Address of the in port.
     pub address: String,
-    /// The whole value.
+    /// The complete value, including members that the request left out.
     pub value: Value,
 }

@@ -1,4 +1,4 @@
-//! Quality of service of the ports of a component, and of single ones.
+//! Quality of service of a component's ports.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,55 +8,55 @@ use serde::{Deserialize, Serialize};
 
 use genom_nearest::nearest;
 
-/// Most samples of a port that may wait to be sent.
+/// Maximum of `depth`.
 const MOST: i64 = 65_536;
 
-/// `[component.qos]`: for middlewares that leave a choice (ros2); what is left out is as the
-/// middleware is configured.
+/// `[component.qos]`: quality of service on middlewares that have such settings (ros2). What is
+/// left out is as the middleware is configured.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct QosEntry {
-    /// Lost samples are sent again; false: best effort.
+    /// Send lost samples again (reliable); false: best effort.
     #[serde(deserialize_with = "reliable", skip_serializing_if = "Option::is_none")]
     pub reliable: Option<bool>,
     /// Samples of an out port that may wait to be sent.
     #[serde(deserialize_with = "depth", skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 65536))]
     pub depth: Option<usize>,
-    /// Late readers may ask for the last value; false: volatile.
+    /// Keep the last value for readers that come later (transient local); false: volatile.
     #[serde(deserialize_with = "transient_local", skip_serializing_if = "Option::is_none")]
     pub transient_local: Option<bool>,
-    /// Of single ports, over that of the component.
+    /// Settings of single ports, which take precedence over those of the component.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub ports: BTreeMap<String, PortQos>,
 }
 
-/// `[component.qos.ports.NAME]`: quality of one port.
+/// `[component.qos.ports.NAME]`: quality of service of one port.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct PortQos {
-    /// As that of the component.
+    /// See [`QosEntry::reliable`].
     #[serde(deserialize_with = "reliable", skip_serializing_if = "Option::is_none")]
     pub reliable: Option<bool>,
-    /// As that of the component.
+    /// See [`QosEntry::depth`].
     #[serde(deserialize_with = "depth", skip_serializing_if = "Option::is_none")]
     #[cfg_attr(feature = "openapi", schema(minimum = 1, maximum = 65536))]
     pub depth: Option<usize>,
-    /// As that of the component.
+    /// See [`QosEntry::transient_local`].
     #[serde(deserialize_with = "transient_local", skip_serializing_if = "Option::is_none")]
     pub transient_local: Option<bool>,
 }
 
 impl QosEntry {
-    /// Whether nothing is said.
+    /// Whether nothing is set.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
 
-    /// That of a port: its own where it says something, else that of the component.
+    /// The settings of a port: its own where they are set, else those of the component.
     #[must_use]
     pub fn of(&self, port: &str) -> PortQos {
         let own = self.ports.get(port).cloned().unwrap_or_default();
@@ -78,7 +78,8 @@ fn transient_local<'de, D: Deserializer<'de>>(from: D) -> Result<Option<bool>, D
     from.deserialize_any(Choice(words)).map(Some)
 }
 
-/// A key that is true or false, and ROS's own words for these, which are suggested.
+/// A boolean key, with the words that ROS uses for its two values: these are recognised, and the
+/// error suggests the boolean.
 struct Choice((&'static str, &'static str, &'static str));
 
 impl Visitor<'_> for Choice {

@@ -1,43 +1,43 @@
-//! The one shape of errors: `{"error": {"code", "message", "where", "help"}}`.
+//! The form of all errors: `{"error": {"code", "message", "where", "help"}}`.
 
 use serde::{Deserialize, Serialize};
 
 use crate::Code;
 
-/// The body of every refusal.
+/// The body of every error response.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Refusal {
-    /// Why.
+    /// The reason.
     pub error: Reason,
 }
 
-/// Why a request was refused. Nothing was changed.
+/// Why a request was refused. The request changed nothing.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Reason {
-    /// Stable name of the reason: a [`Code`], or one of a later daemon.
+    /// Stable name of the reason: a [`Code`], or a name that a later daemon added.
     #[serde(default)]
     #[cfg_attr(feature = "openapi", schema(value_type = Code))]
     pub code: String,
-    /// One sentence.
+    /// The reason as one sentence.
     pub message: String,
-    /// Place in the request: a JSON pointer into the body, or a parameter.
+    /// Where in the request: a JSON pointer into the body, or a parameter.
     #[serde(default, rename = "where", skip_serializing_if = "Option::is_none")]
     pub place: Option<String>,
-    /// The way out.
+    /// What the user can do.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub help: Option<String>,
 }
 
 impl Reason {
-    /// A reason with neither a place nor a way out.
+    /// A reason without place and help.
     #[must_use]
     pub fn new(code: impl AsRef<str>, message: impl Into<String>) -> Self {
         Self { code: code.as_ref().to_owned(), message: message.into(), ..Self::default() }
     }
 
-    /// Whether this is the reason.
+    /// Whether the reason has this code.
     #[must_use]
     pub fn is(&self, code: Code) -> bool {
         self.code == code.as_ref()

@@ -1,5 +1,5 @@
-//! Samples that are published to in ports: `length: u32, in port, length: u32, CDR` each, little
-//! endian, the CDR with its encapsulation header.
+//! Format of samples to be published to in ports, each `length: u32, in port, length: u32, CDR`,
+//! little endian. The CDR has its encapsulation header.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,11 +7,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Replayed {
-    /// How many.
+    /// Number of samples.
     pub published: u64,
 }
 
-/// Appends a sample.
+/// Appends a sample to `batch`.
 pub fn append(batch: &mut Vec<u8>, inport: &str, message: &[u8]) {
     for part in [inport.as_bytes(), message] {
         let length = u32::try_from(part.len()).unwrap_or(u32::MAX);
@@ -20,7 +20,7 @@ pub fn append(batch: &mut Vec<u8>, inport: &str, message: &[u8]) {
     }
 }
 
-/// In port and CDR of the first sample, and what follows it; `None` when it is not whole.
+/// The first sample of `batch` (in port and CDR), and the rest; `None` if the sample is incomplete.
 #[must_use]
 pub fn first(batch: &[u8]) -> Option<(&str, &[u8], &[u8])> {
     let (inport, rest) = part(batch)?;

@@ -1,9 +1,9 @@
-//! Rights to do something through the control plane.
+//! Rights of users of the control plane.
 
 use serde::{Deserialize, Serialize};
 use strum::{Display, EnumString};
 
-/// What a token is good for.
+/// What the holder of a token may do.
 #[derive(
     Clone, Copy, Debug, Display, EnumString, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize,
 )]
@@ -11,18 +11,18 @@ use strum::{Display, EnumString};
 #[strum(serialize_all = "lowercase")]
 #[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 pub enum Right {
-    /// Look: components, values, statistics, what changes.
+    /// Read: components, values, statistics, events.
     Read,
-    /// Act: services, activities, events, values of in ports, steps of the clock.
+    /// Also call services, abort activities, fire events, publish to in ports, step the clock.
     Call,
-    /// Connect, disconnect, move between middlewares.
+    /// Also connect, disconnect, and move ports between middlewares.
     Wire,
-    /// Load, unload, deploy, stop the daemon; and all the others.
+    /// Everything, including loading, unloading, deploying and stopping the daemon.
     Admin,
 }
 
-/// Services that every component has and that are a supervisor's, each with the right that the
-/// route of the same effect asks for.
+/// The services that every component has and that act as a supervisor does, each with the right
+/// that the route of the same effect requires.
 pub const STANDARD_SERVICES: [(&str, Right); 5] = [
     ("kill", Right::Admin),
     ("connect_port", Right::Wire),
@@ -32,7 +32,7 @@ pub const STANDARD_SERVICES: [(&str, Right); 5] = [
 ];
 
 impl Right {
-    /// What calling one of the services takes that every component has.
+    /// The right required to call one of the services that every component has.
     #[must_use]
     pub fn of_standard_service(name: &str) -> Self {
         let found = STANDARD_SERVICES.iter().find(|(service, _)| *service == name);

@@ -1,7 +1,7 @@
-//! The paths of the control plane, each with what it takes and what it answers.
+//! The paths of the control plane, with the types of their queries, bodies and replies.
 //!
-//! A client asks for a [`Route`], so that a reply is always read as the type that its path
-//! answers. `tests/` compares this list with the daemon's `/openapi.json`.
+//! Clients make requests from a [`Route`], so that a reply is always read as the type that the path
+//! answers. A test in `tests/` compares this list with the daemon's `/openapi.json`.
 
 use std::any::type_name;
 use std::fmt;
@@ -22,21 +22,21 @@ use crate::{
     ValueParameters,
 };
 
-/// What is done to a resource, in HTTP's words.
+/// HTTP method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
-    /// Look.
+    /// Reads a resource.
     Get,
-    /// Replace.
+    /// Replaces a resource.
     Put,
-    /// Make, or do something.
+    /// Creates a resource, or performs an action.
     Post,
-    /// Take away, or stop.
+    /// Removes a resource, or stops an activity.
     Delete,
 }
 
 impl Method {
-    /// In capitals, as it stands in a request.
+    /// The method in capitals, as in a request.
     #[must_use]
     pub fn as_str(self) -> &'static str {
         match self {
@@ -48,11 +48,12 @@ impl Method {
     }
 }
 
-/// A request without its body: it answers `R`, takes a query `Q` and a body `B`.
+/// Method and path of a request whose query is of type `Q`, whose body is of type `B`, and whose
+/// reply is of type `R`.
 pub struct Route<R, Q = (), B = ()> {
-    /// What is done.
+    /// HTTP method.
     pub method: Method,
-    /// Path and query, as they stand in a request.
+    /// Path and query, percent-encoded.
     pub path: String,
     types: PhantomData<fn(Q, B) -> R>,
 }
@@ -64,10 +65,10 @@ impl<R, Q, B> fmt::Debug for Route<R, Q, B> {
 }
 
 impl<R, Q: Serialize, B> Route<R, Q, B> {
-    /// The same with a query.
+    /// The same route with a query.
     #[must_use]
     pub fn with(mut self, query: &Q) -> Self {
-        // None of the queries can fail: they are flat, and made of texts and numbers.
+        // No query can fail to serialise: all are flat, and consist of texts and numbers.
         let query = serde_urlencoded::to_string(query).unwrap_or_default();
         if !query.is_empty() {
             self.path = format!("{}?{query}", self.path);
@@ -76,28 +77,28 @@ impl<R, Q: Serialize, B> Route<R, Q, B> {
     }
 }
 
-/// Server-sent events whose data are `T`.
+/// A stream of server-sent events whose data are of type `T`.
 #[derive(Debug)]
 pub struct Stream<T>(PhantomData<T>);
 
-/// Bytes that are no JSON.
+/// A body or reply that is not JSON.
 #[derive(Debug)]
 pub struct Bytes;
 
-/// A line of the list.
+/// An entry of the list of routes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Listed {
-    /// What is done.
+    /// HTTP method.
     pub method: Method,
-    /// The path, names in braces: `/components/{component}`.
+    /// The path, with names in braces: `/components/{component}`.
     pub template: &'static str,
-    /// Name of the type that it answers.
+    /// Name of the reply's type.
     pub reply: &'static str,
-    /// Name of the type that it takes, `()` when it takes none.
+    /// Name of the body's type, `()` if there is no body.
     pub body: &'static str,
 }
 
-/// The last name of a type's path.
+/// The last segment of a type's path.
 fn name_of<T>() -> &'static str {
     let name = type_name::<T>();
     name.split('<').next().and_then(|name| name.rsplit("::").next()).unwrap_or(name)
@@ -115,7 +116,7 @@ macro_rules! routes {
             }
         )*
 
-        /// Every route.
+        /// All routes.
         #[must_use]
         pub fn all() -> Vec<Listed> {
             vec![$(Listed {
@@ -131,27 +132,27 @@ macro_rules! routes {
 }
 
 routes! {
-    /// What the daemon is.
+    /// Describes the daemon.
     Get about() "/", About;
-    /// Whether it has loaded what it was started with.
+    /// Whether the daemon has loaded the components of its configuration.
     Get ready() "/ready" ?ReadyParameters, Ready;
-    /// Stops it.
+    /// Stops the daemon.
     Post shutdown() "/shutdown", Stopping;
     /// Reads the token file again.
     Post reload_tokens() "/tokens/reload", Reloaded;
-    /// The components that run.
+    /// Lists the running components.
     Get components() "/components", Components;
-    /// Loads one.
+    /// Loads a component.
     Post load() "/components" => LoadRequest, Component;
-    /// Describes one.
+    /// Describes a component.
     Get component(component) "/components/{component}", Description;
-    /// Unloads one.
+    /// Unloads a component.
     Delete unload(component) "/components/{component}", Unloaded;
-    /// The types of one as JSON Schemas.
+    /// The types of a component as JSON Schemas.
     Get schema(component) "/components/{component}/schema", Value;
-    /// Moves one, or one of its ports, to other middlewares.
+    /// Moves a component, or one of its ports, to other middlewares.
     Put move_component(component) "/components/{component}/backend" => MoveRequest, Moved;
-    /// Statistics of its tasks and codels.
+    /// Statistics of the tasks and codels of a component.
     Get statistics(component) "/components/{component}/tasks", Statistics;
     /// Fires an event.
     Post fire(component, event) "/components/{component}/events/{event}", Fired;
@@ -160,74 +161,74 @@ routes! {
     /// Calls a service.
     Post call(component, service) "/components/{component}/services/{service}"
         ?CallParameters => Inputs, CallReply;
-    /// The activities of a component.
+    /// Lists the activities of a component.
     Get activities(component) "/components/{component}/activities", Activities;
-    /// Asks them all to stop.
+    /// Aborts all activities of a component.
     Delete abort_all(component) "/components/{component}/activities", AllAborted;
-    /// Looks at an activity, by its number or the name of its service.
+    /// Describes an activity, given by its number or the name of its service.
     Get activity(component, activity) "/components/{component}/activities/{activity}"
         ?LookParameters, Activity;
-    /// Asks it to stop; all of a service, by its name.
+    /// Aborts an activity, given by its number, or all of a service, given by its name.
     Delete abort(component, activity) "/components/{component}/activities/{activity}", Aborted;
-    /// Asks all activities of all components to stop.
+    /// Aborts all activities of all components.
     Delete stop() "/activities", AllAborted;
-    /// The ports of all components.
+    /// Lists the ports of all components.
     Get ports() "/ports" ?PortParameters, Ports;
-    /// The ports of a component.
+    /// Lists the ports of a component.
     Get ports_of(component) "/components/{component}/ports" ?PortParameters, Ports;
-    /// A port and its value.
+    /// Describes a port, with its value.
     Get port(component, port) "/components/{component}/ports/{port}" ?ValueParameters, Port;
     /// Publishes a value to an in port.
     Post publish(component, port) "/components/{component}/ports/{port}"
         ?ValueParameters => Value, Published;
-    /// The type of a port, as it lies in memory.
+    /// The type of a port, with its memory layout.
     Get port_type(component, port) "/components/{component}/ports/{port}/type", PortType;
-    /// Follows its values.
+    /// Streams the values of a port.
     Get values(component, port) "/components/{component}/ports/{port}/stream"
         ?StreamParameters, Stream<Value>;
-    /// Counts of a port.
+    /// Counters of a port.
     Get traffic(component, port) "/components/{component}/ports/{port}/traffic"
         ?ValueParameters, PortTraffic;
     /// Why no data flows through a port.
     Get why(component, port) "/components/{component}/ports/{port}/why", Findings;
-    /// The connections.
+    /// Lists the connections.
     Get connections() "/connections", Connections;
-    /// Makes one.
+    /// Makes a connection.
     Post connect() "/connections" => ConnectionRequest, Connection;
-    /// Takes that of an in port or a remote away.
+    /// Removes the connection of an in port or a remote.
     Delete disconnect(component, port) "/connections/{component}/{port}", Disconnected;
-    /// Takes that of an element away.
+    /// Removes the connection of an element of a multiple in port.
     Delete disconnect_element(component, port, element)
         "/connections/{component}/{port}/{element}", Disconnected;
     /// What runs, as a deployment.
     Get dump() "/deployment", Dumped;
-    /// Brings the daemon to what a deployment says.
+    /// Applies a deployment.
     Post apply() "/deployment" => DeploymentRequest, Applied;
-    /// Records ports and what services are asked.
+    /// Records ports and calls of services.
     Post record() "/recordings" => RecordingRequest, Bytes;
     /// Ends a recording.
     Delete end_recording(number) "/recordings/{number}", RecordingEnds;
     /// Publishes samples of a recording.
     Post replay() "/replay" => Bytes, Replayed;
-    /// Follows what changes.
+    /// Streams changes in the daemon.
     Get events() "/events" ?ChangeParameters, Stream<Change>;
-    /// What was logged.
+    /// Entries of the log.
     Get logs() "/logs" ?LogParameters, Logs;
-    /// Follows what is logged.
+    /// Streams entries of the log.
     Get log_stream() "/logs/stream" ?LogParameters, Stream<LogEntry>;
-    /// Figures for Prometheus.
+    /// Metrics for Prometheus.
     Get metrics() "/metrics", Bytes;
-    /// The clock that components live by.
+    /// The clock of the components.
     Get clock() "/clock", Clock;
-    /// Steps it, when it is virtual.
+    /// Advances the clock, if it is virtual.
     Post step() "/clock" => StepRequest, Clock;
-    /// The middlewares.
+    /// Lists the middlewares.
     Get middlewares() "/middlewares" ?MiddlewareParameters, Middlewares;
-    /// The daemons that are visible on them.
+    /// Lists the daemons that are visible on middlewares.
     Get daemons() "/daemons", Daemons;
-    /// Passes a hello on to all that answer to a name.
+    /// Sends a hello to all daemons that answer to a name.
     Post hello(daemon) "/daemons/{daemon}/hello" => Bytes, Answers;
-    /// Passes a sealed question on to one of them.
+    /// Sends a sealed question to one daemon.
     Post question(daemon) "/daemons/{daemon}/questions" ?AskParameters => Bytes, Bytes;
     /// The OpenAPI document.
     Get document() "/openapi.json", Value;
@@ -235,10 +236,10 @@ routes! {
     Get page() "/docs", Bytes;
 }
 
-/// All but the unreserved characters (RFC 3986, 2.3).
+/// All characters but the unreserved ones (RFC 3986, 2.3).
 const RESERVED: &AsciiSet = &NON_ALPHANUMERIC.remove(b'-').remove(b'.').remove(b'_').remove(b'~');
 
-/// A path with its names, which never leave their segment.
+/// Fills names into a path, percent-encoded so that each stays within its segment.
 fn filled(template: &str, parts: &[(&str, &str)]) -> String {
     let mut path = String::new();
     for segment in template.split('/').skip(1) {

@@ -1,4 +1,4 @@
-//! Services: calls, and how they end.
+//! Calls of services, and their replies.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -14,30 +14,30 @@ use crate::{Activity, Outcome, is_false};
     into_params(parameter_in = Query)
 )]
 pub struct CallParameters {
-    /// Answer only when the activity has ended.
+    /// Reply only when the activity has ended.
     #[serde(default, skip_serializing_if = "is_false")]
     pub wait: bool,
-    /// What is left out takes its default, or zero; also of an attribute.
+    /// Inputs left out take their defaults or zero, also those of an attribute.
     #[serde(default, skip_serializing_if = "is_false")]
     pub zero: bool,
 }
 
-/// Inputs of a service by name; none at all is as good as `{}`.
+/// Inputs of a service by name. No body at all means `{}`.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(transparent)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema), schema(value_type = Object))]
 pub struct Inputs(pub Value);
 
-/// Answer to a call.
+/// Reply to a call.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(untagged)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum CallReply {
-    /// An activity ended, which was waited for.
+    /// The activity ended; only with `wait`.
     Activity(Activity),
-    /// An activity runs.
+    /// The activity was accepted and runs.
     Started(Started),
-    /// An attribute or a function ended.
+    /// The attribute or function ended.
     Ended(Outcome),
 }
 
@@ -50,7 +50,7 @@ pub struct Started {
 }
 
 impl CallReply {
-    /// Number of the activity; none of an attribute or a function.
+    /// Number of the activity; `None` for an attribute or a function.
     #[must_use]
     pub fn activity(&self) -> Option<u64> {
         match self {
@@ -60,7 +60,7 @@ impl CallReply {
         }
     }
 
-    /// How it ended, if it did.
+    /// The outcome, if the service has ended.
     #[must_use]
     pub fn outcome(&self) -> Option<&Outcome> {
         match self {

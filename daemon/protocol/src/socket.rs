@@ -1,4 +1,4 @@
-//! Where a daemon of this user listens when nothing else is said.
+//! The default socket of a user's daemon.
 
 use std::path::PathBuf;
 

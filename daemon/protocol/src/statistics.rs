@@ -8,11 +8,11 @@ use crate::{RunningCodel, Unpaused};
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Statistics {
-    /// By task, in order of declaration.
+    /// The tasks, in order of declaration.
     pub tasks: Vec<TaskStatistics>,
-    /// By codel, those that ran at least once.
+    /// The codels that ran at least once.
     pub codels: Vec<CodelStatistics>,
-    /// Changes that watchers missed because they came too fast.
+    /// Changes that were not reported because they came too fast.
     pub lost_changes: u64,
 }
 
@@ -20,23 +20,25 @@ pub struct Statistics {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct TaskStatistics {
-    /// The task.
+    /// Name of the task.
     pub name: String,
-    /// Its period; none of an aperiodic one.
+    /// Its period; absent if it is aperiodic.
     pub period_ns: Option<u64>,
-    /// Whether its thread really has a real-time priority.
+    /// Whether its thread has real-time priority; the system may have refused it.
     pub real_time: bool,
-    /// Time at work, per tick or wake-up; the one that it is at counts as long as it has lasted.
+    /// Execution time per tick or wake-up. The present cycle is included with the time it has taken
+    /// so far.
     pub cycles: Durations,
-    /// Time from a tick's date to the start of work.
+    /// Time from the date of a tick to the start of its execution.
     pub lateness: Durations,
-    /// Ticks that came while the task was still at work, or slept beyond the one before; those
-    /// that come while a codel does not return count as they come.
+    /// Missed ticks: those that came while the task was still running, or that were slept over.
+    /// They are counted as they come, even while a codel does not return.
     pub overruns: u64,
-    /// The codel that it is stuck in, if it is.
+    /// The codel that the task is stuck in, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stuck: Option<RunningCodel>,
-    /// What it does instead of pausing, when it has been at work for long and is not stuck.
+    /// Set if the task has been in one cycle for long without being stuck: its codels yield states
+    /// without pause.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unpaused: Option<Unpaused>,
 }
@@ -45,32 +47,32 @@ pub struct TaskStatistics {
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct CodelStatistics {
-    /// The codel.
+    /// Name of the codel.
     pub name: String,
     /// Task or service it belongs to.
     pub owner: String,
-    /// Time in the codel.
+    /// Execution times of the codel.
     pub durations: Durations,
-    /// Its stated worst-case execution time.
+    /// Its declared worst-case execution time.
     pub wcet_ns: Option<u64>,
-    /// Calls that took longer.
+    /// Calls that took longer than that.
     pub above_wcet: u64,
 }
 
-/// Figures on a duration.
+/// Statistics of a duration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Durations {
-    /// How many were measured.
+    /// Number of measurements.
     pub count: u64,
     /// The last one.
     pub last_ns: u64,
-    /// Their mean.
+    /// The mean.
     pub mean_ns: u64,
-    /// Half were no longer than this.
+    /// The median.
     pub p50_ns: u64,
-    /// 99 % were no longer than this.
+    /// The 99th percentile.
     pub p99_ns: u64,
-    /// The longest.
+    /// The maximum.
     pub max_ns: u64,
 }

@@ -1,4 +1,4 @@
-//! Tokens: who may come in by other doors than the Unix socket, and what for.
+//! Tokens: they identify clients that do not use the Unix socket, and carry their rights.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Right;
 
-/// A daemon's token file.
+/// Content of a daemon's token file.
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TokenFile {
@@ -15,15 +15,15 @@ pub struct TokenFile {
     pub token: Vec<TokenEntry>,
 }
 
-/// One token. Debug output shows its name only.
+/// A token. Its debug output does not contain the secret.
 #[derive(Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct TokenEntry {
-    /// Whose it is.
+    /// Name of the token's holder.
     pub name: String,
-    /// The secret.
+    /// The secret text.
     pub token: String,
-    /// What it is good for.
+    /// What its holder may do.
     pub rights: Vec<Right>,
 }
 
@@ -33,10 +33,10 @@ impl fmt::Debug for TokenEntry {
     }
 }
 
-/// What the token file holds now.
+/// The token file was read again.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct Reloaded {
-    /// How many tokens are known.
+    /// Number of tokens it contains.
     pub tokens: usize,
 }

@@ -1,4 +1,4 @@
-//! Values of a port as they come.
+//! Streams of a port's values.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,33 +11,33 @@ use serde::{Deserialize, Serialize};
     into_params(parameter_in = Query)
 )]
 pub struct StreamParameters {
-    /// Element of a multiple port.
+    /// Name of the element, if the port is multiple.
     pub element: Option<String>,
-    /// Values a second, at most.
+    /// Maximum number of values per second.
     #[cfg_attr(feature = "openapi", param(exclusive_minimum = 0, maximum = 1000))]
     pub rate: Option<f64>,
-    /// How values are sent: `json`, or `message` for CDR in base64, which for many numbers, such
-    /// as images, is written and read much faster.
+    /// Encoding of the values: `json`, or `message` for CDR in base64, which is much faster for
+    /// values with many numbers, such as images.
     #[cfg_attr(feature = "openapi", param(inline))]
     pub form: Option<Form>,
 }
 
-/// How a stream sends values.
+/// Encoding of the values of a stream.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub enum Form {
-    /// As the control plane does everywhere.
+    /// JSON, as everywhere in the control plane.
     #[default]
     Json,
     /// A CDR message, with its encapsulation header, in base64.
     Message,
 }
 
-/// Data of the event `end`, after which a stream of values has nothing more to say.
+/// Data of the event `end`, the last one of a stream of values.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 #[cfg_attr(feature = "openapi", derive(utoipa::ToSchema))]
 pub struct StreamEnd {
-    /// Why it ends.
+    /// Why the stream ends.
     pub why: String,
 }

@@ -1,4 +1,4 @@
-//! The middlewares in use: each opened when first needed, and open from then on.
+//! The middlewares in use. Each is opened when it is first needed, and stays open.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -8,10 +8,10 @@ use genom_middleware::Middleware;
 
 use crate::known::{BackendError, check};
 
-/// What is to be shown as what, and where.
+/// A type or service that a middleware shows under a foreign name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Disguise {
-    /// The middleware.
+    /// Name of the middleware.
     pub(crate) on: &'static str,
     /// Full IDL name of the type or service.
     pub(crate) ours: String,
@@ -23,20 +23,21 @@ pub struct Backends {
     /// Their sections of the configuration, by name.
     options: BTreeMap<String, toml::Table>,
     pub(crate) open: Mutex<Open>,
-    /// Told of each when it opens.
+    /// Called with each middleware when it opens.
     opens: OnceLock<Box<OnOpen>>,
-    /// What descriptions say is to be shown as something foreign, the first of several that differ
-    /// before the others; with how many hold it.
+    /// The foreign names that descriptions ask for, each with its number of holders. If several
+    /// differ for one type, the first applies.
     masquerades: Mutex<Vec<(Disguise, usize)>>,
 }
 
-/// Those that are open, each since this date.
+/// The open middlewares, by name, and when each was opened.
 type Open = BTreeMap<&'static str, (Arc<dyn Middleware>, Instant)>;
 
 type OnOpen = dyn Fn(&dyn Middleware) + Send + Sync;
 
 impl Backends {
-    /// None open yet.
+    /// No middleware is open at first. `options` are the sections `[backends.NAME]` of the
+    /// configuration.
     pub fn new(options: BTreeMap<String, toml::Table>) -> Self {
         Self {
             options,
@@ -46,12 +47,13 @@ impl Backends {
         }
     }
 
-    /// Has `told` called with each middleware when it opens; once, before the first does.
+    /// Sets a function to be called with each middleware when it opens. Only the first call has an
+    /// effect; make it before the first middleware is opened.
     pub fn on_open(&self, told: impl Fn(&dyn Middleware) + Send + Sync + 'static) {
         let _ = self.opens.set(Box::new(told));
     }
 
-    /// The middleware of that name, open.
+    /// The middleware of that name; opens it if needed.
     pub fn get(&self, name: &str) -> Result<Arc<dyn Middleware>, BackendError> {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((middleware, _)) = open.get(name) {
@@ -73,7 +75,7 @@ impl Backends {
         Ok(middleware)
     }
 
-    /// Adds one that the program brings itself, open, under the name that it has.
+    /// Adds an open middleware that the program provides itself, under that middleware's own name.
     pub fn add(&self, middleware: Arc<dyn Middleware>) {
         let mut open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         open.insert(middleware.name(), (middleware, Instant::now()));
@@ -83,18 +85,18 @@ impl Backends {
         self.masquerades.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Lets go of all: each closes when its last user has.
+    /// Releases all middlewares: each closes when its last user has released it, too.
     pub fn close(&self) {
         self.open.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
-    /// The middleware of that name, if something already uses it.
+    /// The middleware of that name if it is open already.
     pub fn opened(&self, name: &str) -> Option<Arc<dyn Middleware>> {
         let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         open.get(name).map(|(middleware, _)| Arc::clone(middleware))
     }
 
-    /// Since when it is open.
+    /// When the middleware of that name was opened.
     pub fn open_since(&self, name: &str) -> Option<Instant> {
         let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         open.get(name).map(|(_, since)| *since)

@@ -1,4 +1,4 @@
-//! Every middleware there is: the one place that knows them.
+//! The list of all middlewares: the only place that names them.
 
 use std::collections::BTreeMap;
 use std::fmt::Display;
@@ -8,14 +8,14 @@ use genom_middleware::{Backend, Middleware, NoForeignName};
 use genom_nearest::{nearest, nearest_key};
 use serde::Deserialize;
 
-/// A middleware this daemon was built with.
+/// A middleware that this daemon was built with.
 #[derive(Clone, Copy, Debug)]
 pub struct Known {
-    /// What `--backend` calls it.
+    /// Its name, as given to `--backend`.
     pub name: &'static str,
-    /// Version of the library behind it.
+    /// Version of the library that implements it.
     pub version: &'static str,
-    /// Refuses a section of the configuration that makes no sense, and opens nothing.
+    /// Checks its section of the configuration, without opening anything.
     pub(crate) check: fn(&toml::Table) -> Result<(), SectionError>,
     /// Opens it with its section of the configuration.
     pub(crate) open: fn(&toml::Table) -> Result<Arc<dyn Middleware>, SectionError>,
@@ -45,7 +45,7 @@ macro_rules! backends {
     };
 }
 
-// Every middleware there is, by its name; adding one means adding a line here.
+// The list of all middlewares, by name; adding one means adding a line here.
 backends! {
     local: genom_local::Local,
     shm: genom_shm::Shm,
@@ -53,13 +53,13 @@ backends! {
     ros2: genom_ros2::Ros2,
 }
 
-/// Every middleware there is.
+/// The middlewares this daemon was built with.
 pub fn known() -> &'static [Known] {
     KNOWN
 }
 
-/// The sections of a configuration file that middlewares read: for a look at them beforehand,
-/// while the file's lines are known.
+/// The sections `[backends.NAME]` of a configuration file, typed as each middleware reads them:
+/// deserialising them reports mistakes with their line.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Sections {
@@ -74,14 +74,14 @@ fn read<T: serde::de::DeserializeOwned>(options: &toml::Table) -> Result<T, Sect
     })
 }
 
-/// A backend does not open with its section of the configuration.
+/// Why a backend cannot be opened with its section of the configuration.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum SectionError {
-    /// An unknown key, or a value of the wrong type.
+    /// There is an unknown key, or a value of the wrong type.
     #[error("{message}{}", suggestion(.nearest.as_deref()))]
     Unreadable { message: String, nearest: Option<String> },
-    /// The backend refused, in its own words: its error is of a type that only it knows.
+    /// The message of the backend, whose error type is not known here.
     #[error("{0}")]
     Refused(String),
 }
@@ -96,20 +96,20 @@ fn suggestion(nearest: Option<&str>) -> String {
     nearest.map(|near| format!("; did you mean `{near}`?")).unwrap_or_default()
 }
 
-/// A middleware could not be had.
+/// A middleware cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum BackendError {
-    /// No such middleware.
+    /// There is no middleware of that name.
     #[error("unknown backend `{name}`{}. This daemon knows: {}", meant(.name), names())]
     Unknown { name: String },
-    /// Its section of the configuration makes no sense.
+    /// Its section of the configuration is not valid.
     #[error("[backends.{name}]: {why}")]
     Options { name: String, why: SectionError },
-    /// It does not open on this machine.
+    /// It cannot be opened on this machine.
     #[error("backend {name} cannot be opened: {why}")]
     Closed { name: String, why: SectionError },
-    /// What a description says of a foreign type makes no sense.
+    /// A foreign type that a description names is not valid.
     #[error("#pragma masquerade: {0}")]
     Masquerade(#[from] NoForeignName),
 }
@@ -124,7 +124,7 @@ fn names() -> String {
     known().iter().map(|known| known.name).collect::<Vec<_>>().join(", ")
 }
 
-/// Refuses a name that stands for no middleware.
+/// Fails if no middleware has that name.
 pub fn check(name: &str) -> Result<Known, BackendError> {
     known()
         .iter()
@@ -133,8 +133,8 @@ pub fn check(name: &str) -> Result<Known, BackendError> {
         .ok_or_else(|| BackendError::Unknown { name: name.to_owned() })
 }
 
-/// Refuses sections of the configuration that no middleware reads, also of those that are not in
-/// use: a component may move there while it runs.
+/// Checks the sections of the configuration, also those of middlewares not in use yet: a component
+/// may move to them while it runs.
 pub fn check_options(options: &BTreeMap<String, toml::Table>) -> Result<(), BackendError> {
     for (name, section) in options {
         let wrong = |why| BackendError::Options { name: name.clone(), why };

@@ -1,7 +1,7 @@
 //! The middlewares a daemon is built with, by name.
 //!
-//! [`known`] lists them; it is the one place that knows which there are. [`Backends`] reads the
-//! options of each, opens one when it is first needed, and keeps it open.
+//! [`known`] lists them; no other place names them. [`Backends`] reads the options of each, opens
+//! one when it is first needed, and keeps it open.
 
 #![forbid(unsafe_code)]
 

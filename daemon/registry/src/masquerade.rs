@@ -1,33 +1,37 @@
-//! Types and services that go under foreign names, for as long as a component needs them to.
+//! Types and services shown under foreign names, for as long as a component needs them to be.
 
 use std::sync::{Arc, PoisonError};
 
 use crate::backends::{Backends, Disguise};
 use crate::known::{BackendError, known};
 
-/// A type or service is shown as a foreign one as long as this, or another of the same, is held.
+/// Keeps a type or service shown under a foreign name. The name lasts until the last `Masquerade`
+/// for it is dropped.
 pub struct Masquerade {
     backends: Arc<Backends>,
     disguise: Disguise,
 }
 
 impl Backends {
-    /// Shows a type or service as a foreign one on a middleware; `None` when that is none of this
-    /// daemon's. Of two that differ the first holds.
+    /// Shows a type or service under a foreign name on the middleware `on`; returns `None` if this
+    /// daemon has no such middleware. If two foreign names are given to one type, the first
+    /// applies.
     ///
     /// # Errors
-    /// The middleware has no such foreign names.
+    /// The middleware does not accept the foreign name.
     pub fn masquerade(
         self: &Arc<Self>,
         on: &str,
         ours: &str,
         foreign: &str,
     ) -> Result<Option<Masquerade>, BackendError> {
-        // `#pragma masquerade ros ...` is for GenoM3's own templates.
+        // GenoM3's own templates use other names, such as `#pragma masquerade ros ...`; these are
+        // ignored.
         let Some(on) = known().iter().find(|known| known.name == on) else { return Ok(None) };
         let (ours, foreign) = (ours.to_owned(), foreign.to_owned());
         let disguise = Disguise { on: on.name, ours, foreign };
-        // Locked for all of it: a middleware that opens meanwhile is told once.
+        // Locked throughout, so that a middleware that opens meanwhile is given the name exactly
+        // once.
         let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         let mut all = self.masquerades();
         if let Some((_, holders)) = all.iter_mut().find(|(one, _)| *one == disguise) {
@@ -42,14 +46,14 @@ impl Backends {
         Ok(Some(Masquerade { backends: Arc::clone(self), disguise }))
     }
 
-    /// What is shown as what: middleware, IDL name, foreign name.
+    /// The names in use: middleware, full IDL name, foreign name.
     #[must_use]
     pub fn disguised(&self) -> Vec<(&'static str, String, String)> {
         let all = self.masquerades();
         all.iter().map(|(one, _)| (one.on, one.ours.clone(), one.foreign.clone())).collect()
     }
 
-    /// Somebody does not need it any more.
+    /// Releases one holder; after the last, the next foreign name requested for this type applies.
     fn unmask(&self, disguise: &Disguise) {
         let open = self.open.lock().unwrap_or_else(PoisonError::into_inner);
         let mut all = self.masquerades();

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Moves the axis of the demo, and tells where it is then.
+/// Moves the axis of the demo, and returns a sentence with the position reached.
 pub(crate) fn run(library: PathBuf) -> Result<String, Box<dyn Error>> {
     let supervisor = Supervisor::new(Settings::default());
     let demo = supervisor.load(&LoadRequest { library, ..LoadRequest::default() })?;

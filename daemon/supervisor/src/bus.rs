@@ -1,6 +1,7 @@
-//! What changes in the daemon, numbered, for whoever listens; the last ones are kept.
+//! The daemon's changes, as numbered messages to any number of listeners. The latest are kept, so
+//! that a listener can reconnect.
 //!
-//! Telling never waits: a listener that does not keep up is told that it lost changes.
+//! Sending never blocks: a listener that is too slow is told how many messages it missed.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -12,25 +13,37 @@ use serde_json::Value;
 use tokio::sync::broadcast;
 use tokio::sync::broadcast::error::RecvError;
 
-/// Something told, and its number.
+/// A message and its number.
 #[derive(Clone, Debug)]
 pub struct Numbered {
-    /// From 1, without gaps.
+    /// Consecutive numbers, from 1.
     pub id: u64,
-    /// When it was told, as recordings count.
+    /// When it was sent: see `Dates::moment`.
     pub moment: u64,
-    /// What was told, as JSON.
+    /// The message, as JSON.
     pub data: Arc<Value>,
 }
 
-/// How much is kept for listeners that come back (`Last-Event-ID`).
+/// Number of messages kept for listeners that reconnect (`Last-Event-ID`).
 const KEPT: usize = 1024;
 
-/// Where changes are told and heard.
+/// Sends changes to listeners.
+///
+/// ```
+/// use genom_ports::dates::Dates;
+/// use genom_supervisor::bus::{Bus, Change};
+///
+/// let bus = Bus::new(Dates::default());
+/// bus.tell(&Change::ComponentUnloaded { component: "demo".into() });
+///
+/// // A listener that comes back after message 0 receives what is kept.
+/// let kept = bus.listen(Some(0)).take_past();
+/// assert_eq!((kept[0].id, &kept[0].data["component"]), (1, &"demo".into()));
+/// ```
 #[derive(Debug)]
 pub struct Bus(Numbers);
 
-/// What was told lately, by number, and who listens.
+/// Numbers messages, keeps the latest, and sends them to listeners.
 #[derive(Debug)]
 pub struct Numbers {
     dates: Dates,
@@ -45,59 +58,60 @@ struct Past {
 }
 
 impl Bus {
-    /// A bus on which nothing was told yet.
+    /// A bus without messages.
     pub fn new(dates: Dates) -> Self {
         Self(Numbers::new(dates))
     }
 
-    /// Tells a change to all listeners.
+    /// Sends a change to all listeners.
     pub fn tell(&self, change: &Change) {
         self.0.add(change);
     }
 
-    /// Hears the kept changes after number `after` (none: from now on), and those to come.
+    /// A listener that starts after message number `after`; with `None`, after the latest one.
     pub fn listen(&self, after: Option<u64>) -> Listener {
         self.0.listen(after)
     }
 
-    /// The changes to come, for who counts itself what it loses.
+    /// The changes from now on, for receivers that count their losses themselves.
     pub fn live(&self) -> broadcast::Receiver<Numbered> {
         self.0.live.subscribe()
     }
 }
 
-/// What a listener hears next.
+/// What a listener receives.
 #[derive(Clone, Debug)]
 pub enum Heard {
-    /// Something that was told.
+    /// The next message.
     Told(Numbered),
-    /// So much was told that is not kept any more; `last` is the number of the last of it.
+    /// Messages that were lost because they are not kept any more.
     Missed {
-        /// How many.
+        /// How many were lost.
         count: u64,
-        /// Number of the last of them.
+        /// Number of the last one lost.
         last: u64,
     },
 }
 
-/// Hears everything in order, or how much it missed.
+/// Receives all messages in order, and learns how many it missed.
 #[derive(Debug)]
 pub struct Listener {
-    /// Number of the last that was heard or is known to be missed.
+    /// Number of the last message received or reported as missed.
     heard: u64,
-    /// Kept ones, before those to come.
+    /// Kept messages that come before those of `live`.
     past: VecDeque<Numbered>,
     live: broadcast::Receiver<Numbered>,
 }
 
 impl Listener {
-    /// All that is kept and was not heard yet, at once; what is not kept is not missed.
+    /// All kept messages that this listener has not received yet. Older ones are not reported as
+    /// missed.
     pub fn take_past(&mut self) -> Vec<Numbered> {
         self.heard = self.past.back().map_or(self.heard, |last| last.id);
         std::mem::take(&mut self.past).into()
     }
 
-    /// Waits for the next; `None` when nothing comes any more. It may be given up and called again.
+    /// Waits for the next message; `None` once the bus is gone. Cancel safe.
     pub async fn next(&mut self) -> Option<Heard> {
         let next = loop {
             if let Some(kept) = self.past.pop_front() {
@@ -105,7 +119,7 @@ impl Listener {
             }
             match self.live.recv().await {
                 Ok(next) => break next,
-                // The number of the next one tells how much.
+                // The number of the next message tells how many were lost.
                 Err(RecvError::Lagged(_)) => {}
                 Err(RecvError::Closed) => return None,
             }
@@ -123,12 +137,12 @@ impl Listener {
 }
 
 impl Numbers {
-    /// Nothing told yet.
+    /// No messages yet.
     pub fn new(dates: Dates) -> Self {
         Self { dates, past: Mutex::default(), live: broadcast::Sender::new(KEPT) }
     }
 
-    /// Numbers it and tells it to all listeners.
+    /// Gives the message a number and sends it to all listeners.
     pub fn add(&self, told: &impl Serialize) {
         let data = Arc::new(serde_json::to_value(told).unwrap_or_default());
         let mut past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
@@ -138,14 +152,16 @@ impl Numbers {
             past.kept.pop_front();
         }
         past.kept.push_back(numbered.clone());
-        // Under the lock, so that numbers are heard in order. Nobody listening is no error.
+        // Sent under the lock, so that listeners receive messages in order of their numbers. Having
+        // no listener is not an error.
         let _ = self.live.send(numbered);
     }
 
-    /// Hears what is kept after number `after` (none: from now on), and what is to come.
+    /// A listener that starts after message number `after`; with `None`, after the latest one.
     pub fn listen(&self, after: Option<u64>) -> Listener {
         let past = self.past.lock().unwrap_or_else(PoisonError::into_inner);
-        // A number that never was is of a daemon before this one: all of this one is news.
+        // A number greater than the latest comes from an earlier run of the daemon: the listener
+        // knows none of the messages of this one.
         let heard = after.map_or(past.last, |after| if after > past.last { 0 } else { after });
         let news = past.kept.iter().filter(|change| change.id > heard).cloned();
         Listener { heard, past: news.collect(), live: self.live.subscribe() }
@@ -160,7 +176,7 @@ mod tests {
         (0..count).for_each(|_| bus.tell(&Change::Stopping {}));
     }
 
-    /// Numbers of what was told; what was missed as its count and last number.
+    /// The number of the next message, or count and last number of those missed.
     async fn heard(listener: &mut Listener) -> Result<u64, (u64, u64)> {
         match listener.next().await.unwrap() {
             Heard::Told(change) => Ok(change.id),
@@ -180,7 +196,7 @@ mod tests {
         assert_eq!(heard(&mut back).await, Ok(4));
         let Some(Heard::Told(next)) = new.next().await else { panic!("nothing was missed") };
         assert_eq!(next.data.to_string(), r#"{"event":"disconnected","in":"a/b"}"#);
-        // It heard a daemon that is no more.
+        // The number is from an earlier run of the daemon.
         assert_eq!(bus.listen(Some(77)).take_past().len(), 4);
     }
 
@@ -190,17 +206,17 @@ mod tests {
         let mut slow = bus.listen(None);
         told(&bus, KEPT);
         assert_eq!(heard(&mut slow).await, Ok(1));
-        // One place is free: seven are lost.
+        // One place is free: seven messages are lost.
         told(&bus, 8);
         assert_eq!(heard(&mut slow).await, Err((7, 8)));
         for id in 9..=KEPT as u64 + 8 {
             assert_eq!(heard(&mut slow).await, Ok(id));
         }
-        // It was away, and heard the first two.
+        // It received the first two before it disconnected.
         let mut back = bus.listen(Some(2));
         assert_eq!(heard(&mut back).await, Err((6, 8)));
         assert_eq!(heard(&mut back).await, Ok(9));
-        // The last missed one's number stands for all of them.
+        // Messages up to the last one missed are not counted again.
         assert_eq!(heard(&mut bus.listen(Some(8))).await, Ok(9));
     }
 }

@@ -1,4 +1,4 @@
-//! How a service ended: told to callers, recordings and collectors of spans alike.
+//! Outcomes of services, in the form that callers, recordings and spans use.
 
 use genom_protocol::Outcome;
 use serde_json::Value;
@@ -6,9 +6,9 @@ use serde_json::Value;
 /// How a service ended.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Ending {
-    /// With these outputs.
+    /// It succeeded, with these outputs.
     Done(Value),
-    /// With an exception and its members.
+    /// It raised an exception.
     Exception {
         /// Full name, such as `::demo::TOO_FAR_AWAY`.
         name: String,
@@ -18,7 +18,7 @@ pub enum Ending {
 }
 
 impl Ending {
-    /// As a reply.
+    /// The outcome as the control plane reports it.
     pub fn told(&self) -> Outcome {
         match self.clone() {
             Ending::Done(outputs) => Outcome { result: Some(outputs), ..Outcome::default() },
@@ -28,7 +28,7 @@ impl Ending {
         }
     }
 
-    /// Name of the exception, if it ended with one.
+    /// Name of the exception, if there was one.
     pub fn exception(&self) -> Option<&str> {
         match self {
             Ending::Done(_) => None,

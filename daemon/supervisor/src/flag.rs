@@ -1,10 +1,10 @@
-//! Something that happens once, and can be waited for.
+//! A one-time signal that can be waited for.
 
 use std::sync::Arc;
 
 use tokio::sync::watch;
 
-/// A flag that is raised once and stays up; clones are the same flag.
+/// A flag that is raised once and never lowered; clones share the flag.
 #[derive(Clone, Debug)]
 pub struct Flag(Arc<watch::Sender<bool>>);
 
@@ -15,24 +15,24 @@ impl Default for Flag {
 }
 
 impl Flag {
-    /// A flag that is down.
+    /// A flag that is not raised.
     pub fn new() -> Self {
         Self(Arc::new(watch::Sender::new(false)))
     }
 
-    /// Raises it; whether it was down.
+    /// Raises the flag. Returns whether this call raised it.
     pub fn raise(&self) -> bool {
         self.0.send_if_modified(|up| !std::mem::replace(up, true))
     }
 
-    /// Whether it is up.
+    /// Whether the flag is raised.
     pub fn is_up(&self) -> bool {
         *self.0.borrow()
     }
 
-    /// Waits until it is up.
+    /// Waits until the flag is raised.
     pub async fn raised(&self) {
-        // The sender lives in `self`: there is no other outcome.
+        // Cannot fail: the sender lives in `self`.
         let _ = self.0.subscribe().wait_for(|up| *up).await;
     }
 }

@@ -1,22 +1,30 @@
-//! Runs components: finds, loads, connects, moves, deploys and records them, and takes them down.
+//! Runs GenoM3 components: finds, loads, connects, moves, deploys, records and unloads them.
 //!
-//! A [`Supervisor`] holds what runs. `loading` brings a component up, `connections`
-//! binds, connects and moves its ports and services, `deploy` takes the steps from what runs to what is wanted,
-//! `recording` sends what passes, and `vigil` looks after codels that do not return. It speaks no
-//! HTTP and reads no command line: `genomd` puts a control plane before it, and another program may
-//! do without one:
+//! A [`Supervisor`] holds what is running. `loading` loads and starts a component, `connections`
+//! binds, connects and moves its ports and services, `deploy` applies a deployment, `recording`
+//! streams samples and calls, and `vigil` reports codels that do not return. The crate contains
+//! neither HTTP nor a command line: `genomd` adds a control plane, and other programs can use it
+//! directly:
 //!
-//! ```no_run
+//! ```
 //! use genom_supervisor::{LoadRequest, Settings, Supervisor};
 //! use serde_json::json;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let paths = genom_components::Paths::of_workspace()?;
+//! # let library = genom_components::build(&paths, "demo")?.library;
 //! let supervisor = Supervisor::new(Settings::default());
-//! let library = "target/components/demo/demo.so".into();
+//! // `library` is the path of demo.so, which has demo.gen beside it.
 //! let demo = supervisor.load(&LoadRequest { library, ..LoadRequest::default() })?;
 //! let outcome = demo.call("set_speed", &json!({ "velocity": 2.0 }))?;
 //! assert_eq!(outcome.exception(), None);
-//! supervisor.unload_all();
+//!
+//! // A goal beyond the limits of the axis is refused by a validation codel.
+//! let outcome = demo.call("goto", &json!({ "goal": 100.0 }))?;
+//! assert_eq!(outcome.exception(), Some("::demo::OUT_OF_RANGE"));
+//!
+//! drop(demo);
+//! assert!(supervisor.unload_all().is_empty());
 //! # Ok(())
 //! # }
 //! ```

@@ -1,14 +1,15 @@
-//! What the system allows this process at most: raised as far as it may be, and named when it is
+//! Limits of the system on this process: raises them as far as allowed, and reports when one is
 //! reached.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 
-/// So close to the limit, it is what was in the way: what failed has let go of some already.
+/// If fewer than this many files can still be opened, the limit counts as reached: the failed
+/// operation may have closed some already.
 const CLOSE: usize = 32;
 
-/// Allows as many open files as the administrator does. The lower limit that shells and systemd
-/// set is for programs that wait with `select`, which this one does not; what codels start has the
-/// higher one as well.
+/// Raises the limit of open files to its hard limit. The lower soft limit set by shells and systemd
+/// protects programs that use `select`, which this one does not. Programs that codels start inherit
+/// the higher limit.
 pub fn raise() {
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
     let shown = |limit: Option<u64>| limit.map_or("any number".to_owned(), |most| most.to_string());
@@ -25,10 +26,10 @@ pub fn raise() {
     }
 }
 
-/// The limit that is reached, to be put after what failed; empty when none is.
+/// The limit that is reached, as text to append to an error; empty if none is.
 pub fn reached() -> String {
     let most = getrlimit(Resource::Nofile).current.and_then(|most| usize::try_from(most).ok());
-    // Where not even this can be opened, none is left.
+    // If this directory cannot be opened, no file can.
     let open = std::fs::read_dir("/proc/self/fd").map(Iterator::count);
     told(most, open.ok())
 }

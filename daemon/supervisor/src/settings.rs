@@ -1,4 +1,4 @@
-//! What holds for all components of a supervisor.
+//! Settings that apply to all components of a supervisor.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -6,28 +6,28 @@ use std::time::Duration;
 
 use genom_configuration::{ClockKind, Config, Offers};
 
-/// What holds for all components of a supervisor.
+/// Settings that apply to all components of a supervisor.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Middleware of components that name none.
+    /// Default middleware, for components that name none.
     pub backend: String,
-    /// Options of middlewares, by name.
+    /// Options of middlewares, by name of the middleware.
     pub backends: BTreeMap<String, toml::Table>,
-    /// Where to look for components named without a directory.
+    /// Directories searched for components.
     pub path: Vec<PathBuf>,
-    /// Where to look for what descriptions include.
+    /// Directories searched for files that descriptions include.
     pub include: Vec<PathBuf>,
-    /// Time of the components.
+    /// The clock of the components.
     pub clock: ClockKind,
-    /// How long the start codel of a task may take before the component is refused.
+    /// How long the start codel of a task may take before loading fails.
     pub start_timeout: Duration,
     /// How long a component may take to stop before it is left behind.
     pub stop_timeout: Duration,
-    /// How long a codel may run before it counts as stuck, where no period says more.
+    /// How long a codel may run before it counts as stuck, unless its period is longer.
     pub stuck_after: Duration,
-    /// Activities of services that one task runs at once.
+    /// Activities that one task may run at once.
     pub max_activities: usize,
-    /// How long the result of an ended activity stays readable.
+    /// How long the result of an ended activity is kept.
     pub keep_results: Duration,
     /// Which services are offered on which middlewares.
     pub offers: Offers,
@@ -52,7 +52,7 @@ impl From<Config> for Settings {
 }
 
 impl Default for Settings {
-    /// Those of a configuration that says nothing.
+    /// The settings of an empty configuration.
     fn default() -> Self {
         Config::default().into()
     }

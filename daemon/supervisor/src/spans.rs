@@ -1,4 +1,4 @@
-//! Spans of `tracing` for requests to services: whoever listens to those may export them.
+//! Spans of `tracing` for calls of services; subscribers may export them.
 
 use tracing::Span;
 
@@ -7,7 +7,7 @@ use crate::ending::Ending;
 /// Target of these spans.
 pub const TARGET: &str = "genom::service";
 
-/// The span of a request to a service; [`ended`] completes it.
+/// The span of a call to a service; [`ended`] completes it.
 pub fn service(component: &str, service: &str) -> Span {
     tracing::info_span!(
         target: "genom::service", "service", component, service,
@@ -15,7 +15,7 @@ pub fn service(component: &str, service: &str) -> Span {
     )
 }
 
-/// Tells a span how its service ended; it lasts until it is dropped.
+/// Sets the outcome of the service in its span, which lasts until it is dropped.
 pub fn ended(span: &Span, activity: Option<u64>, ending: &Ending) {
     if let Some(number) = activity {
         span.record("activity", number);

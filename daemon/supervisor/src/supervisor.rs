@@ -1,4 +1,4 @@
-//! A supervisor of components: what its parts share, and its end.
+//! The supervisor: the state its parts share, and how it stops.
 
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
@@ -17,33 +17,33 @@ use crate::recording::{Recordings, Session};
 use crate::settings::Settings;
 use crate::vigil;
 
-/// Runs components. It may be shared by any number of threads.
+/// Runs components. It can be shared between threads.
 pub struct Supervisor {
-    /// What holds for all components.
+    /// Settings that apply to all components.
     pub settings: Settings,
     /// The middlewares in use.
     pub backends: Arc<Backends>,
-    /// Descriptions and libraries that were read and compared already.
+    /// Descriptions and libraries that were read and checked already.
     pub known: Known,
-    /// The components that run, or are about to.
+    /// The components that are running or being loaded.
     pub components: Arc<Components>,
-    /// Time of all components: they live in one world.
+    /// The clock of all components.
     pub clock: Clock,
-    /// Where changes are told.
+    /// Where changes are reported.
     pub bus: Arc<Bus>,
-    /// The recordings under way.
+    /// The running recordings.
     pub recordings: Arc<Recordings>,
-    /// Their connections.
+    /// The connections of the components.
     pub connections: Connections,
-    /// Held while a deployment is applied: one at a time.
+    /// Locked while a deployment is applied, so that only one is at a time.
     deploying: Mutex<()>,
-    /// Somebody asked to stop: nothing is loaded any more.
+    /// Raised when somebody asked it to stop: nothing is loaded any more.
     stop: Flag,
     /// When that was.
     stop_asked: OnceLock<Instant>,
-    /// Somebody asked again: what hangs is left behind.
+    /// Raised when somebody asked again: components that do not stop are left behind at once.
     pub forced: Flag,
-    /// Everything stopped: streams and connections end.
+    /// Raised when everything has stopped, to end streams and connections.
     pub closed: Flag,
 }
 
@@ -83,17 +83,17 @@ impl Supervisor {
         })
     }
 
-    /// Looks after connections and after codels that do not return, until it stops.
+    /// Starts the threads that keep connections up and report codels that do not return.
     ///
     /// # Errors
-    /// The system gives no thread.
+    /// The system cannot create a thread.
     pub fn watch(&self) -> std::io::Result<()> {
         connections::watch(self.connections.clone(), self.stop.clone())?;
         let (components, bus) = (Arc::clone(&self.components), Arc::clone(&self.bus));
         vigil::watch(components, bus, self.closed.clone())
     }
 
-    /// Tells that a component runs, and records what it has.
+    /// Reports that a component is running, and attaches running recordings.
     pub fn runs(&self, hosted: &Hosted) {
         hosted.record();
         let backend = hosted.ties.bindings.component();
@@ -104,15 +104,15 @@ impl Supervisor {
         });
     }
 
-    /// Starts a recording of these ports and components, of all when there are none; samples
-    /// are taken from now on. Blocks while codels are excluded.
+    /// Starts a recording of these components and ports, or of everything if `wanted` is empty.
+    /// Samples are taken from now on. Blocks while codels are excluded.
     pub fn record(&self, wanted: Vec<String>) -> Arc<Session> {
         let session = self.recordings.start(wanted);
         self.components.all().iter().for_each(|hosted| hosted.record());
         session
     }
 
-    /// A recording is over: nothing is taken for it any more. Blocks while codels are excluded.
+    /// Detaches a recording that ended. Blocks while codels are excluded.
     pub fn recording_ended(&self, session: &Session) {
         self.recordings.forget(session);
         self.components.all().iter().for_each(|hosted| hosted.recording_ended(session.number));
@@ -123,8 +123,8 @@ impl Supervisor {
         self.unload_these(&[name.to_owned()]).pop().map_or(Ok(()), |(_, error)| Err(error))
     }
 
-    /// Stops components side by side, given in the order they were loaded; those that could not
-    /// be stopped. Blocks.
+    /// Stops components in parallel; `names` are in the order of loading. Returns those that could
+    /// not be stopped. Blocks.
     pub fn unload_these(&self, names: &[String]) -> Vec<(String, UnloadError)> {
         let failed = Mutex::new(Vec::new());
         self.components.remove(names, self.settings.stop_timeout, &|name, stopped| {
@@ -146,21 +146,21 @@ impl Supervisor {
         failed.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the deployment under way, if there is one.
+    /// Locks out deployments; waits for the one being applied, if any.
     pub fn deploying(&self) -> MutexGuard<'_, ()> {
         self.deploying.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Unloads everything; those that could not be stopped.
+    /// Unloads all components. Returns those that could not be stopped.
     pub fn unload_all(&self) -> Vec<(String, UnloadError)> {
         let all = self.components.all();
         let names: Vec<String> = all.iter().map(|hosted| hosted.name.clone()).collect();
-        // Nobody but the threads that stop it holds a component.
+        // From here on only the threads that stop a component hold it.
         drop(all);
         self.unload_these(&names)
     }
 
-    /// Asks for the end; asking again changes nothing.
+    /// Asks the supervisor to stop. Further calls change nothing.
     pub fn ask_to_stop(&self, why: &str) {
         self.stop_asked.get_or_init(Instant::now);
         if self.stop.raise() {
@@ -169,29 +169,30 @@ impl Supervisor {
         }
     }
 
-    /// How long ago the end was asked for.
+    /// How long ago it was asked to stop.
     pub fn stopping_for(&self) -> Option<Duration> {
         self.stop_asked.get().map(Instant::elapsed)
     }
 
-    /// Whether a start codel had its time since the end was asked for: nothing waits for it then.
+    /// Whether a start codel has had its full timeout since the supervisor was asked to stop. If
+    /// so, nobody waits for it any more.
     pub fn start_is_given_up(&self) -> bool {
         self.stopping_for().is_some_and(|time| time >= self.settings.stop_timeout)
     }
 
-    /// Whether the end was asked for.
+    /// Whether it was asked to stop.
     pub fn stopping(&self) -> bool {
         self.stop.is_up()
     }
 
-    /// Waits until the end is asked for.
+    /// Waits until it is asked to stop.
     pub async fn asked_to_stop(&self) {
         self.stop.raised().await;
     }
 }
 
 impl Drop for Supervisor {
-    /// Nobody asked for its end: what watches it ends all the same.
+    /// Ends the watching threads even if nobody asked it to stop.
     fn drop(&mut self) {
         self.stop.raise();
         self.closed.raise();

@@ -1,5 +1,5 @@
-//! Watches for codels that do not return or do not pause: tells when one counts as stuck and when it
-//! returns, when one spins, and lets go of what was left behind of components once it ends.
+//! Watches for codels that do not return or do not pause: reports when one counts as stuck, when it
+//! returns and when one spins, and frees components that were left behind once their threads end.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -13,9 +13,9 @@ use crate::bus::{Bus, Change};
 use crate::components::{Components, Hosted, Spin};
 use crate::flag::Flag;
 
-/// Between two looks. All that is read are a few words a component.
+/// Interval between two checks. A check reads only a few words per component.
 const LOOK: Duration = Duration::from_millis(250);
-/// A codel that is stuck again and again is logged so often; events tell each time.
+/// Minimum interval between log entries about the same stuck codel. Events are sent each time.
 const SAME_AGAIN: Duration = Duration::from_secs(60);
 
 /// Watches until `closed` is raised.
@@ -35,16 +35,16 @@ pub(crate) fn watch(
     Ok(())
 }
 
-/// A component and a context of it.
+/// Name of a component, and index of one of its contexts.
 type Place = (String, usize);
 
 struct Vigil {
     bus: Arc<Bus>,
-    /// What is stuck.
+    /// Stuck codels that were reported.
     told: HashMap<Place, Stuck>,
-    /// Cycles that spin: component, task, date.
+    /// Reported cycles that spin: component, task, start date.
     spins: HashSet<(String, TaskIx, u64)>,
-    /// When a codel of a component was logged last, and how often it was not since.
+    /// When a codel of a component was logged last, and how many times it was not logged since.
     logged: HashMap<(String, String), (Instant, u32)>,
 }
 
@@ -62,7 +62,7 @@ impl Vigil {
             self.look_at(&hosted.name, hosted.stuck());
         }
         self.look_for_spins(&running);
-        // Those that stop are told about by whoever stops them.
+        // Components that are being stopped are reported by whoever stops them.
         let runs = |name: &str| running.iter().any(|hosted| hosted.name == name);
         self.told.retain(|(name, _), _| runs(name));
         self.logged.retain(|_, (last, _)| last.elapsed() < SAME_AGAIN);
@@ -135,7 +135,8 @@ impl Vigil {
         self.bus.tell(&Change::CodelSpins { component, codel, owner, task, seconds });
     }
 
-    /// Whether a codel is to be logged: not so soon again; then how often it was not since.
+    /// If the codel was not logged recently, returns a text on how often it was stuck without being
+    /// logged.
     fn not_lately(&mut self, name: &str, codel: &str) -> Option<String> {
         let key = (name.to_owned(), codel.to_owned());
         let more = match self.logged.get_mut(&key) {
@@ -150,7 +151,7 @@ impl Vigil {
         Some(if more > 0 { format!("; {more} times more since") } else { String::new() })
     }
 
-    /// Whether it was logged.
+    /// Logs a stuck codel, unless that was done recently. Returns whether it did.
     fn log(&mut self, name: &str, codel: &RunningCodel) -> bool {
         let Some(again) = self.not_lately(name, &codel.codel) else { return false };
         let whose =
@@ -166,7 +167,7 @@ impl Vigil {
     }
 }
 
-/// Closing a library runs code of its author, which may do anything: it has a thread of its own.
+/// Frees components in a thread of its own, because closing a library runs code of its author.
 fn bury(over: Vec<Arc<Hosted>>) {
     let burying = thread::Builder::new().name("genomd-bury".to_owned()).spawn(move || {
         for hosted in over {

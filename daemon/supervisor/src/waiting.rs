@@ -1,4 +1,4 @@
-//! Waits for a future in a thread that may block, with or without a runtime around it.
+//! Waits for a future in a thread that may block, inside or outside a tokio runtime.
 
 use std::pin::pin;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ impl Wake for Unpark {
     }
 }
 
-/// What the future comes to; `None` when it does not until `end`.
+/// The result of the future; `None` if it is not ready by `end`.
 pub(crate) fn wait<T>(future: impl Future<Output = T>, end: Option<Instant>) -> Option<T> {
     let mut future = pin!(future);
     let waker = Waker::from(Arc::new(Unpark(thread::current())));

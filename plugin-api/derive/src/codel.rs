@@ -1,4 +1,4 @@
-//! `#[codel]`: the C function around a Rust function, and its descriptor.
+//! Expands `#[codel]`: generates the C function around a Rust function, and its descriptor.
 
 use proc_macro2::TokenStream;
 use quote::{format_ident, quote};
@@ -7,15 +7,15 @@ use syn::{Error, ItemFn, Result, ReturnType, Type};
 use crate::name::{c_string, plain};
 use crate::parameter::{Form, form, is_context, name_and_type};
 
-/// The pieces of one parameter in the expansion.
+/// The parts of the expansion that belong to one parameter.
 struct Argument {
-    /// `name: CType` in the C function.
+    /// `name: CType`, in the signature of the C function.
     declaration: TokenStream,
-    /// The statement that takes the C value.
+    /// The statement that stores the C value.
     hold: TokenStream,
     /// The expression that is passed to the Rust function.
     lend: TokenStream,
-    /// Expression for its line in the exported table.
+    /// The expression of its descriptor in the exported table.
     descriptor: TokenStream,
 }
 

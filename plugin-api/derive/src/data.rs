@@ -1,4 +1,4 @@
-//! Derives: layouts of structs, enums, exceptions and natives as constant descriptors.
+//! Expands the derives: layouts of structs, enums, exceptions and natives as constant descriptors.
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -6,7 +6,7 @@ use syn::{Data, DataEnum, DeriveInput, Error, Fields, Result};
 
 use crate::name::{c_string, full_name, has_repr, plain};
 
-/// `#[derive(Data)]`.
+/// Expands `#[derive(Data)]`.
 pub(crate) fn derive_data(input: &DeriveInput) -> Result<TokenStream> {
     match &input.data {
         Data::Struct(data) => {
@@ -30,7 +30,7 @@ pub(crate) fn derive_data(input: &DeriveInput) -> Result<TokenStream> {
     }
 }
 
-/// `#[derive(Exception)]`.
+/// Expands `#[derive(Exception)]`.
 pub(crate) fn derive_exception(input: &DeriveInput) -> Result<TokenStream> {
     let Data::Struct(data) = &input.data else {
         return Err(Error::new_spanned(input, "an exception is a struct"));
@@ -46,7 +46,7 @@ pub(crate) fn derive_exception(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-/// `#[derive(NativeType)]`.
+/// Expands `#[derive(NativeType)]`.
 pub(crate) fn derive_native(input: &DeriveInput) -> Result<TokenStream> {
     let ident = &input.ident;
     let name = full_name(input)?;
@@ -57,8 +57,8 @@ pub(crate) fn derive_native(input: &DeriveInput) -> Result<TokenStream> {
     })
 }
 
-/// The address of a struct's descriptor. A static has one before its value is computed, so a
-/// struct may hold a sequence of itself.
+/// The address of a struct's descriptor. The address of a static is known before its value is
+/// computed, so that a struct may contain a sequence of itself.
 fn struct_descriptor(
     input: &DeriveInput,
     fields: &Fields,

@@ -1,7 +1,7 @@
 //! Macros of the codel SDK; crate `genom` re-exports and documents them.
 //!
-//! What they expand to calls unsafe functions of `genom` alone, under the contract between a
-//! host and a codel, so that crates of codels may forbid unsafe code.
+//! Their expansions call only unsafe functions of `genom`, under the contract between host and
+//! codels, so that crates of codels may forbid unsafe code.
 
 #![forbid(unsafe_code)]
 

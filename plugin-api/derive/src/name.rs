@@ -26,7 +26,7 @@ pub(crate) fn full_name(input: &DeriveInput) -> Result<TokenStream> {
     Ok(c_string(&name.value()))
 }
 
-/// Whether the text is `::` and an identifier, once or more.
+/// Whether the text consists of one or more parts, each `::` and an identifier.
 fn is_full_name(text: &str) -> bool {
     text.strip_prefix("::").is_some_and(|segments| {
         segments.split("::").all(|segment| {
@@ -36,7 +36,7 @@ fn is_full_name(text: &str) -> bool {
     })
 }
 
-/// The identifier as IDL has it: `r#type` is `type`.
+/// The identifier in IDL: `type` for `r#type`.
 pub(crate) fn plain(ident: &Ident) -> String {
     ident.unraw().to_string()
 }
@@ -47,13 +47,13 @@ pub(crate) fn c_string(text: &str) -> TokenStream {
     quote! { const { ::genom::rt::c_str(#text) } }
 }
 
-/// Whether a `#[repr(...)]` of the item lists `wanted`.
+/// Whether the item has an attribute `#[repr(...)]` that lists `wanted`.
 pub(crate) fn has_repr(attributes: &[Attribute], wanted: &str) -> bool {
     attributes.iter().filter(|attribute| attribute.path().is_ident("repr")).any(|attribute| {
         let mut found = false;
         let parsed = attribute.parse_nested_meta(|meta| {
             found |= meta.path.is_ident(wanted);
-            // `align(8)` and `packed(2)` carry an argument.
+            // `align(8)` and `packed(2)` have an argument.
             if meta.input.peek(syn::token::Paren) {
                 meta.input.parse::<proc_macro2::TokenTree>()?;
             }

@@ -1,10 +1,10 @@
-//! Parameters of codels and remotes: the way they are written decides how they are passed.
+//! Parameters of codels and remotes: how a type is written determines how it is passed.
 
 use syn::{Error, FnArg, Pat, Result, Type};
 
 use crate::name::plain;
 
-/// How a parameter is written, which decides how it is passed.
+/// How the type of a parameter is written, which determines how it is passed.
 pub(crate) enum Form<'a> {
     Value(&'a Type),
     Shared(&'a Type),
@@ -26,7 +26,7 @@ pub(crate) fn name_and_type(input: &FnArg) -> Result<(String, &Type)> {
     Ok((plain(&pattern.ident), &input.ty))
 }
 
-/// Whether it is `&Context`, by whatever path.
+/// Whether the type is `&Context`, under any path.
 pub(crate) fn is_context(ty: &Type) -> bool {
     matches!(form(ty), Form::Shared(Type::Path(path))
         if path.path.segments.last().is_some_and(|segment| segment.ident == "Context"))

@@ -1,4 +1,4 @@
-//! `remote!`: a type that calls a service of another component.
+//! Expands `remote!`: generates a type that calls a service of another component.
 
 use proc_macro2::TokenStream;
 use quote::quote;

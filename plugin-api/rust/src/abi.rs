@@ -1,15 +1,15 @@
 //! The table that a component library exports, and its C layout.
 //!
-//! A host reads it before it calls anything, and compares it with the `.gen` file. All of it is
-//! constant data in the library: it is valid as long as the library is loaded, and needs no lock.
-//! C and C++ libraries have no table; they are checked by other means.
+//! A host reads the table and compares it with the `.gen` file before it calls anything. The table
+//! is constant data of the library: valid as long as the library is loaded, and readable from any
+//! thread. C and C++ libraries have no table; the host checks them by their debug information.
 
 use std::ffi::{CStr, c_char, c_void};
 use std::mem::{offset_of, size_of};
 
-/// Major version of the table. A host refuses a library that has another.
+/// Major version of the table. A host refuses a library with another one.
 pub const ABI_MAJOR: u16 = 1;
-/// Minor version: higher ones add fields at the end of [`Component`].
+/// Minor version. Higher ones have more fields at the end of [`Component`].
 pub const ABI_MINOR: u16 = 0;
 /// Symbol of the static [`Component`].
 pub const COMPONENT_SYMBOL: &CStr = c"genom_component";
@@ -32,11 +32,12 @@ pub struct Component {
     pub description: *const c_char,
     /// Every codel of the library.
     pub codels: List<CodelDescriptor>,
-    /// Exceptions that the codels throw: structs, without members for those without detail.
+    /// Exceptions that the codels throw, described as structs; those without detail have no
+    /// members.
     pub exceptions: List<*const TypeDescriptor>,
 }
 
-/// A codel: a C function of the library, and what it takes.
+/// A codel: a C function of the library, and its arguments.
 #[derive(Debug)]
 #[repr(C)]
 pub struct CodelDescriptor {
@@ -56,23 +57,23 @@ pub struct ArgumentDescriptor {
     pub name: *const c_char,
     /// How it is passed.
     pub passing: Passing,
-    /// Zero.
+    /// Always 0.
     pub reserved: u32,
-    /// Its type; for a port the type of its data.
+    /// Its type; for a port, the type of its data.
     pub ty: *const TypeDescriptor,
 }
 
-/// How an argument is passed (genom3.md 5.5). A host refuses numbers it does not know.
+/// How an argument is passed (genom3.md 5.5). A host refuses unknown numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct Passing(pub u32);
 
 impl Passing {
-    /// `in`: the scalar itself, or the pointer that an unbounded string or a native is.
+    /// `in`: the scalar itself; for an unbounded string or a native, the pointer.
     pub const VALUE: Self = Self(0);
-    /// `in`: address of a datum that the codel only reads.
+    /// `in`: address of data that the codel only reads.
     pub const SHARED: Self = Self(1);
-    /// `out` or `inout`: address of a datum that the codel may change.
+    /// `out` or `inout`: address of data that the codel may change.
     pub const EXCLUSIVE: Self = Self(2);
     /// `port in`.
     pub const IN_PORT: Self = Self(3);
@@ -82,31 +83,31 @@ impl Passing {
     pub const MULTIPLE_IN_PORT: Self = Self(5);
     /// `port multiple out`.
     pub const MULTIPLE_OUT_PORT: Self = Self(6);
-    /// Remote; its type is of kind [`Kind::REMOTE`].
+    /// A remote; its type is of kind [`Kind::REMOTE`].
     pub const REMOTE: Self = Self(7);
 }
 
-/// A type as the library was compiled: what it is and where its members lie.
+/// A type as compiled into the library: its kind, and where its members are.
 ///
-/// Typedefs do not appear: they have no counterpart in memory.
+/// Typedefs are left out: they make no difference in memory.
 #[derive(Debug)]
 #[repr(C)]
 pub struct TypeDescriptor {
-    /// What it is.
+    /// Its kind.
     pub kind: Kind,
-    /// Zero.
+    /// Always 0.
     pub reserved: u32,
-    /// Full name, such as `::demo::state`, of an enum, struct, exception or native; else null.
+    /// Full name, such as `::demo::state`, of an enum, struct, exception or native; otherwise null.
     pub name: *const c_char,
     /// Size in bytes.
     pub size: usize,
     /// Alignment in bytes.
     pub align: usize,
-    /// Length of an array, bound of a string (NUL included) or sequence; 0 when unbounded.
+    /// Length of an array, or bound of a string (including the NUL) or sequence; 0 if unbounded.
     pub bound: usize,
-    /// Type of the elements of an array, sequence or optional; else null.
+    /// Type of the elements of an array, sequence or optional; otherwise null.
     pub element: *const TypeDescriptor,
-    /// Members of a struct or exception; enumerators of an enum, whose rank is their value;
+    /// Members of a struct or exception; enumerators of an enum, whose values are their indices;
     /// parameters of a remote.
     pub members: List<MemberDescriptor>,
 }
@@ -115,15 +116,16 @@ pub struct TypeDescriptor {
 #[derive(Debug)]
 #[repr(C)]
 pub struct MemberDescriptor {
-    /// Its name, NUL-terminated, without the raw prefix of Rust.
+    /// Its name, NUL-terminated, without the prefix `r#` of Rust.
     pub name: *const c_char,
-    /// Bytes from the start of the struct; 0 for an enumerator; [`Passing`] of a parameter.
+    /// Offset in the struct, in bytes; 0 for an enumerator; the number of its [`Passing`] for a
+    /// parameter.
     pub offset: usize,
     /// Its type; null for an enumerator.
     pub ty: *const TypeDescriptor,
 }
 
-/// The kind of a type (genom3.md 5.2). A host refuses numbers it does not know.
+/// The kind of a type (genom3.md 5.2). A host refuses unknown numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(transparent)]
 pub struct Kind(pub u32);
@@ -150,23 +152,23 @@ impl Kind {
     pub const UNION: Self = Self(17);
     pub const EXCEPTION: Self = Self(18);
     pub const NATIVE: Self = Self(19);
-    /// No data: the members are the parameters of a remote, and the offset of each is the number
-    /// of its [`Passing`].
+    /// A remote, which has no data: its members are the parameters, and the offset of each is the
+    /// number of its [`Passing`].
     pub const REMOTE: Self = Self(20);
 }
 
-/// A constant array and its length.
+/// A constant array with its length.
 #[derive(Debug)]
 #[repr(C)]
 pub struct List<T: 'static> {
-    /// First element; not to be read when `count` is 0.
+    /// The first element; not to be read if `count` is 0.
     pub first: *const T,
     /// Number of elements.
     pub count: usize,
 }
 
 impl<T> List<T> {
-    /// A list of nothing.
+    /// The empty list.
     pub const EMPTY: Self = Self::new(&[]);
 
     /// The list of the elements of `slice`.

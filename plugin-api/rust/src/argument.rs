@@ -1,7 +1,8 @@
-//! How the arguments of a codel travel from C to Rust (genom3.md 5.5).
+//! How arguments of codels are passed from C to Rust (genom3.md 5.5).
 //!
-//! [`codel`](crate::codel) and [`remote!`](crate::remote) pick the trait by the way the parameter
-//! is written: `T`, `&T` or `&mut T`. Only they call what turns pointers into references.
+//! [`codel`](crate::codel) and [`remote!`](crate::remote) select the trait by how the type of the
+//! parameter is written: `T`, `&T` or `&mut T`. Only their expansions call the functions that turn
+//! pointers into references.
 
 use std::ffi::{CStr, c_char};
 
@@ -15,15 +16,15 @@ use crate::data::{Aggregate, Data, Enum, Enumeration, Native, NativeType};
             only reads it, and all data as `&mut T` when it writes it"
 )]
 pub trait ByValue: Sized {
-    /// What C passes.
+    /// Its type in C.
     type Abi;
-    /// Descriptor of the IDL type that it stands for.
+    /// Descriptor of its IDL type.
     const TYPE: *const TypeDescriptor;
 
-    /// The argument of a codel.
+    /// Converts the argument of a codel from C.
     fn from_abi(abi: Self::Abi) -> Self;
 
-    /// What a remote is called with.
+    /// Converts the argument of a remote to C.
     fn into_abi(self) -> Self::Abi;
 }
 
@@ -72,32 +73,32 @@ impl<E: Enumeration> ByValue for Enum<E> {
     }
 }
 
-/// A parameter written `&T`: an `in` datum that is no scalar.
+/// A parameter written `&T`: `in` data that is not a scalar.
 #[diagnostic::on_unimplemented(
     message = "a codel takes no `&{Self}`",
     note = "an `in` number is taken by value, an `in string` as `&CStr`, ports and \
             remotes as `&mut`"
 )]
 pub trait ByRef {
-    /// What C passes.
+    /// Its type in C.
     type Abi;
-    /// What the shim keeps while the codel runs.
+    /// The value that the C function stores while the codel runs.
     type Held;
     /// How it is passed.
     const PASSING: Passing;
-    /// Descriptor of the IDL type that it stands for.
+    /// Descriptor of its IDL type.
     const TYPE: *const TypeDescriptor;
 
-    /// Takes the C value.
+    /// Stores the C value.
     ///
     /// # Safety
     /// `abi` is the argument of the running codel.
     unsafe fn hold(abi: Self::Abi) -> Self::Held;
 
-    /// The argument of a codel.
+    /// Converts the stored value to the argument of the Rust function.
     fn lend(held: &Self::Held) -> &Self;
 
-    /// What a remote is called with; valid as long as `self`.
+    /// Converts the argument of a remote to C; the result is valid as long as `self`.
     fn to_abi(&self) -> Self::Abi;
 }
 
@@ -165,25 +166,25 @@ impl<T: NativeType> ByRef for Native<T> {
     }
 }
 
-/// A parameter written `&mut T`: an `out` or `inout` datum, a port or a remote.
+/// A parameter written `&mut T`: `out` or `inout` data, a port or a remote.
 #[diagnostic::on_unimplemented(message = "a codel takes no `&mut {Self}`")]
 pub trait ByMut {
-    /// What C passes.
+    /// Its type in C.
     type Abi;
-    /// What the shim keeps while the codel runs.
+    /// The value that the C function stores while the codel runs.
     type Held;
     /// How it is passed.
     const PASSING: Passing;
-    /// Its type; that of the data for a port.
+    /// Descriptor of its type; for a port, of the type of its data.
     const TYPE: *const TypeDescriptor;
 
-    /// Takes the C value.
+    /// Stores the C value.
     ///
     /// # Safety
     /// `abi` is the argument of the running codel.
     unsafe fn hold(abi: Self::Abi) -> Self::Held;
 
-    /// What the codel gets, for as long as it runs.
+    /// Converts the stored value to the argument of the Rust function.
     fn lend(held: &mut Self::Held) -> &mut Self;
 }
 

@@ -4,16 +4,16 @@ use std::ffi::CStr;
 
 use crate::abi::CodelDescriptor;
 
-/// A function marked [`codel`](crate::codel), as a type of the same name.
+/// A function marked with [`codel`](crate::codel), represented by a type of the same name.
 pub trait Codel {
-    /// What the host is told of it.
+    /// Its entry in the exported table.
     const DESCRIPTOR: CodelDescriptor;
 }
 
 /// Makes the library a component: exports its `.gen` text and the table of its codels.
 ///
-/// Once in a library, in any module. The path of the description is relative to the file that
-/// calls the macro. Files that the description `#include`s are not embedded: the host looks for
+/// Call it once in a library, in any module. The path of the description is relative to the file
+/// that calls the macro. Files that the description includes are not embedded: the host searches
 /// them beside the library and along its include path.
 ///
 /// ```text
@@ -57,7 +57,7 @@ macro_rules! component {
     };
 }
 
-/// A text and a NUL, as an array that a static can hold.
+/// A text followed by a NUL, as an array for a static.
 #[must_use]
 pub const fn terminated<const N: usize>(text: &[u8]) -> [u8; N] {
     let mut bytes = [0; N];
@@ -69,7 +69,8 @@ pub const fn terminated<const N: usize>(text: &[u8]) -> [u8; N] {
     bytes
 }
 
-/// A text that ends with its only NUL, as a C string. Fails to compile when it does not.
+/// Converts a text that ends with its only NUL to a C string. Any other text is a compile-time
+/// error.
 #[must_use]
 pub const fn c_str(text: &'static str) -> &'static CStr {
     match CStr::from_bytes_with_nul(text.as_bytes()) {

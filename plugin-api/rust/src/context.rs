@@ -8,19 +8,20 @@ use std::mem::{offset_of, size_of};
 #[derive(Debug)]
 #[repr(C)]
 pub struct ContextInterface {
-    /// Records an exception with a copy of its detail; returns it, or `::genom::fatal`.
+    /// Records an exception with a copy of its detail. Returns the exception, or `::genom::fatal`
+    /// on failure.
     pub raise: unsafe extern "C" fn(
         exception: *const c_char,
         detail: *const c_void,
         size: usize,
         context: *const ContextInterface,
     ) -> *const c_char,
-    /// Tells the last recorded exception, and where its detail is.
+    /// Returns the exception recorded last, and a pointer to its detail.
     pub raised: unsafe extern "C" fn(
         exception: *mut *const c_char,
         context: *const ContextInterface,
     ) -> *const c_void,
-    /// Belongs to the host.
+    /// Private data of the host.
     pub data: *mut c_void,
 }
 
@@ -30,16 +31,17 @@ const _: () = assert!(
         && offset_of!(ContextInterface, data) == 16
 );
 
-/// The context a codel was called with: it lives as long as the call, in its thread.
+/// The context that a codel is called with. It is valid in the thread of the call, until the codel
+/// returns.
 #[derive(Debug)]
 pub struct Context {
     interface: *const ContextInterface,
-    /// The host hands a context to one thread at a time.
+    /// A context must be used in the thread of the call only.
     not_send: PhantomData<*mut ()>,
 }
 
 impl Context {
-    /// The context a codel got as its last argument.
+    /// The context that a codel received as its last argument.
     ///
     /// # Safety
     /// `interface` is the argument the host called the codel with, and the call has not ended.
@@ -48,12 +50,13 @@ impl Context {
         Self { interface, not_send: PhantomData }
     }
 
-    /// The argument to give to methods of ports.
+    /// The pointer to pass to methods of ports.
     pub(crate) fn as_raw(&self) -> *const ContextInterface {
         self.interface
     }
 
-    /// Records exception `id` with a copy of `detail`; returns what the codel is to return.
+    /// Records exception `id` with a copy of `detail`. Returns the value that the codel is to
+    /// return.
     pub(crate) fn raise<T: Copy>(&self, id: &'static CStr, detail: &T) -> *const c_char {
         let size = size_of::<T>();
         let pointer = if size == 0 { std::ptr::null() } else { std::ptr::from_ref(detail).cast() };
@@ -62,7 +65,7 @@ impl Context {
         unsafe { ((*self.interface).raise)(id.as_ptr(), pointer, size, self.interface) }
     }
 
-    /// Full name of the last exception recorded in this context, by a codel or by a port.
+    /// Full name of the exception recorded last in this context, by a codel or by a port.
     #[must_use]
     pub fn raised(&self) -> Option<&CStr> {
         let mut exception = std::ptr::null();

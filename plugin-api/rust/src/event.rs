@@ -1,14 +1,14 @@
-//! Events: what a state-machine codel returns.
+//! Events: the values that state-machine codels return.
 
 use std::ffi::CStr;
 use std::fmt;
 
-/// An event, by its full name such as `::demo::pause::main`.
+/// An event, identified by its full name, such as `::demo::pause::main`.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Event(&'static CStr);
 
 impl Event {
-    /// The event of this full name; [`event!`](crate::event) is shorter.
+    /// The event of this full name. [`event!`](crate::event) is more convenient.
     #[must_use]
     pub const fn new(name: &'static CStr) -> Self {
         Self(name)
@@ -27,7 +27,8 @@ impl fmt::Debug for Event {
     }
 }
 
-/// The [`Event`] of a full name, as a constant. `pause::` before the state waits for the next tick.
+/// The [`Event`] of a full name, as a constant. With `pause::` before the name of the state, the
+/// next codel runs at the next tick of the task.
 ///
 /// ```
 /// use genom::{Event, event};

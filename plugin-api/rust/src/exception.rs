@@ -1,4 +1,4 @@
-//! Exceptions: how a codel says what went wrong.
+//! Exceptions: how codels report errors.
 
 use std::ffi::{CStr, c_char};
 use std::fmt;
@@ -35,16 +35,17 @@ use crate::data::{BoundedString, Data};
 pub trait Exception: Copy {
     /// Full name, such as `::demo::OUT_OF_RANGE`.
     const ID: &'static CStr;
-    /// Its detail as it lies in memory.
+    /// Descriptor of its detail.
     const TYPE: *const TypeDescriptor;
 
-    /// Records the exception, for the codel to return: `return Err(OutOfRange { .. }.raise(cx))`.
+    /// Records the exception, to be returned by the codel: `return Err(OutOfRange { ..
+    /// }.raise(cx))`.
     fn raise(self, context: &Context) -> Thrown {
         Thrown(context.raise(Self::ID, &self))
     }
 }
 
-/// An exception that is recorded in the context: a codel returns it as its error.
+/// An exception recorded in the context; the codel returns it as its error.
 #[must_use = "a recorded exception has no effect unless the codel returns it"]
 #[derive(Clone, Copy)]
 pub struct Thrown(pub(crate) *const c_char);
@@ -89,16 +90,16 @@ impl Exception for Syserr {
     };
 }
 
-/// `::genom::unkex`: an error of no declared kind, with a sentence.
+/// `::genom::unkex`: an error that the `.gen` file does not declare, with a message.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Unkex {
-    /// Sentence that says what happened.
+    /// The message.
     pub what: BoundedString<128>,
 }
 
 impl Unkex {
-    /// The exception that says `what`, cut at 127 bytes.
+    /// The exception with this message, truncated to 127 bytes.
     #[must_use]
     pub fn new(what: &str) -> Self {
         Self { what: BoundedString::new(what) }

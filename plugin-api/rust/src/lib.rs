@@ -97,7 +97,7 @@ pub use genom_derive::{Data, Exception, NativeType, codel};
 pub use outcome::Outcome;
 pub use port::{InPort, MultipleInPort, MultipleOutPort, OutPort};
 
-/// What the macros expand to; no part of the interface.
+/// Used by the expansion of macros; not part of the interface.
 #[doc(hidden)]
 pub mod rt {
     pub use crate::component::{c_str, terminated};

@@ -1,4 +1,5 @@
-//! The C heap: strings and sequences are shared with C code, which frees them with `free`.
+//! Memory of the C heap: strings and sequences are shared with C code, which releases them with
+//! `free`.
 
 use std::alloc::{Layout, handle_alloc_error};
 use std::ffi::c_void;
@@ -8,7 +9,8 @@ unsafe extern "C" {
     fn free(pointer: *mut c_void);
 }
 
-/// What releases memory of [`zeroed`]; its address is what C code compares with `free`.
+/// Releases memory of [`zeroed`]. C code recognises such memory by comparing this address with
+/// `free`.
 pub(crate) const FREE: unsafe extern "C" fn(*mut c_void) = free;
 
 /// Zeroed memory for `count` values of `T`; never null.

@@ -1,14 +1,14 @@
-//! What a codel may return, and how a panic becomes an exception.
+//! Return types of codels, and the conversion of panics to exceptions.
 
 use std::ffi::c_char;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::{Context, Event, Exception, Thrown, Unkex};
 
-/// What a codel may return: an [`Event`], or nothing for functions and validations; or either
-/// in a `Result` whose error is [`Thrown`].
+/// Return type of a codel: [`Event`], `()` for functions and validation codels, or a `Result` of
+/// these with error [`Thrown`].
 pub trait Outcome {
-    /// The C value: a full name, null for success without an event.
+    /// The C value: a full name, or null for success without an event.
     fn into_raw(self) -> *const c_char;
 }
 
@@ -39,9 +39,9 @@ impl<T: Outcome> Outcome for Result<T, Thrown> {
     }
 }
 
-/// Runs a codel; a panic ends here, as `::genom::unkex` with the panic's message.
+/// Runs a codel, and converts a panic to `::genom::unkex` with the panic's message.
 pub fn guard<R: Outcome>(context: &Context, codel: impl FnOnce() -> R) -> *const c_char {
-    // The codel's data may be half changed, as after any exception of a codel in C.
+    // Data of the codel may be partly modified, as after an exception of a codel in C.
     match catch_unwind(AssertUnwindSafe(codel)) {
         Ok(outcome) => outcome.into_raw(),
         Err(panic) => {
@@ -51,7 +51,7 @@ pub fn guard<R: Outcome>(context: &Context, codel: impl FnOnce() -> R) -> *const
                 _ => "the codel panicked",
             };
             let raw = Unkex::new(what).raise(context).into_raw();
-            // The payload's destructor may panic in turn; that payload is given up.
+            // The payload's destructor may panic, too; the payload of that panic is leaked.
             if let Err(again) = catch_unwind(AssertUnwindSafe(move || drop(panic))) {
                 std::mem::forget(again);
             }

@@ -14,7 +14,7 @@ type Raw = *const ContextInterface;
 #[repr(C)]
 struct Handle<T> {
     data: unsafe extern "C" fn(Raw) -> *mut T,
-    /// `read` of an in port, `write` of an out port.
+    /// `read` of an in port, or `write` of an out port.
     exchange: unsafe extern "C" fn(Raw) -> *const c_char,
 }
 
@@ -32,7 +32,8 @@ struct MultipleOutHandle<T> {
     close: unsafe extern "C" fn(*const c_char, Raw) -> *const c_char,
 }
 
-/// `genom_ok` or an exception that the port recorded in the context.
+/// Converts the result of a method: `genom_ok`, or an exception that the port recorded in the
+/// context.
 pub(crate) fn checked(event: *const c_char) -> Result<(), Thrown> {
     if event.is_null() { Ok(()) } else { Err(Thrown(event)) }
 }
@@ -42,7 +43,7 @@ macro_rules! port {
         $(#[$doc])*
         pub struct $name<T> {
             handle: *const $handle<T>,
-            /// It leads to a buffer of `T` that is this codel's while it runs.
+            /// Points to a buffer of `T`, which only this codel uses while it runs.
             data: PhantomData<*mut T>,
         }
 
@@ -102,31 +103,50 @@ port! {
 }
 
 port! {
-    /// `port out T`: others see what is in the buffer at each [`write`](Self::write).
+    /// `port out T`: [`write`](Self::write) publishes the content of the buffer.
     OutPort, Handle, OUT_PORT
 }
 
 port! {
-    /// `port multiple in T`: elements that a supervisor connected, by name.
+    /// `port multiple in T`: elements identified by name, which supervisors connect.
     MultipleInPort, MultipleInHandle, MULTIPLE_IN_PORT
 }
 
 port! {
-    /// `port multiple out T`: elements that codels open and close, by name.
+    /// `port multiple out T`: elements identified by name, which codels open and close.
+    ///
+    /// ```
+    /// use genom::{Context, Event, MultipleOutPort, Thrown, event};
+    ///
+    /// #[genom::codel]
+    /// fn demo_announce(
+    ///     ranges: &mut MultipleOutPort<f64>,
+    ///     context: &Context,
+    /// ) -> Result<Event, Thrown> {
+    ///     ranges.open(c"left", context)?;
+    ///     if let Some(range) = ranges.data(c"left", context) {
+    ///         *range = 1.5;
+    ///     }
+    ///     ranges.write(c"left", context)?;
+    ///     Ok(event!("::demo::ether"))
+    /// }
+    /// # fn main() {}
+    /// ```
     MultipleOutPort, MultipleOutHandle, MULTIPLE_OUT_PORT
 }
 
 impl<T: Data> InPort<T> {
-    /// Takes the latest published value.
+    /// Reads the latest published value into the buffer.
     ///
     /// # Errors
-    /// `::genom::no_such_inport` when unconnected, `::genom::port_io`, `::genom::serialization`.
+    /// `::genom::no_such_inport` if the port is not connected, `::genom::port_io`,
+    /// `::genom::serialization`.
     pub fn read(&mut self, context: &Context) -> Result<(), Thrown> {
         // SAFETY: a method of the host's handle, with the context of the running codel.
         checked(unsafe { (self.methods().exchange)(context.as_raw()) })
     }
 
-    /// The value of the last read; `None` when there is none.
+    /// The value read last; `None` if there is none.
     #[must_use]
     pub fn data(&self, context: &Context) -> Option<&T> {
         // SAFETY: null or the port's buffer, which changes at `read` only, and no other codel
@@ -134,7 +154,8 @@ impl<T: Data> InPort<T> {
         unsafe { (self.methods().data)(context.as_raw()).as_ref() }
     }
 
-    /// The latest published value; `None` when the port is unconnected or was never written.
+    /// Reads and returns the latest published value; `None` if the port is not connected or was
+    /// never written.
     pub fn latest(&mut self, context: &Context) -> Option<&T> {
         self.read(context).ok()?;
         self.data(context)
@@ -142,7 +163,7 @@ impl<T: Data> InPort<T> {
 }
 
 impl<T: Data> OutPort<T> {
-    /// The buffer, to be filled in place.
+    /// The buffer, to be modified in place.
     #[must_use]
     pub fn data(&mut self, context: &Context) -> Option<&mut T> {
         // SAFETY: null or the port's buffer, that no other codel uses meanwhile (4.5).
@@ -158,7 +179,7 @@ impl<T: Data> OutPort<T> {
         checked(unsafe { (self.methods().exchange)(context.as_raw()) })
     }
 
-    /// Puts `value` in the buffer and publishes it.
+    /// Stores `value` in the buffer and publishes it.
     ///
     /// # Errors
     /// As for [`write`](Self::write).
@@ -171,17 +192,17 @@ impl<T: Data> OutPort<T> {
 }
 
 impl<T: Data> MultipleInPort<T> {
-    /// Takes the latest value published to element `id`.
+    /// Reads the latest value published to element `id` into its buffer.
     ///
     /// # Errors
-    /// `::genom::no_such_inport` when there is no such element or it is unconnected,
+    /// `::genom::no_such_inport` if there is no such element or it is not connected,
     /// `::genom::port_io`, `::genom::serialization`.
     pub fn read(&mut self, id: &CStr, context: &Context) -> Result<(), Thrown> {
         // SAFETY: a method of the host's handle, with the context of the running codel.
         checked(unsafe { (self.methods().read)(id.as_ptr(), context.as_raw()) })
     }
 
-    /// The value of the last read of element `id`; `None` when there is none.
+    /// The value of element `id` that was read last; `None` if there is none.
     #[must_use]
     pub fn data(&self, id: &CStr, context: &Context) -> Option<&T> {
         // SAFETY: as for `InPort::data`.
@@ -190,7 +211,7 @@ impl<T: Data> MultipleInPort<T> {
 }
 
 impl<T: Data> MultipleOutPort<T> {
-    /// Creates element `id`; it may exist already.
+    /// Creates element `id`, if it does not exist yet.
     ///
     /// # Errors
     /// `::genom::port_io`.
@@ -208,7 +229,7 @@ impl<T: Data> MultipleOutPort<T> {
         checked(unsafe { (self.methods().close)(id.as_ptr(), context.as_raw()) })
     }
 
-    /// The buffer of element `id`, to be filled in place; `None` when there is no such element.
+    /// The buffer of element `id`, to be modified in place; `None` if there is no such element.
     #[must_use]
     pub fn data(&mut self, id: &CStr, context: &Context) -> Option<&mut T> {
         // SAFETY: as for `OutPort::data`.

@@ -1,5 +1,5 @@
-//! Remotes: services of other components (genom3.md 5.8). [`remote!`](crate::remote) makes their
-//! types; here is what these share.
+//! Remotes: services of other components (genom3.md 5.8). [`remote!`](crate::remote) generates
+//! their types; this module holds what these have in common.
 
 use std::ffi::{c_char, c_void};
 use std::fmt;
@@ -8,12 +8,12 @@ use crate::context::ContextInterface;
 use crate::port::checked;
 use crate::{Context, Thrown};
 
-/// The host's handle of a remote: a struct of one method. Passed as a pointer.
+/// Handle of a remote, provided by the host: a struct with one method, passed by address.
 #[repr(transparent)]
 pub struct Handle(*const c_void);
 
 impl Handle {
-    /// The handle's only function, `call`.
+    /// The method `call` of the handle.
     ///
     /// # Safety
     /// The handle was passed to the running codel, and `F` is the type of its method.
@@ -31,10 +31,10 @@ impl fmt::Debug for Handle {
     }
 }
 
-/// Runs the method of a remote with the context that C wants, and reads what it returned.
+/// Calls the method of a remote with the C context, and converts the result.
 ///
 /// # Errors
-/// The exception that it returned.
+/// The exception that the method returned.
 pub fn call(
     context: &Context,
     method: impl FnOnce(*const ContextInterface) -> *const c_char,

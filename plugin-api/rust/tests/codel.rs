@@ -1,4 +1,4 @@
-//! Codels called as a host calls them: through the table, with C arguments and a C context.
+//! Calls codels as a host does: through the table, with C arguments and a C context.
 
 #![allow(clippy::panic, clippy::unwrap_used, reason = "it is a test")]
 
@@ -104,7 +104,7 @@ unsafe extern "C" {
     safe static genom_description: c_char;
 }
 
-/// What a host keeps behind a context: the last exception and its detail.
+/// Data behind the test's context: the exception recorded last, and its detail.
 #[derive(Default)]
 struct Recorded {
     exception: Option<&'static CStr>,
@@ -225,7 +225,7 @@ fn a_panic_whose_payload_panics_stays_in_the_codel() {
     assert_eq!(what, c"the codel panicked");
 }
 
-/// A handle of a simple port, as a host lays it out (genom3.md 5.7).
+/// Handle of a simple port, as a host lays it out (genom3.md 5.7).
 #[repr(C)]
 struct Handle(
     extern "C" fn(*const ContextInterface) -> *mut Point,

@@ -1,5 +1,5 @@
-//! The C and C++ headers: they compile in every supported standard without a warning, and what
-//! they define works in a loaded library.
+//! The C and C++ headers compile without warnings in every supported standard, and their
+//! definitions work in a loaded library.
 
 #![allow(clippy::unwrap_used, reason = "it is a test")]
 
@@ -14,7 +14,7 @@ fn here(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
-/// Builds `tests/headers/mapping.c` as a library, refusing any warning.
+/// Compiles `tests/headers/mapping.c` to a library; any warning is an error.
 fn build(language: &str, standard: &str, directory: &Path) -> PathBuf {
     let compiler = if language == "c++" { "c++" } else { "cc" };
     let library = directory.join(format!("{standard}.so"));
@@ -34,7 +34,7 @@ fn build(language: &str, standard: &str, directory: &Path) -> PathBuf {
     library
 }
 
-/// Keeps the code of the last system error in the pointer behind `data`.
+/// Stores the code of the system error in the variable that `data` points to.
 extern "C" fn raise(
     exception: *const c_char,
     detail: *const c_void,

@@ -1,4 +1,4 @@
-//! Descriptors and layouts of data types against the C mapping (genom3.md 5.2).
+//! Compares descriptors and layouts of data types with the C mapping (genom3.md 5.2).
 
 #![allow(clippy::unwrap_used, reason = "it is a test")]
 
@@ -161,7 +161,7 @@ fn bounded_types_refuse_or_cut_what_does_not_fit() {
     assert_eq!((sequence.push(1), sequence.push(2), sequence.push(3)), (Ok(()), Ok(()), Err(3)));
     assert_eq!(*sequence, [1, 2]);
 
-    // Three bytes of room, and a character of two bytes does not go in half.
+    // Three bytes of text fit; a character of two bytes is not split.
     assert_eq!(BoundedString::<4>::new("abé").to_str(), "ab");
     assert_eq!(BoundedString::<1>::new("abc").to_str(), "");
     // SAFETY: a bounded string holds any bytes; here a full one without NUL, as strncpy leaves.

@@ -1,6 +1,7 @@
-"""Types of ports as CDR (XCDR1), and values between it and Python's own.
+"""Encodes and decodes values of ports as CDR (XCDR1).
 
-The daemon tells what a type is made of; values are as its JSON has them, as over shared memory.
+The daemon describes the types. Values have the same form in Python as in its JSON, and as over
+shared memory.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ _NUMBERS = {
     "boolean": "?", "octet": "B", "short": "h", "unsigned short": "H", "long": "i",
     "unsigned long": "I", "long long": "q", "unsigned long long": "Q", "float": "f", "double": "d",
 }
-# Plain CDR, little endian; what comes may be big endian.
+# Plain CDR, little endian. Received messages may be big endian.
 _HEADER = b"\0\1\0\0"
 
 Write = Callable[[bytearray, Any], None]
@@ -27,10 +28,10 @@ class Cdr:
     """Encodes and decodes values of one type."""
 
     def __init__(self, layout: Dict[str, Any], buffers: bool = False) -> None:
-        """With ``buffers``, many numbers come as a `memoryview`."""
+        """With ``buffers``, arrays and sequences of numbers are decoded to `memoryview`."""
         self._buffers = buffers
         self._types: List[Dict[str, Any]] = layout["types"]
-        # Those of which many are one piece.
+        # Members of the same numeric kind in a row are read as one.
         codes = ((at, _numbers.CODES.get(one["kind"])) for at, one in enumerate(self._types))
         self._bulky: Dict[int, str] = {at: code for at, code in codes if code is not None}
         self._writers: Dict[int, Write] = {}
@@ -39,19 +40,19 @@ class Cdr:
         self._read = {order: self._reader(0, order) for order in "<>"}
 
     def encode(self, value: Any) -> bytes:
-        """A whole value as a message."""
+        """Encodes a whole value as a message."""
         out = bytearray(_HEADER)
         self._write(out, value)
         return bytes(out)
 
     def decode(self, message: bytes) -> Any:
-        """The value of a message."""
+        """Decodes a message."""
         if message[:2] not in (b"\0\0", b"\0\1"):
             raise ValueError("the message is no plain CDR")
         return self._read["<" if message[1] else ">"](message[4:], 0)[0]
 
     def zero(self, at: int = 0) -> Any:
-        """What nobody has written yet."""
+        """The value before anybody has written one: zeros."""
         one = self._types[at]
         kind = one["kind"]
         if kind in ("struct", "exception"):
@@ -68,7 +69,7 @@ class Cdr:
         return named.get(kind, 0)
 
     def merge(self, old: Any, new: Any, at: int = 0) -> Any:
-        """The old value with what the new one says: members, or elements by index."""
+        """The old value, updated by the new one: members, or elements by index."""
         one = self._types[at]
         kind = one["kind"]
         if kind in ("struct", "exception"):
@@ -118,7 +119,7 @@ class Cdr:
 
     def _writer(self, at: int) -> Write:
         if at not in self._writers:
-            # A type may contain itself: the inner one asks when it is used.
+            # A type may contain itself: the inner writer is looked up when it is used.
             self._writers[at] = lambda out, value: self._writers[at](out, value)
             self._writers[at] = self._make_writer(self._types[at])
         return self._writers[at]
@@ -190,7 +191,7 @@ class Cdr:
                 for inner in value:
                     element(out, inner)
             elif packed:
-                # Aligned from the start of the payload, four bytes into the message.
+                # Alignment counts from the payload, which begins four bytes into the message.
                 out.extend(b"\0" * (-(len(out) - 4) % size))
                 out.extend(packed)
 
@@ -280,9 +281,9 @@ def _put(code: str) -> Write:
     pack, size = struct.Struct("<" + code).pack, struct.calcsize("<" + code)
 
     def put(out: bytearray, value: Any) -> None:
-        # Aligned from the start of the payload, four bytes into the message.
+        # Alignment counts from the payload, which begins four bytes into the message.
         pad = -(len(out) - 4) % size
-        # JSON has no number for what is none.
+        # JSON has no NaN: None stands for it.
         out.extend(b"\0" * pad + pack(math.nan if value is None and code in "fd" else value))
 
     return put
@@ -301,7 +302,7 @@ def _get(code: str, order: str) -> Read:
 def _get_all(
     code: Optional[str], order: str, buffers: bool
 ) -> "Optional[Callable[[bytes, int, int], Tuple[Any, int]]]":
-    """Many numbers at once."""
+    """Reads many numbers at once."""
     if code is None:
         return None
     size = struct.calcsize("=" + code)

@@ -1,7 +1,7 @@
-"""The ends of a port: who publishes there, who follows it. They go where the port goes.
+"""Publishers and subscriptions of ports, which follow a port to another middleware.
 
-What passes the values (`_through`, `_shm`, `_zenoh`) is exchanged when the port moves to another
-middleware, or when its component is loaded anew.
+The object that transmits the values (`_through`, `_shm`, `_zenoh`) is replaced when the port moves,
+or when its component is reloaded.
 """
 
 from __future__ import annotations
@@ -15,16 +15,16 @@ from ._place import Place
 from ._ways import Way, Wish
 from .errors import GenoMError, RefusalError
 
-# Who was refused asks again after so long, if nothing tells it to before.
+# Seconds after which a refused request is repeated, unless a change is reported before.
 _LATER = 1.0
-# An end that was opened a moment ago and has ended already is not opened again at once.
+# An end opened less than this many seconds ago that has ended is not reopened at once.
 _MOMENT = 0.05
 
 Opened = TypeVar("Opened")
 
 
 class _Following:
-    """An end that hears of changes to its port."""
+    """An end of a port that is notified of changes."""
 
     def __init__(self, port: Place, element: Optional[str], fast: Optional[bool]) -> None:
         self.port = port
@@ -33,20 +33,20 @@ class _Following:
         self._way: Optional[Way] = None
         self._lock = threading.RLock()
         self._closed = False
-        # Something changed: whether the way is still this one has to be asked.
+        # Set when something changed: the daemon must be asked whether the way is still valid.
         self._changed = False
-        # Why there is none, and until when nobody asks again.
+        # The error if there is no way, and until when it is not asked for again.
         self._why: Optional[GenoMError] = None
         self._until = 0.0
         self._concern: Set[str] = {port._component}
 
     @property
     def fast(self) -> bool:
-        """Whether values go straight through shared memory or over zenoh."""
+        """Whether values are transmitted directly, by shared memory or zenoh."""
         return self._way is not None and self._way.backend is not None
 
     def _watched(self, begin: Callable[[], None]) -> None:
-        """Begins, hearing of all that changes meanwhile."""
+        """Calls ``begin`` while changes are already monitored."""
         watch = self.port._client._watch
         if self._fast is not False:
             watch.add(self)
@@ -62,13 +62,13 @@ class _Following:
         self._concern = {self.port._component, source.split("/", 1)[0]}
         watch = self.port._client._watch
         if way.backend is None:
-            # The daemon follows the port by itself.
+            # Through the daemon, the end follows the port without help.
             watch.remove(self)
         elif not self._closed:
             watch.add(self)
 
     def _hear(self, change: Optional[Dict[str, Any]]) -> None:
-        """Something changed in the daemon; nobody knows what."""
+        """Called when something unspecified changed in the daemon."""
         if change is not None:
             here = self.port.address(self._element)
             if change.get("component") not in self._concern and change.get("in") != here:
@@ -77,20 +77,20 @@ class _Following:
         self._changed = True
 
     def _note(self, change: Dict[str, Any]) -> None:
-        """A change of this port."""
+        """Called when this port changed."""
 
     def _doubt(self) -> None:
-        """Nobody tells any more what changes: it has to be asked, when there is something to do."""
+        """Called when changes are not reported any more: the way is checked at the next use."""
         self._changed = True
 
     def _ask(self) -> None:
-        """Asks for the way and goes it; raises why there is none."""
+        """Asks for the way and takes it; raises if there is none."""
         with self._lock:
             if self._closed:
                 raise self._over("it is not followed any more")
             if self._why is not None and not self._changed and time.monotonic() < self._until:
                 raise self._why
-            # Before it is asked: what changes from now on is asked for again.
+            # Cleared before asking, so that later changes lead to asking again.
             self._changed = False
             try:
                 self._go()
@@ -108,7 +108,7 @@ class _Following:
         return GenoMError("ended", None, f"{self.port.address(self._element)}: {why}")
 
     def _close(self) -> bool:
-        """Whether it was open."""
+        """Closes the end; returns whether it was open."""
         with self._lock:
             was, self._closed, self._changed = not self._closed, True, True
         self.port._client._watch.remove(self)
@@ -116,23 +116,23 @@ class _Following:
 
 
 class Publisher(_Following):
-    """The writing end of an in port: ``p(0.5)`` or ``p(position=1.0)`` publishes.
+    """Publisher at an in port: ``p(0.5)`` or ``p(position=1.0)`` publishes.
 
-    It goes with its port to another middleware, and publishes its last value again to a component
-    that was loaded anew. Where that cannot be, publishing raises.
+    It follows its port to another middleware, and publishes its last value again if the component
+    is reloaded. If that is not possible, publishing raises.
     """
 
     def __init__(self, port: Place, element: Optional[str], fast: Optional[bool]) -> None:
         super().__init__(port, element, fast)
         self._end: Any = None
-        # What was published last by an end that is closed.
+        # The value published last by an end that is closed.
         self._last: Any = None
-        # Somebody took the connection away, and the component is still the same.
+        # Set if somebody disconnected the port while the component stayed the same.
         self._cut = False
         self._watched(lambda: self._feed(self.port.connected(element) is not None))
 
     def __call__(self, value: Any = None, **members: Any) -> None:
-        """Publishes a value; members left out keep the value published last, at first zero."""
+        """Publishes a value; members left out keep the value published last, zero at first."""
         if members:
             if value is not None:
                 raise TypeError("a publisher takes a value or members, not both")
@@ -146,11 +146,11 @@ class Publisher(_Following):
                 self._ask()
             self._end.publish(value)
         if self._changed:
-            # Heard meanwhile.
+            # A change was noticed meanwhile.
             self._settle()
 
     def close(self) -> None:
-        """Takes the connection away, so that the component reads nothing from here."""
+        """Disconnects the port from this publisher."""
         if not self._close():
             return
         try:
@@ -170,7 +170,7 @@ class Publisher(_Following):
 
     def _hear(self, change: Optional[Dict[str, Any]]) -> None:
         super()._hear(change)
-        # Where somebody publishes just now, that thread looks when it is done.
+        # If another thread is publishing now, it checks for changes when it is done.
         if self._changed and self._end is not None and self._lock.acquire(blocking=False):
             try:
                 self._settle()
@@ -178,13 +178,13 @@ class Publisher(_Following):
                 self._lock.release()
 
     def _settle(self) -> None:
-        """A component that is back wants its value, also if nobody publishes for a while."""
+        """Publishes to a reloaded component even if the program publishes nothing for a while."""
         try:
             with self._lock:
                 if self._changed and not self._closed:
                     self._ask()
         except GenoMError:
-            pass  # Who publishes next is told.
+            pass  # The next call of publish raises the error.
 
     def _note(self, change: Dict[str, Any]) -> None:
         self._cut = change["event"] == "disconnected" or (self._cut and "component" not in change)
@@ -205,11 +205,11 @@ class Publisher(_Following):
             self._feed(now.source is not None)
 
     def _feed(self, was_fed: bool) -> None:
-        """Has the port read from here, and opens the end that it reads."""
+        """Connects the port to its own address, and opens the writer there."""
         way = _ways.writing(self.port, self._element, self._fast)
         here = self.port.address(self._element)
         if way.backend is not None:
-            # The daemon makes the place, and lets go of it if it published there.
+            # The daemon connects the port, and closes its own publisher there, if any.
             self.port._client.connect_port(here, here, backend=way.backend)
         try:
             if way == self._way:
@@ -226,7 +226,7 @@ class Publisher(_Following):
         self._take_way(way)
 
     def _let_go(self) -> None:
-        """Leaves the address to others, and keeps what was published."""
+        """Closes the writer, and keeps the value published last."""
         if self._way is not None:
             self._last = self._end.last()
             self._end.close()
@@ -234,10 +234,10 @@ class Publisher(_Following):
 
 
 class Subscription(_Following):
-    """The reading end of a port; iterate over it to wait for each value.
+    """Subscription to a port; iterating over it waits for each value.
 
-    It goes with its port to another middleware, and to a component that was loaded anew; its last
-    value comes again then. While the component is not there, reading raises.
+    It follows its port to another middleware, and to a reloaded component; the last value is then
+    received again. While the component does not exist, reading raises.
     """
 
     def __init__(
@@ -251,10 +251,10 @@ class Subscription(_Following):
         self._watched(self._go)
 
     def take(self) -> Any:
-        """The oldest value not taken yet; None when there is none."""
+        """The oldest value not taken yet; None if there is none."""
         value = self._end.take()
         if value is None:
-            # Only now: what came before a change comes first.
+            # Checked last: values that came before a change are returned before it.
             if not self._changed and self._why is None and not self._end.ended:
                 return None
             self._ask()
@@ -265,13 +265,13 @@ class Subscription(_Following):
         return value
 
     def read(self) -> Any:
-        """The newest value, taken or not; None when there never was one."""
+        """The newest value, taken or not; None if there never was one."""
         while self.take() is not None:
             pass
         return self._last
 
     def wait(self, timeout: Optional[float] = None) -> Any:
-        """The oldest value not taken yet, as soon as there is one; TimeoutError if none comes."""
+        """Waits for the oldest value not taken yet; raises TimeoutError if none arrives."""
         value = self.take()
         if value is not None:
             return value
@@ -289,7 +289,7 @@ class Subscription(_Following):
                 return value
 
     def close(self) -> None:
-        """Stops following."""
+        """Ends the subscription."""
         if self._close():
             self._end.close()
 

@@ -1,4 +1,4 @@
-"""A daemon behind the one at the socket, which passes messages on and reads none of them."""
+"""A session with a daemon behind the one at the socket, which relays the messages."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from urllib.parse import quote
 from ._proof import Greeting, Session, Token, decode, encode
 from .errors import DaemonError, refusal
 
-# A session that was not used for so long is begun anew: the daemon forgets it some time later.
+# Seconds after which an unused session is replaced: the daemon drops idle sessions later.
 _IDLE = 60.0
 
-# Posts bytes to the daemon at the socket: status and bytes of the reply.
+# Posts bytes to the daemon at the socket; returns status and body of the reply.
 Near = Callable[[str, bytes], Tuple[int, bytes]]
 
 
 class Far:
-    """A daemon that proves itself before anything is asked of it."""
+    """A daemon that has to prove itself before anything is asked of it."""
 
     def __init__(self, near: Near, daemon: str, token: Optional[str]) -> None:
         self._near = near
@@ -30,7 +30,7 @@ class Far:
         self._used = 0.0
 
     def request(self, method: str, path: str, body: bytes = b"") -> Tuple[int, bytes]:
-        """Asks as by HTTP, and waits for the whole answer: status and body."""
+        """Makes a request as over HTTP, and waits for the whole reply: status and body."""
         session = self._met()
         answer, data = self._request(session, method, path, {}, body)
         stream = answer.get("stream")
@@ -86,7 +86,7 @@ class Far:
         try:
             answer = session.open(number, data)
         except DaemonError:
-            # The next request begins a session anew; this one is not asked twice.
+            # The next request starts a new session; this one is not repeated.
             with self._lock:
                 self._session = None
             raise
@@ -94,7 +94,7 @@ class Far:
 
 
 class FarStream:
-    """A stream that is fetched piece by piece: as a connection and its response in one."""
+    """A stream that is fetched piece by piece; stands for a connection and its response."""
 
     def __init__(
         self,
@@ -109,7 +109,7 @@ class FarStream:
         self.sock = self
 
     def readline(self) -> bytes:
-        """The next line, or what there is of it at the end."""
+        """The next line, or the rest at the end of the stream."""
         while b"\n" not in self._data:
             if self._over or self._stream is None:
                 rest, self._data = self._data, b""
@@ -125,11 +125,11 @@ class FarStream:
         return line + b"\n"
 
     def shutdown(self, _how: int) -> None:
-        """Whoever reads gets the end."""
+        """Ends the stream for readers."""
         self._over = True
 
     def close(self) -> None:
-        """Tells the daemon that nobody reads any more."""
+        """Tells the daemon that the stream is not read any more."""
         stream, self._stream, self._over = self._stream, None, True
         if stream is not None:
             try:

@@ -1,4 +1,4 @@
-"""A thread that does what must not be done where it comes up: at a time, or in zenoh's threads."""
+"""A thread for jobs that must not run where they arise: delayed ones, or in zenoh's threads."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ Job = Callable[[], Any]
 
 
 class Helper:
-    """Does jobs one after another, soon or at a time."""
+    """Runs jobs one after the other, soon or after a delay."""
 
     def __init__(self) -> None:
         self._soon: "queue.SimpleQueue[Job]" = queue.SimpleQueue()
         self._later: Dict[int, Tuple[float, Job]] = {}
         self._numbers = itertools.count()
-        # When it looks at those anyway: nobody wakes it for a later one.
+        # When the thread wakes up by itself; a later job need not wake it.
         self._looks = math.inf
         self._lock = threading.Lock()
         self._started = False
 
     def soon(self, job: Job) -> None:
-        """Has a job done."""
+        """Runs a job soon."""
         self._soon.put(job)
         if not self._started:
             with self._lock:
@@ -36,7 +36,7 @@ class Helper:
 
     @contextmanager
     def after(self, seconds: Optional[float], job: Job) -> Iterator[None]:
-        """Has a job done if what is within takes longer than that."""
+        """Runs a job if the body of the `with` statement takes longer than the delay."""
         if seconds is None:
             yield
             return

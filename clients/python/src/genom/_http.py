@@ -1,4 +1,4 @@
-"""HTTP/1.1 with JSON bodies, over the daemon's Unix socket or TCP. One connection a thread."""
+"""HTTP/1.1 with JSON bodies over Unix sockets or TCP, with one connection per thread."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from ._far import Far
 from ._target import Target
 from .errors import DaemonError, refusal
 
-# The daemon gives up a connection that sends no request for 10 s.
+# Seconds that an idle connection is kept; the daemon closes it after 10 s.
 _IDLE = 5.0
-# A stream that has nothing to say shows that often that the daemon is alive.
+# Seconds after which the daemon sends a comment on an idle stream.
 _SIGN_OF_LIFE = 5.0
 
 
 def url(*segments: str) -> str:
-    """A path of the control plane; names never leave their segment."""
+    """A path of the control plane; each name stays within its segment."""
     return "".join("/" + quote(segment, safe="") for segment in segments)
 
 
 class _Patient(io.RawIOBase):
-    """Reads of a socket, and asks what to do where nothing came in its time."""
+    """A socket's reader that calls a function when nothing arrives within the timeout."""
 
     def __init__(self, sock: Any, whole: Any, silent: Callable[[Any], None]) -> None:
         self._sock = sock
-        # Keeps the socket open as long as it is read.
+        # Keeps the socket open while it is read.
         self._whole = whole
         self._silent = silent
 
@@ -66,11 +66,11 @@ class _Response(http.client.HTTPResponse):
 
 class _Connection(http.client.HTTPConnection):
     def patient(self, silent: Callable[[Any], None]) -> None:
-        """What to do where nothing comes: `silent` raises, or has it wait on."""
+        """Sets the function called on timeout: ``silent`` raises, or lets the read continue."""
         self.response_class = functools.partial(_Response, silent=silent)  # type: ignore[assignment]
 
     def __del__(self) -> None:
-        # Threads come and go; what they leave is closed.
+        # Threads come and go: the connections of those that ended are closed.
         self.close()
 
 
@@ -96,12 +96,12 @@ class _UnixConnection(_Connection):
 
 
 def _trusted(path: str) -> None:
-    """Refuses a socket that another user may have put there; genomctl has the same rule."""
+    """Refuses a socket that another user may have created, as genomctl does."""
     try:
         place = os.stat(os.path.dirname(path) or ".")
         owners = {place.st_uid, os.lstat(path).st_uid}
     except OSError:
-        return  # Then connecting says what is wrong.
+        return  # Connecting will report the error.
     open_to_all = place.st_mode & 0o002 and not place.st_mode & stat.S_ISVTX
     if open_to_all or not owners <= {0, os.geteuid()}:
         raise DaemonError(
@@ -123,7 +123,7 @@ class Transport:
         self._target = target
         self._timeout = timeout
         self._headers = {"Content-Type": "application/json"}
-        # A token for another daemon goes to none: it is proved.
+        # A token for a relayed daemon is not sent: its possession is proved instead.
         self._far: Optional[Far] = None
         if target.daemon is not None:
             self._far = Far(self._post, target.daemon, target.token)
@@ -133,16 +133,16 @@ class Transport:
         self._open: "weakref.WeakSet[http.client.HTTPConnection]" = weakref.WeakSet()
         self.target = str(target)
         self.host = f"[{target.name}]" if ":" in target.name else target.name
-        # Whether files and shared memory are the same ones here and there.
+        # Whether the daemon is on this machine, so that files and shared memory are the same.
         self.local = target.socket is not None and target.daemon is None
 
     def request(self, method: str, path: str, body: Any = None) -> Any:
-        """Asks, and waits for the reply."""
+        """Makes a request and waits for the reply."""
         text = None if body is None else json.dumps(_plain(body), allow_nan=False).encode()
         return self.send(method, path, text)
 
     def send(self, method: str, path: str, text: Optional[bytes]) -> Any:
-        """The same with a body that is written already."""
+        """The same with an encoded body."""
         if self._far is not None:
             status, data = self._far.request(method, path, text or b"")
         else:
@@ -158,14 +158,14 @@ class Transport:
         return reply
 
     def options(self) -> List[str]:
-        """What names the daemon to genomctl."""
+        """The options that select this daemon for genomctl."""
         return self._target.options
 
     def _post(self, path: str, body: bytes) -> Tuple[int, bytes]:
         return self._whole("POST", path, body)
 
     def _whole(self, method: str, path: str, body: Optional[bytes]) -> Tuple[int, bytes]:
-        """Status and body of the reply of the daemon that the connection leads to."""
+        """Status and body of a reply of the connected daemon."""
         connection = self._take()
         try:
             response = self._send(connection, method, path, body, {})
@@ -174,7 +174,7 @@ class Transport:
             connection.close()
             raise self._failed(error) from error
         except BaseException:
-            # Half a reply may be on its way: this connection is of no use any more.
+            # A part of the reply may still arrive: this connection cannot be used any more.
             connection.close()
             raise
         self._keep(connection)
@@ -183,7 +183,7 @@ class Transport:
     def stream(
         self, path: str, headers: Optional[Dict[str, str]] = None
     ) -> Tuple[Any, Any]:
-        """Opens a stream of server-sent events on a connection of its own: that, and the reply."""
+        """Opens a stream of server-sent events; returns its own connection and the reply."""
         if self._far is not None:
             far = self._far.stream(path, headers or {})
             return far, far
@@ -201,7 +201,7 @@ class Transport:
         return connection, response
 
     def close(self) -> None:
-        """Closes every connection; the next request opens one again."""
+        """Closes all connections; further requests open new ones."""
         for connection in list(self._open):
             connection.close()
 
@@ -219,11 +219,11 @@ class Transport:
         return connection
 
     def _take(self) -> http.client.HTTPConnection:
-        """This thread's connection if the daemon still holds it, else a new one."""
+        """This thread's connection if the daemon has not closed it, else a new one."""
         connection, self._idle.connection = self._idle.connection, None
         if connection is not None and connection.sock is not None:
             fresh = time.monotonic() - self._idle.since < _IDLE
-            # Nothing is due on an idle connection: what can be read is its end.
+            # An idle connection has nothing to read but its end.
             if fresh and not _silence.readable(connection.sock, 0.0):
                 return connection
             connection.close()
@@ -245,14 +245,16 @@ class Transport:
             try:
                 connection.request(method, path, text, {**self._headers, **headers})
             except (BrokenPipeError, ConnectionResetError):
-                # The daemon may answer before it has read all: the answer says why.
+                # The daemon may reply before it has read everything; its reply says why.
                 pass
             return connection.getresponse()
         except (OSError, http.client.HTTPException) as why:
             raise self._failed(why) from why
 
     def _silent(self, sock: Any) -> None:
-        """Nothing came: a daemon that is alive may be at work on this very request."""
+        """Called when nothing arrives: checks whether the daemon is alive and may be busy with this
+        request.
+        """
         if _silence.is_stopped(sock):
             raise socket.timeout()
         probe = self._connection()
@@ -261,12 +263,12 @@ class Transport:
             if not _silence.readable(probe.sock, self._timeout or 0.0):
                 raise socket.timeout()
         except (BrokenPipeError, ConnectionResetError, ConnectionRefusedError):
-            pass  # It has no room, or is gone: this connection tells.
+            pass  # Its backlog is full, or it is gone: this connection will show which.
         finally:
             probe.close()
 
     def _failed(self, why: Exception) -> DaemonError:
-        """What an error of a connection comes to."""
+        """Converts an error of a connection to one of this package."""
         at = self.target
         if isinstance(why, socket.timeout):
             return _silence.error(at, self._target.socket, self._timeout)
@@ -285,7 +287,7 @@ class Transport:
 
 
 def _plain(value: Any) -> Any:
-    """The value as the daemon's JSON has it: numbers beyond JSON, arrays of numpy as lists."""
+    """Converts a value to the daemon's JSON: NaN and infinities, and numpy arrays to lists."""
     if isinstance(value, float):
         if math.isnan(value):
             return None

@@ -1,6 +1,6 @@
-"""Types of ports as ctypes, and values between them and Python's own.
+"""Types of ports as ctypes, for values in shared memory.
 
-The daemon tells where everything lies; what ctypes makes of it must agree to the byte.
+The daemon gives the offset of everything, and the types made by ctypes are checked against it.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Codec:
     """Reads and writes values of one type at an address."""
 
     def __init__(self, layout: Dict[str, Any], buffers: bool = False) -> None:
-        """With ``buffers``, many numbers come as a `memoryview`."""
+        """With ``buffers``, arrays and sequences of numbers are read as `memoryview`."""
         self._buffers = buffers
         self._types: List[Dict[str, Any]] = layout["types"]
         self._ctypes: Dict[int, Any] = {}
@@ -43,14 +43,14 @@ class Codec:
         if not issubclass(top, ctypes.Array):
             top = type(name, (top,), body)
         else:
-            # An array type does not take more attributes by inheritance alone.
+            # Subclassing an array type requires these attributes to be given again.
             body["_type_"], body["_length_"] = top._type_, top._length_
             top = type(name, (ctypes.Array,), body)
         self.type = top
         self.get, self.put = self._end(0)
 
     def _type_name(self, at: int) -> str:
-        """The name in shared memory, by the rule of the backend."""
+        """Name of the type in shared memory, as the backend forms it."""
         one = self._types[at]
         kind = one["kind"]
         if kind in _BASIC:
@@ -92,7 +92,7 @@ class Codec:
             word = ctypes.c_uint32
             return self._record(one, [("_maximum", word), ("_length", word), ("_buffer", items)])
         if kind == "optional":
-            # C has it as a flag before the value, as the offset of the value tells.
+            # An optional: a flag before the value, if the value has an offset.
             flag = (ctypes.c_bool, 0)
             return self._placed(one, flag, (self._ctype(one["element"]), one["offsets"][0]))
         if kind == "union":
@@ -171,7 +171,7 @@ class Codec:
         return get, put
 
     def _items(self, element: int) -> Tuple[Callable[[int, int], Any], Callable[[int, Any, int], int]]:
-        """How many of them are read, and written: how many were given."""
+        """Functions that return the number of elements to read, and store the number written."""
         size = self._types[element]["size"]
         get_one, put_one = self._end(element)
         code = _numbers.CODES.get(self._types[element]["kind"])
@@ -185,7 +185,7 @@ class Codec:
             given = values
             if not isinstance(values, dict):
                 if code is not None:
-                    # All at once, checked for their ranges.
+                    # All at once, with a check of their ranges.
                     packed = _numbers.packed(values, code)
                     count = fits(len(packed) // size, most)
                     ctypes.memmove(address, packed, len(packed))
@@ -279,7 +279,7 @@ def _number(one: Dict[str, Any], made: Any) -> Tuple[Get, Put]:
     def put(address: int, value: Any) -> None:
         if value is None and kind in ("float", "double"):
             value = float("nan")
-        # ctypes would wrap around.
+        # ctypes would wrap around instead of failing.
         elif kind not in ("float", "double", "boolean") and not low <= value <= high:
             raise ValueError(f"{value} is no {kind}")
         from_address(address).value = value

@@ -1,8 +1,8 @@
-"""This process's sessions of zenoh, and how they meet a daemon's.
+"""Sessions of zenoh by which this process meets a daemon.
 
-Daemons of one machine meet in a folder; where that is all they do, this process meets them there
-as one of them, and samples take no way round. Else it is a client of the daemon's session, and
-reaches whatever that reaches.
+Daemons of one machine meet in a directory of sockets. If the daemon listens nowhere else, this
+process joins them there as a peer, so that samples take the direct way. Otherwise it is a client of
+the daemon's session, and reaches everything that session reaches.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from typing import Any, Dict, List, Optional
 
 import zenoh
 
-# Who is there is met in far less.
+# Seconds to wait for a matching end; an existing one takes far less.
 MATCHING = 5.0
-# Longest path of a Unix socket on Linux; zenoh puts a file `.lock` beside it.
+# Maximum length of the path of a Unix socket on Linux; zenoh puts a file `.lock` beside it.
 _LONGEST = 107 - len(".lock")
 
 _sessions: Dict[str, Any] = {}
@@ -28,7 +28,7 @@ _lock = threading.Lock()
 
 
 def session(meet: Dict[str, str]) -> Any:
-    """The session with the daemon's; made once."""
+    """The session with the daemon's, created once."""
     with _lock:
         opened = _sessions.get(meet["connect"])
         if opened is None or opened.is_closed():
@@ -54,8 +54,9 @@ def _open(mode: str, listen: List[str], connect: List[str]) -> Any:
 
 
 def _peer(folder: str) -> Optional[Any]:
-    """Meets the daemons by their rule: who holds the lock on the folder connects to the sockets
-    that are there, and adds one that later ones connect to."""
+    """Joins the daemons as they do themselves: the holder of the directory's lock connects to the
+    existing sockets, and adds one that later processes connect to.
+    """
     own = os.path.join(folder, f"{os.getpid()}-python{len(_sockets)}.sock")
     if len(own.encode()) > _LONGEST:
         return None
@@ -71,7 +72,7 @@ def _peer(folder: str) -> Optional[Any]:
         opened = _open("peer", [f"unixsock-stream/{own}"], [f"unixsock-stream/{path}" for path in there])
     finally:
         os.close(lock)
-    # Opening waits for the others, but not for long.
+    # Opening waits for the other sessions, but not for long.
     begin = time.monotonic()
     while len(opened.info.peers_zid()) < len(there) and time.monotonic() - begin < MATCHING:
         time.sleep(0.001)
@@ -79,7 +80,7 @@ def _peer(folder: str) -> Optional[Any]:
 
 
 def _is_alive(socket: str) -> bool:
-    """Whether a session listens there: zenoh holds a lock beside the socket as long as it does."""
+    """Whether a session listens there: zenoh locks a file beside the socket meanwhile."""
     try:
         lock = os.open(socket + ".lock", os.O_RDONLY)
     except OSError:

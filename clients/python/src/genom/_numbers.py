@@ -1,4 +1,4 @@
-"""Many numbers at once: lists, and all that has a buffer, as bytes, memoryview, array, numpy."""
+"""Arrays of numbers: lists and buffers (bytes, memoryview, array, numpy)."""
 
 from __future__ import annotations
 
@@ -6,19 +6,19 @@ import math
 import struct
 from typing import Any, Optional
 
-# As `struct` spells the basic types that are only numbers; characters are bytes here.
+# Codes of `struct` for the basic numeric types; characters are bytes here.
 CODES = {
     "octet": "B", "short": "h", "unsigned short": "H", "long": "i", "unsigned long": "I",
     "long long": "q", "unsigned long long": "Q", "float": "f", "double": "d", "char": "c",
 }
 _KINDS = {**dict.fromkeys("BHILQNc", "unsigned"), **dict.fromkeys("bhilqn", "signed"), **dict.fromkeys("efd", "real")}
 
-# JSON of longer lists takes longer than a message.
+# Longer lists are encoded faster as a message than as JSON.
 _LONG = 256
 
 
 def buffer(values: Any) -> Optional[memoryview]:
-    """The buffer of what has one; None of lists."""
+    """The buffer of an object that has one; None for lists."""
     if isinstance(values, (list, tuple, dict, str)):
         return None
     try:
@@ -28,13 +28,13 @@ def buffer(values: Any) -> Optional[memoryview]:
 
 
 def fitting(view: memoryview, code: str) -> bool:
-    """Whether what is in a buffer are numbers of that code, as they lie in memory."""
+    """Whether a buffer holds numbers of that code, in the byte order of this machine."""
     form = view.format.lstrip("@=<")
     return _KINDS.get(form) == _KINDS[code] and view.itemsize == struct.calcsize("=" + code)
 
 
 def packed(values: Any, code: str) -> bytes:
-    """The numbers one behind the other, little endian; checked for their ranges.
+    """The numbers in sequence, little endian, with a check of their ranges.
 
     A buffer of several dimensions is taken row by row.
     """
@@ -54,7 +54,7 @@ def packed(values: Any, code: str) -> bytes:
 
 
 def unpacked(data: bytes, code: str, buffers: bool) -> Any:
-    """Numbers that lie one behind the other: as a list, or as a `memoryview`."""
+    """Numbers in sequence, as a list or as a `memoryview`."""
     if code == "c":
         return memoryview(data) if buffers else list(data.decode("latin-1"))
     view: Any = memoryview(data).cast(code)  # type: ignore[call-overload]
@@ -62,7 +62,7 @@ def unpacked(data: bytes, code: str, buffers: bool) -> Any:
 
 
 def kept(values: Any) -> Any:
-    """What later changes of a buffer do not change."""
+    """A copy of a buffer's numbers, which later changes of the buffer do not affect."""
     view = buffer(values)
     if view is None:
         return list(values)
@@ -79,7 +79,7 @@ def flat(values: Any) -> Any:
     view = buffer(values)
     if view is None:
         return values
-    # numpy and array know numbers that memoryview does not.
+    # numpy and array have number formats that memoryview cannot convert.
     listed: Any = values.tolist() if hasattr(values, "tolist") else list(values)
     for _ in range(view.ndim - 1):
         listed = [value for row in listed for value in row]
@@ -87,11 +87,11 @@ def flat(values: Any) -> Any:
 
 
 def many(value: Any) -> bool:
-    """Whether a value has a buffer somewhere inside, or a long list."""
+    """Whether a value contains a buffer or a long list."""
     if isinstance(value, dict):
         return any(many(inner) for inner in value.values())
     if isinstance(value, (list, tuple)):
-        # Of equal things the first one tells.
+        # Elements are alike: the first one is sufficient.
         return len(value) > _LONG or (bool(value) and many(value[0]))
     return buffer(value) is not None
 

@@ -1,4 +1,4 @@
-"""Requests to one component that are sent behind the caller's back, in the caller's order."""
+"""Sends requests to a component in the background, in the order of the calls."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from typing import Any, Dict, Tuple
 from .activity import Activity
 from .errors import GenoMError
 
-# A thread with nothing to send ends after so long.
+# Seconds after which a thread with nothing to send ends.
 _IDLE = 10.0
 
 
 class Outbox:
-    """Sends one request after another, each when the one before was answered."""
+    """Sends one request after the other, each when the previous one was answered."""
 
     def __init__(self) -> None:
         self._waiting: "queue.Queue[Tuple[Activity, Dict[str, Any]]]" = queue.Queue()
         self._lock = threading.Lock()
-        # How many are not answered yet; the thread ends when there are none.
+        # Number of requests not answered yet; the thread ends when it is 0.
         self._count = 0
         self._works = False
 
     def put(self, activity: Activity, inputs: Dict[str, Any]) -> None:
-        """Has it sent after those before it."""
+        """Sends a request after the previous ones, without waiting."""
         with self._lock:
             self._count += 1
             self._waiting.put((activity, inputs))
@@ -33,7 +33,7 @@ class Outbox:
                 threading.Thread(target=self._work, name="genom-send", daemon=True).start()
 
     def send(self, activity: Activity, inputs: Dict[str, Any]) -> None:
-        """Sends it after those before it, and waits until it is accepted."""
+        """Sends a request after the previous ones, and waits until it is accepted."""
         with self._lock:
             empty = self._count == 0
         if empty:

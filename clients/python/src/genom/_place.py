@@ -1,4 +1,4 @@
-"""A port as the daemon has it: its address, type, value and connection."""
+"""A port as the daemon sees it: address, type, value and connection."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ._http import url
 
 @dataclass(frozen=True)
 class Now:
-    """How a port is wired."""
+    """The present connection of a port."""
 
     backends: List[str]
     """Its middlewares."""
@@ -34,18 +34,19 @@ class Place:
         self.type: str = description["type"]
 
     def read(self, element: Optional[str] = None) -> Any:
-        """The last value; None when there was none. ``element`` is one of a multiple port."""
+        """The last value; None if there was none. ``element`` is one of a multiple port."""
         return self._get(element).get("value")
 
     def connected(self, element: Optional[str] = None) -> Optional[str]:
-        """The address that an in port reads, if it is connected."""
+        """The address that an in port is connected to, if any."""
         found = self._get(element).get("connected")
         return None if found is None else str(found)
 
     def connect(
         self, outport: str, *, element: Optional[str] = None, **options: Any
     ) -> Dict[str, Any]:
-        """Connects this in port to ``component/port``; options as of `Client.connect_port`."""
+        """Connects this in port to ``component/port``; for the options see `Client.connect_port`.
+        """
         return self._client.connect_port(self.address(element), outport, **options)
 
     def disconnect(self, element: Optional[str] = None) -> None:
@@ -55,12 +56,14 @@ class Place:
         self._client._transport.request("DELETE", url(*path))
 
     def why(self) -> List[Dict[str, Any]]:
-        """Why no data flows through it: each reason as ``what`` and ``fix``; none when it does."""
+        """Why no data flows through the port: ``what`` and ``fix`` of each reason; empty if data
+        flows.
+        """
         path = url("components", self._component, "ports", self.name, "why")
         return list(self._client._transport.request("GET", path)["findings"])
 
     def publish(self, value: Any, element: Optional[str] = None) -> Any:
-        """Publishes one value to this in port, through the daemon; returns the whole value."""
+        """Publishes a value to this in port through the daemon; returns the whole value."""
         path = self._path(element)
         return self._client._transport.request("POST", path, value)["value"]
 
@@ -79,12 +82,12 @@ class Place:
         return dict(self._client._transport.request("GET", self._path(element)))
 
     def now(self, element: Optional[str] = None) -> Now:
-        """How it is wired now."""
+        """The present connection."""
         request = self._client._transport.request
         listed = request("GET", url("components", self._component, "ports") + "?values=false")
         here = self.address(element)
         named = [one for one in listed["ports"] if one["name"] == self.name]
-        # An element that is not open yet is where its port is.
+        # An element that is not open yet has the middlewares of its port.
         found = next((one for one in named if one["address"] == here), None)
         backends = str((found or named[0])["backend"]).split("+") if named else []
         source = None if found is None else found.get("connected")
@@ -95,7 +98,7 @@ class Place:
         return Now(backends, source, on)
 
     def layout(self, anew: bool = False) -> Dict[str, Any]:
-        """The port's type as it lies in memory; ``anew`` asks also if it is known."""
+        """The memory layout of the port's type; with ``anew``, asked for again."""
         if self._layout is None or anew:
             path = url("components", self._component, "ports", self.name, "type")
             self._layout = dict(self._client._transport.request("GET", path))

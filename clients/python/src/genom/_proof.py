@@ -1,4 +1,5 @@
-"""Proves to a daemon who holds a token, without sending it; docs/security.md has every byte."""
+"""Proves to a daemon who holds a token, without sending it; docs/security.md specifies every byte.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +20,7 @@ def _mac(key: bytes, *parts: bytes) -> bytes:
 
 
 class Token:
-    """Keys made of a token: HKDF (RFC 5869), one for each purpose."""
+    """Keys derived from a token with HKDF (RFC 5869), one for each purpose."""
 
     def __init__(self, text: str) -> None:
         self._secret = _mac(b"genomd token", text.encode())
@@ -28,11 +29,11 @@ class Token:
         return _mac(self._secret, *purpose, b"\x01")
 
     def hint(self, nonce: bytes) -> bytes:
-        """By what the daemon finds the token."""
+        """The hint by which the daemon finds the token."""
         return _mac(self._key(b"hint"), nonce)[:8]
 
     def keys(self, daemon: str, at: str, nonce: bytes, cookie: bytes) -> "Keys":
-        """The keys of one handshake."""
+        """The keys of the session that a handshake establishes."""
         text = hashlib.sha256()
         for part in (_PROTOCOL, daemon.encode(), at.encode(), nonce, cookie):
             text.update(len(part).to_bytes(8, "big") + part)
@@ -42,7 +43,7 @@ class Token:
 
 
 class Keys:
-    """Keys of one session."""
+    """The keys of one session."""
 
     def __init__(self, proof: bytes, requests: bytes, answers: bytes) -> None:
         self.proof = proof
@@ -54,17 +55,17 @@ class Keys:
         return _mac(self._requests, number.to_bytes(8, "big"), data)
 
     def answer(self, number: int, data: bytes) -> bytes:
-        """Authentication code of an answer."""
+        """Authentication code of the answer to a request."""
         return _mac(self._answers, number.to_bytes(8, "big"), data)
 
 
 def encode(head: Any, body: bytes = b"") -> bytes:
-    """A line of JSON, then bytes."""
+    """The bytes of a message: a line of JSON, then the body."""
     return json.dumps(head).encode() + b"\n" + body
 
 
 def decode(message: bytes) -> Tuple[Dict[str, Any], bytes]:
-    """The parts of a message; the head is empty when it is none."""
+    """Splits a message into head and body; the head is empty if the message is malformed."""
     line, _, body = message.partition(b"\n")
     try:
         head = json.loads(line)
@@ -74,7 +75,7 @@ def decode(message: bytes) -> Tuple[Dict[str, Any], bytes]:
 
 
 class Greeting:
-    """A hello that was not answered yet."""
+    """A hello that has not been answered yet."""
 
     def __init__(self, token: Token, daemon: str) -> None:
         self._token = token
@@ -82,13 +83,13 @@ class Greeting:
         self._nonce = os.urandom(32)
 
     def message(self) -> bytes:
-        """The message."""
+        """The hello, as bytes to send."""
         hint = self._token.hint(self._nonce)
         hello = {"daemon": self._daemon, "nonce": self._nonce.hex(), "hint": hint.hex()}
         return encode({"hello": hello})
 
     def meet(self, answers: List[Tuple[str, bytes]]) -> "Session":
-        """The session with the one that answers, if it is alone and holds the token."""
+        """Establishes the session, if exactly one daemon answered and it holds the token."""
         found = [(at, *self._examine(at, message)) for at, message in answers]
         name = self._daemon
         if not found:
@@ -144,7 +145,7 @@ class Session:
         self._asked = 0
 
     def seal(self, question: bytes) -> Tuple[int, bytes]:
-        """A question as the daemon takes it, and its number."""
+        """Seals a question; returns its bytes and its number."""
         with self._lock:
             self._asked += 1
             number = self._asked
@@ -154,7 +155,7 @@ class Session:
         )
 
     def open(self, number: int, message: bytes) -> bytes:
-        """The answer to the question of that number."""
+        """Checks the answer to the question of that number, and returns its content."""
         head, answer = decode(message)
         if isinstance(head.get("refused"), dict):
             told = head["refused"].get("message")

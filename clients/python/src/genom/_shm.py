@@ -1,4 +1,4 @@
-"""Ports straight through shared memory, with the package iceoryx2 and without the daemon."""
+"""Ports over shared memory with the package iceoryx2, without the daemon."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from ._layout import Codec
 from ._place import Place
 from .errors import GenoMError, InputError, RefusalError
 
-# Nobody is told when a sample lies in shared memory: it is looked for all the time at first, then
-# so often.
+# Seconds of waiting for a sample in a busy loop, then between two checks: shared memory does not
+# notify readers.
 _EAGER = 0.002
 _LOOK = 0.0002
-# Room for the first message; a larger one makes more.
+# Initial size of messages, in bytes; it grows as needed.
 _FIRST_ROOM = 4096
 _BYTES = iox2.Slice[ctypes.c_uint8]
 _DIGEST = iox2.AttributeKey.new("genom.digest")
@@ -29,7 +29,7 @@ _nodes_lock = threading.Lock()
 
 
 def _node(meet: Dict[str, str]) -> Any:
-    """This process's node where the daemon's ports are; made once."""
+    """This process's node in the daemon's name space, created once."""
     key = tuple(sorted(meet.items()))
     with _nodes_lock:
         node = _nodes.get(key)
@@ -39,20 +39,20 @@ def _node(meet: Dict[str, str]) -> Any:
             config.global_cfg.prefix = iox2.FileName.new(meet["prefix"])
             config.global_cfg.root_path = iox2.Path.new(meet["root"])
             builder = iox2.NodeBuilder.new().config(config)
-            # Ctrl-C is the program's.
+            # Ctrl-C is handled by the program.
             builder = builder.signal_handling_mode(iox2.SignalHandlingMode.Disabled)
             node = _nodes[key] = builder.create(iox2.ServiceType.Ipc)
     return node
 
 
 class _End:
-    """What both ends of a port have: its service, which the daemon has made, and its type."""
+    """What both ends of a port have: the service that the daemon created, and the type."""
 
     def __init__(self, port: Place, address: str, buffers: bool = False) -> None:
         layout = port.layout()
         self.address = address
         fixed = layout["types"][0]["fixed"]
-        # Types of fixed size lie there in C layout, others as messages.
+        # Types of fixed size are in C layout, others are CDR messages.
         self.codec: Optional[Codec] = Codec(layout, buffers) if fixed else None
         self.cdr: Optional[Cdr] = None if fixed else Cdr(layout, buffers)
         node = _node(port._client._meeting_point("shm"))
@@ -64,7 +64,7 @@ class _End:
             raise RefusalError(
                 "not_fast", f"{address} cannot be opened in shared memory: {why}"
             ) from why
-        # Two types of one name and size may still differ: the digests tell.
+        # Types of equal name and size may still differ, but not if their digests are equal.
         theirs = [str(one.to_string()) for one in self.service.attributes.key_values(_DIGEST)]
         if theirs and layout["digest"] not in theirs:
             raise RefusalError(
@@ -73,13 +73,13 @@ class _End:
 
 
 class Writer:
-    """The writing end of an in port, straight through shared memory."""
+    """Writer at an in port, over shared memory."""
 
     def __init__(self, port: Place, address: str) -> None:
         self._end = end = _End(port, address)
         self._publisher: Any = None
         self._any = False
-        # What was published last; in the layout of the port when there is one.
+        # The value published last, as a value of the port's layout if it has one.
         self._value: Any = None if end.cdr is None else end.cdr.zero()
         self._at = 0
         if end.codec is not None:
@@ -95,7 +95,7 @@ class Writer:
             ) from why
 
     def publish(self, value: Any) -> None:
-        """Publishes a value: one copy, no call of the daemon."""
+        """Publishes a value: one copy, without a request to the daemon."""
         end = self._end
         try:
             if end.codec is not None:
@@ -119,13 +119,13 @@ class Writer:
             ) from why
 
     def last(self) -> Any:
-        """The value published last; None when there was none."""
+        """The value published last; None if there was none."""
         if not self._any:
             return None
         return self._value if self._end.codec is None else self._end.codec.get(self._at)
 
     def repeat(self) -> None:
-        """Publishes the last value again: a reader that comes sees what is published from then."""
+        """Publishes the last value again, for readers that connected after it."""
         if not self._any or self._publisher is None:
             return
         if self._end.codec is not None:
@@ -134,7 +134,7 @@ class Writer:
             self._send(self._end.cdr.encode(self._value))
 
     def close(self) -> None:
-        """Lets go of the address."""
+        """Closes the writer and frees the address."""
         if self._publisher is not None:
             self._publisher.delete()
             self._publisher = None
@@ -144,7 +144,7 @@ class Writer:
         if self._end.codec is not None:
             return builder
         told = self._end.service.static_config
-        # One sample for each that a reader may hold or has not read, and the next one.
+        # One sample for each that readers may hold or have waiting, and one to write.
         most = told.subscriber_max_buffer_size + told.max_subscribers + 4
         return (
             builder.initial_max_slice_len(_FIRST_ROOM)
@@ -159,7 +159,7 @@ class Writer:
 
 
 class Reader:
-    """The reading end of a port, straight through shared memory."""
+    """Reader of a port, over shared memory."""
 
     ended = False
 
@@ -173,7 +173,7 @@ class Reader:
             raise RefusalError("not_fast", f"{address} takes no reader: {why}") from why
 
     def take(self) -> Any:
-        """The oldest value not taken yet; None when there is none."""
+        """The oldest value not taken yet; None if there is none."""
         while True:
             if self._subscriber is None:
                 raise GenoMError("ended", None, f"{self._end.address} is not followed any more")
@@ -186,7 +186,9 @@ class Reader:
                 return value
 
     def wait(self, left: Optional[float], told: Callable[[], bool]) -> Any:
-        """The oldest value not taken yet; None when none came in time, or something changed."""
+        """Waits for the oldest value not taken yet; None if none arrived in time, or something
+        changed.
+        """
         begin = time.monotonic()
         while not told():
             value = self.take()
@@ -200,10 +202,10 @@ class Reader:
         return None
 
     def wake(self) -> None:
-        """Who waits looks all the time what changed."""
+        """Nothing to do: `wait` checks for changes all the time."""
 
     def close(self) -> None:
-        """Stops following."""
+        """Closes the reader."""
         if self._subscriber is not None:
             self._subscriber.delete()
             self._subscriber = None
@@ -212,7 +214,7 @@ class Reader:
         return self._end.codec.get(sample.payload_ptr) if self._end.codec else None
 
     def _from_message(self, sample: Any) -> Any:
-        """The value of a message; None for what is none of this port's type."""
+        """The value of a message; None if it is not of this port's type."""
         message = ctypes.string_at(sample.payload_ptr, sample.header.number_of_elements)
         try:
             return self._end.cdr.decode(message) if self._end.cdr else None

@@ -1,4 +1,4 @@
-"""Python signatures and documentation of services, made from a component's description."""
+"""Python signatures and documentation of services, from a component's description."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import json
 import keyword
 from typing import Any, Dict, Iterable, List, Tuple
 
-# How a service is called, beside its inputs.
+# Options of a call besides the inputs.
 FLAGS = ("ack", "send", "zero", "callback")
 _BASIC = {
     "boolean": bool,
@@ -23,7 +23,7 @@ _BASIC = {
 
 
 class _Kept:
-    """In place of a default: what is left out of an attribute stays as it is."""
+    """Stands for a default: inputs of an attribute that are left out keep their present values."""
 
     def __repr__(self) -> str:
         return "?"
@@ -33,7 +33,7 @@ KEPT: Any = _Kept()
 
 
 def annotation(idl: str) -> Any:
-    """The Python type that stands for an IDL type."""
+    """The Python type for an IDL type."""
     if "[" in idl or idl.startswith("sequence<"):
         return list
     if idl.startswith("string"):
@@ -42,28 +42,28 @@ def annotation(idl: str) -> Any:
 
 
 def python_name(name: str) -> str:
-    """A name that Python takes: its own words get an underscore."""
+    """A valid Python name: keywords get an underscore."""
     return name + "_" if keyword.iskeyword(name) else name
 
 
 def inputs(service: Dict[str, Any]) -> List[Dict[str, Any]]:
-    """The parameters a caller gives."""
+    """The parameters that a caller passes."""
     return [one for one in service["parameters"] if one["direction"] in ("in", "inout")]
 
 
 def _default(service: Dict[str, Any], parameter: Dict[str, Any]) -> Any:
-    """What an input is when it is left out; None: it may not be."""
+    """The value of an input that is left out; None if it is required."""
     return KEPT if service["kind"] == "attribute" else parameter.get("default")
 
 
 def signature(service: Dict[str, Any]) -> inspect.Signature:
-    """How the service is called."""
+    """The signature of the service."""
     listed = []
     optional = False
     for one in inputs(service):
         default = _default(service, one)
         optional = optional or default is not None
-        # After one with a default, Python wants those without to be given by name.
+        # After a parameter with a default, Python requires those without to be keyword-only.
         by_name = optional and default is None
         listed.append(
             inspect.Parameter(
@@ -83,7 +83,7 @@ def signature(service: Dict[str, Any]) -> inspect.Signature:
 
 
 def document(service: Dict[str, Any]) -> str:
-    """What the description says of a service."""
+    """The documentation of a service."""
     lines = [service.get("doc") or f"{service['kind'].capitalize()} {service['name']}.", ""]
     for title, directions in (("Inputs", ("in", "inout")), ("Outputs", ("inout", "out"))):
         chosen = [one for one in service["parameters"] if one["direction"] in directions]
@@ -110,8 +110,8 @@ def bind(
 ) -> Dict[str, Any]:
     """The inputs of a call, by their names in the description.
 
-    One dict alone holds all inputs by name, unless its keys are other ones: then it is the value
-    of the first input. With `zero` any may be left out.
+    A single dict holds all inputs by name, unless it has other keys: it is then the value of the
+    first input. With `zero` any input may be left out.
     """
     parameters = inputs(service)
     names = [one["name"] for one in parameters]
@@ -136,7 +136,7 @@ def bind(
 
 
 def meant(typed: str, names: Iterable[str]) -> str:
-    """A suggestion, to go behind a message."""
+    """A suggestion to append to a message."""
     listed = list(names)
     near = difflib.get_close_matches(typed, listed, 1)
     if near:

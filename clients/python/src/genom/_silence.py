@@ -1,4 +1,4 @@
-"""A daemon that says nothing: how long that is borne, and why it may be so."""
+"""Handles daemons that do not answer: how long to wait, and what to report."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from typing import Any, Optional
 
 from .errors import DaemonError
 
-# A queue of connections that is full is tried again after so long.
+# Seconds after which connecting is tried again if the backlog is full.
 _AGAIN = 0.01
 
 
 def connect(sock: socket.socket, path: str) -> None:
-    """Connects to a Unix socket, also when its owner is slow to accept, in the socket's time."""
+    """Connects to a Unix socket within the socket's timeout, even if its owner accepts slowly."""
     limit = sock.gettimeout()
     end = None if limit is None else time.monotonic() + limit
     while True:
         try:
             return sock.connect(path)
         except BlockingIOError as why:
-            # With a time limit, Linux does not wait for room.
+            # With a timeout set, Linux does not wait for room in the backlog.
             if why.errno != errno.EAGAIN or (end is not None and time.monotonic() >= end):
                 raise socket.timeout() from why
             time.sleep(_AGAIN)
 
 
 def readable(sock: Any, seconds: float) -> bool:
-    """Whether something comes in that time."""
+    """Whether something arrives in that time."""
     if getattr(sock, "pending", lambda: 0)() > 0:
         return True  # TLS has read it already.
     poll = select.poll()
@@ -39,7 +39,7 @@ def readable(sock: Any, seconds: float) -> bool:
 
 
 def error(target: str, path: Optional[str], seconds: Optional[float]) -> DaemonError:
-    """What to say of a daemon that was silent for so long."""
+    """The error for a daemon that did not answer for that long."""
     process = _owner(path)
     if process is not None and _stopped(process):
         told = (
@@ -84,10 +84,10 @@ def _peer(sock: Any) -> Optional[int]:
 
 
 def _stopped(process: int) -> bool:
-    """By a signal, or by a debugger."""
+    """Whether a process is stopped, by a signal or a debugger."""
     try:
         with open(f"/proc/{process}/stat", encoding="utf-8", errors="replace") as file:
-            # The name before it may have blanks and brackets.
+            # The name, which precedes the state, may contain blanks and parentheses.
             return file.read().rpartition(")")[2].split()[0] in ("T", "t")
     except (OSError, IndexError):
         return False

@@ -1,4 +1,4 @@
-"""Which daemon is meant, by the rules of genomctl, and the way to it."""
+"""Selects the daemon by the rules of genomctl."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ from typing import Any, Dict, List, Optional
 
 @dataclass
 class Target:
-    """A daemon, and the way to it."""
+    """A daemon, and how to reach it."""
 
     socket: Optional[str] = None
     name: str = ""
     port: int = 0
     tls: Optional[ssl.SSLContext] = None
-    # Another daemon, which this one passes requests on to.
+    # Name of another daemon, to which this one relays requests.
     daemon: Optional[str] = None
     token: Optional[str] = field(default=None, repr=False)
-    # The same for genomctl, but for a token that was given as such.
+    # The options that select it for genomctl, except a token that was passed as text.
     options: List[str] = field(default_factory=list)
 
     def __str__(self) -> str:
@@ -43,9 +43,9 @@ def resolve(
     cert: Optional[str],
     context: Optional[str],
 ) -> Target:
-    """What the arguments of `connect` come to, with those of a context under them."""
+    """The daemon selected by the arguments of `connect`, completed with those of a context."""
     if target in ("localhost", "127.0.0.1", "::1"):
-        # This machine without a port: its socket, unless something says more.
+        # This machine without a port: its default socket, unless other options say more.
         target = None
     if target is not None:
         if "://" in target or target.startswith("zenoh:") or "/" not in target:
@@ -105,7 +105,7 @@ def _by_tcp(host: str, token: Optional[str], ca: Optional[str], cert: Optional[s
 
 
 def _is_here(name: str) -> bool:
-    """Whether what is sent there stays on this machine."""
+    """Whether the address is on this machine (loopback)."""
     try:
         return name == "localhost" or ipaddress.ip_address(name).is_loopback
     except ValueError:
@@ -120,7 +120,7 @@ def _default_socket() -> str:
 
 
 def _read_token(path: str) -> str:
-    """A token that a file holds alone, or as `genomctl token` writes it."""
+    """Reads a token: the only content of a file, or the first of a token file."""
     with open(path, encoding="utf-8") as file:
         if os.fstat(file.fileno()).st_mode & 0o077:
             raise ValueError(f"the token file {path}: others may read it; `chmod 600` it")
@@ -133,7 +133,7 @@ def _read_token(path: str) -> str:
 
 
 def _context(name: Optional[str]) -> Dict[str, Any]:
-    """What `genomctl context` keeps under a name, or as the current one."""
+    """The options of the context of that name, or of the current one."""
     base = os.environ.get("XDG_CONFIG_HOME") or os.path.join(os.environ.get("HOME", ""), ".config")
     path = os.path.join(base, "genomd", "contexts.toml")
     try:
@@ -161,7 +161,7 @@ else:
 
 
 def plain_toml(text: str) -> Dict[str, Any]:
-    """Reads what genomctl writes: tables of texts, a line each. For Python without `tomllib`."""
+    """Parses the TOML that genomctl writes (tables of texts), for Python without `tomllib`."""
     whole: Dict[str, Any] = {}
     table = whole
     for number, line in enumerate(text.splitlines(), 1):

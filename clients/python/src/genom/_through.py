@@ -1,4 +1,4 @@
-"""The ends of a port through the daemon, which works everywhere."""
+"""Publishers and subscriptions through the daemon, which work everywhere."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _LARGE = 4096
 
 
 class _Values(EventStream):
-    """Values of a port as the daemon sends them."""
+    """The stream of a port's values."""
 
     _kind = "value"
     _resumes = False
@@ -31,12 +31,12 @@ class _Values(EventStream):
         super().__init__(transport, path)
 
     def _read(self, kind: str, text: str) -> Any:
-        # A message is no JSON.
+        # A message is not JSON.
         return text if kind == "value" and self._messages else super()._read(kind, text)
 
 
 class Writer:
-    """Publishes by asking the daemon to."""
+    """Publishes by requests to the daemon."""
 
     def __init__(self, port: Place, element: Optional[str]) -> None:
         self._port = port
@@ -49,7 +49,7 @@ class Writer:
         if not _numbers.many(value):
             self._value = self._port.publish(value, self._element)
             return
-        # Many numbers at once: as a message, which is written and read much faster than JSON.
+        # Many numbers are sent as a message, which is encoded much faster than JSON.
         here = self._port.address(self._element)
         try:
             cdr = Cdr(self._port.layout())
@@ -63,23 +63,23 @@ class Writer:
         self._value = merged
 
     def last(self) -> Any:
-        """The value published last; None when there was none."""
+        """The value published last; None if there was none."""
         return self._value
 
     def repeat(self) -> None:
-        """The daemon has the last value."""
+        """Nothing to do: the daemon keeps the last value."""
 
     def close(self) -> None:
-        """Nothing is open."""
+        """Nothing to close."""
 
 
 class Reader:
-    """Values as the daemon sends them."""
+    """Receives values as the daemon sends them."""
 
     def __init__(self, port: Place, element: Optional[str], rate: float, buffers: bool) -> None:
         layout = port.layout()
         top = layout["types"][0]
-        # JSON is faster for what is small, messages for many numbers.
+        # JSON is faster for small values, messages for many numbers.
         message = buffers or not top["fixed"] or top["size"] > _LARGE
         self._cdr = Cdr(layout, buffers) if message else None
         self.ended = False
@@ -91,19 +91,21 @@ class Reader:
         threading.Thread(target=self._follow, name="genom-port", daemon=True).start()
 
     def take(self) -> Any:
-        """The oldest value not taken yet; None when there is none."""
+        """The oldest value not taken yet; None if there is none."""
         return self._get(lambda: self._new.get_nowait())
 
     def wait(self, left: Optional[float], told: Callable[[], bool]) -> Any:
-        """The oldest value not taken yet; None when none came in time, or something changed."""
+        """Waits for the oldest value not taken yet; None if none arrived in time, or something
+        changed.
+        """
         return None if self.ended else self._get(lambda: self._new.get(timeout=left))
 
     def wake(self) -> None:
-        """Who waits is to look what changed."""
+        """Lets `wait` return to check what changed."""
         self._new.put(_WAKE)
 
     def close(self) -> None:
-        """Stops following."""
+        """Closes the stream."""
         self._stream.close()
 
     def _get(self, get: Callable[[], Any]) -> Any:
@@ -121,9 +123,9 @@ class Reader:
             for value in self._stream:
                 if cdr is not None:
                     value = cdr.decode(base64.b64decode(value))
-                # JSON has no number for it.
+                # JSON has no NaN.
                 self._new.put(math.nan if value is None else value)
         except GenoMError:
-            pass  # It does not answer: who reads asks, and is told.
+            pass  # The daemon does not answer: the reader's next request will raise.
         finally:
             self._new.put(None)

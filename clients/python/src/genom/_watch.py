@@ -1,4 +1,4 @@
-"""Hears what changes in a daemon, for the ends of ports that are open here."""
+"""Monitors changes in a daemon for the ends of ports that are open in this process."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .events import EventStream
 _ONLY = (
     "component_loaded,component_unloaded,component_left,backend_changed,connected,disconnected"
 )
-# Without a stream, ends ask for themselves so often.
+# Seconds between checks by the ends themselves while there is no stream.
 _AGAIN = 1.0
 _MOMENT = 0.05
 
@@ -23,7 +23,7 @@ class _Changes(EventStream):
 
 
 class Ear(Protocol):
-    """Who wants to hear."""
+    """An object that is notified of changes."""
 
     def _hear(self, change: Optional[Dict[str, Any]]) -> None: ...
 
@@ -31,7 +31,7 @@ class Ear(Protocol):
 
 
 class Watch:
-    """One stream of changes for all ends of a client, as long as there are some."""
+    """One stream of changes for all ends of a client, open while there are any."""
 
     def __init__(self, transport: Transport) -> None:
         self._transport = transport
@@ -42,7 +42,7 @@ class Watch:
         self._end = threading.Event()
 
     def add(self, ear: Ear) -> None:
-        """It hears all that changes from now on."""
+        """Notifies the object of all changes from now on."""
         with self._lock:
             self._ears.add(ear)
             if self._thread is None:
@@ -55,14 +55,16 @@ class Watch:
                 self._thread.start()
 
     def remove(self, ear: Ear) -> None:
-        """It wants to hear nothing more."""
+        """Stops notifying the object."""
         with self._lock:
             self._ears.discard(ear)
             if not self._ears:
                 self._stop()
 
     def close(self) -> None:
-        """Lets go of the daemon; ends that are used after that ask, and listen again."""
+        """Closes the stream. Ends that are used afterwards check by themselves, and open a stream
+        again.
+        """
         with self._lock:
             self._stop()
             ears = list(self._ears)
@@ -79,7 +81,7 @@ class Watch:
         try:
             return _Changes(self._transport, f"/events?only={_ONLY}")
         except GenoMError:
-            return None  # No stream is free, or no daemon is there: asking tells.
+            return None  # No stream is free, or there is no daemon: the next request reports it.
 
     def _run(self, end: threading.Event, stream: Optional[_Changes]) -> None:
         while True:
@@ -87,8 +89,8 @@ class Watch:
                 for change in stream or ():
                     self._tell(None if change["event"] in ("missed", "stopping") else change)
             except GenoMError:
-                pass  # It does not answer: who asks is told.
-            # A moment, should streams end as soon as they begin.
+                pass  # The daemon does not answer: the next request of an end raises.
+            # Wait a moment, in case streams end as soon as they begin.
             if end.wait(_MOMENT):
                 return
             stream = self._open()
@@ -98,7 +100,7 @@ class Watch:
                         stream.close()
                     return
                 self._stream = stream
-            # Whatever happened in between.
+            # Anything may have changed in between.
             self._tell(None)
             if stream is None:
                 end.wait(_AGAIN)

@@ -1,4 +1,4 @@
-"""Which way the values of a port pass: shared memory, zenoh, or the daemon."""
+"""Chooses how the values of a port are transmitted: shared memory, zenoh, or the daemon."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any, Optional, Sequence
 from ._place import Place
 from .errors import RefusalError
 
-# Those that are spoken from here, the faster one first.
+# Middlewares that this package supports, the fastest first.
 _SPOKEN = ("shm", "zenoh")
 
 
 @dataclass(frozen=True)
 class Way:
-    """Where the values of a port pass."""
+    """How the values of a port are transmitted."""
 
     backend: Optional[str]
     """The middleware that is spoken from here; None through the daemon."""
@@ -25,7 +25,7 @@ class Way:
 
 
 def reading(port: Place, element: Optional[str], fast: Optional[bool]) -> Way:
-    """The way to a reader of a port, as it is now."""
+    """The way from a port to a reader, as of now."""
     now = port.now(element)
     if port.direction == "in":
         return _way(port, [] if now.on is None else [now.on], now.source, fast)
@@ -33,16 +33,16 @@ def reading(port: Place, element: Optional[str], fast: Optional[bool]) -> Way:
 
 
 def writing(port: Place, element: Optional[str], fast: Optional[bool]) -> Way:
-    """The way from a publisher to an in port, as it is now."""
+    """The way from a publisher to an in port, as of now."""
     here, now = port.address(element), port.now(element)
-    # Where it reads from itself already, that is where.
+    # If the port is connected to its own address already, on that middleware.
     there = [now.on] if now.source == here and now.on in _SPOKEN else now.backends
     return _way(port, there, here, fast)
 
 
 @dataclass(frozen=True)
 class Wish:
-    """How a reader wants its values."""
+    """What a reader asks for."""
 
     depth: int
     rate: float
@@ -50,7 +50,7 @@ class Wish:
 
 
 def reader(port: Place, element: Optional[str], way: Way, wish: Wish) -> Any:
-    """What reads by that way."""
+    """Opens a reader on that way."""
     if way.backend == "zenoh":
         from . import _zenoh
 
@@ -65,7 +65,7 @@ def reader(port: Place, element: Optional[str], way: Way, wish: Wish) -> Any:
 
 
 def writer(port: Place, element: Optional[str], way: Way) -> Any:
-    """What publishes by that way."""
+    """Opens a writer on that way."""
     if way.backend == "zenoh":
         from . import _zenoh
 
@@ -95,7 +95,7 @@ def _way(port: Place, backends: Sequence[Optional[str]], source: Optional[str], 
 def _why_slow(
     port: Place, backend: Optional[str], backends: Sequence[Optional[str]]
 ) -> Optional[str]:
-    """Why a middleware cannot be spoken from here, if so."""
+    """Why a middleware cannot be used from here; None if it can."""
     if backend is None:
         on = "+".join(str(name) for name in backends)
         return f"it is on {on}, not on shm or zenoh" if on else "it is not connected"

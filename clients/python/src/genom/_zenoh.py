@@ -1,7 +1,7 @@
-"""Ports straight over zenoh, with the package eclipse-zenoh and without the daemon.
+"""Ports over zenoh with the package eclipse-zenoh, without the daemon.
 
-What zenoh's threads call is never a function of Python's, which costs tens of microseconds a
-sample: samples go into a ring of zenoh's own.
+Samples are put into a ring of zenoh's own: a callback in Python would take tens of microseconds per
+sample.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from ._meeting import MATCHING, session
 from ._place import Place
 from .errors import GenoMError, InputError, RefusalError
 
-# Goes with what only wakes up who waits, and room for it in rings.
+# Attachment of samples that only wake up a reader, and room in rings for these.
 _WAKE = b"genom: wake up"
 _WAKES = 2
 _tokens = itertools.count(1)
-# Writer and number of a sample.
+# Identifier of the writer and number of the sample.
 _MARK = struct.Struct("<QQ")
-# Questions go to every writer, and each answers for itself.
+# Queries go to every writer, and each one's answer counts.
 _ALL = {
     "target": zenoh.QueryTarget.ALL,
     "consolidation": zenoh.ConsolidationMode.NONE,
@@ -37,7 +37,8 @@ _ALL = {
 
 
 def _direct(callback: Any) -> Any:
-    """Called by zenoh's own thread: one of Python's would outlive the program's end."""
+    """Runs a callback in zenoh's own thread: a Python thread would delay the exit of the program.
+    """
     return zenoh.handlers.Callback(callback, indirect=False)
 
 
@@ -59,7 +60,7 @@ class _End:
         self.encoding = f"application/cdr;{name};digest={self.digest}"
 
     def declare(self, kind: str) -> Any:
-        """A token by which others see this end."""
+        """Declares a liveliness token by which others see this end."""
         top = self.layout["types"][0]
         size = f"{top['size']} bytes" if top["fixed"] else "variable size"
         types = _escape(f"{self.layout['type']} ({size}, digest {self.digest})")
@@ -68,7 +69,7 @@ class _End:
         return self.session.liveliness().declare_token(token)
 
     def is_written(self) -> bool:
-        """Whether somebody shows to publish there: to the daemon, or to this session."""
+        """Whether a publisher is visible there, to the daemon or to this session."""
         for one in self._client._visible("zenoh"):
             if one["kind"] == "publisher" and one["address"] == self.address:
                 return True
@@ -77,7 +78,7 @@ class _End:
         return any(key.split("/", 6)[-1] == self.address for key in keys)
 
     def match(self, end: Any) -> bool:
-        """Waits until an end meets one of the other kind; not for ever."""
+        """Waits until an end has a matching one, within a limit."""
         begin = time.monotonic()
         while not end.matching_status.matching:
             if time.monotonic() - begin > MATCHING:
@@ -87,7 +88,7 @@ class _End:
 
 
 class Writer:
-    """The writing end of an in port, straight over zenoh."""
+    """Writer at an in port, over zenoh."""
 
     def __init__(self, port: Place, address: str) -> None:
         self._end = end = _End(port, address)
@@ -103,19 +104,19 @@ class Writer:
         self._writer = secrets.randbits(64) | 1
         self._number = 0
         self._queryable = end.session.declare_queryable(end.key, _direct(self._answer))
-        # Where a link is full, zenoh would drop what comes last, and the readers would never know:
-        # who publishes faster than readers take is held back instead.
+        # On a full link zenoh would drop samples without notice to readers: publishing blocks
+        # instead.
         block = zenoh.CongestionControl.BLOCK
         self._publisher: Any = end.session.declare_publisher(
             end.key, encoding=end.encoding, congestion_control=block
         )
-        # What goes out first must arrive, too.
+        # The first sample must arrive, too.
         if not end.match(self._publisher):
             self.close()
             raise RefusalError("not_fast", f"{end.address} is not read over zenoh")
 
     def publish(self, value: Any) -> None:
-        """Publishes a value: no call of the daemon."""
+        """Publishes a value, without a request to the daemon."""
         try:
             merged = self._end.cdr.merge(self._value, value)
             message = self._end.cdr.encode(merged)
@@ -125,35 +126,35 @@ class Writer:
             raise GenoMError("ended", None, f"{self._end.address} is not fed any more")
         self._number += 1
         mark = _MARK.pack(self._writer, self._number)
-        # First for those who come, then for those who are there: nobody misses it.
+        # Stored for late readers first, then sent to present ones, so that nobody misses it.
         self._value, self._message = merged, (message, mark)
         self._publisher.put(message, attachment=mark)
 
     def last(self) -> Any:
-        """The value published last; None when there was none."""
+        """The value published last; None if there was none."""
         return None if self._message is None else self._value
 
     def repeat(self) -> None:
-        """A reader that comes asks for the last value."""
+        """Nothing to do: late readers query the last value."""
 
     def close(self) -> None:
-        """Lets go of the address."""
+        """Closes the writer and frees the address."""
         if self._publisher is not None:
             for one in (self._publisher, self._queryable, self._token):
                 one.undeclare()
             self._publisher = None
 
     def _answer(self, query: Any) -> None:
-        # Who comes late asks for the last value.
+        # Late readers query the last value.
         if self._message is not None:
             message, mark = self._message
             query.reply(self._end.key, message, encoding=self._end.encoding, attachment=mark)
 
 
 class Reader:
-    """The reading end of a port, straight over zenoh.
+    """Reader of a port, over zenoh.
 
-    Samples wait in a ring of zenoh's, where its threads put them without Python's lock.
+    Samples wait in a ring of zenoh's, which its threads fill without Python's lock.
     """
 
     ended = False
@@ -161,9 +162,9 @@ class Reader:
     def __init__(self, port: Place, address: str, depth: int, buffers: bool) -> None:
         self._end = end = _End(port, address, buffers)
         self._encoding = zenoh.Encoding(end.encoding)
-        # What writers say that are asked for the last value.
+        # Answers of writers that were queried for the last value.
         self._answers: "queue.SimpleQueue[Any]" = queue.SimpleQueue()
-        # The sample that was taken last, and the one before the last question.
+        # Mark of the sample taken last, and of the one before the last query.
         self._known: Optional[Tuple[int, int]] = None
         self._before: Optional[Tuple[int, int]] = None
         session = end.session
@@ -173,17 +174,17 @@ class Reader:
         token = f"{end.prefix}@genom/pub/*/*/*/*/{end.address}"
         heard = _direct(lambda sample: helper.soon(lambda: self._ask(sample.kind)))
         self._watch = session.liveliness().declare_subscriber(token, heard, history=True)
-        # What is there already can be read at once.
+        # So that existing values can be read at once.
         asked = session.declare_querier(end.key, **_ALL)
         if not end.is_written() or end.match(asked):
             for reply in asked.get():
                 self._answers.put(reply)
         asked.undeclare()
-        # Others see who reads here.
+        # Makes this reader visible to others.
         self._token = end.declare("sub")
 
     def take(self) -> Any:
-        """The oldest value not taken yet; None when there is none."""
+        """The oldest value not taken yet; None if there is none."""
         while True:
             sample, asked = self._next(False), False
             if sample is None:
@@ -196,9 +197,11 @@ class Reader:
                 return value
 
     def wait(self, left: Optional[float], told: Callable[[], bool]) -> Any:
-        """The oldest value not taken yet; None when none came in time, or something changed."""
+        """Waits for the oldest value not taken yet; None if none arrived in time, or something
+        changed.
+        """
         end = math.inf if left is None else time.monotonic() + left
-        # It sleeps in zenoh, which knows no end of waiting: something else comes then.
+        # Waiting in zenoh has no timeout: a sample without a value ends it.
         with helper.after(left, self.wake):
             while not told() and time.monotonic() < end:
                 value = self._news(self._next(True), False)
@@ -209,7 +212,7 @@ class Reader:
         return None
 
     def close(self) -> None:
-        """Stops following."""
+        """Closes the reader."""
         if self._ring is not None:
             self._ring = None
             for one in (self._subscriber, self._watch, self._token):
@@ -226,15 +229,15 @@ class Reader:
         raise GenoMError("ended", None, f"{self._end.address} is not followed any more")
 
     def wake(self) -> None:
-        """Puts something into this process's rings that is no sample."""
+        """Puts a sample without a value into the rings of this process."""
         here = zenoh.Locality.SESSION_LOCAL
         try:
             self._end.session.put(self._end.key, b"", attachment=_WAKE, allowed_destination=here)
         except zenoh.ZError:
-            pass  # It has been closed, which wakes as well.
+            pass  # It was closed, which wakes the reader as well.
 
     def _ask(self, kind: Any) -> None:
-        """A writer came: what it wrote before it knew this reader is asked for."""
+        """A writer appeared: queries the value that it wrote before."""
         if kind != zenoh.SampleKind.PUT or self._ring is None:
             return
         self._before = self._known
@@ -242,31 +245,32 @@ class Reader:
             for reply in self._end.session.get(self._end.key, **_ALL):
                 self._answers.put(reply)
         except zenoh.ZError:
-            return  # It has been closed.
+            return  # It was closed.
         self.wake()
 
     def _news(self, sample: Any, asked: bool) -> Any:
-        """The value of a sample; None for one that tells nothing new, or is none."""
+        """The value of a sample; None if it is not new, or has no value."""
         if sample is None or not self._is_news(sample, asked):
             return None
         return self._decoded(sample)
 
     def _is_news(self, sample: Any, asked: bool) -> bool:
-        """Whether a sample is none that came before, or is older than one that did."""
+        """Whether a sample is neither a repetition nor older than one received."""
         mark, known = _mark(sample), self._known
         if mark is None:
             return False
         if known is not None and mark[0] == known[0] and mark[0]:
             news = mark[1] > known[1]
         else:
-            # Of another writer than the last sample: an answer must not undo what came meanwhile.
+            # Written by another writer than the last sample: an answer must not replace a newer
+            # value.
             news = not asked or known is None or (mark[0] != 0 and known == self._before)
         if news:
             self._known = mark
         return news
 
     def _decoded(self, sample: Any) -> Any:
-        """The value of a sample; None for what is not of this port's type."""
+        """The value of a sample; None if it is not of this port's type."""
         if sample.encoding != self._encoding:
             told = str(sample.encoding).rsplit("digest=", 1)
             if len(told) == 2 and told[1] != self._end.digest:
@@ -278,7 +282,7 @@ class Reader:
 
 
 def _mark(sample: Any) -> Optional[Tuple[int, int]]:
-    """Writer and number of a sample; zeros of a writer that marks nothing, none of a wake-up."""
+    """Mark of a sample: zeros if its writer sends none, None for a wake-up."""
     told = sample.attachment
     mark = b"" if told is None else told.to_bytes()
     if len(mark) == 16:
@@ -287,7 +291,7 @@ def _mark(sample: Any) -> Optional[Tuple[int, int]]:
 
 
 def _escape(text: str) -> str:
-    """Percent escapes for all that means something in a key."""
+    """Percent-encodes characters with a meaning in keys."""
     plain = b"_-.:<>,()"
     return "".join(
         chr(byte) if chr(byte).isalnum() and byte < 128 or byte in plain else f"%{byte:02x}"

@@ -1,4 +1,4 @@
-"""A request that was sent: an activity that runs, or how a service ended."""
+"""A request: a running activity, or the outcome of a service."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ._daemon import Part
 from ._http import url
 from .errors import GenoMError, exception
 
-# One request is held so long; waiting for longer takes several.
+# Maximum duration of one waiting request, in seconds; a longer wait takes several.
 _PATIENCE = 30.0
 
 
 class Status(str, enum.Enum):
-    """How far a request is. Compares equal to its word: ``a.status == 'done'``."""
+    """Progress of a request. It equals its text: ``a.status == 'done'``."""
 
     SENT = "sent"
     DONE = "done"
     ERROR = "error"
-    # The same, as other clients write them.
+    # Also as other clients spell them.
     sent = "sent"
     done = "done"
     error = "error"
@@ -32,12 +32,12 @@ class Status(str, enum.Enum):
 
 
 class Activity:
-    """A request of a service. Several threads may wait for it."""
+    """A request to a service. Several threads may wait for it."""
 
     def __init__(self, component: Part, service: str, zero: bool = False) -> None:
         self.component = component
         self.service = service
-        # Whether inputs that are left out take their default, or zero, also of an attribute.
+        # Whether inputs left out take their defaults or zero, also those of an attribute.
         self._zero = zero
         self._lock = threading.Lock()
         self._answered = threading.Event()
@@ -45,17 +45,17 @@ class Activity:
         self._ended = False
         self._result: Optional[Dict[str, Any]] = None
         self._exception: Optional[GenoMError] = None
-        # Why it was not even accepted.
+        # The error if the request was not accepted.
         self._refused: Optional[GenoMError] = None
 
     @property
     def number(self) -> Optional[int]:
-        """The activity's number in the component; None of other services, and until accepted."""
+        """The activity's number in the component; None until accepted, and for other services."""
         return self._number
 
     @property
     def status(self) -> Status:
-        """``sent``, ``done`` or ``error``; asks the daemon while it runs."""
+        """``sent``, ``done`` or ``error``; asks the daemon while the activity runs."""
         self._look(0.0)
         if not self._ended:
             return Status.SENT
@@ -63,20 +63,21 @@ class Activity:
 
     @property
     def result(self) -> Optional[Dict[str, Any]]:
-        """The outputs, once done; None before, and after an exception."""
+        """The outputs once it is done; None before, and after an exception."""
         self._look(0.0)
         return self._result
 
     @property
     def exception(self) -> Optional[GenoMError]:
-        """The exception it ended with, if it did."""
+        """The exception that it ended with, if any."""
         self._look(0.0)
         return self._exception
 
     def wait(self, timeout: Optional[float] = None) -> Dict[str, Any]:
         """Waits for the end: returns the outputs, or raises the exception.
 
-        Raises TimeoutError when it has not ended after ``timeout`` seconds; it goes on then.
+        Raises TimeoutError if it has not ended after ``timeout`` seconds; the activity goes on
+        then.
         """
         end = None if timeout is None else time.monotonic() + timeout
         while not self._ended:
@@ -91,7 +92,7 @@ class Activity:
     def __await__(self) -> Generator[Any, None, Dict[str, Any]]:
         """``await a``: its outputs, or its exception; other tasks of asyncio go on meanwhile.
 
-        A task that is cancelled waits no more; the activity goes on.
+        If the waiting task is cancelled, the activity goes on.
         """
         return self._waited().__await__()
 
@@ -107,14 +108,14 @@ class Activity:
             try:
                 loop.call_soon_threadsafe(over)
             except RuntimeError:
-                pass  # The loop has ended: nobody listens.
+                pass  # The loop has ended: nobody waits any more.
 
         self._call_back(tell)
         await ended
         return self.wait()
 
     def abort(self) -> None:
-        """Asks it to stop; its stop codels run, and `wait` tells when it has ended."""
+        """Asks it to stop: its stop codels run, and `wait` returns when it has ended."""
         self._answered.wait()
         if self._number is None or self._ended:
             return
@@ -142,7 +143,7 @@ class Activity:
             self._take(self._request("GET", f"?wait={wait:.6f}" if wait > 0.0 else ""))
 
     def _take(self, reply: Dict[str, Any]) -> None:
-        """Takes what the daemon says of it."""
+        """Stores the daemon's reply."""
         with self._lock:
             if self._ended:
                 return
@@ -165,7 +166,7 @@ class Activity:
         self._answered.set()
 
     def _send(self, inputs: Dict[str, Any]) -> None:
-        """Sends it, and waits until it is accepted; what is refused ends it, too."""
+        """Sends the request and waits until it is accepted; a refusal ends it as well."""
         path = url("components", self.component._name, "services", self.service)
         path += "?zero=true" if self._zero else ""
         self._take(self.component._client._transport.request("POST", path, inputs))
@@ -175,7 +176,7 @@ class Activity:
             try:
                 self.wait()
             except GenoMError as error:
-                # Its own exception, or the daemon went away: told by the activity.
+                # Its own exception, or the daemon is gone: stored in the activity.
                 self._fail(error)
             callback(self)
 

@@ -1,4 +1,4 @@
-"""A daemon, as a supervisor sees it."""
+"""A daemon, with its components as objects."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ def connect(
 ) -> "Client":
     """Connects to a daemon: by default that of this user, as genomctl does.
 
-    ``socket`` is the path of its Unix socket; ``host`` is ``127.0.0.1:7300`` (``genomd
-    --listen``), ``https://robot:7300`` on another machine, or ``zenoh:NAME``, one of those that the
-    daemon at the socket sees; ``target`` is one or the other. ``token``, or the one in
-    ``token_file``, says who asks. ``ca`` is the root of the daemon's certificate, ``cert`` your own
-    certificate and its key, in PEM files. ``context`` is a name that ``genomctl context`` keeps such
-    options under; the current one counts when nothing else says which daemon.
+    ``socket`` is the path of its Unix socket. ``host`` is ``127.0.0.1:7300`` (``genomd --listen``),
+    ``https://robot:7300`` on another machine, or ``zenoh:NAME`` for a daemon that the one at the
+    socket sees. ``target`` is either of these. ``token``, or the one in ``token_file``,
+    authenticates the caller. ``ca`` is the root of the daemon's certificate, ``cert`` your own
+    certificate and its key, as PEM files. ``context`` is a name under which ``genomctl context``
+    keeps such options; without other options the current context is used.
 
-    A daemon that says nothing for ``timeout`` seconds, to requests or on streams, and does not
-    answer when it is asked whether it is there, raises `DaemonError`; None waits for ever. How
-    long a service takes is another matter: that is waited for.
+    If the daemon sends nothing for ``timeout`` seconds, on a request or a stream, and does not
+    answer another request either, `DaemonError` is raised; with None, waiting has no limit. The
+    duration of a service is not limited by this.
     """
     given = resolve(target, socket, host, token, token_file, ca, cert, context)
     client = Client(Transport(given, timeout))
@@ -45,18 +45,18 @@ def connect(
 
 
 def update() -> None:
-    """Does nothing: results come by themselves. Kept for scripts that call it."""
+    """Does nothing: results arrive by themselves. For scripts that call it."""
 
 
 class Client(Daemon):
-    """One daemon. Its components are made into objects by `load`."""
+    """A daemon. `load` returns its components as objects."""
 
     def __init__(self, transport: Transport) -> None:
         super().__init__(transport)
         self._paths: List[str] = []
 
     def component(self, name: str) -> Component:
-        """A component that runs, by its instance name."""
+        """A running component, by its instance name."""
         return Component(self, self._transport.request("GET", url("components", name)))
 
     def load(
@@ -67,10 +67,10 @@ class Client(Daemon):
         backend: Optional[str] = None,
         gen: Optional[str] = None,
     ) -> Component:
-        """The component, loaded unless an instance of it runs already.
+        """The component of that name, loaded unless an instance of it is running already.
 
-        ``library`` is a name on the daemon's component path, or a file. ``name`` names the
-        instance; ``load('demo', '-i', 'left')`` does so too.
+        ``library`` is a name on the daemon's component path, or a file. ``name`` is the instance
+        name; ``load('demo', '-i', 'left')`` sets it, too.
         """
         name, backend = _options(options, name, backend)
         library = os.fspath(library)
@@ -85,7 +85,7 @@ class Client(Daemon):
         return self.component(loaded["name"])
 
     def unload(self, component: Union[str, Described]) -> None:
-        """Stops a component and takes it out of the daemon: by its name, its library, or itself."""
+        """Stops and unloads a component, given by its name, its library, or itself."""
         if isinstance(component, Described):
             Described.unload(component)
             return
@@ -93,9 +93,9 @@ class Client(Daemon):
         self._transport.request("DELETE", url("components", name or component))
 
     def record(self, file: str, *ports: str, force: bool = False) -> Recorder:
-        """Records ports (by default everything) and services in an MCAP file, until it is closed.
+        """Records ports (by default everything) and services in an MCAP file, until closed.
 
-        It runs `genomctl record`, which has to be there: on ``PATH``, or named by ``$GENOMCTL``.
+        It runs `genomctl record`, which has to be on ``PATH`` or given by ``$GENOMCTL``.
         """
         return Recorder(self._transport.options(), file, ports, force)
 
@@ -105,19 +105,19 @@ class Client(Daemon):
         *,
         after: Optional[int] = None,
     ) -> EventStream:
-        """What changes in the daemon, from now on: iterate over it, also with ``async for``.
+        """Changes in the daemon from now on: iterate over them, also with ``async for``.
 
-        With a callback, it is called for each change, from a thread of its own. ``after`` is the
-        number of a change: those kept since then come first.
+        With a callback, this is called for each change, from a thread of its own. ``after`` is the
+        number of a change: the daemon sends the kept changes since then first.
         """
         stream = EventStream(self._transport, after=after)
         return stream if callback is None else stream.follow(callback)
 
     def update(self) -> None:
-        """Does nothing: results come by themselves. Kept for scripts that call it."""
+        """Does nothing: results arrive by themselves. For scripts that call it."""
 
     def rpath(self, path: Optional[str] = None) -> List[str]:
-        """Adds a folder where `load` looks for files, before the daemon does."""
+        """Adds a directory that `load` searches before the daemon's component path."""
         if path is not None:
             self._paths.append(os.fspath(path))
         return list(self._paths)
@@ -137,7 +137,7 @@ class Client(Daemon):
         return f"<genomd on {self._transport.target}>"
 
     def _attached(self, library: str, name: Optional[str]) -> Optional[str]:
-        """The instance that is meant, if it runs."""
+        """The instance of this library or name, if it is running."""
         if name is not None:
             return name if name in self.components() else None
         running = self._transport.request("GET", "/components")["components"]
@@ -150,7 +150,7 @@ class Client(Daemon):
         return None
 
     def _file(self, name: str) -> str:
-        """A file of this machine by its full name: the daemon works in another directory."""
+        """The absolute path of a file: the daemon has another working directory."""
         if not self._transport.local:
             return name
         candidates = [name] if "/" in name else []

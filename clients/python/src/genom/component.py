@@ -1,4 +1,4 @@
-"""A component of the daemon as a Python object: services and ports are its attributes."""
+"""A component as a Python object, with services and ports as attributes."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .errors import exception_class
 from .port import Port, port_of
 
 
-# `oneway` is what other clients call `send`.
+# `oneway` is the name of `send` in other clients.
 _FLAGS = (*_signature.FLAGS, "oneway")
 
 
 class Described(Part):
-    """A component by its description; `genom.stubs` tells type checkers its members."""
+    """A component with its description; `genom.stubs` gives its members to type checkers."""
 
     def __init__(self, daemon: Daemon, description: Dict[str, Any]) -> None:
         super().__init__(daemon, description["name"])
@@ -44,32 +44,32 @@ class Described(Part):
         """Calls a service by name: ``c('goto', 1.0, ack=True)``."""
         known = self._services.get(service)
         if known is None:
-            # The daemon knows best: the component may have been loaded anew.
+            # Asked for at each call: the component may have been reloaded.
             path = url("components", self._name, "services", service)
             known = self._client._transport.request("GET", path)
         return self._request(known, args, inputs)
 
     @property
     def ports(self) -> Mapping[str, Port]:
-        """Its ports by name."""
+        """Its ports, by name."""
         return dict(self._ports)
 
     @property
     def services(self) -> Mapping[str, Callable[..., Any]]:
-        """Its services by name."""
+        """Its services, by name."""
         return {name: self._function(one) for name, one in self._services.items()}
 
     def activities(self) -> List[Dict[str, Any]]:
-        """Its activities as the daemon lists them: running, and lately ended."""
+        """Its activities: running ones, and those that ended recently."""
         path = url("components", self._name, "activities")
         return list(self._client._transport.request("GET", path)["activities"])
 
     def statistics(self) -> Dict[str, Any]:
-        """Figures on its tasks and codels."""
+        """Statistics of its tasks and codels."""
         return dict(self._client._transport.request("GET", url("components", self._name, "tasks")))
 
     def stats(self) -> Dict[str, Any]:
-        """The same, under genomctl's word."""
+        """The same, under the name that genomctl uses."""
         return self.statistics()
 
     def fire(self, event: str) -> None:
@@ -82,7 +82,7 @@ class Described(Part):
         self._client._transport.request("PUT", path, {"backend": backend, "port": port})
 
     def unload(self) -> None:
-        """Stops the component and takes it out of the daemon."""
+        """Stops and unloads the component."""
         self._client._transport.request("DELETE", url("components", self._name))
 
     def __repr__(self) -> str:
@@ -127,13 +127,13 @@ class Described(Part):
         return activity
 
     def _is_named(self, inputs: Dict[str, Any]) -> bool:
-        """Whether a port is to be connected to a publisher of this program that feeds it."""
+        """Whether `source` is the name of a publisher of this program that feeds the port."""
         here = f"{self._name}/{inputs.get('local')}"
         return self._client._named.get(str(inputs.get("remote"))) == here
 
     @staticmethod
     def _finish(activity: Activity) -> Dict[str, Any]:
-        """Waits; an interrupted wait leaves nothing running that nobody watches."""
+        """Waits; if interrupted, aborts the activity, so that it does not run unattended."""
         try:
             return activity.wait()
         except KeyboardInterrupt:
@@ -142,10 +142,11 @@ class Described(Part):
 
 
 class Component(Described):
-    """A component that runs. Its services, ports, events and exceptions are its attributes.
+    """A running component. Services, ports, events and exceptions are its attributes.
 
-    A service wins over a port of its name, both win over the methods below: these are then found
-    as ``genom.Component.unload(component)``, services in ``component('name')``.
+    A service takes precedence over a port of the same name, and both over the methods below. These
+    can then be called as ``genom.Component.unload(component)``, and services as
+    ``component('name')``.
     """
 
     def __getattr__(self, name: str) -> Any:

@@ -1,4 +1,4 @@
-"""What can go wrong. Everything is a GenoMError: one ``except`` is enough."""
+"""Errors. All derive from GenoMError, so that one ``except`` is sufficient."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ from typing import Any, Dict, Optional, Type
 class GenoMError(Exception):
     """A service ended with an exception, or the daemon could not do what was asked.
 
-    ``name`` is the exception's full name, such as ``::demo::OUT_OF_RANGE``, or a stable word for
-    what the daemon refused, such as ``no_such_service``; ``detail`` holds the exception's members.
+    ``name`` is the full name of the exception, such as ``::demo::OUT_OF_RANGE``, or the stable name
+    of a refusal, such as ``no_such_service``. ``detail`` holds the members of the exception.
     """
 
     def __init__(
@@ -23,11 +23,11 @@ class GenoMError(Exception):
 
 
 class DaemonError(GenoMError):
-    """No daemon answers, or it went away."""
+    """No daemon answers, or the connection was lost."""
 
 
 class RefusalError(GenoMError):
-    """The daemon refused: nothing was run or changed."""
+    """The daemon refused the request: nothing was run or changed."""
 
     def __init__(
         self,
@@ -47,14 +47,14 @@ class RefusalError(GenoMError):
 
 
 class InputError(RefusalError, ValueError):
-    """A value has another type than the component's description says."""
+    """A value does not have the type that the component's description requires."""
 
 
 _classes: Dict[str, Type[GenoMError]] = {}
 
 
 def exception_class(name: str) -> Type[GenoMError]:
-    """The class of an exception by its full name; always the same one."""
+    """The class for an exception of this full name; always the same for one name."""
     known = _classes.get(name)
     if known is None:
         last = name.rsplit("::", 1)[-1]
@@ -70,21 +70,21 @@ def exception_class(name: str) -> Type[GenoMError]:
 
 
 def exception(name: str, detail: Any = None, message: Optional[str] = None) -> GenoMError:
-    """An exception of that class."""
+    """An exception of the class for this name."""
     make: Any = exception_class(name)
     made: GenoMError = make(detail, message)
     return made
 
 
 def refusal(reply: Any, status: int) -> GenoMError:
-    """The error of a reply that is no success."""
+    """The error for a reply that is not a success."""
     error = reply.get("error") if isinstance(reply, dict) else None
     if not isinstance(error, dict):
         return RefusalError("not_understood", f"genomd answers {status} without a reason")
     code = str(error.get("code", ""))
     message = str(error.get("message", ""))
     if code in ("disallowed", "too_many_activities"):
-        # These are exceptions of GenoM, which the daemon answers by a status.
+        # These are exceptions of GenoM that the daemon reports as HTTP errors.
         help = error.get("help")
         return exception("::genom::" + code, None, f"{message}; {help}" if help else message)
     kind = InputError if code in ("bad_input", "malformed") else RefusalError

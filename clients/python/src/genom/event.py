@@ -1,4 +1,4 @@
-"""Names where scripts for another client look for them: ``from genom.event import GenoMError``."""
+"""Names for scripts of another client: ``from genom.event import GenoMError``."""
 
 from .activity import Activity, Status
 from .errors import GenoMError

@@ -14,7 +14,7 @@ from .errors import DaemonError
 
 
 class EventStream:
-    """Changes in the daemon as dicts, in order, from when the stream was opened.
+    """Changes in the daemon as dicts, in order, from the time the stream was opened.
 
     Iterate over it, also with ``async for``; close it, or use it in a ``with``. A stream that
     breaks is resumed where it was. It ends when the daemon stops, or when it is closed.
@@ -52,7 +52,7 @@ class EventStream:
         raise StopIteration
 
     async def __aiter__(self) -> AsyncIterator[Any]:
-        """Waits in a thread, so that other tasks go on."""
+        """Waits in a thread, so that other tasks of asyncio go on."""
         loop = asyncio.get_running_loop()
         queue: "asyncio.Queue[Any]" = asyncio.Queue()
         end = object()
@@ -61,7 +61,7 @@ class EventStream:
             try:
                 loop.call_soon_threadsafe(queue.put_nowait, item)
             except RuntimeError:
-                self.close()  # The loop has ended: nobody listens.
+                self.close()  # The loop has ended: nobody iterates any more.
 
         def read() -> None:
             try:
@@ -95,7 +95,7 @@ class EventStream:
         return self
 
     def close(self) -> None:
-        """Ends the stream; who waits for an event gets the end."""
+        """Ends the stream, also for those who wait for an event."""
         self._closed = True
         sock = self._socket
         if sock is not None:
@@ -113,7 +113,8 @@ class EventStream:
     def _connect(self) -> None:
         headers = {} if self._last is None else {"Last-Event-ID": str(self._last)}
         self._connection, self._response = self._transport.stream(self._path, headers)
-        # Kept apart: http.client lets go of it when the reply says that the connection ends.
+        # Kept here, because http.client drops it when the reply announces the end of the
+        # connection.
         self._socket: Any = self._connection.sock
 
     def _again(self) -> None:
@@ -134,7 +135,7 @@ class EventStream:
         return json.loads(text)
 
     def _parse(self) -> Optional[Tuple[str, Any]]:
-        """The next event: its kind and data; None at the end of the connection."""
+        """The next event, kind and data; None at the end of the connection."""
         kind = "message"
         data: List[str] = []
         while True:

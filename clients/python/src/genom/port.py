@@ -1,8 +1,8 @@
-"""Ports: read them, follow them, publish to them, connect them.
+"""Ports: read them, subscribe to them, publish to them, connect them.
 
-Values go through the daemon; or straight through shared memory when the package iceoryx2 is
-installed and the port's type has a fixed size; or straight over zenoh when the package
-eclipse-zenoh is. The objects are the same.
+Values are transmitted through the daemon; or directly over shared memory, if the package iceoryx2
+is installed and the port's type has a fixed size; or directly over zenoh, if the package
+eclipse-zenoh is installed. The objects are the same in all cases.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from .errors import RefusalError
 
 
 class Port(Place):
-    """A port of a component. Calling it reads it."""
+    """A port of a component. Calling it reads the port."""
 
     def __call__(self, element: Optional[str] = None) -> "Reading":
         """The last value, under the port's name: ``{'position': {...}}``.
 
-        What comes has the ends of that element, too: ``c.state('robot').publisher()``. A single in
-        port takes any name: it is that of a publisher, and ``c.connect_port('state', 'name')``
-        connects the port to it.
+        The result also has the methods of that element: ``c.state('robot').publisher()``. For a
+        single in port any name may be given: it names a publisher, to which
+        ``c.connect_port('state', 'name')`` connects the port.
         """
         if element is not None and self.direction == "in":
             name, element = element, element if self._description["multiple"] else None
@@ -34,10 +34,10 @@ class Port(Place):
     def publisher(
         self, element: Optional[str] = None, *, fast: Optional[bool] = None
     ) -> Publisher:
-        """Feeds this in port from here.
+        """Opens a publisher to this in port.
 
-        ``fast=True`` insists on shared memory or zenoh, ``fast=False`` goes through the daemon; by
-        default the fast way is used where it can be.
+        With ``fast=True`` it uses shared memory or zenoh, or fails; with ``fast=False`` the daemon;
+        by default the fastest way available.
         """
         here = self.address(element)
         if self.direction != "in":
@@ -59,18 +59,19 @@ class Port(Place):
         rate: float = 1000.0,
         buffers: bool = False,
     ) -> Subscription:
-        """Follows this port: its last value first, then each one that is written.
+        """Subscribes to this port: the last value first, then each new one.
 
-        ``fast`` as of `publisher`. The fast way every sample comes, as long as no more than
-        ``depth`` wait to be read; through the daemon values that changed, ``rate`` times a second.
-        An in port is followed where it reads. With ``buffers``, sequences and arrays of numbers
-        come as a `memoryview`, which numpy takes as it is, rather than as a list.
+        ``fast`` as for `publisher`. Directly, every sample is received as long as no more than
+        ``depth`` wait to be read; through the daemon, changed values at most ``rate`` times per
+        second. A subscription to an in port receives what the in port reads. With ``buffers``,
+        sequences and arrays of numbers are `memoryview` rather than lists; numpy accepts them
+        without a copy.
         """
         return Subscription(self, element, fast, Wish(depth, rate, buffers))
 
 
 class Reading(Dict[str, Any]):
-    """The value of a port, or of an element, under the port's name; and what can be done there."""
+    """The value of a port or element under the port's name, with the methods of that port."""
 
     def __init__(self, port: Port, element: Optional[str], value: Any) -> None:
         super().__init__({port.name: value})
@@ -78,24 +79,24 @@ class Reading(Dict[str, Any]):
         self.element = element
 
     def publisher(self, *, fast: Optional[bool] = None) -> Publisher:
-        """As `Port.publisher`."""
+        """See `Port.publisher`."""
         return self.port.publisher(self.element, fast=fast)
 
     def subscribe(self, **options: Any) -> Subscription:
-        """As `Port.subscribe`."""
+        """See `Port.subscribe`."""
         return self.port.subscribe(self.element, **options)
 
     def connect(self, outport: str, **options: Any) -> Dict[str, Any]:
-        """As `Port.connect`."""
+        """See `Port.connect`."""
         return self.port.connect(outport, element=self.element, **options)
 
     def disconnect(self) -> None:
-        """As `Port.disconnect`."""
+        """See `Port.disconnect`."""
         self.port.disconnect(self.element)
 
 
 def port_of(daemon: Daemon, component: str, description: Dict[str, Any]) -> Port:
-    """A port with a class of its own, so that help() tells of this very port."""
+    """A port with a class of its own, so that help() describes this port."""
     told = [description.get("doc") or "", f"{description['direction']} port of type {description['type']}."]
     body = {"__doc__": "\n\n".join(text for text in told if text), "__module__": "genom"}
     made: Port = type(description["name"], (Port,), body)(daemon, component, description)

@@ -1,4 +1,4 @@
-"""Steps at a steady rate, for simulators and control loops."""
+"""Loops at a fixed rate, for simulators and control."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ import os
 import time
 from typing import Iterator
 
-# A thread that sleeps is woken up so much later than it asked for: the rest is waited for awake.
+# Threads wake up at most this much late, in seconds: the rest of a wait is a busy loop.
 _SLACK = 0.0002
 
 
 class Rate:
-    """A loop's clock: ``for step in genom.Rate(1000): ...`` runs it a thousand times a second.
+    """A periodic loop: ``for step in genom.Rate(1000): ...`` runs 1000 times per second.
 
-    A step that takes longer than its period is late, and counted; the next one begins at once.
-    One that is late by more than a period delays all that follow, rather than have them hurry.
+    A step that takes longer than its period is counted as late, and the next one begins at once. If
+    it is late by more than a period, all later steps are shifted rather than run in a burst.
     """
 
     def __init__(self, hertz: float) -> None:
@@ -26,7 +26,7 @@ class Rate:
         """How many of them took longer than their period."""
 
     def sleep(self) -> bool:
-        """Waits for the end of this step's period; False when that is past."""
+        """Waits for the end of this period; returns False if that is past already."""
         left = self._next - time.perf_counter()
         if left > _SLACK:
             time.sleep(left - _SLACK)

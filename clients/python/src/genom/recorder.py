@@ -1,4 +1,4 @@
-"""A recording that `genomctl record` makes."""
+"""Recordings made by `genomctl record`."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from typing import List, Optional, Sequence
 from .errors import GenoMError
 
 _LOOK = 0.005
-# A recorder that was asked to end writes what is left; no disk takes so long.
+# Seconds that a recorder may take to finish its file.
 _PATIENCE = 60.0
 
 
 class Recorder:
-    """A recording under way: ``with g.record('run.mcap'): ...``."""
+    """A running recording: ``with g.record('run.mcap'): ...``."""
 
     def __init__(self, daemon: Sequence[str], file: str, ports: Sequence[str], force: bool) -> None:
         self.file = os.path.abspath(file)
@@ -27,7 +27,7 @@ class Recorder:
             self._process: Optional[subprocess.Popen[str]] = subprocess.Popen(
                 [*command, *ports], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE, text=True,
-                # Ctrl-C is the program's, which closes the recording.
+                # Ctrl-C is for the program, which closes the recording.
                 start_new_session=True,
             )
         except OSError as why:
@@ -36,14 +36,15 @@ class Recorder:
                 f"`{program}` does not run: {why.strerror}; put genomctl on PATH, or name it in "
                 "$GENOMCTL",
             ) from why
-        # It is under way when there is a file of it.
+        # The recording has begun when its file exists.
         while self._process.poll() is None and _changed(self.file) == before:
             time.sleep(_LOOK)
         if self._process.poll() is not None:
             self.close()
 
     def close(self) -> str:
-        """Ends it; what the recorder says of it: how many samples there are, and were missed."""
+        """Ends the recording; returns its summary, with the numbers of samples recorded and lost.
+        """
         process, self._process = self._process, None
         if process is None:
             return ""
@@ -62,7 +63,7 @@ class Recorder:
 
 
 def _changed(file: str) -> List[int]:
-    """What tells one file from another that replaced it."""
+    """Identifies the file, to notice that it was replaced."""
     try:
         found = os.stat(file)
     except OSError:

@@ -32,17 +32,17 @@ _CALLED = "callback: Callable[[genom.Activity], object]"
 
 
 class Stub:
-    """Writes down one component."""
+    """Generates the stub of one component."""
 
     def __init__(self, component: Component) -> None:
         self._description = component._description
         path = url("components", component.name, "schema")
         self._schema = component._client._transport.request("GET", path)
-        # Types by their names in Python, in the order in which they are needed.
+        # Types by their Python names, in the order of their definitions.
         self._types: Dict[str, List[str]] = {}
 
     def text(self) -> str:
-        """The stub."""
+        """The text of the stub."""
         services = [line for one in self._description["services"] for line in self._service(one)]
         ports: List[str] = []
         classes: List[str] = []
@@ -74,7 +74,7 @@ class Stub:
             )
             annotation = self._type(given.get("properties", {}).get(name, {}), given, True)
             default = "" if parameter.default is parameter.empty else " = ..."
-            # All after a star are given by name.
+            # All parameters after a star are keyword-only.
             star = parameter.kind is parameter.KEYWORD_ONLY and "*" not in inputs
             inputs += ["*"] if star else []
             inputs.append(f"{parameter.name}: {annotation}{default}")
@@ -90,7 +90,7 @@ class Stub:
         ):
             listed = ", ".join(["self", *inputs, *star_too, *flags, "zero: bool = ..."])
             lines.append("    @overload")
-            # The first one tells what it is for.
+            # The first overload carries the documentation.
             doc = _doc(service.get("doc"), "        ") if not lines[1:] else []
             lines.append(_member(f"def {name}({listed}) -> {returns}:{'' if doc else ' ...'}", name))
             lines += doc
@@ -111,7 +111,7 @@ class Stub:
     def _type(
         self, schema: Dict[str, Any], whole: Dict[str, Any], given: bool, name: str = ""
     ) -> str:
-        """How Python spells what a schema describes; `given`: as an input."""
+        """The Python type for a schema; with `given`, as an input."""
         if "$ref" in schema:
             key = str(schema["$ref"]).rsplit("/", 1)[-1]
             spelled = _class(key)
@@ -139,10 +139,10 @@ class Stub:
         return _PLAIN.get(str(kind), "Dict[str, Any]" if kind == "object" else "Any")
 
     def _union(self, schemas: Sequence[Dict[str, Any]], whole: Dict[str, Any], given: bool) -> str:
-        # Numbers that JSON does not have are numbers here.
+        # NaN and infinities, which JSON does not have, are numbers here.
         if any(one.get("type") == "number" for one in schemas):
             return "float"
-        # An array may be given by index, too: that is not written down.
+        # Arrays may also be given by index; that form is left out.
         wanted = [one for one in schemas if "patternProperties" not in one]
         spelled = [self._type(one, whole, given) for one in wanted]
         others = list(dict.fromkeys(one for one in spelled if one != "None"))
@@ -152,7 +152,7 @@ class Stub:
     def _record(self, name: str, schema: Dict[str, Any], whole: Dict[str, Any]) -> List[str]:
         if not schema.get("properties"):
             return [f"{name} = {self._type(schema, whole, False)}", ""]
-        # The same record goes in and comes out: whatever is a sequence is one.
+        # The same class serves for inputs and outputs, so that any sequence is accepted.
         members = {key: self._type(one, whole, True) for key, one in schema["properties"].items()}
         if any(keyword.iskeyword(key) for key in members):
             listed = ", ".join(f"{key!r}: {kind}" for key, kind in members.items())
@@ -167,7 +167,8 @@ def stub(component: Component) -> str:
 
 
 def write(client: Client, names: Sequence[str], folder: str) -> List[str]:
-    """Writes stubs of components (by default all that run) to a folder; their files."""
+    """Writes stubs of components (by default all running ones) to a directory; returns the files.
+    """
     os.makedirs(folder, exist_ok=True)
     files = []
     for name in names or client.components():
@@ -178,7 +179,7 @@ def write(client: Client, names: Sequence[str], folder: str) -> List[str]:
 
 
 def _class(name: str) -> str:
-    """A name of a class: `image.frame` is ImageFrame."""
+    """The name of a class: ImageFrame for `image.frame`."""
     return "".join(part[:1].upper() + part[1:] for part in re.split(r"\W+|_", name) if part)
 
 
@@ -190,13 +191,13 @@ def _doc(text: Optional[str], indent: str) -> List[str]:
 
 
 def _member(text: str, name: str) -> str:
-    """A member, which may have the name of one of every component."""
+    """A member, whose name may be that of a member of every component."""
     clash = "  # type: ignore" if hasattr(Component, name) else ""
     return f"    {text}{clash}"
 
 
 def main(words: Optional[Sequence[str]] = None) -> None:
-    """The command."""
+    """The command line."""
     parser = argparse.ArgumentParser(prog="python -m genom.stubs", description=__doc__.split("\n")[0])
     parser.add_argument("components", nargs="*", help="by default all that run")
     parser.add_argument("-o", "--output", default="typings", help="folder for the files")

@@ -1,4 +1,4 @@
-//! A demo library driven by hand: its codels, with ports and a context that only remember.
+//! Calls the codels of a demo library directly, with ports and a context that only store values.
 
 use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_void};
@@ -36,7 +36,7 @@ struct Port<T> {
     exchange: extern "C" fn(*const Context) -> *const c_char,
 }
 
-// Codels run in the thread of the test, one at a time: what they see is the thread's.
+// Codels run in the thread of the test, so that thread-local variables are sufficient.
 thread_local! {
     static GAIN: Cell<Option<f64>> = const { Cell::new(None) };
     static GAIN_BUFFER: Cell<f64> = const { Cell::new(0.0) };
@@ -91,7 +91,7 @@ const POSITION: Port<State> = Port { data: position_data, exchange: position_wri
 
 /// A loaded demo and its IDS.
 pub struct Demo {
-    /// Never unloaded: the events it returned are texts within it.
+    /// Never unloaded, because the events that codels return point into it.
     library: &'static Library,
     pub ids: Ids,
 }
@@ -123,12 +123,12 @@ impl Demo {
         (demo, event)
     }
 
-    /// What the next reads of port `parameter` give; `None`: unconnected.
+    /// Sets the value of port `parameter`; `None`: not connected.
     pub fn set_gain(gain: Option<f64>) {
         GAIN.set(gain);
     }
 
-    /// Last sample on port `position`, and number of samples so far.
+    /// The last sample on port `position`, and the number of samples so far.
     pub fn published() -> (State, usize) {
         (SAMPLE.get(), WRITTEN.get())
     }
@@ -178,7 +178,7 @@ impl Demo {
         call!(self, c"demo_check_goal", (f64), goal)
     }
 
-    /// `value, lower, upper` of the last OUT_OF_RANGE.
+    /// `value, lower, upper` of the OUT_OF_RANGE thrown last.
     pub fn detail() -> [f64; 3] {
         DETAIL.get()
     }

@@ -1,19 +1,19 @@
-//! What files tell of a machine.
+//! Findings from files of the machine (`/proc`, `/sys`, `/dev`).
 
 use super::finding::Finding;
 use super::machine::Machine;
 use super::memory;
 use crate::units::bytes;
 
-/// Less shared memory than this holds few images.
+/// Shared memory smaller than this holds only few images.
 const LITTLE_MEMORY: u64 = 64 << 20;
-/// Sockets with smaller buffers lose bursts of a large sample's fragments.
+/// With socket buffers smaller than this, bursts of fragments of a large sample are lost.
 const SMALL_BUFFER: u64 = 2 << 20;
-/// Bit of `CAP_SYS_NICE`, and of `CAP_IPC_LOCK`.
+/// Bit numbers of `CAP_SYS_NICE` and of `CAP_IPC_LOCK`.
 const SYS_NICE: u32 = 23;
 const IPC_LOCK: u32 = 14;
 
-/// Everything that files tell.
+/// All findings that files give.
 pub(crate) fn findings(machine: &Machine) -> Vec<Finding> {
     let mut found = vec![
         shared_memory(machine),
@@ -139,7 +139,7 @@ fn rights(machine: &Machine) -> Vec<Finding> {
 }
 
 fn timing(machine: &Machine) -> Vec<Finding> {
-    // Tasks ask for no slack themselves; what they cannot change is told.
+    // Tasks set their own timer slack; this reports what they cannot change.
     let source = "/sys/devices/system/clocksource/clocksource0/current_clocksource";
     let clock = match machine.text(source) {
         Some(name) if ["hpet", "acpi_pm", "jiffies"].contains(&name.as_str()) => Finding::note(

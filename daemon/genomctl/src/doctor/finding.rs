@@ -1,28 +1,28 @@
-//! One thing that was looked at, how grave it is, and what to do about it.
+//! A finding: what was inspected, how severe it is, and what to do about it.
 
 use serde::Serialize;
 
-/// How grave a finding is.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Level {
-    /// As it should be.
+    /// Nothing is wrong.
     Ok,
-    /// Costs something under load, or in some uses.
+    /// Costs performance under load, or matters for some uses only.
     Note,
     /// Something will not work.
     Problem,
 }
 
-/// One thing looked at.
+/// Result of inspecting one thing.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Finding {
-    /// What was looked at.
+    /// What was inspected.
     pub(crate) about: &'static str,
     pub(crate) level: Level,
     /// What was found.
     pub(crate) what: String,
-    /// The way out; none when it is as it should be.
+    /// What the user can do; `None` if nothing is wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) fix: Option<String>,
 }

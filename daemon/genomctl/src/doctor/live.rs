@@ -1,4 +1,4 @@
-//! What only the live machine tells: multicast that really arrives, the daemon, its versions.
+//! Findings that need the live machine: whether multicast works, the daemon, versions.
 
 use std::net::{Ipv4Addr, UdpSocket};
 use std::path::Path;
@@ -15,12 +15,12 @@ use super::memory::{self, PREFIXES};
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Where DDS participants look for each other.
+/// The multicast group by which DDS participants discover each other.
 const GROUP: Ipv4Addr = Ipv4Addr::new(239, 255, 0, 1);
-/// Within one machine a datagram arrives at once, or not at all.
+/// Within a machine a datagram arrives at once, or not at all.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Looks at this machine and at the daemon.
+/// Inspects this machine and the daemon.
 pub(crate) async fn live(session: &Session, config: Option<&Path>) -> Vec<Finding> {
     let mut found = vec![multicast()];
     found.extend(daemon(session).await);
@@ -42,7 +42,7 @@ fn multicast() -> Finding {
     }
 }
 
-/// Sends a datagram to the group and waits for it.
+/// Sends a datagram to the group and waits to receive it.
 fn echo() -> std::io::Result<()> {
     let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
     socket.set_read_timeout(Some(PATIENCE))?;
@@ -51,12 +51,12 @@ fn echo() -> std::io::Result<()> {
     let mark = std::process::id().to_le_bytes();
     socket.send_to(&mark, (GROUP, socket.local_addr()?.port()))?;
     let mut came = [0; 4];
-    // Somebody else's datagram is none of ours; the time-out ends this.
+    // Datagrams of other programs are skipped; the socket's timeout ends the loop.
     while socket.recv(&mut came)? != mark.len() || came != mark {}
     Ok(())
 }
 
-/// Its version, its tasks and its stale socket.
+/// Findings on the daemon: version, tasks, stale socket.
 async fn daemon(session: &Session) -> Vec<Finding> {
     const ABOUT: &str = "daemon";
     let about = match session.ask(routes::about()).await {
@@ -95,7 +95,7 @@ async fn daemon(session: &Session) -> Vec<Finding> {
     found
 }
 
-/// What peers sent to a middleware that would have harmed.
+/// Harmful messages of peers that a middleware dropped.
 fn refused(middleware: &Middleware) -> impl Iterator<Item = Finding> {
     let name = &middleware.name;
     middleware.refused.iter().map(move |Refused { why, count, peer }| {
@@ -106,21 +106,21 @@ fn refused(middleware: &Middleware) -> impl Iterator<Item = Finding> {
     })
 }
 
-/// What is left and damaged where this very daemon keeps its shared memory.
+/// Stale and damaged segments in the shared memory that this daemon uses.
 fn shared_memory(known: &[Middleware]) -> Vec<Finding> {
     let Some(shm) = known.iter().find(|one| one.name == "shm") else { return Vec::new() };
     let (Some(root), Some(prefix)) = (shm.meet.get("root"), shm.meet.get("prefix")) else {
         return Vec::new();
     };
     if PREFIXES.iter().any(|known| prefix.starts_with(known)) {
-        // Looked at already.
+        // Inspected already.
         return Vec::new();
     }
     let machine = Machine::at(Path::new("/"));
     vec![memory::nodes(&machine, std::slice::from_ref(root)), memory::segments(&machine, &[prefix])]
 }
 
-/// What is wrong with components, and with what is left of some.
+/// Findings on components, and on those that did not stop.
 async fn components(session: &Session) -> Vec<Finding> {
     let Ok(listed) = session.ask(routes::components()).await else { return Vec::new() };
     let Components { components, left_behind, .. } = listed.content;
@@ -146,7 +146,7 @@ async fn components(session: &Session) -> Vec<Finding> {
     found
 }
 
-/// What is left of a component that did not stop.
+/// A component that did not stop.
 fn left(LeftBehind { was, component, state }: &LeftBehind) -> Finding {
     let what = format!("of {was} ({component}): {state}");
     let fix = "it goes when its codel returns; restart genomd to be rid of it";
@@ -165,7 +165,7 @@ fn stuck(name: &str, running: &RunningCodel) -> Finding {
     Finding::problem("codels", what, fix)
 }
 
-/// A task of a component that keeps a processor and does not pause.
+/// A task that occupies a processor and never pauses.
 fn spins(name: &str, Spin { unpaused, processor }: &Spin) -> Finding {
     let Unpaused { task, codel, owner, for_ns, .. } = unpaused;
     let (time, share) = (for_ns / 1_000_000_000, processor * 100.0);
@@ -176,7 +176,7 @@ fn spins(name: &str, Spin { unpaused, processor }: &Spin) -> Finding {
     Finding::problem("codels", what, advice::unpaused(codel))
 }
 
-/// Ends of a component's ports that do not meet others, though both are there.
+/// Connections of a component's ports whose two ends exist and do not reach each other.
 async fn unmet(session: &Session, component: &str) -> Vec<Finding> {
     let mut found = Vec::new();
     let Ok(described) = session.ask(routes::component(component)).await else { return found };
@@ -188,7 +188,7 @@ async fn unmet(session: &Session, component: &str) -> Vec<Finding> {
     found
 }
 
-/// The configuration, as genomd itself reads it.
+/// Checks the configuration by running genomd.
 fn configuration(config: &Path) -> Finding {
     const ABOUT: &str = "configuration";
     let beside = std::env::current_exe().ok().map(|own| own.with_file_name("genomd"));

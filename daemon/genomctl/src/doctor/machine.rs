@@ -1,8 +1,8 @@
-//! A machine, as the files below one directory tell it.
+//! Reads files of a machine below a root directory.
 
 use std::path::{Path, PathBuf};
 
-/// A machine, as its files tell it.
+/// A machine, given by the root directory of its files.
 #[derive(Debug)]
 pub(crate) struct Machine {
     root: PathBuf,

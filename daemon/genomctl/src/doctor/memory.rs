@@ -1,4 +1,4 @@
-//! What killed programs left on shared memory, and what is damaged there.
+//! Shared memory that killed programs left behind, and damaged segments.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt as _;
@@ -6,16 +6,16 @@ use std::os::unix::fs::MetadataExt as _;
 use super::finding::Finding;
 use super::machine::Machine;
 
-/// Starts of the names of segments: those of genomd unless it is told another, and iceoryx2's own.
+/// Prefixes of names of segments: genomd's default, and that of iceoryx2.
 pub(super) const PREFIXES: [&str; 2] = ["genomd_", "iox2_"];
 
-/// Ends of the names of iceoryx2's segments.
+/// Suffixes of names of iceoryx2's segments.
 const KINDS: [&str; 5] = [".dynamic", ".data", ".connection", ".event_mgmt", ".global_mgmt"];
 
-/// Damaged segments that are named.
+/// Maximum number of damaged segments that are listed.
 const NAMED: usize = 3;
 
-/// Folders of iceoryx2's files: those of each user's daemons, and iceoryx2's own.
+/// Directories of iceoryx2's files: those of each user's daemons, and iceoryx2's default.
 pub(super) fn roots(machine: &Machine) -> Vec<String> {
     let below = |folder: &str, start: &str, rest: &str| {
         let found = fs::read_dir(machine.path(folder)).into_iter().flatten().flatten();
@@ -29,7 +29,8 @@ pub(super) fn roots(machine: &Machine) -> Vec<String> {
     roots
 }
 
-/// Nodes of iceoryx2 are directories named by a number that holds their process.
+/// Checks for iceoryx2 nodes of dead processes. A node is a directory whose name, a number,
+/// contains the process identifier.
 pub(super) fn nodes(machine: &Machine, roots: &[String]) -> Finding {
     const ABOUT: &str = "iceoryx2 nodes";
     let (mut live, mut stale) = (0, Vec::new());
@@ -56,7 +57,7 @@ pub(super) fn nodes(machine: &Machine, roots: &[String]) -> Finding {
     Finding::note(ABOUT, what, "the next `genomd --backend shm` removes what they left")
 }
 
-/// Segments that were never finished, or cut.
+/// Checks for segments that were never completed or were truncated.
 pub(super) fn segments(machine: &Machine, prefixes: &[&str]) -> Finding {
     const ABOUT: &str = "iceoryx2 segments";
     let (mut whole, mut damaged) = (0, Vec::new());

@@ -1,7 +1,7 @@
-//! What of a machine keeps components from running well, and what to do about it.
+//! Finds what keeps components from running well on a machine, and what to do about it.
 //!
-//! Everything is read from files below one directory, `/` or a copy of some other machine's, so
-//! that each finding can be tested; what only a live machine can tell is in `live`.
+//! Most findings come from files below one directory, `/` or a copy of another machine's files, so
+//! that each can be tested; findings that need the live machine are in `live`.
 
 mod files;
 mod finding;

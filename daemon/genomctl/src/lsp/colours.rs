@@ -1,4 +1,4 @@
-//! Semantic tokens: what each word is, in the protocol's numbers.
+//! Semantic tokens: the kind of each word, as numbers of the protocol.
 
 use genom_description::source::SourceFile;
 use genom_description_tools::navigate::{Navigator, Paint, SymbolKind};
@@ -8,7 +8,7 @@ use lsp_types::{
 
 use super::place;
 
-/// Larger texts are not coloured: places in them take long to count.
+/// Larger texts get no semantic tokens, because computing their positions takes long. In bytes.
 const LARGEST: usize = 1 << 20;
 
 const KINDS: [SemanticTokenType; 14] = [
@@ -28,7 +28,7 @@ const KINDS: [SemanticTokenType; 14] = [
     SemanticTokenType::EVENT,
 ];
 
-/// What the numbers mean.
+/// The kinds that the numbers stand for.
 pub(super) fn legend() -> SemanticTokensLegend {
     SemanticTokensLegend {
         token_types: KINDS.to_vec(),
@@ -58,14 +58,14 @@ fn kind(paint: Paint) -> SemanticTokenType {
     }
 }
 
-/// The words of a file; each place counts from that of the word before.
+/// The tokens of a file; each position is relative to the previous token.
 pub(super) fn tokens(read: &Navigator, rank: u32, file: &SourceFile) -> SemanticTokens {
     let mut data = Vec::new();
     let (mut line, mut column) = (0, 0);
     let paints = if file.text().len() > LARGEST { Vec::new() } else { read.paints(rank) };
     for (span, paint) in paints {
         let range = place::range(file, span);
-        // Texts over several lines are left to the editor.
+        // Tokens that span lines are left to the editor's own highlighting.
         if range.start.line != range.end.line {
             continue;
         }

@@ -1,4 +1,4 @@
-//! What descriptions say, in the protocol's words.
+//! Converts diagnostics, completions and outlines to the types of the protocol.
 
 use genom_description::diagnostic::{Diagnostic, Severity};
 use genom_description::source::{SourceFile, SourceMap};

@@ -1,4 +1,4 @@
-//! Changes that an editor asks for: other names, and mistakes put right.
+//! Edits that an editor requests: renaming, and quick fixes.
 
 use std::collections::HashMap;
 
@@ -13,13 +13,13 @@ use lsp_types::{
 
 use super::{convert, place};
 
-/// Edits by file.
+/// Groups edits by file.
 #[allow(clippy::mutable_key_type, reason = "the protocol's type: nothing in a URI changes")]
 fn workspace(edits: impl IntoIterator<Item = (Uri, TextEdit)>) -> WorkspaceEdit {
     let mut changes: HashMap<Uri, Vec<TextEdit>> = HashMap::new();
     for (uri, edit) in edits {
         let of_file = changes.entry(uri).or_default();
-        // A file that is included twice has each place twice.
+        // A file that is included twice yields each edit twice.
         if !of_file.contains(&edit) {
             of_file.push(edit);
         }
@@ -32,7 +32,7 @@ fn edit(sources: &SourceMap, span: Span, text: &str) -> Option<(Uri, TextEdit)> 
     Some((location.uri, TextEdit { range: location.range, new_text: text.to_owned() }))
 }
 
-/// Another name for what stands at a byte.
+/// Renames the symbol at a byte offset.
 pub(super) fn rename(
     read: &Navigator,
     file: u32,
@@ -44,7 +44,7 @@ pub(super) fn rename(
     Ok(workspace(places.into_iter().filter_map(|span| edit(sources, span, to))))
 }
 
-/// What puts the mistakes of a range right, as far as their help says it.
+/// Quick fixes for diagnostics in a range, where their help contains one.
 pub(super) fn actions(
     read: &Navigator,
     file: u32,

@@ -1,7 +1,8 @@
-//! The language server: messages in, messages out, one at a time.
+//! The language server: handles the messages of one editor, one at a time.
 //!
-//! It keeps the texts that are open in the editor and asks `genom_description_tools::navigate` about
-//! them. A text is read again when typing pauses, or when an answer is wanted before.
+//! It keeps the texts that are open in the editor and queries them through
+//! `genom_description_tools::navigate`. A changed text is read again when typing pauses, or earlier
+//! if a request needs it.
 
 mod colours;
 mod convert;
@@ -32,10 +33,10 @@ use serde_json::json;
 
 use self::workspace::Workspace;
 
-/// How long typing pauses before the text is read again.
+/// Time without changes after which a text is read again.
 const PAUSE: Duration = Duration::from_millis(150);
 
-/// What an editor may set when it starts the server.
+/// Options that an editor may set when it starts the server.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 struct Settings {
@@ -43,7 +44,7 @@ struct Settings {
     defines: Vec<String>,
 }
 
-/// Serves one editor until it says goodbye.
+/// Serves one editor until it shuts down.
 pub(crate) fn serve(options: Options) -> io::Result<()> {
     let (connection, threads) = Connection::stdio();
     let (id, parameters) = connection.initialize_start().map_err(io::Error::other)?;
@@ -54,7 +55,7 @@ pub(crate) fn serve(options: Options) -> io::Result<()> {
     });
     connection.initialize_finish(id, reply).map_err(io::Error::other)?;
     Server { connection: &connection, workspace: Workspace::new(options), due: None }.run()?;
-    // The writing thread ends when nobody can send to it any more.
+    // The writing thread ends when all senders are dropped.
     drop(connection);
     threads.join()
 }
@@ -97,7 +98,8 @@ fn capabilities() -> ServerCapabilities {
     }
 }
 
-/// The command line, and what the editor adds; relative directories are in the editor's folder.
+/// The options of the command line, completed with those of the editor; relative directories are
+/// relative to the editor's folder.
 fn with_settings(mut options: Options, parameters: &serde_json::Value) -> Options {
     let Ok(parameters) = InitializeParams::deserialize(parameters) else { return options };
     let settings = parameters.initialization_options.unwrap_or_default();
@@ -113,7 +115,7 @@ fn with_settings(mut options: Options, parameters: &serde_json::Value) -> Option
 struct Server<'a> {
     connection: &'a Connection,
     workspace: Workspace,
-    /// When to read again what was changed.
+    /// When to read changed texts again.
     due: Option<Instant>,
 }
 
@@ -132,7 +134,7 @@ impl Server<'_> {
                 },
             };
             match message {
-                // The editor is gone.
+                // The editor closed the connection.
                 None => return Ok(()),
                 Some(Message::Request(request)) => {
                     if self.connection.handle_shutdown(&request).map_err(io::Error::other)? {
@@ -146,7 +148,7 @@ impl Server<'_> {
                     return Err(io::Error::other("the editor left without a shutdown"));
                 }
                 Some(Message::Notification(told)) => self.hear(told)?,
-                // The server asks nothing.
+                // The server makes no requests.
                 Some(Message::Response(_)) => {}
             }
         }
@@ -202,7 +204,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Reads what changed, and tells what is wrong with it.
+    /// Reads changed texts, and publishes their diagnostics.
     fn refresh(&mut self) -> io::Result<()> {
         self.due = None;
         for parameters in self.workspace.refresh() {

@@ -1,4 +1,4 @@
-//! Places as editors say them: URIs for paths, lines and UTF-16 units for bytes.
+//! Converts between positions of editors (URIs, lines, UTF-16 units) and ours (paths, bytes).
 
 use std::ffi::OsString;
 use std::os::unix::ffi::{OsStrExt as _, OsStringExt as _};
@@ -11,7 +11,7 @@ use lsp_types::{Location, Position, Range, Uri};
 /// The path of a `file:` URI.
 pub(super) fn path_of(uri: &Uri) -> Option<PathBuf> {
     let rest = uri.as_str().strip_prefix("file://")?;
-    // An authority may stand in front of the path: only this machine has files for us.
+    // A host name may precede the path; only files of this machine can be read.
     let rest = rest.strip_prefix("localhost").unwrap_or(rest);
     let mut bytes = Vec::with_capacity(rest.len());
     let mut left = rest.bytes();
@@ -40,7 +40,7 @@ pub(super) fn uri_of(path: &Path) -> Option<Uri> {
     text.parse().ok()
 }
 
-/// The byte at a position; the end of the line for a position past it.
+/// The byte offset of a position; the end of the line if the position is beyond it.
 pub(super) fn offset(file: &SourceFile, position: Position) -> u32 {
     let start = file.line_start(position.line.saturating_add(1));
     let rest = file.text().get(start as usize..).unwrap_or_default();
@@ -57,7 +57,7 @@ pub(super) fn offset(file: &SourceFile, position: Position) -> u32 {
     start + u32::try_from(at).unwrap_or_default()
 }
 
-/// The position of a byte.
+/// The position of a byte offset.
 pub(super) fn position(file: &SourceFile, offset: u32) -> Position {
     let (line, _) = file.line_column(offset);
     let start = file.line_start(line) as usize;
@@ -71,7 +71,7 @@ pub(super) fn range(file: &SourceFile, span: Span) -> Range {
     Range::new(position(file, span.start), position(file, span.end))
 }
 
-/// A span as editors go to it; `None` when it is in no file.
+/// A span as a location for the editor; `None` if it is in no file.
 pub(super) fn location(sources: &SourceMap, span: Span) -> Option<Location> {
     let file = sources.file(span.file).filter(|file| !file.is_synthetic())?;
     Some(Location::new(uri_of(&tidy(file.path()))?, range(file, span)))

@@ -1,4 +1,4 @@
-//! Questions of the editor, and their answers.
+//! Requests of the editor, and their replies.
 
 use genom_description::source::SourceFile;
 use genom_description_tools::navigate::Navigator;
@@ -17,13 +17,13 @@ use serde_json::Value;
 use super::workspace::Workspace;
 use super::{colours, convert, edits, place};
 
-/// Why there is no answer.
+/// Why a request failed.
 pub(super) enum Refusal {
-    /// No such method.
+    /// There is no such method.
     Unknown(String),
-    /// The question makes no sense.
+    /// The parameters are not valid.
     Parameters(String),
-    /// It cannot be done, for this reason.
+    /// The operation is not possible, for this reason.
     Failed(String),
 }
 
@@ -33,7 +33,7 @@ impl Refusal {
     }
 }
 
-/// A question about a place in an open text.
+/// A request about a position in an open text.
 struct At<'a> {
     read: &'a Navigator,
     rank: u32,
@@ -138,8 +138,8 @@ fn hover(at: &At<'_>) -> Option<Hover> {
     Some(Hover { contents, range: Some(place::range(at.file, span)) })
 }
 
-/// The edit that formats a text: the lines that change, so that the rest of the editor's marks
-/// stay where they are.
+/// The edit that formats a text. It covers only lines that change, so that marks of the editor
+/// elsewhere stay in place.
 fn format(file: &SourceFile) -> Result<Vec<TextEdit>, FormatError> {
     let before: &str = file.text();
     let after = format_text(before)?;

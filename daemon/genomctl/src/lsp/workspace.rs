@@ -1,4 +1,4 @@
-//! The texts open in the editor, read as specifications of their own, and what is wrong there.
+//! The texts open in the editor, each read as a specification of its own, and their diagnostics.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -11,24 +11,24 @@ use lsp_types::{Diagnostic, PublishDiagnosticsParams, Uri};
 
 use super::{convert, place};
 
-/// Mistakes of one text that are told: an editor shows a few at once.
+/// Maximum number of diagnostics published for one text.
 const TOLD: usize = 1000;
 
 /// An open text.
 struct Document {
     version: i32,
     text: String,
-    /// `None` when it, or what it includes, changed since it was read.
+    /// `None` if the text, or a file it includes, changed since it was read.
     read: Option<Navigator>,
 }
 
-/// Everything open, by path.
+/// All open texts, by path.
 pub(super) struct Workspace {
     options: Options,
     documents: BTreeMap<PathBuf, Document>,
-    /// What was told last, by the text it was found from, then by the file it is about.
+    /// Diagnostics published last: by the text they were found from, then by the file they are in.
     told: BTreeMap<PathBuf, BTreeMap<PathBuf, Vec<Diagnostic>>>,
-    /// Files about which something else is to be told.
+    /// Files whose diagnostics changed and have to be published.
     untold: BTreeSet<PathBuf>,
 }
 
@@ -45,7 +45,7 @@ impl Workspace {
         self.documents.insert(path, Document { version, text, read: None });
     }
 
-    /// Closes a text: the disk counts again, and nothing more is said about it.
+    /// Closes a text: from now on the file on disk counts, and its own diagnostics are withdrawn.
     pub(super) fn close(&mut self, uri: &Uri) {
         let Some(path) = place::path_of(uri) else { return };
         self.touch(&path);
@@ -55,15 +55,15 @@ impl Workspace {
         }
     }
 
-    /// The disk changed.
+    /// Files on disk changed.
     pub(super) fn forget(&mut self) {
         for document in self.documents.values_mut() {
             document.read = None;
         }
     }
 
-    /// Forgets what was read of the texts that include a file; of those that found nothing too,
-    /// for it may be what they look for.
+    /// Marks texts for reading again: those that include the file, and those with a missing
+    /// include, which it may be.
     fn touch(&mut self, path: &Path) {
         for document in self.documents.values_mut() {
             let concerned = document.read.as_ref().is_some_and(|read| {
@@ -77,7 +77,7 @@ impl Workspace {
         }
     }
 
-    /// Reads what changed; what to tell about which file.
+    /// Reads changed texts, and returns the diagnostics to publish.
     pub(super) fn refresh(&mut self) -> Vec<PublishDiagnosticsParams> {
         let stale: Vec<PathBuf> = self
             .documents
@@ -106,7 +106,7 @@ impl Workspace {
         untold.into_iter().filter_map(|path| self.about(&path)).collect()
     }
 
-    /// All that is said about a file, from whatever text it was found.
+    /// All diagnostics in a file, from whichever texts they were found.
     fn about(&self, path: &Path) -> Option<PublishDiagnosticsParams> {
         let mut diagnostics: Vec<Diagnostic> = Vec::new();
         for one in self.told.values().filter_map(|told| told.get(path)).flatten() {
@@ -118,7 +118,7 @@ impl Workspace {
         Some(PublishDiagnosticsParams { uri: place::uri_of(path)?, diagnostics, version })
     }
 
-    /// An open text as it was read, and its rank in there.
+    /// An open text as it was read, and the index of its file there.
     pub(super) fn find(&self, uri: &Uri) -> Option<(&Navigator, u32)> {
         let path = place::path_of(uri)?;
         let read = self.documents.get(&path)?.read.as_ref()?;
@@ -126,7 +126,8 @@ impl Workspace {
     }
 }
 
-/// What is wrong, by file; the text itself is always among them, so that what was wrong goes.
+/// Diagnostics by file. The text itself is always included, so that earlier diagnostics are
+/// withdrawn.
 fn diagnostics(root: &Path, read: &Navigator) -> BTreeMap<PathBuf, Vec<Diagnostic>> {
     let mut found = BTreeMap::from([(root.to_owned(), Vec::new())]);
     let sources = &read.analysis.sources;

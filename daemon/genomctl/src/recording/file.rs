@@ -1,9 +1,9 @@
 //! Writes a recording as MCAP.
 //!
-//! Samples are CDR with their ROS 2 message definitions: what is on the wire, exact to the bit
-//! (JSON has no NaN and rounds 64-bit integers), small, and read by Foxglove and by ROS 2 tools
-//! without plugins. Calls, activities and exceptions are JSON with JSON Schema, which Foxglove
-//! reads as well: their inputs differ from service to service.
+//! Samples are stored as CDR with their ROS 2 message definitions: the exact bits (JSON has no NaN
+//! and rounds 64-bit integers), compact, and readable by Foxglove and ROS 2 tools without plugins.
+//! Calls, activities and exceptions are stored as JSON with JSON Schema, which Foxglove reads as
+//! well, because their inputs differ from service to service.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -20,43 +20,44 @@ use mcap::{Attachment, McapError, WriteOptions, Writer};
 use super::room::{Counted, Room};
 use crate::failure::Failure;
 
-/// What a file ends with at most, besides what grows with it.
+/// Upper bound of the size of the end of a file, apart from what grows with its content. In bytes.
 const END: u64 = 4096;
-/// Of the end: for each chunk, for each channel, for each of these in those, for each sample.
+/// Sizes of entries of the end, in bytes: per chunk, per channel, per channel of a chunk, per
+/// sample.
 const OF_CHUNK: u64 = 128;
 const OF_CHANNEL: u64 = 128;
 const OF_BOTH: u64 = 10;
 const OF_SAMPLE: u64 = 16;
-/// Before each sample.
+/// Size of the header of each sample, in bytes.
 const HEAD: u64 = 31;
 
-/// A file that is being written.
+/// An MCAP file being written.
 pub(crate) struct Recorder {
     path: PathBuf,
     writer: Writer<Counted<BufWriter<File>>>,
-    /// By number of the daemon's.
+    /// The channels, by the daemon's number.
     channels: BTreeMap<u16, ChannelSummary>,
     room: Room,
-    /// Bytes written.
+    /// Bytes written so far.
     written: Arc<AtomicU64>,
-    /// Bytes of descriptions, which the end repeats.
+    /// Size of schemas and channels, which the end of the file repeats.
     repeated: u64,
-    /// Times that the file was brought up to date.
+    /// How many times the file was saved.
     saved: u64,
-    /// Samples since.
+    /// Samples since it was last saved.
     unsaved: u64,
 }
 
-/// A recording cannot be written.
+/// Why a recording cannot be written.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum WriteError {
-    /// The disk is full, or the file as large as it may be; it can be ended in order still.
+    /// The disk is full, or the file reached the maximum size. The file can still be completed.
     #[error(
         "{}: {why} after {written} bytes: it ends there; make room, or record to another disk",
         path.display()
     )]
     Full { path: PathBuf, written: u64, why: std::io::Error },
-    /// It was not written whole.
+    /// Writing failed; the end of the file is missing.
     #[error(
         "{}: {why} after {written} bytes: what came before can be read; \
          `genomctl recover` makes a whole file of it", path.display()
@@ -71,10 +72,10 @@ impl From<WriteError> for Failure {
     }
 }
 
-/// A channel of the file, and how many messages it has.
+/// A channel of the file, with its number of messages.
 #[derive(Debug)]
 pub(crate) struct ChannelSummary {
-    /// Number in the file.
+    /// Number of the channel in the file.
     id: u16,
     pub(crate) topic: String,
     pub(crate) messages: u64,
@@ -82,7 +83,7 @@ pub(crate) struct ChannelSummary {
 }
 
 impl Recorder {
-    /// Begins a file.
+    /// Creates a file.
     pub(crate) fn new(path: &Path, file: File, start: &Start) -> Result<Self, WriteError> {
         let (path, mut room) = (path.to_owned(), Room::of(&file));
         let expected = END + 2 * start.deployment.len() as u64;
@@ -98,7 +99,7 @@ impl Recorder {
         Ok(Self { path, writer, channels, room, written, repeated: 0, saved: 0, unsaved: 0 })
     }
 
-    /// A channel comes.
+    /// Adds a channel.
     pub(crate) fn channel(&mut self, channel: Channel) -> Result<(), WriteError> {
         let Channel { channel, topic, encoding, schema, definition, metadata } = channel;
         let texts = metadata.iter().map(|(key, value)| key.len() + value.len() + 8);
@@ -115,7 +116,7 @@ impl Recorder {
         Ok(())
     }
 
-    /// A sample comes; one of a channel that never was announced is given up.
+    /// Adds a sample; a sample of an unknown channel is dropped.
     pub(crate) fn sample(&mut self, sample: &Sample<'_>) -> Result<(), WriteError> {
         let Some(told) = self.channels.get(&sample.channel) else { return Ok(()) };
         let header = MessageHeader {
@@ -134,20 +135,21 @@ impl Recorder {
         Ok(())
     }
 
-    /// Samples were lost on their way here.
+    /// Stores the number of lost samples of a channel.
     pub(crate) fn lost(&mut self, lost: Lost) {
         if let Some(told) = self.channels.get_mut(&lost.channel) {
             told.lost = lost.lost;
         }
     }
 
-    /// Samples and notes so far, and lost ones.
+    /// Samples and notes written so far, and those lost.
     pub(crate) fn counts(&self) -> (u64, u64) {
         let all = self.channels.values();
         all.fold((0, 0), |(messages, lost), told| (messages + told.messages, lost + told.lost))
     }
 
-    /// What came so far is in the file then, whatever happens to this process.
+    /// Writes out everything received so far, so that it is in the file even if this process is
+    /// killed.
     pub(crate) fn save(&mut self) -> Result<(), WriteError> {
         if self.unsaved > 0 {
             (self.saved, self.unsaved) = (self.saved + 1, 0);
@@ -155,7 +157,7 @@ impl Recorder {
         self.writer.flush().map_err(|why| broken(&self.path, &self.written, &why))
     }
 
-    /// Makes sure that so much more can be written, and the end after it.
+    /// Reserves disk space for `more` bytes, and for the end of the file after them.
     fn reach(&mut self, more: u64) -> Result<(), WriteError> {
         let written = self.written.load(Ordering::Relaxed);
         let channels = self.channels.len() as u64 + 1;
@@ -169,11 +171,11 @@ impl Recorder {
         why.map_err(|why| WriteError::Full { path: self.path.clone(), written, why })
     }
 
-    /// Ends the file: with its index, and with what was lost.
+    /// Completes the file with its index and the numbers of lost samples.
     pub(crate) fn finish(mut self, complete: bool) -> Result<Vec<ChannelSummary>, WriteError> {
         let mut metadata = BTreeMap::from([("complete".to_owned(), complete.to_string())]);
         let mut all: BTreeMap<String, ChannelSummary> = BTreeMap::new();
-        // A component that went and came back has had two channels of one topic.
+        // A component that was unloaded and loaded again has two channels of the same topic.
         for told in std::mem::take(&mut self.channels).into_values() {
             match all.get_mut(&told.topic) {
                 Some(before) => {
@@ -189,7 +191,7 @@ impl Recorder {
         let lost = Metadata { name: "genom.lost".to_owned(), metadata };
         let ended = self.writer.write_metadata(&lost).and_then(|()| self.writer.finish());
         ended.map_err(|why| broken(&self.path, &self.written, &why))?;
-        // The file's last bytes are still on their way to the system.
+        // The last bytes are still in the buffer.
         let flushed = std::io::Write::flush(&mut self.writer.into_inner());
         let done = flushed.and_then(|()| self.room.done());
         done.map_err(|why| broken(&self.path, &self.written, &why.into()))?;
@@ -197,7 +199,7 @@ impl Recorder {
     }
 }
 
-/// What every recording begins with.
+/// Writes the beginning of a recording.
 fn begin(
     file: Counted<BufWriter<File>>,
     start: &Start,

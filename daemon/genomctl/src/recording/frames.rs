@@ -1,16 +1,16 @@
-//! The frames of a recording, cut from what the daemon sends.
+//! Splits what the daemon sends into the frames of a recording.
 
 use genom_protocol::frames::{Frame, complete};
 
 use crate::body::Body;
 use crate::failure::Failure;
 
-/// The frames of one recording, in order.
+/// Reads the frames of one recording.
 pub(crate) struct Frames {
     body: Body,
-    /// What came, with frames that were handed over before what was not.
+    /// Received bytes; those before `next` were returned already.
     bytes: Vec<u8>,
-    /// Where the next frame begins.
+    /// Offset of the next frame.
     next: usize,
 }
 
@@ -19,8 +19,8 @@ impl Frames {
         Self { body, bytes: Vec::new(), next: 0 }
     }
 
-    /// The next frame; `None` when the daemon went away or sent nonsense, a failure when it answers
-    /// nobody any more. Nothing is lost when the future is dropped before it is ready.
+    /// The next frame; `None` when the daemon closed the connection or sent invalid data. Fails
+    /// when the daemon answers no requests. Cancel safe.
     pub(crate) async fn next(&mut self) -> Result<Option<Frame<'_>>, Failure> {
         let length = loop {
             match complete(&self.bytes[self.next..]) {

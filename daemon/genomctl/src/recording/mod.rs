@@ -1,4 +1,4 @@
-//! Recordings: the daemon's frames in, MCAP files out, and back.
+//! Recordings: converts the daemon's frames to MCAP files and back.
 
 pub(crate) mod error;
 pub(crate) mod file;

@@ -1,6 +1,6 @@
-//! Reads samples of an MCAP file in order of their dates, a chunk at a time.
+//! Reads the samples of an MCAP file in order of date, one chunk at a time.
 //!
-//! A file that was not ended has no index: it is made here, of what is whole.
+//! A file that was not completed has no index; one is then built from the readable part.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -17,16 +17,16 @@ use mcap::{Channel, McapError, Schema, Summary};
 use super::error::ReadError;
 use super::walk::{Extent, Part, begins_well, records, walk};
 
-/// A file that is being read.
+/// An MCAP file being read.
 pub(crate) struct Recording {
     file: BufReader<File>,
-    /// Its size: what it says to have beyond is not asked of the memory.
+    /// Size of the file: lengths in the file that exceed it are refused before memory is allocated.
     size: u64,
     summary: Summary,
     reader: Option<IndexedReader>,
-    /// A chunk, as it lies in the file.
+    /// The chunk read last, as stored in the file.
     chunk: Vec<u8>,
-    /// Of a file that was not ended: how far it goes, and the samples that are there.
+    /// For an incomplete file: how far it can be read, and the number of samples in that part.
     pub(crate) cut: Option<(Extent, u64)>,
 }
 
@@ -39,7 +39,7 @@ pub(crate) struct Recorded {
 }
 
 impl Recording {
-    /// Opens a file and reads what is in it, but no samples.
+    /// Opens a file and reads its index, but no samples.
     pub(crate) fn open(path: &Path) -> Result<Self, ReadError> {
         let mut file = File::open(path)?;
         begins_well(&mut file)?;
@@ -64,7 +64,7 @@ impl Recording {
         all.into_iter().map(|(number, channel)| (*number, channel))
     }
 
-    /// From now on only samples of these topics, the earliest first.
+    /// Selects the topics whose samples [`next`](Self::next) returns, the earliest first.
     pub(crate) fn read(&mut self, topics: Vec<String>) -> Result<(), ReadError> {
         let options = IndexedReaderOptions::new().include_topics(topics);
         self.reader = Some(IndexedReader::new_with_options(&self.summary, options)?);
@@ -92,7 +92,7 @@ impl Recording {
     }
 }
 
-/// The index at the end of a file; no error when it has none.
+/// Reads the index at the end of a file; `Err(None)` if there is none.
 fn summary(file: &mut BufReader<File>, size: u64) -> Result<Summary, Option<ReadError>> {
     let failed = |error: std::io::Error| Some(ReadError::from(error));
     let mut reader = SummaryReader::new();
@@ -107,7 +107,7 @@ fn summary(file: &mut BufReader<File>, size: u64) -> Result<Summary, Option<Read
                 let Ok(at) = file.seek(to) else { return Err(None) };
                 reader.notify_seeked(at);
             }
-            // How the end of an MCAP file looks when it is none.
+            // Errors that mean the end of the file is missing.
             Err(McapError::BadMagic | McapError::BadFooter | McapError::UnexpectedEof) => {
                 return Err(None);
             }
@@ -117,7 +117,7 @@ fn summary(file: &mut BufReader<File>, size: u64) -> Result<Summary, Option<Read
     reader.finish().ok_or(None)
 }
 
-/// An index that is being made.
+/// An index being built.
 #[derive(Default)]
 struct Index {
     summary: Summary,

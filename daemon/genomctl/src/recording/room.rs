@@ -1,5 +1,5 @@
-//! Room on the disk for what comes next, asked for before it is written: a recording that finds
-//! none ends with its index, instead of in the middle of a sample.
+//! Reserves disk space before it is written, so that a recording on a full disk ends with its index
+//! instead of in the middle of a sample.
 
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -10,29 +10,29 @@ use rustix::fs::{FallocateFlags, fallocate};
 use rustix::io::Errno;
 use rustix::process::{Resource, getrlimit};
 
-/// Asked for at once.
+/// Bytes reserved at once.
 const STEP: u64 = 4 << 20;
 
-/// The disk's room for one file.
+/// Disk space reserved for one file.
 #[derive(Debug)]
 pub(crate) struct Room {
     file: File,
-    /// Bytes from the beginning that are the file's, written or not.
+    /// Size of the reserved space, from the beginning of the file.
     ours: u64,
-    /// Some file systems promise nothing; there the disk is full when it is.
+    /// Whether the file system can reserve space. If not, writing fails when the disk is full.
     promised: bool,
 }
 
 impl Room {
-    /// The room of this file.
+    /// For this file.
     pub(crate) fn of(file: &File) -> io::Result<Self> {
         Ok(Self { file: file.try_clone()?, ours: 0, promised: true })
     }
 
-    /// Makes sure that the file can grow to `end` bytes.
+    /// Reserves space up to `end` bytes.
     ///
     /// # Errors
-    /// It cannot: as writing would say.
+    /// There is not enough space; the same error as writing would give.
     pub(crate) fn reach(&mut self, end: u64) -> io::Result<()> {
         if getrlimit(Resource::Fsize).current.is_some_and(|most| end > most) {
             return Err(Errno::FBIG.into());
@@ -40,7 +40,8 @@ impl Room {
         if !self.promised || end <= self.ours {
             return Ok(());
         }
-        // What is not used goes back to the disk at the end; the file's size stays what is written.
+        // `KEEP_SIZE`: the size of the file stays what was written, and unused space is released at
+        // the end.
         let ask = |to: u64| {
             fallocate(&self.file, FallocateFlags::KEEP_SIZE, self.ours, to - self.ours).map(|()| to)
         };
@@ -52,14 +53,14 @@ impl Room {
         Ok(())
     }
 
-    /// Gives back what is not used.
+    /// Releases unused space.
     pub(crate) fn done(self) -> io::Result<()> {
         let size = self.file.metadata()?.len();
         self.file.set_len(size)
     }
 }
 
-/// A writer whose end others see.
+/// A writer whose position others can read.
 #[derive(Debug)]
 pub(crate) struct Counted<W> {
     inner: W,
@@ -68,7 +69,7 @@ pub(crate) struct Counted<W> {
 }
 
 impl<W> Counted<W> {
-    /// Counts what goes to `inner`, from nothing.
+    /// Counts the bytes written to `inner`, from 0.
     pub(crate) fn new(inner: W) -> (Self, Arc<AtomicU64>) {
         let end = Arc::<AtomicU64>::default();
         (Self { inner, at: 0, end: Arc::clone(&end) }, end)
@@ -95,7 +96,7 @@ impl<W: Seek> Seek for Counted<W> {
     }
 
     fn stream_position(&mut self) -> io::Result<u64> {
-        // Of a buffered writer, the system need not be asked.
+        // Known without asking the buffered writer.
         Ok(self.at)
     }
 }

@@ -1,5 +1,5 @@
-//! Goes through an MCAP file from its beginning, without its index, as far as it is whole: the
-//! file of a recorder that was killed has none, and may end in the middle of a sample.
+//! Reads an MCAP file from its beginning without its index, as far as it is intact: the file of a
+//! killed recorder has no index, and may end in the middle of a sample.
 
 use std::fs::File;
 use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
@@ -10,38 +10,39 @@ use mcap::{MAGIC, parse_record};
 
 use super::error::ReadError;
 
-/// Before the content of a record: what it is, and how long.
+/// Bytes before the content of a record: kind and length.
 const HEAD: usize = 9;
-/// Before the records of a chunk, its compression's name apart: dates, sizes, check sum.
+/// Bytes before the records of a chunk, without the name of the compression: dates, sizes,
+/// checksum.
 const CHUNK_HEAD: usize = 40;
 
-/// Part of a file.
+/// A part of a file.
 #[derive(Debug)]
 pub(crate) enum Part<'a> {
-    /// A chunk of records, not compressed, as far as they are whole.
+    /// An uncompressed chunk of records, up to the last intact one.
     Chunk {
-        /// Where the chunk begins in the file.
+        /// Offset of the chunk in the file.
         start: u64,
-        /// The whole records, in a row.
+        /// The intact records, one after the other.
         records: &'a [u8],
     },
-    /// Anything else.
+    /// Any other record.
     Record(Record<'a>),
 }
 
-/// How far a file goes.
+/// How far a file can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Extent {
-    /// Bytes that are whole.
+    /// Bytes up to the end of the last intact part.
     pub(crate) whole: u64,
-    /// Bytes that there are.
+    /// Size of the file.
     pub(crate) size: u64,
 }
 
-/// Hands over each part of a file's data, in order, until its end or until nothing is whole.
+/// Passes each part of a file to `each`, in order, up to the end or the first damage.
 ///
 /// # Errors
-/// It cannot be read, is no MCAP file, or is compressed; and what `each` says.
+/// The file cannot be read, is not MCAP, or is compressed; or `each` failed.
 pub(crate) fn walk<E: From<ReadError>>(
     path: &Path,
     mut each: impl FnMut(Part<'_>) -> Result<(), E>,
@@ -53,7 +54,7 @@ pub(crate) fn walk<E: From<ReadError>>(
     let mut whole = MAGIC.len() as u64;
     let mut content = Vec::new();
     while let Some((kind, length)) = head(&mut file)? {
-        // Zeros, such as a disk has where nothing was written, are no record.
+        // Kind 0 is not a record but zeros, as in parts of a file that were never written.
         if matches!(kind, 0 | op::DATA_END | op::FOOTER) {
             break;
         }
@@ -85,7 +86,7 @@ pub(crate) fn walk<E: From<ReadError>>(
     Ok(Extent { whole, size })
 }
 
-/// Refuses what does not begin as an MCAP file does.
+/// Fails if the file does not begin with the MCAP magic.
 pub(super) fn begins_well(file: &mut File) -> Result<(), ReadError> {
     let mut magic = Vec::new();
     file.seek(SeekFrom::Start(0))?;
@@ -93,7 +94,7 @@ pub(super) fn begins_well(file: &mut File) -> Result<(), ReadError> {
     if magic == MAGIC { Ok(()) } else { Err(ReadError::NotMcap) }
 }
 
-/// Kind and length of the next record; none where the file ends.
+/// Kind and length of the next record; `None` at the end of the file.
 fn head(file: &mut BufReader<File>) -> Result<Option<(u8, u64)>, ReadError> {
     let mut head = Vec::new();
     file.take(HEAD as u64).read_to_end(&mut head)?;
@@ -102,13 +103,14 @@ fn head(file: &mut BufReader<File>) -> Result<Option<(u8, u64)>, ReadError> {
     Ok(length.map(|length| (kind, length)))
 }
 
-/// Whether there is room for all that an attachment has: the parser believes it.
+/// Whether the content is long enough for the lengths in an attachment, which the parser does not
+/// check.
 fn is_attachment(content: &[u8]) -> bool {
     let number = |at: usize| {
         let four = content.get(at..)?.first_chunk::<4>()?;
         usize::try_from(u32::from_le_bytes(*four)).ok()
     };
-    // Two dates; a name and a kind, each after its length; the data after its length; a sum.
+    // Two dates; then name, media type and data, each preceded by its length; then a checksum.
     let end = number(16).and_then(|name| {
         let kind = 20_usize.checked_add(name)?;
         kind.checked_add(4)?.checked_add(number(kind)?)?.checked_add(12)
@@ -116,7 +118,7 @@ fn is_attachment(content: &[u8]) -> bool {
     end.is_some_and(|end| end <= content.len())
 }
 
-/// The records in a chunk's content; none when not even its head is there.
+/// The records in a chunk's content; `None` if even its header is incomplete.
 fn records_of(content: &[u8], complete: bool) -> Result<Option<&[u8]>, ReadError> {
     let text = |at: usize, length: usize| content.get(at..at + length);
     let Some(length) = text(28, 4).and_then(|four| four.first_chunk::<4>()) else {
@@ -132,11 +134,11 @@ fn records_of(content: &[u8], complete: bool) -> Result<Option<&[u8]>, ReadError
     };
     let records = &content[CHUNK_HEAD..];
     let size = usize::try_from(u64::from_le_bytes(*size)).unwrap_or(usize::MAX);
-    // Of a chunk that was not ended, nobody wrote the size.
+    // The size of an incomplete chunk was not written yet.
     Ok(Some(if complete { &records[..size.min(records.len())] } else { records }))
 }
 
-/// Length of the records in a row that are whole.
+/// Total length of the intact records at the beginning of `bytes`.
 fn whole_records(bytes: &[u8]) -> usize {
     let mut whole = 0;
     while let Some((_, length)) = split(&bytes[whole..]) {
@@ -145,8 +147,8 @@ fn whole_records(bytes: &[u8]) -> usize {
     whole
 }
 
-/// The first record of a chunk and its length with its head; none when it is not whole, or
-/// nothing that chunks hold.
+/// The first record of a chunk, and its length with header; `None` if it is incomplete or of a kind
+/// that chunks do not contain.
 fn split(bytes: &[u8]) -> Option<(Record<'_>, usize)> {
     let (&kind, rest) = bytes.split_first()?;
     let (length, rest) = rest.split_first_chunk::<8>()?;
@@ -159,7 +161,7 @@ fn split(bytes: &[u8]) -> Option<(Record<'_>, usize)> {
             | Record::Message { .. }
             | Record::Unknown { .. }
     );
-    // Nor here.
+    // Kind 0 is not a record here either.
     (known && kind != 0).then_some((record, HEAD + length))
 }
 
@@ -200,7 +202,7 @@ mod tests {
         bytes.into_inner()
     }
 
-    /// Numbers of the messages that are whole, and how far the file goes.
+    /// Numbers of the intact messages, and how far the file can be read.
     fn read(bytes: &[u8]) -> Result<(Vec<u32>, Extent), ReadError> {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(bytes).unwrap();
@@ -233,7 +235,7 @@ mod tests {
             let (seen, extent) = cut.unwrap();
             assert!(seen.iter().copied().eq(0..seen.len() as u32), "{length}: {seen:?}");
             assert!(extent.whole <= extent.size && extent.size == length as u64);
-            // What a longer file has, a shorter one has not more of.
+            // A longer part of the file never yields fewer messages.
             assert!(seen.len() >= before, "{length}");
             before = seen.len();
         }
@@ -252,8 +254,7 @@ mod tests {
         }
         let mut zeros = whole[..200].to_vec();
         zeros.resize(4096, 0);
-        // The record that the zeros begin in is taken for whole: only its length says how far
-        // it goes.
+        // The record in which the zeros begin counts as intact: only its length is known.
         let extent = read(&zeros).unwrap().1;
         assert!((200..300).contains(&extent.whole), "{extent:?}");
     }

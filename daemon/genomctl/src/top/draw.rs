@@ -1,4 +1,4 @@
-//! Draws a snapshot: tasks, activities, ports, as many as there is room for.
+//! Draws a snapshot: tasks, activities, ports, as many as fit.
 
 use genom_protocol::Status;
 use ratatui::Frame;
@@ -12,10 +12,10 @@ use ratatui::widgets::{Row, Table};
 use super::snapshot::Snapshot;
 use crate::units::duration;
 
-/// Activities that are drawn at most.
+/// Maximum number of activities drawn.
 const ACTIVITIES: usize = 8;
 
-/// Draws it; the ports start at the `scroll`-th.
+/// Draws the table; `scroll` is the number of ports left out at the top.
 pub(super) fn draw(
     frame: &mut Frame<'_>,
     now: &Snapshot,
@@ -39,7 +39,7 @@ pub(super) fn draw(
         wrong.then(|| format!("{} {is}{}; ", one.name, one.state))
     });
     let stuck: String = wrong.collect();
-    // What is wrong comes first: the line may be cut.
+    // Problems come first, because the line may be cut.
     let text = format!(
         "{stuck}genomd on {}: {}, {running} running",
         now.daemon,
@@ -57,7 +57,7 @@ pub(super) fn draw(
     frame.render_widget(Line::styled(help, Modifier::DIM), foot);
 }
 
-/// Rows with their header and the line above.
+/// Height of a table: rows, header, and an empty line above.
 fn height(rows: usize) -> u16 {
     u16::try_from(rows + 2).unwrap_or(u16::MAX)
 }
@@ -66,11 +66,11 @@ fn alarm(bad: bool) -> Style {
     if bad { Style::new().fg(Color::Red) } else { Style::new() }
 }
 
-/// A row: its cells, and what colour it has.
+/// A row: its cells and its style.
 type Cells = (Vec<String>, Style);
 
-/// Rows from the `scroll`-th on. Columns of at least a width ([`Constraint::Min`]) are names,
-/// which somebody may want to type: they are never cut for the others, whatever is scrolled to.
+/// Draws the rows from `scroll` on. Columns with a minimum width ([`Constraint::Min`]) are names,
+/// which users may want to copy: these are never cut in favour of other columns.
 fn table(
     frame: &mut Frame<'_>,
     area: Rect,
@@ -165,7 +165,7 @@ fn draw_ports(
     table(frame, area, &header, rows.collect(), scroll, &widths);
 }
 
-/// The table as plain text, all of it, so many columns wide.
+/// The whole table as plain text, `width` columns wide.
 pub(crate) fn text(now: &Snapshot, before: Option<&Snapshot>, width: u16) -> String {
     let activities = now.activities().len().min(ACTIVITIES);
     let rows = [now.tasks().count(), activities, now.ports.len()];
@@ -304,7 +304,7 @@ mod tests {
         assert_eq!(buffer[(0, 3)].symbol(), "d");
         assert_eq!(buffer[(0, 3)].fg, Color::Red);
         assert_eq!(buffer[(0, 6)].fg, Color::Reset);
-        // Scrolled: the first port is above.
+        // Scrolled: the first port is not visible.
         let shown: String = buffer.content().iter().map(|cell| cell.symbol()).collect();
         assert!(!shown.contains("demo/position") && shown.contains("demo/parameter"), "{shown}");
         for (width, height) in [(1, 1), (3, 5), (200, 2), (20, 40)] {

@@ -1,5 +1,4 @@
-//! The live table: what it shows (`snapshot`), how it is drawn (`draw`), and its screen
-//! (`screen`).
+//! The live table: its data (`snapshot`), its layout (`draw`), and its screen (`screen`).
 
 mod draw;
 mod screen;

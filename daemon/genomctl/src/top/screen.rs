@@ -1,4 +1,4 @@
-//! The live table on a terminal, until somebody quits.
+//! Shows the live table on a terminal until the user quits.
 
 use std::time::Duration;
 
@@ -11,22 +11,22 @@ use super::snapshot::Snapshot;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// What somebody asks for.
+/// A command of the user.
 enum Wish {
     Quit,
     Up,
     Down,
-    /// Stand still, or go on.
+    /// Stop or continue updating.
     Pause,
-    /// All activities are to stop.
+    /// Stop all activities.
     Stop,
-    /// The terminal has another size.
+    /// The size of the terminal changed.
     Redraw,
 }
 
-/// Shows the table, new every `period`.
+/// Shows the table, updated every `period`.
 pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failure> {
-    // A daemon that is not there is told on the terminal as it was.
+    // Before the screen is switched: if there is no daemon, the error appears on the normal screen.
     let mut now = Snapshot::take(session).await?;
     let mut before = None;
     let mut terminal = ratatui::try_init()?;
@@ -34,7 +34,7 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
     let (mut scroll, mut paused) = (0_usize, false);
     let mut ticks = tokio::time::interval(period);
     ticks.tick().await;
-    // What came of the last wish to stop.
+    // Result of the last command to stop.
     let mut told = String::new();
     let outcome = loop {
         let keys = match paused {
@@ -66,7 +66,7 @@ pub(crate) async fn run(session: &Session, period: Duration) -> Result<(), Failu
     outcome
 }
 
-/// Tells all activities to stop and waits for nothing; what came of it, in a few words.
+/// Asks all activities to stop without waiting; returns the result in a few words.
 async fn stop(session: &Session) -> String {
     let told = match session.ask(routes::stop()).await {
         Ok(reply) => reply.content.aborted.len(),
@@ -79,7 +79,7 @@ async fn stop(session: &Session) -> String {
     }
 }
 
-/// Keys come from a thread of their own, which ends with the process.
+/// Keys are read in a thread of its own, which ends with the process.
 fn listen() -> mpsc::UnboundedReceiver<Wish> {
     let (sender, receiver) = mpsc::unbounded_channel();
     std::thread::spawn(move || {

@@ -1,4 +1,4 @@
-//! Everything the live table shows, at one moment.
+//! The data of the live table at one moment.
 
 use std::time::{Duration, Instant};
 
@@ -8,18 +8,18 @@ use serde::Serialize;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// A daemon at one moment.
+/// The state of a daemon at one moment.
 #[derive(Debug)]
 pub(crate) struct Snapshot {
-    /// Who was asked.
+    /// The daemon, for the title.
     pub(crate) daemon: String,
     pub(crate) components: Vec<Seen>,
     pub(crate) ports: Vec<Port>,
-    /// When the ports were asked: rates come from two snapshots.
+    /// When the ports were read: rates are computed from two snapshots.
     pub(crate) taken: Instant,
 }
 
-/// A component, and what it does.
+/// A component, with its tasks and activities.
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Seen {
     #[serde(flatten)]
@@ -29,7 +29,7 @@ pub(crate) struct Seen {
     pub(crate) log: Vec<Activity>,
 }
 
-/// The same as data.
+/// The snapshot as data, for `--json`.
 #[derive(Serialize)]
 pub(crate) struct Data<'a> {
     components: &'a [Seen],
@@ -37,7 +37,7 @@ pub(crate) struct Data<'a> {
 }
 
 impl Snapshot {
-    /// Asks the daemon. A component that goes in between is left out.
+    /// Asks the daemon. A component that is unloaded meanwhile is left out.
     pub(crate) async fn take(session: &Session) -> Result<Self, Failure> {
         let mut components = Vec::new();
         for component in session.ask(routes::components()).await?.content.components {
@@ -53,7 +53,7 @@ impl Snapshot {
         Ok(Self { daemon, components, ports, taken: Instant::now() })
     }
 
-    /// As data, for `--json`.
+    /// The snapshot as data, for `--json`.
     pub(crate) fn data(&self) -> Data<'_> {
         Data { components: &self.components, ports: &self.ports }
     }
@@ -64,7 +64,7 @@ impl Snapshot {
         all.flat_map(|one| one.tasks.iter().map(|task| (one.component.name.as_str(), task)))
     }
 
-    /// Activities, each with the name of its component; those that run come first.
+    /// Activities, each with the name of its component; running ones first.
     pub(super) fn activities(&self) -> Vec<(&str, &Activity)> {
         let all = self.components.iter();
         fn named(one: &Seen) -> impl Iterator<Item = (&str, &Activity)> {
@@ -75,7 +75,7 @@ impl Snapshot {
         all
     }
 
-    /// Samples a second through a port since an earlier snapshot.
+    /// Samples per second through a port since an earlier snapshot.
     #[allow(clippy::cast_precision_loss, reason = "a few digits are shown")]
     pub(super) fn rate(&self, port: &Port, earlier: &Snapshot) -> Option<f64> {
         let before = earlier.ports.iter().find(|other| other.address == port.address)?.traffic?;

@@ -10,14 +10,14 @@ use crate::session::{Reply, Session};
 /// Ask activities to stop: each runs its `stop` codel, then ends.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Instance name of the component; with --all, none means every component.
+    /// Instance name of the component; may be left out with --all, for every component.
     #[arg(add = ArgValueCompleter::from(Names::Components), required_unless_present = "all")]
     component: Option<String>,
-    /// Number of the activity, or name of a service: then all its activities.
+    /// Number of the activity, or name of a service to stop all its activities.
     #[arg(add = ArgValueCompleter::from(Names::Activities), required_unless_present = "all")]
     activity: Option<String>,
-    /// All activities of the component, or of all components: `genomctl stop` waits for their
-    /// ends, too.
+    /// All activities of the component, or of all components. `genomctl stop` also waits until they
+    /// have ended.
     #[arg(long, conflicts_with = "activity")]
     all: bool,
 }
@@ -30,7 +30,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     session.show(&all(session, args.component.as_deref()).await?, render_all)
 }
 
-/// Tells all activities to stop, of this component or of all.
+/// Asks all activities of the component, or of all components, to stop.
 pub(super) async fn all(
     session: &Session,
     component: Option<&str>,

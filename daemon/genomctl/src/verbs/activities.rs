@@ -1,4 +1,4 @@
-//! `genomctl activities`: what runs, and what ended lately.
+//! `genomctl activities`: running activities, and those that ended recently.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{Activities, routes};
@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::Table;
 
-/// List the activities of a component, running and lately ended.
+/// List the activities of a component: running ones, and those that ended recently.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.

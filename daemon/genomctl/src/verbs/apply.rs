@@ -1,4 +1,4 @@
-//! `genomctl apply`: brings the daemon to what a deployment file says.
+//! `genomctl apply`: applies a deployment file to the daemon.
 
 use std::io::{self, Write as _};
 use std::path::PathBuf;
@@ -13,22 +13,22 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::terminal::Progress;
 
-/// Bring the daemon to what a deployment file says: load, connect, call, start.
+/// Apply a deployment file: load, connect, call and start what it says.
 ///
-/// What is there already stays as it is; a component whose tasks or quality of service are to be
-/// others is loaded anew. A connection waits for its other side; when a step is refused, all steps
-/// taken are taken back. What runs beside what the file says is named at the end.
+/// What exists already stays as it is; a component is reloaded if its tasks or quality of service
+/// differ from the file. A connection waits for its other side. When a step fails, all steps taken
+/// are undone. What runs although the file does not mention it is listed at the end.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The deployment file (TOML); see configs/robot.toml.
     file: PathBuf,
-    /// Take away components and connections that the file does not have; activities are left alone.
+    /// Remove components and connections that are not in the file; activities are left alone.
     #[arg(long)]
     prune: bool,
     /// Only print the steps.
     #[arg(long)]
     dry_run: bool,
-    /// Which daemon of the file this is [default: the one it was started as].
+    /// Which daemon of the file this is [default: the name it was started with].
     #[arg(long, value_name = "NAME")]
     daemon: Option<String>,
     /// Give up after waiting this long for the other side of a connection.
@@ -43,11 +43,11 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
             "`genomctl dump` prints the running system as such a file",
         )
     })?;
-    // The daemon has another working directory, and paths in the file start from the file's.
+    // The daemon has another working directory, and paths in the file are relative to the file.
     let file = std::path::absolute(&args.file)?;
     let request = DeploymentRequest {
         text,
-        // A name that is no text is one only for messages: files beside it are not found then.
+        // Used in messages only if it is not UTF-8: files beside it are not found then.
         file: file.to_string_lossy().into_owned().into(),
         daemon: args.daemon,
         prune: args.prune,
@@ -57,7 +57,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     if request.dry_run {
         return session.show(&session.send(routes::apply(), &request).await?, render);
     }
-    // Open before anything is done, so that nothing is missed.
+    // Opened before anything is done, so that no change is missed.
     let mut changes = session.client.stream(&routes::events()).await?;
     let (route, body) = (routes::apply(), serde_json::to_vec(&request).unwrap_or_default());
     let mut asked = std::pin::pin!(session.client.request(&route, body));
@@ -75,24 +75,24 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     session.show(&session.reply::<Applied>(reply)?, render)
 }
 
-/// What takes longer is told also where nobody looks.
+/// Steps that take longer are reported even if standard error is not a terminal.
 const LONG: Duration = Duration::from_secs(1);
 
-/// What the daemon does now and waits for, on standard error: one line written over on a
-/// terminal, else a line for each thing that takes long.
+/// Shows on standard error what the daemon is doing and waiting for: on a terminal one line that is
+/// overwritten, otherwise one line for each thing that takes long.
 #[derive(Debug, Default)]
 struct AtWork {
     progress: Progress,
-    /// The step being taken, and since when.
+    /// The current step, and when it began.
     step: Option<(String, Instant)>,
     /// Connections that wait for their other sides.
     waits: Vec<(String, Instant)>,
-    /// Whether the step was told.
+    /// Whether the current step was reported.
     told: bool,
 }
 
 impl AtWork {
-    /// Something changed in the daemon.
+    /// A change in the daemon was received.
     fn hear(&mut self, data: &str) {
         let Ok(mut change) = serde_json::from_str::<Value>(data) else { return };
         escape::all(&mut change);
@@ -116,7 +116,7 @@ impl AtWork {
         self.show();
     }
 
-    /// Time passed.
+    /// Called regularly, to report what takes long.
     fn look(&mut self) {
         let slow = self.step.as_ref().filter(|(_, since)| since.elapsed() >= LONG);
         if let (Some((step, _)), false, false) = (slow, self.told, self.progress.seen()) {

@@ -7,15 +7,15 @@ use crate::complete::Names;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Move a component, or one of its ports, to another backend while it runs.
+/// Move a component, or one of its ports, to another middleware while it runs.
 ///
-/// Connections are made again; no codel notices. Several at once: shm+zenoh.
+/// Its connections follow, and its codels are not affected. Several middlewares: shm+zenoh.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// COMPONENT, with all its ports and services, or COMPONENT/PORT.
     #[arg(add = ArgValueCompleter::from(Names::Movable))]
     target: Subject,
-    /// The backend, or several: shm+zenoh.
+    /// The middleware, or several: shm+zenoh.
     #[arg(add = ArgValueCompleter::from(Names::Backends))]
     backend: String,
 }

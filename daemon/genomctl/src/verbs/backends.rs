@@ -7,10 +7,11 @@ use crate::session::Session;
 use crate::table::Table;
 use crate::terminal::Terminal;
 
-/// List the middlewares that the daemon knows, what they can do and what is visible on them.
+/// List the middlewares that the daemon was built with, what they support and what is visible on
+/// them.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Also list the ports and services visible on them, and others who are connected.
+    /// Also list the ports and services visible on them, and peers that do not announce theirs.
     #[arg(long, short)]
     visible: bool,
 }

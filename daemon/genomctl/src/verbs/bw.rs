@@ -1,4 +1,4 @@
-//! `genomctl bw`: how many bytes pass through a port.
+//! `genomctl bw`: the bandwidth of a port.
 
 use genom_protocol::Address;
 
@@ -10,10 +10,10 @@ use crate::traffic::{Rate, Watch};
 use crate::units::bytes;
 use clap_complete::engine::ArgValueCompleter;
 
-/// Show the bandwidth of a port: bytes a second that its component writes or reads.
+/// Show the bandwidth of a port: bytes per second that its component writes or reads.
 ///
-/// A sample counts as it lies in memory, or as CDR when its size varies; the latter are weighed
-/// only while this runs.
+/// A sample counts with its size in memory or, if sizes vary, its size as CDR. The latter is
+/// measured only while this command runs.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.

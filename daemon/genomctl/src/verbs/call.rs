@@ -1,4 +1,4 @@
-//! `genomctl call`: a service from request to end.
+//! `genomctl call`: calls a service and waits for its end.
 
 use crate::complete::Names;
 use crate::failure::Failure;
@@ -18,12 +18,13 @@ pub(crate) struct Args {
     /// The service.
     #[arg(add = ArgValueCompleter::from(Names::Services))]
     service: String,
-    /// Inputs: '{"velocity": 0.5}' or velocity=0.5. What is left out of an attribute keeps its
-    /// value (`?` in `info`); of a function or activity it takes its default. On a terminal they
-    /// are asked for when none are given; '{}' leaves all out.
+    /// Inputs: '{"velocity": 0.5}' or velocity=0.5. Inputs of an attribute that are left out keep
+    /// their present values (`?` in `info`); those of a function or activity take their defaults.
+    /// On a terminal, inputs are asked for if none are given; '{}' leaves all out.
     #[arg(add = ArgValueCompleter::from(Names::Inputs))]
     inputs: Vec<String>,
-    /// What is left out takes its default, or zero where it has none; also of an attribute.
+    /// Inputs that are left out take their defaults, or zero where there is none; also those of an
+    /// attribute.
     #[arg(long)]
     zero: bool,
 }

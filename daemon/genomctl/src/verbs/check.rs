@@ -1,4 +1,4 @@
-//! `genomctl check`: reads descriptions and says all there is to say. No daemon.
+//! `genomctl check`: reads descriptions and prints their diagnostics. No daemon.
 
 use std::io::{self, Write as _};
 use std::os::unix::process::CommandExt as _;
@@ -15,29 +15,30 @@ use crate::reading::{Reading, SHOWN, counts};
 use crate::session::Session;
 use crate::terminal::coloured_errors;
 
-/// Check descriptions: mistakes and surprises, drawn in the text.
+/// Check descriptions: errors and warnings, shown in the text.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The .gen files, read in order as one specification; or one library of codels (demo.so),
     /// which `genomd --check` compares with its description.
     #[arg(required_unless_present = "manifest")]
     files: Vec<PathBuf>,
-    /// Check each file that a table names, and compare with the verdicts of GenoM3's tool in it:
-    /// file, number of errors, accept, reject or CRASH, and why we differ, with tabs between.
+    /// Check all files listed in a table, and compare the verdicts with those of GenoM3's tool that
+    /// it records. Its columns, separated by tabs: file, number of errors, accept, reject or CRASH,
+    /// and why ours differs.
     #[arg(long, value_name = "FILE.tsv", conflicts_with_all = ["files", "format", "short", "deny_warnings"])]
     manifest: Option<PathBuf>,
     #[command(flatten)]
     reading: Reading,
-    /// How to tell: drawn for people; one line each, FILE:LINE:COLUMN, for editors; or data.
+    /// Output: for people, with the text; one line each, FILE:LINE:COLUMN, for editors; or JSON.
     #[arg(long, value_enum, default_value_t = Format::Human)]
     format: Format,
     /// The same as `--format short`.
     #[arg(long, conflicts_with = "format")]
     short: bool,
-    /// Refuse warnings too.
+    /// Treat warnings as errors.
     #[arg(long)]
     deny_warnings: bool,
-    /// How many mistakes and surprises to tell; the others are counted. With 0 all, up to 10000 of
+    /// How many errors and warnings to print; the others are counted. With 0 all, up to 10000 of
     /// each.
     #[arg(long, value_name = "N", default_value_t = SHOWN)]
     limit: usize,
@@ -68,10 +69,10 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let most = if args.limit == 0 { usize::MAX } else { args.limit };
     let (said, rest) = first(&analysis.diagnostics, sources, most);
     let mut text = match format {
-        // Data goes where data goes.
+        // Data goes to standard output.
         Format::Json => {
             let text = json(&said, rest, sources);
-            // One line, as every verb's, unless it is asked for as a format, for people.
+            // One line with `--json`, as for every verb; indented with `--format json`.
             let line = session.json.then(|| serde_json::from_str::<serde_json::Value>(&text).ok());
             let line = line.flatten().map(|document| format!("{document}\n"));
             session.print(&line.unwrap_or(text))?;
@@ -91,7 +92,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     if format == Format::Human { session.print(&render(&analysis)) } else { Ok(()) }
 }
 
-/// The table of agreement. GenoM3's tool knows no standard interface.
+/// Prints the table of agreement. GenoM3's tool does not know the standard interface.
 fn compare(args: &Args, manifest: &Path, session: &Session) -> Result<(), Failure> {
     let options = Options { standard_interface: false, ..args.reading.options() };
     let agreement = Agreement::read(manifest, &options)?;
@@ -100,7 +101,7 @@ fn compare(args: &Args, manifest: &Path, session: &Session) -> Result<(), Failur
     agreement.verdict()
 }
 
-/// What was read, one component a line.
+/// Summary of what was read, one component per line.
 fn render(analysis: &Analysis) -> String {
     let components = &analysis.specification.components;
     components
@@ -118,13 +119,13 @@ fn render(analysis: &Analysis) -> String {
         .collect()
 }
 
-/// `x.so`, `x.so.1`.
+/// Whether the name is like `x.so` or `x.so.1`.
 fn is_library(path: &Path) -> bool {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     name.ends_with(".so") || name.contains(".so.")
 }
 
-/// Becomes `genomd --check`: opening libraries is the daemon's business, not that of a client.
+/// Replaces this process by `genomd --check`: only the daemon opens libraries.
 fn check_library(args: &Args, library: &Path) -> Failure {
     let descriptions: Vec<_> = args.files.iter().filter(|path| !is_library(path)).collect();
     if args.files.len() - descriptions.len() > 1 || descriptions.len() > 1 {

@@ -1,4 +1,4 @@
-//! `genomctl completion`: completions for a shell, from the same definitions as `--help`.
+//! `genomctl completion`: completion scripts for shells, from the definitions of `--help`.
 
 use std::io;
 
@@ -7,7 +7,7 @@ use clap_complete::env::Shells;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Print the completions of genomctl for a shell: verbs and options, and the live names of
+/// Print the completion script of genomctl for a shell: verbs and options, and the live names of
 /// components, services, ports and inputs.
 ///
 /// In ~/.bashrc: `source <(genomctl completion bash)`; in ~/.zshrc, after compinit: `source
@@ -18,7 +18,7 @@ pub(crate) struct Args {
     shell: clap_complete::Shell,
 }
 
-/// The variable that tells `genomctl` that a shell asks.
+/// The environment variable by which the script asks `genomctl` for completions.
 pub(crate) const VARIABLE: &str = "GENOMCTL_COMPLETE";
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {

@@ -1,4 +1,4 @@
-//! `genomctl connect`: an in port to an out port, or a remote to a service.
+//! `genomctl connect`: connects an in port to an out port, or a remote to a service.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{Address, Connection, ConnectionRequest, Place, routes};
@@ -8,25 +8,23 @@ use crate::failure::Failure;
 use crate::names::{address, place};
 use crate::session::Session;
 
-/// Connect an in port to an out port, of this daemon or of another one; or a remote to a
-/// service.
+/// Connect an in port to an out port, or a remote to a service, of this daemon or of another one.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT; or a remote.
+    /// The in port, COMPONENT/PORT or COMPONENT/PORT/ELEMENT, or the remote.
     #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Readers))]
     inport: Address,
-    /// The out port that feeds it, or the service that a remote calls; a middleware may stand
-    /// before it: shm:robot/position.
+    /// The out port or the service, optionally with its middleware: shm:robot/position.
     #[arg(value_parser = place, add = ArgValueCompleter::from(Names::Outports))]
     outport: Place,
-    /// What the reader gets of the samples it has not read: latest, queue:N or ring:N.
+    /// Which unread samples are kept for the reader: latest, queue:N or ring:N.
     #[arg(long, add = ArgValueCompleter::from(Names::Policies))]
     policy: Option<String>,
-    /// Middleware to use [default: that of the out port; for a service of another daemon one of
-    /// the caller's].
+    /// Middleware to use [default: that of the out port; for a service of another daemon one of the
+    /// caller's].
     #[arg(long, add = ArgValueCompleter::from(Names::Backends))]
     backend: Option<String>,
-    /// Connect also when the out port or service does not exist yet: it may come later.
+    /// Connect even if the out port or service does not exist yet.
     #[arg(long)]
     wait: bool,
 }

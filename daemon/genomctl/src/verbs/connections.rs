@@ -1,4 +1,4 @@
-//! `genomctl connections`: what feeds what.
+//! `genomctl connections`: lists connections.
 
 use genom_protocol::{Connections, routes};
 
@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::Table;
 
-/// List what the daemon's in ports and remotes are connected to.
+/// List what the in ports and remotes of the daemon are connected to.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 

@@ -1,4 +1,4 @@
-//! `genomctl context`: names for daemons.
+//! `genomctl context`: manages contexts, which are names for daemons.
 
 use clap::Subcommand;
 use genom_protocol::contexts::{Context, Contexts};
@@ -9,9 +9,10 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::Table;
 
-/// Keep names for daemons: how to reach each, with which token.
+/// Manage contexts: names for daemons, with the options and tokens to reach them.
 ///
-/// They are in ~/.config/genomd/contexts.toml; `genomctl --context NAME VERB` uses one once.
+/// They are kept in ~/.config/genomd/contexts.toml; `genomctl --context NAME VERB` uses one for a
+/// single command.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -20,22 +21,22 @@ pub(crate) struct Args {
 
 #[derive(Debug, Subcommand)]
 enum What {
-    /// Keep what --socket, --host, --ca, --cert and --token-file say under a name; nothing else
-    /// changes until it is used.
+    /// Keep --socket, --host, --ca, --cert and --token-file as given under a name. This does not
+    /// select the context.
     Add {
-        /// Its name.
+        /// Name of the context.
         name: String,
     },
-    /// Talk to this daemon from now on, unless the command line says otherwise.
+    /// Select a context for all commands that do not name a daemon themselves.
     Use {
-        /// Its name; without one, to the usual socket again.
+        /// Name of the context; without one, the default socket is used again.
         name: Option<String>,
     },
-    /// List them; the one in use has a star.
+    /// List the contexts; a star marks the selected one.
     List,
-    /// Forget one.
+    /// Remove a context.
     Remove {
-        /// Its name.
+        /// Name of the context.
         name: String,
     },
 }
@@ -92,7 +93,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     print(session, &kept)
 }
 
-/// With `--json`, what is kept now.
+/// With `--json`, prints all contexts.
 fn print(session: &Session, kept: &Contexts) -> Result<(), Failure> {
     if session.json { session.print(&format!("{}\n", json!(kept))) } else { Ok(()) }
 }

@@ -1,4 +1,4 @@
-//! `genomctl daemons`: other daemons that this one sees.
+//! `genomctl daemons`: lists other daemons that this one sees.
 
 use genom_protocol::{Daemons, routes};
 
@@ -8,8 +8,8 @@ use crate::table::Table;
 
 /// List the daemons that are visible over zenoh.
 ///
-/// `genomctl --host zenoh:NAME VERB` talks to one of them; it asks for a token (--token-file)
-/// that its own token file knows.
+/// `genomctl --host zenoh:NAME VERB` talks to one of them. This takes a token (--token-file) that
+/// the token file of that daemon contains.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 

@@ -1,4 +1,4 @@
-//! `genomctl describe`: what components offer, told from their descriptions. No daemon.
+//! `genomctl describe`: prints what components offer, from their descriptions. No daemon.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use crate::session::Session;
 
 /// Describe components: services, ports and tasks with their documentation.
 ///
-/// With --json, one line for each component.
+/// With --json, one line per component.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The .gen files, read in order as one specification.

@@ -9,8 +9,8 @@ use crate::failure::Failure;
 use crate::reading::Reading;
 use crate::session::Session;
 
-/// Print the digests of components and of their services: what must agree between those who
-/// talk to each other.
+/// Print the digests of components and of their services. Both sides of a connection must have
+/// equal digests.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The .gen files, read in order as one specification.

@@ -1,4 +1,4 @@
-//! `genomctl disconnect`: an in port from what feeds it.
+//! `genomctl disconnect`: disconnects an in port or a remote.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{Address, routes};
@@ -11,7 +11,7 @@ use crate::session::Session;
 /// Disconnect an in port or a remote.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
+    /// The in port, COMPONENT/PORT or COMPONENT/PORT/ELEMENT, or the remote.
     #[arg(value_parser = address, add = ArgValueCompleter::from(Names::Connected))]
     inport: Address,
 }

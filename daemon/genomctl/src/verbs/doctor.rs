@@ -1,4 +1,4 @@
-//! `genomctl doctor`: what of this machine keeps components from running well.
+//! `genomctl doctor`: finds what keeps components from running well on this machine.
 
 use std::path::{Path, PathBuf};
 
@@ -10,17 +10,18 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::terminal::{Terminal, Tone};
 
-/// Examine this machine and the daemon: each finding with its fix.
+/// Examine this machine and the daemon, and print each finding with advice.
 ///
-/// Shared memory, network for ROS 2, real-time rights, timing, what killed programs left behind,
-/// versions. Ends with 1 when there is a problem; notes are no problems.
+/// Examines shared memory, the network for ROS 2, real-time rights, timing, remains of killed
+/// programs, and versions. The exit status is 1 if there is a problem; notes do not count as
+/// problems.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Also examine a configuration of genomd.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
-    /// Examine the files of another machine (/proc, /sys, /dev, /tmp), copied into a directory;
-    /// nothing is tried then, and no daemon asked.
+    /// Examine the files of another machine (/proc, /sys, /dev, /tmp), copied into a directory. No
+    /// tests are made then, and no daemon is asked.
     #[arg(long, value_name = "DIRECTORY", conflicts_with = "config")]
     root: Option<PathBuf>,
 }

@@ -5,7 +5,8 @@ use genom_protocol::{Dumped, routes};
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Print the running system as a deployment file, for `genomctl apply` on a fresh daemon.
+/// Print the running system as a deployment file, to be applied to a new daemon with `genomctl
+/// apply`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 

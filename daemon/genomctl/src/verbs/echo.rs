@@ -1,4 +1,4 @@
-//! `genomctl echo`: values of a port as they come.
+//! `genomctl echo`: prints the values of a port.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{Address, Code, PortParameters, StreamEnd, StreamParameters, routes};
@@ -12,9 +12,9 @@ use crate::names::address;
 use crate::session::Session;
 use crate::sse::Event;
 
-/// Print the values of a port as they come, one a line, until Ctrl-C.
+/// Print the values of a port as they arrive, one per line, until Ctrl-C.
 ///
-/// With `--json` and --time, each is an object of `time` and `value`.
+/// With `--json` and --time, each line is an object with `time` and `value`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
@@ -26,11 +26,11 @@ pub(crate) struct Args {
     /// Begin each line with the date of the sample, in seconds since 1970 or on the virtual clock.
     #[arg(long, short)]
     time: bool,
-    /// Only this member of the value: velocity, or pose.x, samples.0; may be repeated, with a tab
-    /// between them.
+    /// Print only this member of the value, such as velocity, pose.x or samples.0; may be repeated:
+    /// members are separated by tabs.
     #[arg(long, short, value_name = "MEMBER")]
     field: Vec<String>,
-    /// At most this many values a second.
+    /// Maximum number of values per second.
     #[arg(long, value_name = "HERTZ")]
     rate: Option<f64>,
 }
@@ -40,7 +40,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let query = StreamParameters { element: element.clone(), rate: args.rate, form: None };
     let route = routes::values(component, port).with(&query);
     let mut events = session.client.stream(&route).await?;
-    // Before anything is said: who reads a line may interrupt at once.
+    // Before anything is printed: a reader of the first line may send the interrupt at once.
     let mut interrupt = signal(SignalKind::interrupt())?;
     if let Some(element) = element {
         tell_absent(session, &args.port, element).await?;
@@ -65,7 +65,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
 }
 
 impl Args {
-    /// A value, or members of it, with its date when that is wanted.
+    /// The line for a value: the value or members of it, with its date if requested.
     fn line(&self, event: &Event, json: bool) -> Result<String, Failure> {
         let text = match self.field.as_slice() {
             [] => render(&event.data, json),
@@ -99,10 +99,10 @@ impl Args {
     }
 }
 
-/// Nanoseconds of a second.
+/// Nanoseconds per second.
 const NS: u64 = 1_000_000_000;
 
-/// The member of a value at the end of a way of names and indices.
+/// The member of a value at a path of names and indices.
 fn member<'a>(value: &'a Value, way: &str) -> Result<&'a Value, Failure> {
     let mut at = value;
     for step in way.split('.') {
@@ -123,7 +123,7 @@ fn member<'a>(value: &'a Value, way: &str) -> Result<&'a Value, Failure> {
     Ok(at)
 }
 
-/// Says that an element of a multiple port is not there, or not yet.
+/// Tells the user that an element of a multiple port does not exist, or not yet.
 async fn tell_absent(session: &Session, at: &Address, element: &str) -> Result<(), Failure> {
     let Address { component, port, .. } = at;
     let query = PortParameters { values: Some(false) };
@@ -144,7 +144,7 @@ async fn tell_absent(session: &Session, at: &Address, element: &str) -> Result<(
     session.tell(&escape::line(&text))
 }
 
-/// One value a line: the value alone for a plain number, JSON for the rest.
+/// One value per line: a plain number as such, everything else as JSON.
 fn render(data: &str, json: bool) -> String {
     match serde_json::from_str::<Value>(data) {
         Ok(Value::String(text)) if !json => format!("{}\n", escape::lines(&text)),

@@ -1,4 +1,4 @@
-//! `genomctl events`: what changes in the daemon, as it happens.
+//! `genomctl events`: prints changes in the daemon as they happen.
 
 use genom_protocol::{AnyChange, routes};
 use tokio::signal::unix::{SignalKind, signal};
@@ -7,9 +7,10 @@ use crate::escape;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Print what changes in the daemon as it happens, one a line, until Ctrl-C.
+/// Print changes in the daemon as they happen, one per line, until Ctrl-C.
 ///
-/// Who reads too slowly misses old changes: `missed changes=COUNT` stands in their place.
+/// If the output is read too slowly, old changes are lost; `missed changes=COUNT` is printed in
+/// their place.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Stop after this many events.
@@ -19,10 +20,10 @@ pub(crate) struct Args {
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     let mut events = session.client.stream(&routes::events()).await?;
-    // Before anything is said: who reads a line may interrupt at once.
+    // Before anything is printed: a reader of the first line may send the interrupt at once.
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut left = args.count.unwrap_or(u64::MAX);
-    // Number of the last event, when the stream may be resumed after it.
+    // Number of the last event, if the stream can be resumed after it.
     let mut last = None;
     while left > 0 {
         let event = tokio::select! {
@@ -30,7 +31,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
             _ = interrupt.recv() => return Ok(()),
         };
         let Some(event) = event else {
-            // The daemon gives up readers that stand still: whoever comes back hears the rest.
+            // The daemon drops readers that are blocked for long. After reconnecting, the events in
+            // between are received.
             let after = last.take().ok_or_else(|| session.client.lost())?;
             let resumed = session.client.resume(&routes::events(), Some(after)).await;
             events = resumed.map_err(|_| session.client.lost())?;

@@ -1,4 +1,4 @@
-//! `genomctl explain`: what a code of a diagnostic means. No daemon.
+//! `genomctl explain`: explains the code of a diagnostic. No daemon.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_description::diagnostic::{Explanation, explain, explanations};
@@ -10,7 +10,7 @@ use crate::session::Session;
 /// Explain a code that `check` shows, such as E0301.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The code; all codes when left out.
+    /// The code; all codes if left out.
     #[arg(add = ArgValueCompleter::from(Names::Codes))]
     code: Option<String>,
 }

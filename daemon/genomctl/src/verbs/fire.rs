@@ -1,4 +1,4 @@
-//! `genomctl fire`: an external event.
+//! `genomctl fire`: fires an external event.
 
 use genom_protocol::routes;
 

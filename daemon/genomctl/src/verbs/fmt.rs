@@ -1,4 +1,4 @@
-//! `genomctl fmt`: indentation and blanks of descriptions. No daemon.
+//! `genomctl fmt`: formats descriptions. No daemon.
 
 use std::fs;
 use std::io::{self, Read as _, Write as _};
@@ -12,13 +12,13 @@ use serde_json::Value;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Format descriptions: indentation and blanks; comments, lines and meaning stay.
+/// Format descriptions: adjusts indentation and blanks; keeps comments, line breaks and meaning.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The .gen files, written back when they change; `-` formats standard input.
+    /// The .gen files, rewritten if they change; `-` formats standard input to standard output.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Write nothing: show where a file would change, and end with 1 if one would.
+    /// Write nothing: show where a file would change, and exit with 1 if one would.
     #[arg(long)]
     check: bool,
     /// Print the result instead of writing it back.
@@ -28,7 +28,7 @@ pub(crate) struct Args {
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let (mut unformatted, mut refused) = (0, 0);
-    // With `--json`, one line about all files.
+    // With `--json`, one line for all files.
     let mut all = Vec::new();
     for path in &args.files {
         let piped = path == Path::new("-");
@@ -82,7 +82,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     }
 }
 
-/// What was done to a file, for `--json`.
+/// What was done with a file, for `--json`.
 fn told(file: &str, what: &str, why: Option<&str>) -> Value {
     serde_json::json!({ "file": file, "outcome": what, "why": why })
 }
@@ -91,10 +91,10 @@ fn refusal(name: &str, error: &FormatError) -> String {
     format!("error: {name}: {error}\n")
 }
 
-/// Lines shown of each side.
+/// Maximum number of lines shown of each version.
 const SHOWN: usize = 8;
 
-/// The first stretch of lines that would change, as `diff` shows it; `None` when none would.
+/// The first block of lines that would change, in the form of `diff`; `None` if nothing would.
 fn hint(name: &str, before: &[u8], after: &[u8]) -> Option<String> {
     if before == after {
         return None;

@@ -1,4 +1,4 @@
-//! `genomctl graph`: pictures of components. No daemon.
+//! `genomctl graph`: draws components. No daemon.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ pub(crate) struct Args {
     /// The .gen files, read in order as one specification.
     #[arg(required = true)]
     files: Vec<PathBuf>,
-    /// Language of the picture: for Graphviz, or for Mermaid.
+    /// Language of the drawing: Graphviz or Mermaid.
     #[arg(long, value_enum, default_value_t = Format::Dot)]
     format: Format,
     /// One component [default: all].

@@ -1,4 +1,4 @@
-//! `genomctl header`: what codels are compiled against. No daemon.
+//! `genomctl header`: prints the header that codels are compiled against. No daemon.
 
 use std::path::PathBuf;
 
@@ -8,7 +8,8 @@ use crate::failure::Failure;
 use crate::reading::Reading;
 use crate::session::Session;
 
-/// Print the types and codel prototypes of a component, to compile codels against.
+/// Print the types of a component and the prototypes of its codels, as a header to compile codels
+/// with.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The .gen files, read in order as one specification.

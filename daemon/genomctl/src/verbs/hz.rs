@@ -1,4 +1,4 @@
-//! `genomctl hz`: how often a port is written or read.
+//! `genomctl hz`: the rate of a port.
 
 use genom_protocol::Address;
 
@@ -10,9 +10,11 @@ use crate::traffic::{Rate, Watch};
 use crate::units::seconds;
 use clap_complete::engine::ArgValueCompleter;
 
-/// Show the rate of a port: samples a second that its component writes or reads, and their jitter.
+/// Show the rate of a port: samples per second that its component writes or reads, and their
+/// jitter.
 ///
-/// Counted by the daemon for each sample: exact at any rate. Time is that of the components.
+/// The daemon counts every sample, so that the rate is exact. Times are those of the components'
+/// clock.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.

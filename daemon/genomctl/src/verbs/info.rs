@@ -1,4 +1,4 @@
-//! `genomctl info`: what a component offers.
+//! `genomctl info`: describes a running component.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{
@@ -11,14 +11,14 @@ use crate::session::Session;
 
 /// Describe a component, or one of its services.
 ///
-/// `= ?` stands behind inputs of attributes: left out of a call, they keep the value that the
-/// component has. Of one service this value is shown too: `velocity ? 0.5`.
+/// `= ?` after an input of an attribute means that the input keeps its present value when it is
+/// left out of a call. For a single service this value is shown as well: `velocity ? 0.5`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
     #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
-    /// One service only.
+    /// Name of a service, to describe only that one.
     #[arg(add = ArgValueCompleter::from(Names::Services))]
     service: Option<String>,
 }
@@ -91,7 +91,7 @@ fn render_service(service: &Service, prefix: &str) -> String {
     }
     let mut facts = Vec::new();
     facts.extend(service.task.as_ref().map(|task| format!("task {task}")));
-    // What every service may end with says nothing of this one.
+    // Exceptions that every service may raise are left out.
     let throws = service.throws.iter().filter(|name| !name.starts_with("::genom::"));
     let throws: Vec<String> = throws.cloned().collect();
     for (word, names) in [("interrupts", &service.interrupts), ("throws", &throws)] {
@@ -105,7 +105,7 @@ fn render_service(service: &Service, prefix: &str) -> String {
     out
 }
 
-/// What is left out `keeps` its value, or takes its default.
+/// The form of an input in a call; `keeps` if it keeps its present value when left out.
 fn signature(parameter: &Parameter, keeps: bool) -> String {
     let Parameter { direction, ty, name, .. } = parameter;
     match &parameter.default {

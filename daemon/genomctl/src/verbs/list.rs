@@ -1,4 +1,4 @@
-//! `genomctl list`: the components that run.
+//! `genomctl list`: lists components.
 
 use genom_protocol::{Component, Components, LeftBehind, routes};
 
@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::table::Table;
 
-/// List the components that run or are being loaded, and what is left of those that did not stop.
+/// List the components that are running or being loaded, and those that did not stop in time.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 

@@ -1,4 +1,4 @@
-//! `genomctl load`: one more component in the daemon.
+//! `genomctl load`: loads a component into the daemon.
 
 use clap_complete::engine::{ArgValueCompleter, PathCompleter};
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub(crate) struct Args {
     /// Library of codels (.so), description (.gen), or a name on the daemon's component path.
     #[arg(add = ArgValueCompleter::new(PathCompleter::any().filter(is_component)))]
     library: PathBuf,
-    /// Description, when it is neither in the library nor beside it.
+    /// Description, if it is neither in the library nor beside it.
     #[arg(long, value_name = "FILE", add = ArgValueCompleter::new(PathCompleter::any()))]
     gen_file: Option<PathBuf>,
     /// Instance name [default: the component's name].
@@ -26,7 +26,7 @@ pub(crate) struct Args {
     backend: Option<String>,
 }
 
-/// Libraries and descriptions, and folders on the way to them.
+/// Whether a path can be completed: libraries, descriptions, and directories.
 fn is_component(path: &Path) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     path.is_dir() || matches!(extension, Some("so" | "gen"))
@@ -44,7 +44,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     session.show(&reply, render)
 }
 
-/// The daemon has another working directory: what exists here is sent with its full path.
+/// An existing file is sent with its absolute path, because the daemon has another working
+/// directory.
 fn absolute(path: &Path) -> Result<PathBuf, Failure> {
     let full = if path.exists() { std::path::absolute(path)? } else { path.to_owned() };
     match full.to_str() {

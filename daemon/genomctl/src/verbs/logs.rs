@@ -1,4 +1,4 @@
-//! `genomctl logs`: what the daemon logged, and what it logs.
+//! `genomctl logs`: prints the daemon's log.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{Level, LogEntry, LogParameters, Logs, routes};
@@ -9,22 +9,22 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::terminal::{Terminal, Tone};
 
-/// Print what the daemon logged lately, of all components or of one.
+/// Print the latest entries of the daemon's log, on all components or on one.
 ///
-/// What `genomd --log` leaves out is not there, nor is what codels print themselves: that goes
-/// straight to genomd's own standard output and error, so that no codel waits for a reader.
+/// Entries that `genomd --log` filters out are not included, nor is what codels print: that goes
+/// directly to the standard output and error of genomd, so that codels never wait for a reader.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Instance name of a component: only what is about it.
+    /// Instance name of a component, for entries about it only.
     #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: Option<String>,
-    /// This level and graver ones.
+    /// Only entries of this level and more severe ones.
     #[arg(long, value_enum, default_value_t = Level::Trace)]
     level: Level,
-    /// At most this many entries, the latest.
+    /// Maximum number of entries; the latest ones are printed.
     #[arg(short = 'n', long, value_name = "COUNT")]
     last: Option<usize>,
-    /// Go on as the daemon logs, until Ctrl-C.
+    /// Continue with new entries, until Ctrl-C.
     #[arg(short, long)]
     follow: bool,
 }
@@ -38,9 +38,9 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
             reply.logs.iter().map(|entry| render(entry, session.terminal)).collect()
         });
     }
-    // All that is kept, then what comes.
+    // All entries that the daemon keeps, then new ones.
     query.last.get_or_insert(1024);
-    // Before anything is said: who reads a line may interrupt at once.
+    // Before anything is printed: a reader of the first line may send the interrupt at once.
     let mut interrupt = signal(SignalKind::interrupt())?;
     let mut stream = session.client.stream(&routes::log_stream().with(&query)).await?;
     loop {
@@ -58,7 +58,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
 }
 
-/// `12:34:56.789 WARN  demo: message`, in UTC as the daemon's own log.
+/// `12:34:56.789 WARN  demo: message`, in UTC as in the daemon's own log.
 fn render(entry: &LogEntry, terminal: Terminal) -> String {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a date")]
     let milliseconds = (entry.time * 1e3) as u64;

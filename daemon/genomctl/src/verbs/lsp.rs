@@ -1,15 +1,15 @@
-//! `genomctl lsp`: helps editors with descriptions. No daemon.
+//! `genomctl lsp`: the language server for descriptions. No daemon.
 
 use crate::failure::Failure;
 use crate::lsp;
 use crate::reading::Reading;
 
-/// Serve editors: the Language Server Protocol on standard input and output.
+/// Run the language server (LSP) for editors, on standard input and output.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     #[command(flatten)]
     reading: Reading,
-    /// Accepted because editors pass it; there is no other way to talk.
+    /// Accepted because editors pass it; it is the only transport.
     #[arg(long, hide = true)]
     stdio: bool,
 }

@@ -1,4 +1,4 @@
-//! `genomctl man`: manual pages, from the same definitions as `--help`.
+//! `genomctl man`: writes manual pages, from the definitions of `--help`.
 
 use std::path::PathBuf;
 use std::{fs, io};
@@ -11,7 +11,7 @@ use crate::session::Session;
 /// For instance ~/.local/share/man/man1; then `man genomctl-start`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Where to; made when it is not there.
+    /// Directory to write to; created if it does not exist.
     directory: PathBuf,
 }
 

@@ -1,4 +1,4 @@
-//! The verbs, one file each: arguments, request, and a pure rendering of the reply.
+//! The verbs, one file each: arguments, request, and a pure function that formats the reply.
 
 mod abort;
 mod activities;
@@ -59,7 +59,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 pub(crate) use completion::VARIABLE as COMPLETE;
 
-/// What to do.
+/// The verbs.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Verb {
     List(list::Args),
@@ -117,8 +117,8 @@ pub(crate) enum Verb {
 }
 
 impl Verb {
-    /// The way to the daemon: `--timeout` of verbs that wait for something else than its answers is
-    /// theirs alone.
+    /// The options that select the daemon. `--timeout` of verbs that wait for something other than
+    /// a reply is not that of the connection.
     pub(crate) fn connection(&self, given: Connection) -> Connection {
         match self {
             Verb::Wait(_) | Verb::Apply(_) => Connection { timeout: None, ..given },
@@ -127,7 +127,7 @@ impl Verb {
     }
 }
 
-/// Does it; `command` is the whole command line, for verbs that describe it.
+/// Runs the verb; `command` is the whole command line, for verbs that describe it.
 pub(crate) async fn run(
     verb: Verb,
     session: &Session,

@@ -1,4 +1,4 @@
-//! How a service ended, as it is shown.
+//! Prints the outcome of a service.
 
 use genom_protocol::{Activity, CallReply, Outcome};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use serde_json::Value;
 use crate::failure::Failure;
 use crate::session::{Reply, Session};
 
-/// Prints how an activity ended, or fails with its exception. `what` names it.
+/// Prints the outcome of an activity, or fails with its exception. `what` names it.
 pub(crate) fn show(session: &Session, what: &str, reply: &Reply<Activity>) -> Result<(), Failure> {
     print(session, what, &reply.sent, None, Some(&reply.content.outcome))
 }
@@ -37,7 +37,7 @@ fn print(
     if session.json { Ok(()) } else { session.print(&render(activity, outcome)) }
 }
 
-/// Outputs one a line; an activity that runs says its number; nothing to say gives `done`.
+/// One output per line; for a running activity its number; `done` if there is nothing else.
 fn render(activity: Option<u64>, outcome: Option<&Outcome>) -> String {
     match (outcome.and_then(|outcome| outcome.result.as_ref()), activity) {
         (None, Some(activity)) => format!("activity {activity}\n"),

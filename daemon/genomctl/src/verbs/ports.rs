@@ -1,4 +1,4 @@
-//! `genomctl ports`: ports with their connections and values.
+//! `genomctl ports`: lists ports with their connections and values.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{Ports, routes};
@@ -12,7 +12,7 @@ use crate::table::Table;
 /// List ports, what they are connected to and their last values.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Instance name of the component; all components when left out.
+    /// Instance name of the component; all components if left out.
     #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: Option<String>,
 }
@@ -42,7 +42,7 @@ fn render(reply: &Ports) -> Table {
     Table { header: vec!["PORT", "DIRECTION", "TYPE", "CONNECTED", "VALUE"], rows }
 }
 
-/// A value cut to what fits a line; `genomctl echo` shows the whole.
+/// A value, shortened to fit in a line; `genomctl echo` prints all of it.
 fn short(value: &Value) -> String {
     const WIDTH: usize = 48;
     let text = value.to_string();

@@ -1,4 +1,4 @@
-//! `genomctl pub`: a value to an in port, from outside.
+//! `genomctl pub`: publishes a value to an in port.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{Address, Published, routes};
@@ -12,8 +12,8 @@ use crate::session::Session;
 
 /// Publish a value to an in port.
 ///
-/// The port is connected to what is published this way, until it is connected to an out port or
-/// disconnected. Members that are left out keep the value published last, at first zero.
+/// The port reads values published this way until it is disconnected, or connected to an out port.
+/// Members that are left out keep the value published last, zero at first.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// The in port: COMPONENT/PORT or COMPONENT/PORT/ELEMENT.
@@ -30,7 +30,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     session.show(&reply, |reply: &Published| format!("{} = {}\n", reply.address, reply.value))
 }
 
-/// One word of JSON is the value itself; else `key=value` words are members.
+/// A single word of JSON is the whole value; otherwise `key=value` words are members.
 fn value(words: &[String]) -> Result<Value, Failure> {
     match words {
         [word] => match serde_json::from_str(word) {

@@ -1,4 +1,4 @@
-//! `genomctl record`: what passes through ports and what services are asked, to a file.
+//! `genomctl record`: records ports and calls of services in a file.
 
 use std::fs::File;
 use std::io::{IsTerminal as _, Write as _};
@@ -17,16 +17,16 @@ use crate::session::Session;
 use crate::table::Table;
 use crate::times::seconds;
 
-/// How often the file is brought up to date, and the terminal.
+/// How often the file is saved and the terminal updated.
 const SAVE: Duration = Duration::from_secs(1);
 
 /// Record ports, service calls, activities and exceptions in an MCAP file, until Ctrl-C.
 ///
-/// Every sample that codels write or read is recorded, with the date of that moment; dates go on
-/// evenly when the machine's clock is set meanwhile. Foxglove, PlotJuggler and the MCAP libraries
-/// read the file. Samples that could not be kept up with are counted, and shown at the end. Each
-/// second the file is brought up to date: of a recorder that is killed, `genomctl replay` reads
-/// what came until then, and `genomctl recover` makes a whole file of it.
+/// Every sample that codels write or read is recorded, with the date of that moment. If the
+/// machine's clock is set meanwhile, dates do not jump. Foxglove, PlotJuggler and the MCAP
+/// libraries read the file. Samples that could not be recorded in time are counted, and shown at
+/// the end. The file is saved every second: if the recorder is killed, `genomctl replay` can read
+/// what was saved, and `genomctl recover` turns it into a complete file.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// What to record: COMPONENT, COMPONENT/PORT or COMPONENT/PORT/ELEMENT [default: everything].
@@ -34,10 +34,10 @@ pub(crate) struct Args {
     /// The file.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-    /// Replace the file if there is one.
+    /// Replace an existing file.
     #[arg(long)]
     force: bool,
-    /// End after this time.
+    /// Stop after this many seconds.
     #[arg(long, short, value_name = "SECONDS", value_parser = seconds)]
     duration: Option<Duration>,
 }
@@ -107,12 +107,12 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
             () = &mut over, if !ending => true,
         };
         if enough && ending {
-            // Asked twice: what did not come yet is given up.
+            // Interrupted a second time: samples that have not arrived are given up.
             break false;
         }
         if enough {
             ending = true;
-            // The daemon sends what it has taken until now, and then the end.
+            // The daemon sends all samples taken until now, then ends the recording.
             let number = start.recording.to_string();
             if session.ask(routes::end_recording(&number)).await.is_err() {
                 break false;

@@ -1,4 +1,4 @@
-//! `genomctl recover`: a whole recording of one whose recorder was killed.
+//! `genomctl recover`: completes a recording whose recorder was killed.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -15,19 +15,19 @@ use crate::recording::walk::{Extent, Part, records, walk};
 use crate::session::Session;
 use crate::table::Table;
 
-/// Make a whole MCAP file of one that was not ended, as after a crash or on a full disk.
+/// Make a complete MCAP file from one that was not completed, as after a crash or on a full disk.
 ///
-/// All samples that are whole are copied, with attachments and metadata, and the index is made
-/// anew; the file itself stays as it is. `genomctl replay` reads such files also as they are;
-/// other tools often do not.
+/// All intact samples, attachments and metadata are copied to a new file with an index; the
+/// original stays as it is. `genomctl replay` reads incomplete files, too, but many other tools do
+/// not.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The file that was not ended.
+    /// The incomplete file.
     file: PathBuf,
-    /// The whole file.
+    /// The complete file to write.
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
-    /// Replace it if there is one.
+    /// Replace an existing file.
     #[arg(long)]
     force: bool,
 }
@@ -44,7 +44,7 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
         return Err(Failure::usage(message, "name another file, or replace it with --force"));
     }
     let mut copy = Copy::default();
-    // Nothing is made of a file that cannot be read.
+    // Read first, so that no file is created if this one cannot be read.
     walk(&args.file, |_| Ok::<_, ReadError>(())).map_err(|why| Failure::file(&args.file, why))?;
     let copied = copy.all(args);
     let extent = copied.map_err(|why| match why {
@@ -66,10 +66,10 @@ pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     })
 }
 
-/// A copy under way.
+/// A copy being made.
 #[derive(Default)]
 struct Copy {
-    /// By channel: its topic, and how many messages it has.
+    /// Topic and number of messages of each channel.
     topics: BTreeMap<u16, (String, u64)>,
 }
 
@@ -136,7 +136,7 @@ impl Copy {
                 data,
             })?,
             Record::Metadata(metadata) => writer.write_metadata(&metadata)?,
-            // Indexes and sums, which the writer makes, and what is not known.
+            // Indexes and checksums, which the writer creates, and unknown records.
             _ => {}
         }
         Ok(())

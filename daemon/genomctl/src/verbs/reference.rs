@@ -1,13 +1,13 @@
-//! `genomctl reference`: docs/cli.md, from the same definitions as `--help`.
+//! `genomctl reference`: prints docs/cli.md, from the definitions of `--help`.
 
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Print the reference of genomctl in Markdown: every verb as `--help` tells it.
+/// Print the reference of genomctl in Markdown: the help of every verb.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {}
 
-/// Columns of the page, whatever the terminal.
+/// Width of the page in columns, whatever the terminal.
 const WIDTH: usize = 100;
 
 pub(super) fn run(_: &Args, session: &Session, genomctl: clap::Command) -> Result<(), Failure> {
@@ -16,7 +16,7 @@ pub(super) fn run(_: &Args, session: &Session, genomctl: clap::Command) -> Resul
     let mut whole = cli.clone();
     for verb in cli.get_subcommands().filter(|verb| !verb.is_hide_set()) {
         let name = verb.get_name();
-        // Without the options that all verbs have: they stand at the top.
+        // Without the options common to all verbs, which are listed at the top.
         let mut verb = verb.clone().term_width(WIDTH).bin_name(format!("genomctl {name}"));
         verb = verb.disable_help_flag(true);
         verbs.push_str(&format!("\n## {name}\n\n```text\n{}\n```\n", trimmed(&mut verb)));

@@ -1,4 +1,4 @@
-//! `genomctl replay`: the samples of a recording, published to in ports.
+//! `genomctl replay`: publishes the samples of a recording to in ports.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -18,31 +18,31 @@ use crate::recording::reader::{Recorded, Recording};
 use crate::session::Session;
 use crate::table::Table;
 
-/// What is sent at once, at most.
+/// Maximum number of bytes sent in one request.
 const BATCH: usize = 256 << 10;
 
 /// Publish the samples of a recording to in ports, with their original timing.
 ///
-/// A recorded in port is fed again: its component reads what it read then. To feed an in port
-/// with what an out port wrote, name the two with --to. An in port that reads something else is
-/// left alone: disconnect it first.
+/// A recorded in port receives what it read during the recording. Use --to to publish the samples
+/// of an out port to an in port. An in port that is connected to something else is refused:
+/// disconnect it first.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// An MCAP file of `genomctl record`, or another one with CDR in it.
     file: PathBuf,
-    /// Feed an in port with a topic: /gps/pose=arm/target; may be repeated. Without it, every
-    /// recorded in port that is there.
+    /// Publish a topic to an in port: /gps/pose=arm/target; may be repeated. Without this option,
+    /// all recorded in ports that exist are used.
     #[arg(long, value_name = "TOPIC=PORT")]
     to: Vec<String>,
-    /// Step the clock (`genomd --clock virtual`) from sample to sample, as fast as it goes.
+    /// Step the clock (`genomd --clock virtual`) from sample to sample, as fast as possible.
     #[arg(long)]
     step: bool,
-    /// So many times as fast.
+    /// Speed relative to the recording: 2 is twice as fast.
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0, conflicts_with = "step")]
     rate: f64,
 }
 
-/// An in port to feed.
+/// An in port to publish to.
 struct Target {
     port: Address,
     published: u64,
@@ -128,7 +128,7 @@ fn show(session: &Session, targets: &BTreeMap<u16, Target>, complete: bool) -> R
     })
 }
 
-/// The in ports to feed, by channel.
+/// The in ports to publish to, by channel.
 async fn choose(
     args: &Args,
     recording: &Recording,
@@ -188,7 +188,7 @@ fn is_inport(known: &Ports, port: &Address) -> bool {
     })
 }
 
-/// Samples of another type would be taken for what they are not.
+/// Fails if the types differ: samples of another type would be misinterpreted.
 async fn check_type(
     session: &Session,
     topic: &str,
@@ -206,7 +206,7 @@ async fn check_type(
     Err(Failure::refused(Code::TypeMismatch.name(), message))
 }
 
-/// What a definition says, comments and blanks apart.
+/// The lines of a definition without comments and blanks.
 fn lines(definition: &[u8]) -> Vec<String> {
     let text = String::from_utf8_lossy(definition);
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default());
@@ -218,18 +218,19 @@ fn tell(text: &str) {
     let _ = std::io::stderr().lock().write_all(text.as_bytes());
 }
 
-/// In nanoseconds: samples so far apart are no recording.
+/// In nanoseconds: samples further apart cannot be of one recording.
 const YEAR: u64 = 366 * 24 * 3600 * 1_000_000_000;
 
-/// When samples are due.
+/// Decides when samples are due.
 enum Pace {
-    /// By the machine's clock: dates count from the first sample.
+    /// By the machine's clock, relative to the date of the first sample.
     Timed { rate: f64, first: Option<(u64, Instant)> },
-    /// By the daemon's clock, which this steps.
+    /// By the daemon's virtual clock, which this program steps.
     Stepped {
-        /// Date of the daemon's clock.
+        /// Time of the daemon's clock.
         now: u64,
-        /// From the recording's dates to the daemon's; known with the first sample.
+        /// Difference between the daemon's clock and dates of the recording; known from the first
+        /// sample on.
         shift: Option<i128>,
     },
 }
@@ -244,13 +245,13 @@ impl Pace {
         Ok(Pace::Stepped { now: reply, shift: None })
     }
 
-    /// The date to publish a sample at: on the stepped clock just before its own, so that the
-    /// tick of that date reads it and none before.
+    /// The date to publish a sample at. With a virtual clock it is just before the sample's own, so
+    /// that the tick of that date is the first to read it.
     fn date(&mut self, sample: &Recorded) -> u64 {
         let Pace::Stepped { now, shift } = self else { return sample.date };
         let shift = *shift.get_or_insert_with(|| {
-            // Dates that this clock has still before it are kept; those of another clock, which
-            // counts from 1970, begin now.
+            // Dates that the virtual clock has not reached yet are used as they are; those of a
+            // wall clock, which count from 1970, are shifted to begin now.
             let kept = sample.date > *now && sample.date - *now < YEAR;
             if kept { 0 } else { i128::from(*now) + 1 - i128::from(sample.date) }
         });
@@ -286,7 +287,7 @@ impl Pace {
         Ok(())
     }
 
-    /// The tick of the last sample reads it, too.
+    /// Steps once more, so that a tick reads the last sample.
     async fn end(&mut self, session: &Session) -> Result<(), Failure> {
         if let Pace::Stepped { .. } = self {
             step(session, 1).await?;

@@ -1,5 +1,5 @@
-//! `genomctl ros2-package`: the messages, services and actions of components, for ROS to build.
-//! No daemon.
+//! `genomctl ros2-package`: writes the messages, services and actions of components as ROS 2
+//! packages. No daemon.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -22,31 +22,31 @@ use crate::failure::Failure;
 use crate::reading::Reading;
 use crate::session::Session;
 
-/// What every package of ours says, and none of others.
+/// Marks packages that this program wrote, and may overwrite.
 const MARK: &str = "made by genomctl ros2-package";
 
-/// Write the ROS 2 packages of components' types, services and activities.
+/// Write ROS 2 packages with the types, services and activities of components.
 ///
-/// DIRECTORY gets a folder for each package, to be built with colcon: the .msg, .srv and .action
-/// files that say what the ROS 2 backend puts on the wire. genomd itself does not need them. Each
-/// interface is printed with its type hash.
+/// DIRECTORY receives one folder per package, to be built with colcon: the .msg, .srv and .action
+/// files of what the ROS 2 backend transmits. genomd itself does not need them. Each interface is
+/// printed with its type hash.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// The .gen files, read in order as one specification; then the directory.
+    /// The .gen files, read in order as one specification, followed by the directory.
     #[arg(required = true, num_args = 2.., value_names = ["FILE.gen", "DIRECTORY"])]
     paths: Vec<PathBuf>,
     /// One component [default: all].
     #[arg(long, value_name = "NAME")]
     component: Option<String>,
-    /// A type or service that goes under the name of a ROS one, besides those that
-    /// `#pragma masquerade ros2` names; may be repeated.
+    /// A type or service that is shown under the name of a ROS one, in addition to those of
+    /// `#pragma masquerade ros2`; may be repeated.
     #[arg(long, value_name = "::SCOPE::NAME=PACKAGE/KIND/TYPE")]
     masquerade: Vec<String>,
     #[command(flatten)]
     reading: Reading,
 }
 
-/// Something that cannot be said in ROS, and where it is.
+/// Something that has no equivalent in ROS, and where it is.
 struct Refusal {
     span: Span,
     message: String,
@@ -55,7 +55,7 @@ struct Refusal {
 
 pub(super) fn run(args: &Args, session: &Session) -> Result<(), Failure> {
     let Some((directory, files)) = args.paths.split_last() else { return Ok(()) };
-    // Tells what is wrong with the descriptions, and that files are missing.
+    // Prints diagnostics of the descriptions, including missing files.
     args.reading.read_sound(files)?;
     let navigator = Navigator::read(files, &args.reading.options(), &Disk);
     let specification = &navigator.analysis.specification;
@@ -115,7 +115,7 @@ fn chosen<'a>(
     Ok(chosen)
 }
 
-/// What `#pragma masquerade ros2` says.
+/// The names given by `#pragma masquerade ros2`.
 fn pragmas(specification: &Specification) -> BTreeMap<String, TypeName> {
     let ros2 = specification.masquerades.iter().filter(|one| one.template == "ros2");
     let read = ros2.filter_map(|one| Some((one.name.to_string(), TypeName::parse(&one.data)?)));
@@ -135,7 +135,7 @@ fn masquerade(given: &str) -> Result<(String, TypeName), Failure> {
     Ok((format!("::{}", ours.trim_start_matches("::")), theirs))
 }
 
-/// All interfaces of some components, and what has none.
+/// All interfaces of these components, and what has no equivalent.
 fn map(
     navigator: &Navigator,
     components: &[&Component],
@@ -188,7 +188,7 @@ fn map(
     (mapper.finish(), refusals)
 }
 
-/// Says where it is: at the member or type itself if it has a place, else where it is used.
+/// Reports a refusal at the member or type itself if it has a position, otherwise where it is used.
 fn refused(
     navigator: &Navigator,
     component: &Component,
@@ -210,7 +210,7 @@ fn refused(
     Refusal { span: span.unwrap_or(user), message, help: Some(problem.help().to_owned()) }
 }
 
-/// Where a parameter is declared: a member of `::component::service::input` or `output`.
+/// Position of a parameter, which is a member of `::component::service::input` or `output`.
 fn parameter(component: &Component, of: &ScopedName, name: &str) -> Option<Span> {
     let [owner, service, part] = of.segments() else { return None };
     if *owner != component.name {
@@ -256,7 +256,7 @@ fn render(hashed: &[(String, String)]) -> String {
     out
 }
 
-/// Writes the packages in place of earlier ones of ours.
+/// Writes the packages; replaces only packages written by this program.
 fn write(directory: &Path, packages: &Packages) -> Result<(), Failure> {
     for name in &packages.names {
         let package = directory.join(name);

@@ -1,4 +1,4 @@
-//! `genomctl start`: an activity, and on request its end.
+//! `genomctl start`: starts an activity, and waits for its end on request.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::routes;
@@ -10,7 +10,7 @@ use crate::session::Session;
 use crate::verbs::outcome;
 use tokio::signal::unix::{SignalKind, signal};
 
-/// Start an activity; its number is printed at once.
+/// Start an activity and print its number.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
@@ -19,14 +19,15 @@ pub(crate) struct Args {
     /// The activity.
     #[arg(add = ArgValueCompleter::from(Names::Startable))]
     service: String,
-    /// Inputs: '{"goal": 1.0}' or goal=1.0; what is left out takes its default. On a terminal they
-    /// are asked for when none are given; '{}' leaves all out.
+    /// Inputs: '{"goal": 1.0}' or goal=1.0; those left out take their defaults. On a terminal,
+    /// inputs are asked for if none are given; '{}' leaves all out.
     #[arg(add = ArgValueCompleter::from(Names::Inputs))]
     inputs: Vec<String>,
-    /// What is left out takes its default, or zero where it has none; also of an attribute.
+    /// Inputs that are left out take their defaults, or zero where there is none; also those of an
+    /// attribute.
     #[arg(long)]
     zero: bool,
-    /// Wait for its end; Ctrl-C aborts it, a second Ctrl-C leaves it alone.
+    /// Wait for its end. Ctrl-C aborts it; a second Ctrl-C stops waiting.
     #[arg(long, short)]
     wait: bool,
 }
@@ -42,8 +43,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
 }
 
-/// Waits for the end of an activity that this command started. Ctrl-C aborts it; a second one
-/// leaves it alone.
+/// Waits for the end of an activity that this command started. Ctrl-C aborts it; a second one stops
+/// waiting.
 pub(super) async fn wait_for(
     session: &Session,
     component: &str,
@@ -51,7 +52,7 @@ pub(super) async fn wait_for(
     activity: u64,
 ) -> Result<(), Failure> {
     let what = format!("{component}/{service} (activity {activity})");
-    // Before anything is said: who reads that it runs may interrupt at once.
+    // Before anything is printed: a reader of the number may send the interrupt at once.
     let mut interrupt = signal(SignalKind::interrupt())?;
     let end = super::wait::until_ended(session, component, activity, &what);
     tokio::pin!(end);
@@ -62,7 +63,7 @@ pub(super) async fn wait_for(
     session.tell(&format!("{what} is told to stop; Ctrl-C again leaves it alone"))?;
     let number = activity.to_string();
     match session.ask(routes::abort(component, &number)).await {
-        // It ended by itself in between.
+        // It ended in between.
         Ok(_) | Err(Failure::Refused(_)) => {}
         Err(failure) => return Err(failure),
     }

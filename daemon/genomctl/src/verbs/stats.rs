@@ -1,4 +1,4 @@
-//! `genomctl stats`: how the tasks do.
+//! `genomctl stats`: shows statistics of tasks.
 
 use clap_complete::engine::ArgValueCompleter;
 use genom_protocol::{RunningCodel, Statistics, Unpaused, routes};

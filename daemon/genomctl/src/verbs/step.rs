@@ -5,10 +5,11 @@ use genom_protocol::{Clock, StepRequest, routes};
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Advance the virtual clock (`genomd --clock virtual`), and run what is due on the way.
+/// Advance the virtual clock (`genomd --clock virtual`), and run everything that is due in that
+/// time.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// How far: 10ms, 2s, 500us, 100ns. 0s runs what is pending now.
+    /// How far: 10ms, 2s, 500us, 100ns. 0s runs what is due now.
     #[arg(value_parser = nanoseconds)]
     duration: u64,
 }
@@ -20,7 +21,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     })
 }
 
-/// A whole number with its unit.
+/// A whole number with a unit.
 fn nanoseconds(text: &str) -> Result<u64, String> {
     let digits = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
     let (number, unit) = text.split_at(digits);

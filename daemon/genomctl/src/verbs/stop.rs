@@ -1,4 +1,4 @@
-//! `genomctl stop`: everything that moves comes to rest.
+//! `genomctl stop`: stops all activities.
 
 use std::time::{Duration, Instant};
 
@@ -11,13 +11,13 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::times::seconds;
 
-/// Stop everything: tell every activity of every component to stop, and wait until all have ended.
+/// Stop everything: ask every activity of every component to stop, and wait until all have ended.
 ///
-/// Components stay loaded, with their ports connected; `genomctl kill` ends the daemon as well. Ends
-/// with 1 when an activity does not end in time.
+/// Components stay loaded, with their ports connected; `genomctl kill` ends the daemon as well. The
+/// exit status is 1 if an activity does not end in time.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// How long the activities may take to end, together, in seconds.
+    /// How long the activities may take to end, all together, in seconds.
     #[arg(long, value_name = "SECONDS", default_value = "10", value_parser = seconds)]
     within: Duration,
 }
@@ -52,7 +52,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     ))
 }
 
-/// What was told to stop, and what of it has not ended; for `--json`.
+/// The activities asked to stop, and those that have not ended; for `--json`.
 #[derive(Serialize)]
 struct Stopped {
     aborted: Vec<AbortedActivity>,
@@ -74,7 +74,7 @@ impl std::fmt::Display for Running {
     }
 }
 
-/// The state of an activity that runs at the end of the time; `None` when it ended.
+/// The state of an activity that still runs when the time is over; `None` if it ended.
 async fn state_after(
     session: &Session,
     one: &AbortedActivity,
@@ -87,7 +87,7 @@ async fn state_after(
         Ok(looked) if looked.content.status == Status::Running => {
             Ok(Some(looked.content.state.unwrap_or_else(|| Status::Running.to_string())))
         }
-        // It ended, and so did its component perhaps.
+        // The activity ended, and its component may have been unloaded.
         Ok(_) | Err(Failure::Refused(_)) => Ok(None),
         Err(failure) => Err(failure),
     }

@@ -1,4 +1,4 @@
-//! `genomctl token`: makes tokens for daemons that listen beyond their Unix socket.
+//! `genomctl token`: creates tokens for daemons that listen beyond their Unix socket.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Write as _};
@@ -11,30 +11,31 @@ use serde_json::json;
 use crate::failure::Failure;
 use crate::session::Session;
 
-/// Make a token, as an entry of a daemon's token file (`genomd --token-file`); `token reload` has
-/// the daemon read that file again.
+/// Create a token, as an entry of a daemon's token file (`genomd --token-file`). `token reload`
+/// makes the daemon read that file again.
 #[derive(Debug, clap::Args)]
 #[command(args_conflicts_with_subcommands = true)]
 pub(crate) struct Args {
     #[command(subcommand)]
     what: Option<What>,
-    /// Whose it is: messages and logs tell this name.
+    /// Name of its holder, used in messages and logs.
     #[arg(required = true)]
     name: Option<String>,
-    /// What it is good for.
+    /// Rights of its holder.
     #[arg(long, value_delimiter = ',', default_value = "read")]
     rights: Vec<Right>,
-    /// Add it to this file, which is made for you alone if it is not there [default: print it].
+    /// Add it to this file, which is created with access for you alone if it does not exist
+    /// [default: print it].
     #[arg(long, value_name = "FILE")]
     into: Option<PathBuf>,
 }
 
 #[derive(Debug, clap::Subcommand)]
 enum What {
-    /// Have the daemon read its token file again, as SIGHUP does.
+    /// Make the daemon read its token file again, as SIGHUP does.
     ///
-    /// A token that is not in it any more counts no more, from the next request on. A file with a
-    /// mistake changes nothing.
+    /// A token that is not in the file any more is refused from the next request on. If the file
+    /// has a mistake, nothing changes.
     Reload,
 }
 

@@ -1,4 +1,4 @@
-//! `genomctl top`: what goes on, live.
+//! `genomctl top`: shows activity live.
 
 use std::io::{self, IsTerminal as _};
 use std::time::Duration;
@@ -9,20 +9,20 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::top::{self, Snapshot};
 
-/// Show tasks, activities and ports as they do, until q.
+/// Show tasks, activities and ports live, until q.
 ///
-/// Without a terminal, or with --once, the table is printed one time, after two looks.
+/// Without a terminal, or with --once, the table is printed once, from two readings.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
-    /// Print the table one time.
+    /// Print the table once.
     #[arg(long)]
     once: bool,
-    /// Seconds between two looks.
+    /// Seconds between two readings.
     #[arg(long, short, value_name = "SECONDS", default_value_t = 1.0)]
     delay: f64,
 }
 
-/// Columns of the printed table.
+/// Width of the printed table, in columns.
 const WIDTH: u16 = 100;
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
@@ -37,7 +37,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     if session.json {
         return session.print(&format!("{}\n", json!(first.data())));
     }
-    // Rates come from two looks.
+    // Rates are computed from two readings.
     tokio::time::sleep(delay).await;
     let now = Snapshot::take(session).await?;
     session.print(&top::text(&now, Some(&first), terminal_width().unwrap_or(WIDTH)))

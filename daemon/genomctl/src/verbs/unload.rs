@@ -1,4 +1,4 @@
-//! `genomctl unload`: stops a component and takes it out of the daemon.
+//! `genomctl unload`: stops and unloads a component.
 
 use genom_protocol::routes;
 

@@ -1,4 +1,4 @@
-//! `genomctl wait`: until an activity has ended.
+//! `genomctl wait`: waits for the end of an activity.
 
 use clap_complete::engine::ArgValueCompleter;
 use std::time::Instant;
@@ -11,13 +11,13 @@ use crate::session::{Reply, Session};
 use crate::terminal::Progress;
 use crate::verbs::outcome;
 
-/// Wait until an activity has ended, and tell how.
+/// Wait until an activity has ended, and print its outcome.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Instance name of the component.
     #[arg(add = ArgValueCompleter::from(Names::Components))]
     component: String,
-    /// Number of the activity, or name of a service: then its latest.
+    /// Number of the activity, or name of a service for its latest activity.
     #[arg(add = ArgValueCompleter::from(Names::Activities))]
     activity: String,
     /// Give up after this many seconds.
@@ -49,8 +49,8 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     ))
 }
 
-/// Asks again and again, each time for as long as the daemon holds a request; on a terminal, `what`
-/// is shown with its state and the time that passes.
+/// Waits by repeated requests, each as long as the daemon holds one; on a terminal, shows `what`
+/// with its state and the time elapsed.
 pub(super) async fn until_ended(
     session: &Session,
     component: &str,
@@ -75,7 +75,7 @@ pub(super) async fn until_ended(
     }
 }
 
-/// Looks at an activity when it has ended, or after so many seconds.
+/// Asks about an activity; the daemon replies when it has ended, or after `seconds`.
 async fn look(
     session: &Session,
     component: &str,

@@ -1,4 +1,4 @@
-//! `genomctl wait-ready`: until the daemon has loaded what it was started with.
+//! `genomctl wait-ready`: waits until the daemon has loaded the components it was started with.
 
 use std::io;
 use std::time::{Duration, Instant};
@@ -12,8 +12,9 @@ use crate::times::seconds;
 
 /// Wait until the daemon has loaded all components that it was started with.
 ///
-/// For scripts that start a daemon: it may be started after this, too. Ends with 3 when the daemon
-/// goes meanwhile, as when it refuses a component; its log says why.
+/// For scripts that start a daemon; it may also be started after this command. The exit status is 3
+/// if the daemon ends meanwhile, for instance because a component was refused; its log has the
+/// reason.
 #[derive(Debug, clap::Args)]
 pub(crate) struct Args {
     /// Wait for the connections, calls and activities of its configuration, too.
@@ -24,9 +25,9 @@ pub(crate) struct Args {
     within: Duration,
 }
 
-/// Between two attempts to reach a daemon that is not there yet.
+/// Interval between attempts to connect to a daemon that is not there yet.
 const LOOK: Duration = Duration::from_millis(50);
-/// How long the daemon holds one request, in seconds.
+/// How long the daemon may hold one request, in seconds.
 const HOLD: f64 = 1.0;
 
 pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
@@ -50,7 +51,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
                     "`genomctl logs` tells how far it is".to_owned(),
                 )
             }
-            // It was there.
+            // It was reachable before.
             Err(Failure::Unreachable { .. }) if seen => return Err(session.client.lost()),
             Err(Failure::Refused(reason)) if reason.is(Code::Stopping) => {
                 return Err(session.client.lost());
@@ -68,7 +69,7 @@ pub(super) async fn run(args: Args, session: &Session) -> Result<(), Failure> {
     }
 }
 
-/// Whether a daemon that starts may answer otherwise.
+/// Whether the failure may disappear while a daemon is starting.
 fn comes_later(failure: &Failure) -> bool {
     use io::ErrorKind::{InvalidData, PermissionDenied};
     let Failure::Unreachable { source, .. } = failure else { return false };

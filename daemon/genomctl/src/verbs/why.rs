@@ -25,7 +25,7 @@ fn render(reply: &Findings) -> String {
     if reply.findings.is_empty() {
         return "data flows: nothing is wrong\n".to_owned();
     }
-    // What somebody asks comes first.
+    // Comes first, because it answers the question.
     let flows = reply.flows.iter().map(|flow| format!("data flows: {flow}\n"));
     let told = reply.findings.iter();
     flows.chain(told.map(|Finding { what, fix, .. }| format!("{what}\n  fix: {fix}\n"))).collect()

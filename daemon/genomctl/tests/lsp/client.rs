@@ -1,4 +1,4 @@
-//! An editor, as far as the server can see: messages with their headers over pipes.
+//! A scripted editor: sends and receives LSP messages over pipes.
 
 use std::collections::VecDeque;
 use std::io::{BufReader, Write as _};
@@ -10,20 +10,20 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
-/// Nothing here takes so long unless it hangs.
+/// Only a hanging test takes this long.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
 pub(crate) struct Client {
     child: Child,
     input: Option<ChildStdin>,
     messages: Receiver<Value>,
-    /// Notifications that came while something else was waited for.
+    /// Notifications received while waiting for something else.
     told: VecDeque<Value>,
     asked: i64,
 }
 
 impl Client {
-    /// Starts a server and shakes hands.
+    /// Starts a server and initialises it.
     pub(crate) fn start(arguments: &[&str], options: &Value) -> (Self, Value) {
         let mut child = Command::new(env!("CARGO_BIN_EXE_genomctl"))
             .arg("lsp")
@@ -99,7 +99,8 @@ impl Client {
         );
     }
 
-    /// What is said next about a file: `LINE:COLUMN code message`, from 0 as the protocol counts.
+    /// The next diagnostics published for a file: `LINE:COLUMN code message`, counted from 0 as in
+    /// the protocol.
     pub(crate) fn diagnostics(&mut self, path: &Path) -> Vec<String> {
         let published = loop {
             let next = self.told.pop_front();
@@ -123,7 +124,7 @@ impl Client {
         all.map(one).collect()
     }
 
-    /// Says goodbye.
+    /// Shuts the server down.
     pub(crate) fn stop(mut self) -> ExitStatus {
         assert_eq!(self.ask("shutdown", Value::Null), Value::Null);
         self.tell("exit", Value::Null);
@@ -133,7 +134,7 @@ impl Client {
     /// Closes the pipe and waits for the end.
     pub(crate) fn end(mut self) -> ExitStatus {
         drop(self.input.take());
-        // The reading thread ends with the server: until then, the watchdog counts.
+        // The reading thread ends with the server, or the watchdog expires.
         while self.messages.recv_timeout(WATCHDOG).is_ok() {}
         self.child.wait().unwrap()
     }
@@ -168,7 +169,7 @@ pub(crate) fn uri(path: &Path) -> String {
     format!("file://{}", path.display())
 }
 
-/// The position of `|` in the text without it, in UTF-16 units.
+/// The position of `|` in `marked`, as a position in `text`, in UTF-16 units.
 pub(crate) fn position(text: &str, marked: &str) -> Value {
     let found = text.find(&marked.replace('|', "")).unwrap_or_else(|| panic!("no {marked}"));
     let before = &text[..found + marked.find('|').unwrap()];

@@ -58,7 +58,7 @@ fn mistakes_are_told_when_a_text_is_opened_and_go_when_they_are_corrected() {
     );
     editor.change(&file, 2, ARM);
     assert_eq!(editor.diagnostics(&file), [""; 0]);
-    // Columns count UTF-16 units: the robot in front is two.
+    // Columns count UTF-16 units: the emoji before counts two.
     editor.change(&file, 3, &ARM.replace("point tip", "nothing tip"));
     assert_eq!(editor.diagnostics(&file), ["2:21 E0206 unknown type `nothing`"]);
     editor.tell("textDocument/didClose", json!({"textDocument": {"uri": uri(&file)}}));
@@ -97,7 +97,7 @@ fn an_unsaved_include_counts_and_its_mistakes_are_told_where_they_are() {
     assert_eq!(editor.diagnostics(&types), [""; 0]);
     editor.change(&types, 2, "struct point { double x; nothing y; };\n");
     assert_eq!(editor.diagnostics(&file), [""; 0]);
-    // Found twice, from the file itself and from what includes it; told once.
+    // Found twice, from the file itself and from the one that includes it, but published once.
     assert_eq!(editor.diagnostics(&types), ["0:25 E0206 unknown type `nothing`"]);
     assert!(editor.stop().success());
 }
@@ -119,7 +119,7 @@ fn options_come_from_the_command_line_and_from_the_editor() {
     assert_eq!(other.diagnostics(&file), [""; 0]);
 }
 
-/// A request about the place of `|` in the arm.
+/// A request about the position of `|` in the arm.
 fn ask(editor: &mut Client, room: &tempfile::TempDir, method: &str, marked: &str) -> Value {
     let file = room.path().join("arm.gen");
     editor.ask(
@@ -176,7 +176,7 @@ fn completions_fit_the_text_as_it_is_being_written() {
     };
     let tasks = labels(&ask(&mut editor, &room, "completion", "task |main;"));
     assert_eq!(tasks, ["main"]);
-    // Not read yet when the question comes: it counts all the same.
+    // The text has not been read yet when the request arrives.
     let marked = "component arm { port in |";
     let text = ARM.replace("component arm {", "component arm { port in ");
     editor.change(&file, 2, &text);

@@ -12,12 +12,12 @@ const REFUSED: &str = "component c {\n  port in missing p;\n};\n";
 fn every_case_agrees_with_genom3_but_the_intended_differences() {
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../description/tests/cases");
     let room = Room::new(&[]);
-    // A link, for words are split at blanks.
+    // A link, because arguments are split at blanks.
     std::os::unix::fs::symlink(cases, room.path("cases")).unwrap();
     let (code, out, err) = room.run("check --manifest cases/manifest.tsv", "");
     assert_eq!((code, err.as_str()), (0, ""), "{out}");
     assert_eq!(out.lines().last(), Some("88 of 94 agree; 6 intended differences"), "{out}");
-    // What crashes GenoM3 is a plain error here.
+    // Where GenoM3 crashes, genomctl reports a plain error.
     let crashes: Vec<_> = out.lines().filter(|line| line.contains("CRASH")).collect();
     assert_eq!(crashes.len(), 3, "{out}");
     assert!(crashes.iter().all(|line| line.contains("reject")), "{out}");

@@ -4,7 +4,7 @@ use expect_test::expect;
 
 use crate::support::Room;
 
-/// Ten mistakes, none of which follows from another, and uses of what they declare.
+/// Ten independent mistakes, and uses of what they declare.
 const TEN: &str = r#"const long big = 1 / 0;
 const long twice = big + big;
 struct point { double x; nothing y; };
@@ -92,7 +92,7 @@ fn data_go_to_standard_output() {
             exit 1
         "#]],
     );
-    // The option for all verbs means the same, on one line as with all verbs.
+    // The global option gives the same, on one line as for all verbs.
     let line = room.run("--json check c.gen", "").1;
     assert_eq!(line.lines().count(), 1, "{line}");
     let data = |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap();

@@ -1,4 +1,4 @@
-//! What is made of sound descriptions: header, describe, graph, digest.
+//! Outputs made of valid descriptions: header, describe, graph, digest.
 
 use expect_test::expect;
 

@@ -1,4 +1,4 @@
-//! The verbs that need no daemon, black box: what is typed, and exactly what is shown.
+//! Black-box tests of the verbs that need no daemon: exact output for each command.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]

@@ -1,4 +1,4 @@
-//! A directory of descriptions, and transcripts of what genomctl says about them.
+//! A directory of descriptions, and transcripts of genomctl run in it.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 use expect_test::Expect;
 use tempfile::TempDir;
 
-/// Files to work on; gone when dropped.
+/// A temporary directory with files.
 pub(crate) struct Room(TempDir);
 
 impl Room {
@@ -34,12 +34,12 @@ impl Room {
         std::fs::read(self.path(name)).unwrap()
     }
 
-    /// Runs `genomctl` here; words are split at blanks.
+    /// Runs `genomctl` in the directory; arguments are split at blanks.
     pub(crate) fn run(&self, words: &str, input: &str) -> (i32, String, String) {
         run(self.0.path(), words, input)
     }
 
-    /// The whole of what is typed and shown: output, errors behind `!`, exit status if not 0.
+    /// Compares the transcript of a command: output, errors after `!`, exit status if it is not 0.
     #[track_caller]
     pub(crate) fn check(&self, words: &str, shown: &Expect) {
         shown.assert_eq(&self.transcript(words, ""));

@@ -1,5 +1,5 @@
-//! `genomctl ros2-package`: what is written, what ROS's own parser and an independent library of
-//! CDR make of it, and what has no equivalent.
+//! `genomctl ros2-package`: the files written, how ROS's own parser and an independent CDR library
+//! read them, and what is refused.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]

@@ -39,7 +39,7 @@ messages = [name for name in interfaces if "/msg/" in name]
 hashes = {name: store.hash_rihs01(name) for name in messages}
 jazzy = get_typestore(Stores.ROS2_JAZZY)
 standard = {name: jazzy.hash_rihs01(name) for name in jazzy.fielddefs}
-# These have a `char`, which ROS's own hash has as uint8 and rosbags' has not.
+# ROS's own hash treats the `char` in these as uint8, that of rosbags does not.
 del standard["service_msgs/msg/ServiceEventInfo"], standard["std_msgs/msg/Char"]
 print(
     json.dumps({"interfaces": sorted(interfaces), "hashes": hashes, "standard": standard}),
@@ -54,7 +54,7 @@ def plain(value):
     if isinstance(value, list):
         return [plain(one) for one in value]
     if hasattr(value, "__msgtype__"):
-        # Fields are in small letters, constants in capitals.
+        # Fields are lower case, constants upper case.
         names = [field.name for field in fields(value) if field.name.islower()]
         names.remove("__msgtype__")
         return {name: plain(getattr(value, name)) for name in names}

@@ -1,4 +1,4 @@
-//! ROS's own parser reads the packages, and `rosbags` reads and writes what our CDR plan does.
+//! ROS's own parser reads the packages, and `rosbags` reads and writes what our CDR code does.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Write};
@@ -23,7 +23,7 @@ const WATCHDOG: Duration = Duration::from_secs(120);
 struct Known {
     interfaces: Vec<String>,
     hashes: BTreeMap<String, String>,
-    /// Of messages of ROS itself.
+    /// Definitions of ROS's standard messages.
     standard: BTreeMap<String, String>,
 }
 
@@ -77,7 +77,7 @@ impl Peer {
 
 impl Drop for Peer {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // It may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -150,7 +150,7 @@ fn ros_reads_the_packages_and_the_messages() {
     }
 }
 
-/// What is built in of ROS's own messages is as ROS has it.
+/// The built-in definitions of ROS's standard messages are those of ROS.
 #[track_caller]
 fn check_standard(published: &BTreeMap<String, String>) {
     let library = Library::default();
@@ -187,7 +187,7 @@ fn full() -> Value {
     })
 }
 
-/// What the table of the mapping says it is on the wire.
+/// The expected value in ROS, according to the table of the mapping.
 fn full_in_ros() -> Value {
     json!({
         "all": {

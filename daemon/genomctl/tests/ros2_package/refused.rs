@@ -1,4 +1,4 @@
-//! What has no equivalent in ROS is told where it stands.
+//! Types without an equivalent in ROS are reported at their position.
 
 use expect_test::expect;
 

@@ -1,4 +1,5 @@
-//! The activities of one component as supervisors see them: running, and lately ended.
+//! The activities of one component as supervisors see them: the running ones, and those that ended
+//! recently.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -10,12 +11,12 @@ use tokio::sync::watch;
 use crate::ending::Ending;
 use crate::waiting::wait;
 
-/// One activity; shared by all who wait for it.
+/// An activity, shared by all who wait for it.
 #[derive(Debug)]
 pub struct Activity {
-    /// Its number, unique in the component's life.
+    /// Its number, unique during the life of the component.
     pub number: u64,
-    /// The service it runs.
+    /// Name of its service.
     pub service: String,
     ending: watch::Sender<Option<Ended>>,
 }
@@ -27,29 +28,29 @@ struct Ended {
 }
 
 impl Activity {
-    /// How it ended, if it did.
+    /// Its outcome, if it has ended.
     pub fn ending(&self) -> Option<Ending> {
         self.ending.borrow().as_ref().map(|ended| ended.ending.clone())
     }
 
-    /// Waits for its end.
+    /// Waits for its outcome.
     pub async fn ended(&self) -> Option<Ending> {
         let mut ending = self.ending.subscribe();
         let ended = ending.wait_for(Option::is_some).await.ok()?;
         ended.as_ref().map(|ended| ended.ending.clone())
     }
 
-    /// Waits for its end, and holds up the thread.
+    /// Waits for its outcome. Blocks the thread.
     pub fn wait(&self) -> Option<Ending> {
         wait(self.ended(), None).flatten()
     }
 
-    /// The same, no longer than this.
+    /// Waits for its outcome, at most this long. Blocks the thread.
     pub fn wait_at_most(&self, time: Duration) -> Option<Ending> {
         wait(self.ended(), Some(Instant::now() + time)).flatten()
     }
 
-    /// As a reply; `state` of an activity that runs.
+    /// The activity as the control plane reports it; `state` is used only if it still runs.
     pub fn look(&self, state: Option<String>) -> Look {
         let ending = self.ending();
         let status = match &ending {
@@ -67,25 +68,25 @@ impl Activity {
     }
 }
 
-/// Results kept at most, however young: a supervisor that starts activities at a high rate must
-/// not fill the memory.
+/// Maximum number of results kept, however recent: a supervisor that starts activities at a high
+/// rate must not fill the memory.
 const MOST_KEPT: usize = 4096;
 
 /// The activities of one component.
 #[derive(Debug)]
 pub struct ActivityLog {
     entries: Mutex<BTreeMap<u64, Arc<Activity>>>,
-    /// How long an ended activity stays.
+    /// How long an ended activity is kept.
     keep: Duration,
 }
 
 impl ActivityLog {
-    /// No activity yet; ended ones stay for `keep`.
+    /// No activities; those that end are kept for `keep`.
     pub fn new(keep: Duration) -> Self {
         Self { entries: Mutex::default(), keep }
     }
 
-    /// An activity was accepted.
+    /// Adds an activity that was accepted.
     pub fn started(&self, number: u64, service: &str) -> Arc<Activity> {
         let ending = watch::Sender::new(None);
         let activity = Arc::new(Activity { number, service: service.to_owned(), ending });
@@ -93,7 +94,7 @@ impl ActivityLog {
         activity
     }
 
-    /// An activity ended.
+    /// Stores the outcome of an activity.
     pub fn ended(&self, activity: &Activity, ending: Ending) {
         activity.ending.send_replace(Some(Ended { ending, at: Instant::now() }));
     }
@@ -103,17 +104,17 @@ impl ActivityLog {
         self.edit(|entries| entries.get(&number).cloned())
     }
 
-    /// All of them, by number.
+    /// All activities, in order of their numbers.
     pub fn all(&self) -> Vec<Arc<Activity>> {
         self.edit(|entries| entries.values().cloned().collect())
     }
 
-    /// How many run.
+    /// Number of running activities.
     pub fn running(&self) -> usize {
         self.all().iter().filter(|activity| activity.ending.borrow().is_none()).count()
     }
 
-    /// Works on the entries, the outdated ones gone.
+    /// Calls `work` with the entries, after removing those that were kept long enough.
     fn edit<T>(&self, work: impl FnOnce(&mut BTreeMap<u64, Arc<Activity>>) -> T) -> T {
         let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
         let mut excess = entries.len().saturating_sub(MOST_KEPT);

@@ -1,4 +1,4 @@
-//! Requests of the control plane to a component: the first answer, or what keeps it from coming.
+//! Requests of the control plane to a component.
 
 use std::sync::Arc;
 use std::sync::mpsc::RecvTimeoutError;
@@ -13,12 +13,12 @@ use super::hosted::ending;
 use super::hosted::{Answer, Heard, Hosted};
 use super::input::Asked;
 
-/// How often one looks whether a codel is in the way of a request that is not answered.
+/// How often to check whether a stuck codel blocks a request that has not been answered.
 const LOOK: Duration = Duration::from_millis(250);
 
 impl Hosted {
-    /// Sends a request and waits for its end, or for its acceptance when it is an activity.
-    /// Blocks. What a stuck codel keeps from being served is given up.
+    /// Sends a request and waits for its outcome or, if it is an activity, until it is accepted.
+    /// Blocks. A request that a stuck codel blocks is withdrawn.
     pub fn request_blocking(&self, service: ServiceIx, asked: Asked) -> Answer {
         let (sender, answers) = std::sync::mpsc::channel();
         let ticket = Ticket::default();
@@ -38,19 +38,20 @@ impl Hosted {
         }
     }
 
-    /// The same for whoever may not block.
+    /// The same, without blocking the thread.
     pub async fn request(self: &Arc<Self>, service: ServiceIx, asked: Asked) -> Answer {
         let (sender, mut answers) = mpsc::unbounded_channel();
         let ticket = Ticket::default();
         let (hosted, shared) = (Arc::clone(self), ticket.clone());
         let send = move || {
             hosted.submit_by(&shared, service, asked, move |heard| {
-                // A caller that went away is no error of the component.
+                // The caller may have gone; that is not an error.
                 let _ = sender.send(first(heard));
             });
         };
         if self.serves_at_once {
-            // Codels run in the thread that asks: not in one of the control plane.
+            // With a virtual clock, codels run in the thread that sends the request, which must not
+            // be a thread of the async runtime.
             tokio::task::spawn_blocking(send);
         } else {
             send();

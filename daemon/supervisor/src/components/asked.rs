@@ -1,5 +1,5 @@
-//! What a service is asked with: all its inputs, or some, beside which an attribute keeps what it
-//! has (genom3.md 4.10).
+//! Inputs of a request: all of them or, for an attribute, some of them; the others keep their
+//! present values (genom3.md 4.10).
 
 use std::sync::mpsc::channel;
 use std::sync::{Arc, PoisonError};
@@ -13,11 +13,11 @@ use serde_json::Value;
 use super::hosted::Hosted;
 use super::input::{Asked, Completion, InputError, Rest};
 
-/// How long somebody who looks waits for codels that are in the way.
+/// How long to wait for codels before giving up reading an attribute's present values.
 const PATIENCE: Duration = Duration::from_millis(250);
 
 impl Hosted {
-    /// Reads the inputs of a service.
+    /// Converts the inputs of a service from JSON.
     pub fn asked(
         &self,
         service: ServiceIx,
@@ -31,7 +31,8 @@ impl Hosted {
         }
         if model.kind == ServiceKind::Attribute {
             return match filled {
-                // Whether it fits depends on what is set, for which the default stood in here.
+                // Whether the member of a union is valid depends on the present value, for which
+                // the default was used here: this is decided when the request is executed.
                 Err(error) if !error.depends => Err(error),
                 _ => Ok(Asked::Partial(given.clone())),
             };
@@ -49,7 +50,8 @@ impl Hosted {
         }
     }
 
-    /// Inputs over the defaults of the description; what has none is zero.
+    /// The given inputs, completed with the defaults of the description, or zero where there is
+    /// none.
     pub fn filled(&self, service: ServiceIx, given: &Value) -> Result<Record, InputError> {
         let name = self.model().services[service].name.as_str();
         let refused = |error| InputError::new(name, error);
@@ -59,8 +61,8 @@ impl Hosted {
         Ok(record)
     }
 
-    /// What an attribute would keep of its inputs; `None` of what is no attribute, and while codels
-    /// are in the way. Blocks for a moment.
+    /// The present values of an attribute's inputs. `None` if the service is not an attribute, or
+    /// if codels exclude reading them for longer than a moment. Blocks meanwhile.
     pub fn current(&self, service: ServiceIx) -> Option<Value> {
         let model = &self.model().services[service];
         let takes = model.parameters.iter().any(|one| one.direction != Direction::Out);
@@ -82,7 +84,8 @@ impl Hosted {
         current
     }
 
-    /// The inputs as the runtime takes them, and what will come of them if they are not all.
+    /// The inputs in the form that the runtime takes. For partial inputs, also the place where the
+    /// completed inputs, or the reason for refusing them, are stored.
     pub(super) fn inputs(&self, service: ServiceIx, asked: Asked) -> (Inputs, Option<Completion>) {
         let given = match asked {
             Asked::Whole(record) => return (Inputs::Whole(record), None),

@@ -1,4 +1,4 @@
-//! One component that runs: the runtime's instance, and what supervisors see of it.
+//! A running component: the runtime's instance, and the state that supervisors need about it.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -32,80 +32,80 @@ use crate::spans;
 use crate::ties::Ties;
 use genom_configuration::{BackendNames, LoadRequest};
 
-/// What a request gets first.
+/// The first reply to a request.
 #[derive(Debug)]
 pub enum Answer {
-    /// The end: of an attribute, a function, or an activity that was not accepted.
+    /// The outcome of an attribute or a function, or of an activity that was not accepted.
     Ended(Ending),
     /// An activity was accepted.
     Accepted(Arc<Activity>),
-    /// The component stopped before it answered.
+    /// The component stopped before it replied.
     Gone,
-    /// A codel that is stuck keeps it from being served: it was given up, and never runs.
+    /// A stuck codel blocks the request: it was withdrawn and will not be executed.
     HeldUp(HeldUp),
-    /// Its inputs do not fit what the component holds; nothing was done.
+    /// The inputs cannot be combined with the present values of the component. Nothing was changed.
     Refused(InputError),
 }
 
-/// Services of one component, each by its rank, by middleware.
+/// The services of one component as offered to others, by name of the middleware.
 pub type ServedOn = Vec<(String, ServedServices)>;
 
-/// Services that are served on one middleware.
+/// Services offered on one middleware.
 pub type ServedServices = Vec<(ServiceIx, Box<dyn Served>)>;
 
-/// A component that runs.
+/// A running component.
 pub struct Hosted {
     /// Instance name.
     pub name: String,
-    /// How it was loaded.
+    /// The request by which it was loaded.
     pub request: LoadRequest,
-    /// The library, as it was found.
+    /// Path of the library.
     pub library: PathBuf,
-    /// Its activities, running and lately ended.
+    /// Its activities: running, and recently ended.
     pub activities: Arc<ActivityLog>,
-    /// What its ports are tied to.
+    /// The connections of its ports and remotes.
     pub ties: Arc<Ties>,
-    /// What was asked of it and still stands.
+    /// Requests whose effect lasts: they are written into dumps.
     pub standing: Arc<Standing>,
-    /// Raised when it is unloaded: streams end.
+    /// Raised when it is unloaded, to end streams.
     pub gone: Flag,
-    /// Raised when it asked for its own end.
+    /// Raised when it asked to be unloaded (service `kill`).
     pub killed: Flag,
     pub(super) recordings: Arc<Recordings>,
-    /// On a virtual clock, requests are served by the thread that sends them.
+    /// With a virtual clock, requests are executed by the thread that sends them.
     pub(super) serves_at_once: bool,
     plan: Arc<Plan>,
     pub(super) instance: Instance,
     watcher: Arc<BusWatcher>,
     spins: Mutex<Spins>,
-    /// Its services on the middleware.
+    /// Its services as offered on middlewares.
     pub(super) served: Mutex<ServedOn>,
 }
 
-/// A component that is about to start.
+/// What is needed to start a component.
 pub struct Starting {
     /// Instance name.
     pub name: String,
-    /// How it was loaded.
+    /// The request by which it is loaded.
     pub request: LoadRequest,
-    /// The library, as it was found.
+    /// Path of the library.
     pub library: PathBuf,
-    /// The component, compiled.
+    /// The component in compiled form.
     pub plan: Arc<Plan>,
-    /// What its ports are tied to.
+    /// The connections of its ports and remotes.
     pub ties: Arc<Ties>,
-    /// Raised when it asks for its own end.
+    /// Raised when it asks to be unloaded (service `kill`).
     pub killed: Flag,
-    /// Where its changes are told.
+    /// Where its changes are reported.
     pub bus: Arc<Bus>,
-    /// The recordings under way.
+    /// The running recordings.
     pub recordings: Arc<Recordings>,
-    /// How long results of its activities stay.
+    /// How long the results of its activities are kept.
     pub keep_results: Duration,
 }
 
 impl Hosted {
-    /// Starts the tasks and waits for their start codels; the ports are bound.
+    /// Starts the tasks and waits for their start codels. The ports must be bound already.
     pub fn start(
         starting: Starting,
         body: Arc<dyn Body>,
@@ -135,13 +135,14 @@ impl Hosted {
         })
     }
 
-    /// Services came to further middlewares, and leave those that are not in `stay`.
+    /// Adds services offered on further middlewares, and withdraws them from middlewares that are
+    /// not in `stay`.
     pub fn serve_also(&self, served: ServedOn, stay: &BackendNames) {
         let mut all = self.served.lock().unwrap_or_else(PoisonError::into_inner);
         all.extend(served);
         let gone: ServedOn = all.extract_if(.., |(name, _)| !stay.has(name)).collect();
         drop(all);
-        // Closed after the others are there, and without holding anybody up.
+        // Dropped after the new ones were added and the lock is released, so that nobody waits.
         drop(gone);
     }
 
@@ -157,12 +158,12 @@ impl Hosted {
         self.plan.component()
     }
 
-    /// The whole description its component comes from.
+    /// The whole specification that the component comes from.
     pub fn specification(&self) -> &Specification {
         self.plan.specification()
     }
 
-    /// The component, compiled.
+    /// The component in compiled form.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
@@ -190,7 +191,7 @@ impl Hosted {
         self.ties.bindings.port(&self.model().ports[key.port].name)
     }
 
-    /// What is asked of a port, wherever it is.
+    /// The quality of service requested for a port, on any middleware.
     pub fn quality(&self, key: &PortKey) -> Quality {
         self.ties.bindings.quality(&self.model().ports[key.port].name)
     }
@@ -200,18 +201,19 @@ impl Hosted {
         self.instance.port_value(key.port, key.element())
     }
 
-    /// The same, bit by bit; `None` also when no copy of the last value was kept, as of large ones
-    /// that nobody looks at.
+    /// The last value of a port as a record, unchanged bit by bit. `None` also if no copy was kept,
+    /// as for large values that nobody watches.
     pub fn last_value(&self, key: &PortKey) -> Option<Record> {
         self.instance.last_value(key.port, key.element())
     }
 
-    /// The same as a CDR message.
+    /// The last value of a port as a CDR message.
     pub fn port_message(&self, key: &PortKey) -> Option<Vec<u8>> {
         self.instance.port_message(key.port, key.element())
     }
 
-    /// Sends a request; `progress` hears how it goes on, from the component's control threads.
+    /// Sends a request. `progress` is called with its progress, by the control threads of the
+    /// component.
     pub fn submit(
         &self,
         service: ServiceIx,
@@ -221,7 +223,7 @@ impl Hosted {
         self.submit_by(&Ticket::default(), service, Asked::Whole(input), progress);
     }
 
-    /// The same; with the ticket it may be given up.
+    /// The same; with the ticket the request can be withdrawn.
     pub(super) fn submit_by(
         &self,
         ticket: &Ticket,
@@ -264,14 +266,15 @@ impl Hosted {
         );
     }
 
-    /// Tells somebody the states of an activity, who was just told that it was accepted.
+    /// Reports the states of an activity to `follower`. To be called while `Heard::Accepted` is
+    /// handled, so that no state is missed.
     pub fn follow(&self, activity: &Activity, follower: Follower) {
         if let Ok(number) = u32::try_from(activity.number) {
             self.watcher.follow(number, follower);
         }
     }
 
-    /// Whether the inputs of a service are to be remembered.
+    /// Whether the inputs of a service are remembered for dumps.
     fn remembered(&self, service: ServiceIx) -> bool {
         let service = &self.model().services[service];
         let takes = service.parameters.iter().any(|one| one.direction != Direction::Out);
@@ -283,34 +286,34 @@ impl Hosted {
             }
     }
 
-    /// Asks an activity to stop; whether it was there to be asked.
+    /// Asks an activity to stop. Returns `false` if it is unknown or has ended.
     pub fn abort(&self, number: u64) -> bool {
         u32::try_from(number).is_ok_and(|number| self.instance.abort(number).is_ok())
     }
 
-    /// Asks all activities to stop; numbers and services of those that have not ended.
+    /// Asks all activities to stop. Returns the numbers and services of those that had not ended.
     pub fn abort_all(&self) -> Vec<(u64, String)> {
         let told = self.instance.abort_all().into_iter();
         let services = &self.model().services;
         told.map(|(id, service)| (u64::from(id), services[service].name.clone())).collect()
     }
 
-    /// Fires an external event, by rank of its sink.
+    /// Fires an external event, given by the index of its sink.
     pub fn fire(&self, sink: usize) {
         if let Err(error) = self.instance.fire(sink) {
             tracing::warn!(instance = self.name, "{error}");
         }
     }
 
-    /// State an activity is in, or `waiting` before it starts.
+    /// The state of an activity, or `waiting` before it starts.
     pub fn state(&self, number: u64) -> Option<String> {
         let activities = self.instance.activities();
         let found = activities.into_iter().find(|info| u64::from(info.id) == number)?;
         if found.phase == ActivityPhase::Init {
             return Some("waiting".to_owned());
         }
-        // A task runs one codel at a time: if it is of this service, it is of this activity,
-        // unless another one of the service runs beside it.
+        // A task runs one codel at a time: a stuck codel of this service belongs to this activity,
+        // unless another activity of the same service is running.
         let mut stuck = self.stuck().into_iter();
         let own = |codel: &RunningCodel| {
             codel.task.as_ref() == Some(&found.task) && Some(&codel.owner) == found.service.as_ref()
@@ -319,12 +322,12 @@ impl Hosted {
         Some(stuck.as_ref().map_or(found.state, stuck_in))
     }
 
-    /// Where its codels wrote past the memory they were given, once that was found.
+    /// Where its codels wrote past the memory they were given, if that was detected.
     pub fn damage(&self) -> Option<String> {
         self.instance.damage()
     }
 
-    /// Figures on its tasks and codels.
+    /// Statistics of its tasks and codels.
     pub fn figures(&self) -> Statistics {
         self.instance.statistics()
     }
@@ -339,7 +342,7 @@ impl Hosted {
         self.instance.exclusively(|body| body.bind_in(*port, element.as_deref(), subscription))
     }
 
-    /// Does `work` while no codel runs that uses a port.
+    /// Calls `work` while no codel that uses a port is running.
     pub fn excluded<R>(&self, work: impl FnOnce() -> R) -> Result<R, HeldUp> {
         self.instance.exclusively(|_| work())
     }
@@ -353,20 +356,20 @@ impl Hosted {
         self.instance.exclusively(|body| body.bind_remote(remote, call))
     }
 
-    /// Codels of it that count as stuck.
+    /// Its codels that count as stuck.
     pub fn stuck(&self) -> Vec<RunningCodel> {
         let mut all = self.instance.running_codels();
         all.retain(|codel| codel.stuck);
         all
     }
 
-    /// Looks at the tasks that do not pause; to be called several times a second.
+    /// Checks for tasks that never pause; to be called several times a second.
     pub(crate) fn look_for_spins(&self) {
         let unpaused = self.instance.unpaused();
         self.spins_now().look(Instant::now(), unpaused, times_of);
     }
 
-    /// Tasks that keep a processor and do not pause, as of the last look.
+    /// Tasks that occupied a processor and never paused, as of the last check.
     pub fn spins(&self) -> Vec<Spin> {
         self.spins_now().found.clone()
     }
@@ -375,41 +378,41 @@ impl Hosted {
         self.spins.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// `stuck in CODEL for 12 s`, of the codel that is for longest.
+    /// `stuck in CODEL for 12 s`, for the codel that has run longest.
     pub fn stuck_in(&self) -> Option<String> {
         self.instance.stuck().as_ref().map(stuck_in)
     }
 }
 
-/// How a request goes on.
+/// Progress of a request.
 #[derive(Debug)]
 pub enum Heard {
-    /// It is an activity, and accepted.
+    /// It is an activity, and was accepted.
     Accepted(Arc<Activity>),
     /// It ended.
     Ended(Outcome),
-    /// Its inputs do not fit what the component holds; nothing was done.
+    /// The inputs cannot be combined with the present values of the component. Nothing was changed.
     Refused(InputError),
 }
 
-/// Keeps the log of activities in step with one request.
+/// Follows one request: its activity, span, recording and remembered inputs.
 struct Tracked {
-    /// From the request to the end.
+    /// Lasts from the request to its end.
     span: Span,
-    /// Told of the end, when it is recorded.
+    /// The recorded request, if there is a recording: its end is recorded, too.
     call: Option<Call>,
     log: Arc<ActivityLog>,
     service: String,
     running: Option<Arc<Activity>>,
     standing: Arc<Standing>,
-    /// What it was asked with, when that is to be remembered.
+    /// The inputs, if they are to be remembered.
     inputs: Option<Value>,
-    /// What comes of inputs that were given in part.
+    /// Result of completing partial inputs.
     completion: Option<Completion>,
 }
 
 impl Tracked {
-    /// Inputs that were given in part are known as a whole now; or why they were refused.
+    /// Remembers the completed inputs. Returns the reason if they were refused.
     fn completed(&mut self) -> Option<InputError> {
         let completion = self.completion.take()?;
         let mut completed = completion.lock().unwrap_or_else(PoisonError::into_inner);
@@ -433,7 +436,7 @@ impl Tracked {
         if let Some(call) = self.call.take() {
             call.ended(activity, &ending);
         }
-        // It ends with the last handle on it.
+        // The span ends when its last handle is dropped.
         spans::ended(&std::mem::replace(&mut self.span, Span::none()), activity, &ending);
         if let Some(inputs) = self.inputs.take().filter(|_| ending.exception().is_none()) {
             self.standing.attribute(&self.service, inputs);
@@ -447,13 +450,13 @@ impl Tracked {
 
 impl Drop for Tracked {
     fn drop(&mut self) {
-        // A component that could not be stopped in time: who waits must not wait for ever.
+        // The component could not be stopped in time: callers must not wait forever.
         let (name, detail) = ("::genom::interrupted".to_owned(), json!({"by": "kill"}));
         self.ended(Ending::Exception { name, detail });
     }
 }
 
-/// What a supervisor sees of a codel that does not return.
+/// How a codel that does not return is described to users.
 fn stuck_in(codel: &RunningCodel) -> String {
     format!("stuck in {} for {}", codel.codel, seconds(codel.for_ns))
 }

@@ -1,5 +1,4 @@
-//! Inputs of a service: as they are given, and why they are refused, in the words of who typed
-//! them.
+//! Inputs of a service, and messages for invalid ones in terms of what the user typed.
 
 use std::sync::{Arc, Mutex};
 
@@ -9,47 +8,49 @@ use serde_json::Value;
 /// Inputs of a request.
 #[derive(Debug)]
 pub enum Asked {
-    /// All of them.
+    /// All inputs.
     Whole(Record),
-    /// Some inputs of an attribute.
+    /// Some inputs of an attribute; the others keep their present values.
     Partial(Value),
 }
 
-/// What becomes of inputs that are left out.
+/// What inputs that are left out become.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rest {
-    /// Those of an attribute keep their value, others take their default; what has none is missing.
+    /// Those of an attribute keep their present values, others take their defaults; one without a
+    /// default is an error.
     Kept,
-    /// All take their default, or zero.
+    /// They take their defaults, or zero.
     Zero,
 }
 
-/// What came of inputs that were given in part; known when the request is done.
+/// Result of completing partial inputs, set when the request is executed.
 #[derive(Debug, Default)]
 pub(super) struct Completed {
-    /// All of them, as they were set.
+    /// All inputs, as they were set.
     pub(super) inputs: Option<Value>,
     pub(super) refused: Option<InputError>,
 }
 
-/// The same, shared with the request.
+/// The result, shared with the request.
 pub(super) type Completion = Arc<Mutex<Completed>>;
 
-/// Inputs that are none of a service; nothing was sent.
+/// Invalid inputs. Nothing was sent.
 #[derive(Debug, thiserror::Error)]
 #[error("{message}")]
 pub struct InputError {
     message: String,
-    /// Where, as `goal.x[2]`; empty for the inputs themselves.
+    /// The place in the inputs, such as `goal.x[2]`; empty for the inputs as a whole.
     pub path: String,
-    /// It is not there, and has no default.
+    /// An input is missing and has no default.
     pub missing: bool,
-    /// Whether it is wrong depends on what the component holds: the member of a union.
+    /// Whether the input is valid depends on the present value of a union in the component.
     pub(super) depends: bool,
 }
 
 impl InputError {
-    /// The record of inputs has a type of its own, whose name nobody wrote.
+    /// Words the error in terms of the service: users do not know the record type that holds its
+    /// inputs.
     pub(super) fn new(service: &str, error: JsonError) -> Self {
         let message = match &*error.problem {
             JsonProblem::Member { name, nearest, known, .. } if error.path.is_empty() => {
@@ -69,7 +70,7 @@ impl InputError {
         Self { message, path: error.path, missing: false, depends }
     }
 
-    /// Nothing says what an input is.
+    /// The error for an input that is missing and has no default.
     pub(super) fn missing(service: &str, path: String) -> Self {
         let message = format!("service {service} wants input `{path}`, which has no default");
         Self { message, path, missing: true, depends: false }

@@ -1,7 +1,7 @@
-//! A type as it lies in memory, for programs that share memory with the daemon.
+//! The memory layout of a type, for programs that share memory with the daemon.
 //!
-//! The types it is made of are listed once each, and named by their place in the list; the first
-//! is the type itself. So types that repeat or contain themselves are no trouble.
+//! The types that it consists of are listed once each, itself first, and refer to each other by
+//! index. This works for recursive types as well.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use genom_protocol::{MessageType, PortType};
 use genom_types::{DataType, Kind, Label, TypeId, UnionMember, message};
 use serde_json::{Map, Value, json};
 
-/// Describes the type and all it is made of.
+/// Describes a type and all types that it consists of.
 pub fn of(ty: &DataType) -> PortType {
     let mut walk = Walk::default();
     walk.place(Some(ty.clone()));
@@ -35,7 +35,7 @@ struct Walk {
 }
 
 impl Walk {
-    /// Place of a type in the list; `null` for what has no type.
+    /// Index of a type in the list; `null` for none.
     fn place(&mut self, ty: Option<DataType>) -> Value {
         let Some(ty) = ty else { return Value::Null };
         let place = *self.places.entry(ty.id()).or_insert(self.all.len());
@@ -49,7 +49,7 @@ impl Walk {
         let mut out = Map::new();
         out.insert("kind".into(), ty.kind().keyword().into());
         out.insert("name".into(), ty.name().into());
-        // Behind a typedef: the name of what it stands for.
+        // For a typedef, the name of the type it stands for.
         if let Some(name) = ty.kind().name() {
             out.insert("full_name".into(), name.to_string().into());
         }

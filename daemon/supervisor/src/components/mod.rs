@@ -1,4 +1,4 @@
-//! The components that run: their names, what supervisors see of each, and how they go.
+//! The running components: their names, their state as supervisors see it, and how they stop.
 
 mod activities;
 mod ask;

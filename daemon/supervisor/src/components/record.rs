@@ -1,9 +1,10 @@
-//! The ports of a component as recordings see them: tapes are put in and taken out.
+//! Attaches tapes of recordings to the ports of a component, and removes them.
 
 use super::hosted::Hosted;
 
 impl Hosted {
-    /// Its ports are recorded, as far as they are wanted. Blocks while codels are excluded.
+    /// Attaches tapes of the running recordings to the ports that they want. Blocks while codels
+    /// are excluded.
     pub fn record(&self) {
         if !self.recordings.any() {
             return;
@@ -23,13 +24,13 @@ impl Hosted {
         }
     }
 
-    /// A recording is over: its tapes are taken out. Blocks while codels are excluded.
+    /// Removes the tapes of a recording that ended. Blocks while codels are excluded.
     pub fn recording_ended(&self, number: u64) {
         let all = self.ties.tapes();
         if let Err(error) =
             self.excluded(|| all.iter().for_each(|(.., tapes)| tapes.remove(number)))
         {
-            // Nobody empties them any more: they fill up, and are full.
+            // They stay attached, and drop samples once they are full.
             tracing::debug!("tapes of {} stay: {error}", self.name);
         }
     }

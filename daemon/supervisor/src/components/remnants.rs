@@ -1,6 +1,6 @@
-//! What is left of components that did not stop in time: threads in codels that do not return.
+//! Components that did not stop in time: threads in codels that do not return.
 //!
-//! Their names, ports and services are free; library and memory stay until the threads end.
+//! Their names, ports and services are free again; library and memory stay until the threads end.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -8,17 +8,17 @@ use genom_runtime::RunningCodel;
 
 use super::hosted::Hosted;
 
-/// What is left of components, oldest first.
+/// The components left behind, oldest first.
 #[derive(Default)]
 pub(super) struct Remnants(Mutex<Vec<Arc<Hosted>>>);
 
-/// What is left of one.
+/// A component that was left behind.
 pub struct Remnant {
-    /// The name it had.
+    /// Its instance name.
     pub was: String,
-    /// Name of its component in the description.
+    /// Its name in the description.
     pub component: String,
-    /// What its threads are in.
+    /// The codels that its threads are in.
     pub codels: Vec<RunningCodel>,
 }
 
@@ -27,7 +27,7 @@ impl Remnants {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// It is no component any more, and cannot go.
+    /// Adds a component that could not be stopped.
     pub(super) fn add(&self, hosted: Arc<Hosted>) {
         self.lock().push(hosted);
     }
@@ -43,7 +43,7 @@ impl Remnants {
         told.collect()
     }
 
-    /// Takes out those whose threads have ended.
+    /// Removes and returns those whose threads have ended.
     pub(super) fn take_those_over(&self) -> Vec<Arc<Hosted>> {
         self.lock().extract_if(.., |hosted| hosted.instance.is_over()).collect()
     }

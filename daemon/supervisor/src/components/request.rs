@@ -1,4 +1,4 @@
-//! Requests to services by name: of deployments, and of programs.
+//! Requests to services by name, for deployments and for programs that use this crate.
 
 use std::sync::Arc;
 
@@ -12,13 +12,13 @@ use super::input::{InputError, Rest};
 use super::running::Components;
 use crate::ending::Ending;
 
-/// A request was refused.
+/// Why a request was refused.
 #[derive(Debug, thiserror::Error)]
 #[error("{why}")]
 pub struct RequestError {
-    /// Where its mistake is: keys from the entry down.
+    /// Keys from the entry of the deployment to the mistake.
     pub key: Vec<String>,
-    /// Why it was refused.
+    /// The reason, as a sentence.
     pub why: String,
 }
 
@@ -28,7 +28,7 @@ impl RequestError {
     }
 }
 
-/// Sends it; the number of the activity, when it is one. Blocks.
+/// Sends a request. Returns the number of the activity, if it is one. Blocks.
 pub fn send(all: &Components, entry: &CallEntry) -> Result<Option<u64>, RequestError> {
     let Some(hosted) = all.get(&entry.component) else {
         let why = format!("{} does not run", entry.component);
@@ -37,7 +37,7 @@ pub fn send(all: &Components, entry: &CallEntry) -> Result<Option<u64>, RequestE
     send_to(&hosted, entry)
 }
 
-/// Sends it to a component at hand. Blocks.
+/// Sends a request to the given component. Blocks.
 pub fn send_to(hosted: &Hosted, entry: &CallEntry) -> Result<Option<u64>, RequestError> {
     match ask(hosted, &entry.service, &entry.inputs)? {
         First::Accepted(activity) => Ok(Some(activity.number)),
@@ -53,13 +53,14 @@ pub fn send_to(hosted: &Hosted, entry: &CallEntry) -> Result<Option<u64>, Reques
 }
 
 impl Hosted {
-    /// Calls a service and waits for its end, also of an activity. Blocks.
+    /// Calls a service and waits for its outcome, also that of an activity. Blocks.
     ///
-    /// Inputs of an attribute that are left out keep their value, others take their default.
+    /// Inputs that are left out keep their present values if the service is an attribute; otherwise
+    /// they take their defaults.
     ///
     /// # Errors
-    /// There is no such service, it takes other inputs, or a codel keeps it from being served;
-    /// nothing ran then.
+    /// There is no such service, the inputs are not valid, or a stuck codel blocks the request.
+    /// Nothing was executed.
     pub fn call(&self, service: &str, inputs: &Value) -> Result<Ending, RequestError> {
         let stopped = || RequestError::new(&[], format!("{} stops", self.name));
         match ask(self, service, inputs)? {
@@ -69,7 +70,7 @@ impl Hosted {
     }
 }
 
-/// The first answer of a component that serves a request.
+/// The first reply to a request.
 enum First {
     Ended(Ending),
     Accepted(Arc<Activity>),

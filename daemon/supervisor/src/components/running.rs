@@ -1,4 +1,4 @@
-//! The components that run, by name, and those on their way in and out.
+//! The components by name: running ones, and those being loaded or stopped.
 
 use std::sync::{Arc, PoisonError, RwLock};
 
@@ -8,11 +8,11 @@ use indexmap::IndexMap;
 use super::hosted::Hosted;
 use super::remnants::{Remnant, Remnants};
 
-/// A component could not be unloaded.
+/// Why a component could not be unloaded.
 #[derive(Clone, Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum UnloadError {
-    /// It does not run.
+    /// There is no running component of that name.
     #[error("{0} does not run: it is being loaded or unloaded")]
     NotThere(String),
     /// A codel did not return in time.
@@ -23,13 +23,14 @@ pub enum UnloadError {
     Stuck { name: String, why: ShutdownError },
 }
 
-/// Where a component is in its life.
+/// State of an instance name.
 #[derive(Clone)]
 pub(super) enum Slot {
-    /// Its name is taken; requests do not see it yet.
+    /// Its component is being loaded; requests do not find it yet.
     Loading,
     Running(Arc<Hosted>),
-    /// Requests do not see it any more; its name is free when its codels have ended.
+    /// Its component is being stopped; requests do not find it any more. The name becomes free when
+    /// the codels have ended.
     Stopping,
 }
 
@@ -37,12 +38,12 @@ pub(super) enum Slot {
 #[derive(Default)]
 pub struct Components {
     slots: RwLock<IndexMap<String, Slot>>,
-    /// Those that did not stop.
+    /// Components that did not stop in time.
     remnants: Remnants,
 }
 
 impl Components {
-    /// The component of that name, if it runs.
+    /// The running component of that name.
     pub fn get(&self, name: &str) -> Option<Arc<Hosted>> {
         match self.slots.read().unwrap_or_else(PoisonError::into_inner).get(name) {
             Some(Slot::Running(hosted)) => Some(Arc::clone(hosted)),
@@ -50,7 +51,7 @@ impl Components {
         }
     }
 
-    /// All that run, in the order they were loaded.
+    /// All running components, in the order they were loaded.
     pub fn all(&self) -> Vec<Arc<Hosted>> {
         let slots = self.slots.read().unwrap_or_else(PoisonError::into_inner);
         let running = slots.values().filter_map(|slot| match slot {
@@ -60,27 +61,27 @@ impl Components {
         running.collect()
     }
 
-    /// It is no component any more, and cannot go.
+    /// Keeps what is left of a component that could not be stopped.
     pub(super) fn leave_behind(&self, hosted: Arc<Hosted>) {
         self.remnants.add(hosted);
     }
 
-    /// What is left of components that could not be stopped, oldest first.
+    /// Components that could not be stopped, oldest first.
     pub fn left_behind(&self) -> Vec<Remnant> {
         self.remnants.all()
     }
 
-    /// Takes out those whose threads have ended: to be let go of.
+    /// Removes and returns those left behind whose threads have ended, to be dropped by the caller.
     pub(crate) fn over(&self) -> Vec<Arc<Hosted>> {
         self.remnants.take_those_over()
     }
 
-    /// Names of those that are being stopped.
+    /// Names of components that are being stopped.
     pub fn stopping(&self) -> Vec<String> {
         self.names(|slot| matches!(slot, Slot::Stopping))
     }
 
-    /// Names of those that are being loaded.
+    /// Names of components that are being loaded.
     pub fn loading(&self) -> Vec<String> {
         self.names(|slot| matches!(slot, Slot::Loading))
     }
@@ -90,7 +91,7 @@ impl Components {
         slots.iter().filter(|(_, slot)| of(slot)).map(|(name, _)| name.clone()).collect()
     }
 
-    /// Takes a name for a component that is about to be loaded.
+    /// Reserves a name for a component to be loaded; `None` if it is in use.
     pub fn reserve(&self, name: &str) -> Option<Reservation<'_>> {
         let mut slots = self.slots.write().unwrap_or_else(PoisonError::into_inner);
         if slots.contains_key(name) {
@@ -100,7 +101,7 @@ impl Components {
         Some(Reservation { components: self, name: name.to_owned(), kept: false })
     }
 
-    /// A name may be used again.
+    /// Frees a name.
     pub(super) fn free(&self, name: &str) {
         self.slots.write().unwrap_or_else(PoisonError::into_inner).shift_remove(name);
     }
@@ -112,7 +113,7 @@ impl Components {
     }
 }
 
-/// A name taken; given back unless a component moves in.
+/// A reserved name; freed when dropped, unless [`keep`](Self::keep) is called.
 pub struct Reservation<'a> {
     components: &'a Components,
     name: String,
@@ -120,7 +121,7 @@ pub struct Reservation<'a> {
 }
 
 impl Reservation<'_> {
-    /// The component runs under this name from now on.
+    /// Gives the name to the component, which is running from now on.
     pub fn keep(mut self, hosted: Arc<Hosted>) {
         self.kept = true;
         let mut slots = self.components.slots.write().unwrap_or_else(PoisonError::into_inner);

@@ -1,7 +1,8 @@
-//! Tasks that keep a processor and never pause, found by what the system tells of their threads.
+//! Finds tasks that occupy a processor and never pause, from the scheduler's statistics of their
+//! threads.
 //!
-//! A codel that waits for data in each of its calls does not pause either; that is a way to write
-//! drivers, and does not spin.
+//! A codel that waits for data in each of its calls does not pause either. Drivers may be written
+//! that way; such a task does not occupy a processor.
 
 use std::collections::HashMap;
 use std::time::Instant;
@@ -9,17 +10,17 @@ use std::time::Instant;
 use genom_description::model::TaskIx;
 use genom_runtime::{Unpaused, seconds};
 
-/// Between two readings of a thread's times that are compared.
+/// Seconds between two readings of a thread's times.
 const SPAN: f64 = 1.0;
-/// Of this share of the time on, a thread keeps a processor, or would if it had it.
+/// A thread spins if it ran, or was ready to run, for at least this share of the time.
 const KEEPS: f64 = 0.8;
 
-/// A task that keeps a processor and does not pause.
+/// A task that occupies a processor and never pauses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spin {
-    /// Its cycle, as the runtime sees it.
+    /// Its present cycle.
     pub unpaused: Unpaused,
-    /// Share of a processor that it got lately, from 0 to 1.
+    /// Share of a processor that it used recently, from 0 to 1.
     pub processor: f64,
 }
 
@@ -35,29 +36,29 @@ impl std::fmt::Display for Spin {
     }
 }
 
-/// What the system tells of a thread, in seconds since its start.
+/// Times of a thread since its start, in seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Times {
-    /// On a processor.
+    /// Time it ran.
     ran: f64,
-    /// Ready to run, while the processors were taken.
+    /// Time it was ready to run and waited for a processor.
     waited: f64,
 }
 
-/// A reading of a task in a cycle, and what came of those before.
+/// The last reading for a cycle of a task, and the result of the comparison with the one before.
 #[derive(Debug)]
 struct Reading {
     at: Instant,
     times: Times,
-    /// The share of a processor that it got, if it keeps one.
+    /// The share of a processor that it used, if it spins.
     keeps: Option<f64>,
 }
 
-/// The tasks of one component that do not pause, by their cycles.
+/// The tasks of one component that never pause, by cycle.
 #[derive(Debug, Default)]
 pub(super) struct Spins {
     readings: HashMap<(TaskIx, u64), Reading>,
-    /// Those of the last look.
+    /// The tasks found spinning at the last check.
     pub(super) found: Vec<Spin>,
 }
 
@@ -88,12 +89,12 @@ impl Spins {
     }
 }
 
-/// The times of a thread of this process.
+/// Times of a thread of this process.
 pub(super) fn times_of(thread: u32) -> Option<Times> {
     parse(&std::fs::read_to_string(format!("/proc/self/task/{thread}/schedstat")).ok()?)
 }
 
-/// `RAN WAITED SLICES`, in nanoseconds.
+/// Parses `RAN WAITED SLICES` of `/proc/.../schedstat`, in nanoseconds.
 #[allow(clippy::cast_precision_loss, reason = "shares are wanted")]
 fn parse(text: &str) -> Option<Times> {
     let mut numbers = text.split_whitespace().map(|word| word.parse::<u64>().ok());
@@ -121,7 +122,7 @@ mod tests {
         }
     }
 
-    /// What is found of a thread that has these times a second after it had none.
+    /// What is found for a thread that accumulated these times within one second.
     fn after_a_second(ran: f64, waited: f64) -> Vec<Spin> {
         let (mut spins, begin) = (Spins::default(), Instant::now());
         spins.look(begin, vec![unpaused(1)], |_| Some(Times::default()));
@@ -140,7 +141,7 @@ mod tests {
             "codel step of go yields without pause for 12 s (97 % of a processor)"
         );
         assert!(after_a_second(0.4, 0.0).is_empty());
-        // Others had the processor: it would have kept it.
+        // Other threads used the processor; it would have run all the time.
         assert_eq!(after_a_second(0.2, 0.75).len(), 1);
     }
 
@@ -153,12 +154,12 @@ mod tests {
         spins.look(at(1.0), vec![unpaused(1)], ran(1.0));
         spins.look(at(1.25), vec![unpaused(1)], ran(1.25));
         assert_eq!(spins.found.len(), 1);
-        // Another cycle of the task has its own time.
+        // Another cycle of the task is measured anew.
         spins.look(at(1.5), vec![unpaused(2)], ran(1.5));
         assert!(spins.found.is_empty() && spins.readings.len() == 1);
         spins.look(at(1.75), vec![], ran(1.75));
         assert!(spins.found.is_empty() && spins.readings.is_empty());
-        // One whose times are not told does not spin.
+        // A thread whose times cannot be read does not count as spinning.
         spins.look(at(2.0), vec![unpaused(3)], |_| None);
         spins.look(at(3.0), vec![unpaused(3)], |_| None);
         assert!(spins.found.is_empty());

@@ -1,12 +1,13 @@
-//! What was asked of a component and still stands: attributes set, activities that run, and what
-//! a deployment called. Written into dumps; applying a deployment again looks here first.
+//! Requests to a component whose effect lasts: attributes set, running activities, and what a
+//! deployment called. They are written into dumps, and applying a deployment again skips what was
+//! done already.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
 use serde_json::Value;
 
-/// What stands of one component.
+/// Requests to one component whose effect lasts.
 #[derive(Debug, Default)]
 pub struct Standing {
     state: Mutex<State>,
@@ -14,21 +15,21 @@ pub struct Standing {
 
 #[derive(Debug, Default)]
 struct State {
-    /// Inputs of attributes, as last taken, by service.
+    /// Inputs of attributes as last set, by service.
     attributes: BTreeMap<String, Value>,
-    /// Inputs of activities, by number.
+    /// Inputs of running activities, by number.
     activities: BTreeMap<u64, Value>,
     /// What a deployment called or started, in order: service and inputs.
     deployed: Vec<(String, Value)>,
 }
 
 impl Standing {
-    /// An attribute took these inputs.
+    /// An attribute was set to these inputs.
     pub(super) fn attribute(&self, service: &str, inputs: Value) {
         self.with(|state| state.attributes.insert(service.to_owned(), inputs));
     }
 
-    /// An activity started with these.
+    /// An activity was started with these inputs.
     pub(super) fn activity(&self, number: u64, inputs: Value) {
         self.with(|state| state.activities.insert(number, inputs));
     }
@@ -38,22 +39,22 @@ impl Standing {
         self.with(|state| state.activities.remove(&number));
     }
 
-    /// A deployment had this called or started.
+    /// A deployment called or started this service.
     pub fn deployed(&self, service: &str, inputs: Value) {
         self.with(|state| state.deployed.push((service.to_owned(), inputs)));
     }
 
-    /// Attributes with their inputs.
+    /// Inputs of all attributes that were set, by service.
     pub fn attributes(&self) -> BTreeMap<String, Value> {
         self.with(|state| state.attributes.clone())
     }
 
-    /// Inputs of an activity that runs.
+    /// Inputs of a running activity.
     pub fn inputs(&self, number: u64) -> Option<Value> {
         self.with(|state| state.activities.get(&number).cloned())
     }
 
-    /// A deployment took back what it set: the attribute counts as it did before.
+    /// A deployment was undone: the attribute has its previous inputs again.
     pub fn attribute_back(&self, service: &str, before: Option<Value>) {
         self.with(|state| match before {
             Some(inputs) => state.attributes.insert(service.to_owned(), inputs),
@@ -61,7 +62,7 @@ impl Standing {
         });
     }
 
-    /// A deployment was taken back: this was not called for it.
+    /// A deployment was undone: forgets that it called this service.
     pub fn not_deployed(&self, service: &str, inputs: &Value) {
         self.with(|state| {
             let all = &mut state.deployed;

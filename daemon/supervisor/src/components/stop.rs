@@ -1,4 +1,4 @@
-//! How one component stops: asked, ended, taken down, or left behind.
+//! Stops one component, or cuts it off if it does not stop in time.
 
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
@@ -10,23 +10,25 @@ use genom_runtime::{OnShutdown, ShutdownError};
 use super::hosted::Hosted;
 
 impl Hosted {
-    /// Interrupts activities, runs stop codels, ends the threads and lets go of the ports.
+    /// Interrupts activities, runs stop codels, ends the threads and closes the ports. Blocks for
+    /// at most about `timeout`.
     pub fn stop(&self, timeout: Duration) -> Result<(), ShutdownError> {
         let deadline = Instant::now() + timeout;
         self.begin_stop(Box::new(|| {}), timeout);
         self.finish_stop(deadline)
     }
 
-    /// Asks for its end and returns; `ended` is told when no codel of it runs any more.
+    /// Begins to stop the component, and returns at once; `ended` is called when none of its codels
+    /// runs any more.
     pub(super) fn begin_stop(&self, ended: OnShutdown, timeout: Duration) {
         self.instance.begin_shutdown(ended, timeout);
     }
 
-    /// Waits for the end, until `deadline`, and lets go of ports and services. What hangs then is
-    /// left behind, cut off from all others.
+    /// Waits for the component to end, until `deadline`, and closes its ports and services. If
+    /// codels still run then, the component is cut off from its ports, and an error is returned.
     pub(super) fn finish_stop(&self, deadline: Instant) -> Result<(), ShutdownError> {
         let stopped = self.instance.finish_shutdown(deadline);
-        // After the last answers of its services.
+        // Only after its services have sent their last replies.
         self.served.lock().unwrap_or_else(PoisonError::into_inner).clear();
         self.gone.raise();
         match &stopped {
@@ -36,9 +38,9 @@ impl Hosted {
         stopped
     }
 
-    /// Streams may hold the instance a moment longer; the middleware is free already.
+    /// Closes ports and remotes now; streams may hold the instance a moment longer.
     pub fn let_go(&self) {
-        // No codel runs any more that could be in the way.
+        // No codel runs any more, so this does not wait.
         if let Err(error) = self.instance.exclusively(|body| self.release_ports(body)) {
             tracing::error!("{error}");
         }

@@ -1,9 +1,10 @@
-//! Takes components down side by side, and none before those that use it.
+//! Stops components in parallel, each after those that use it.
 //!
-//! A `stop` codel may call services of others and read their ports. So a component is asked to
-//! end when those that are wired to read it or to call it have ended, or are stuck; those that
-//! nothing holds are asked at once, the last loaded first. Each has its time from then on. One
-//! thread waits for all of them; a few take down what has ended.
+//! A `stop` codel may call services of other components and read their ports. A component is
+//! therefore asked to stop only when all components connected to it have ended or are stuck;
+//! independent ones are asked at once, the last loaded first. Each has its full timeout from that
+//! moment. One thread waits for all of them, and a few others close ports and libraries of those
+//! that ended.
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -14,25 +15,25 @@ use std::time::{Duration, Instant};
 use super::hosted::Hosted;
 use super::running::{Components, Slot, UnloadError};
 
-/// Threads that close ports and libraries at a time.
+/// Number of threads that close ports and libraries.
 const HELPERS: usize = 8;
-/// How often one looks whether somebody who is waited for is stuck.
+/// How often to check whether a component that others wait for is stuck.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Hears of each component as it is gone, or cannot go.
+/// Called for each component when it is gone, or was left behind.
 pub(crate) type Told<'a> = &'a (dyn Fn(&str, &Result<(), UnloadError>) + Sync);
 
-/// Where one of them is.
+/// Progress of one component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Waits,
-    /// Asked; it has until then.
+    /// Asked to stop; it has time until then.
     Asked(Instant),
-    /// With the helpers.
+    /// Ended, or out of time; given to a helper thread.
     Ended,
 }
 
-/// One that ended, or whose time is over: its place, and its deadline.
+/// A component that ended or ran out of time: its index and its deadline.
 type Finished = (usize, Instant);
 
 impl Components {
@@ -63,7 +64,7 @@ impl Components {
         });
     }
 
-    /// Takes down one after the other, until there are no more.
+    /// Closes finished components one after the other, until the channel is closed.
     fn take_down(
         &self,
         all: &[Mutex<Option<Arc<Hosted>>>],
@@ -78,7 +79,7 @@ impl Components {
             let name = hosted.name.clone();
             let stopped = hosted.finish_stop(deadline);
             match &stopped {
-                // With the last that holds it goes the library.
+                // If this is the last reference, the library is closed here.
                 Ok(()) => drop(hosted),
                 Err(_) => self.leave_behind(hosted),
             }
@@ -89,14 +90,14 @@ impl Components {
     }
 }
 
-/// Components on their way out, in the order they were loaded.
+/// The components being stopped, in the order they were loaded.
 struct Departures {
     going: Vec<Option<Arc<Hosted>>>,
     state: Vec<State>,
-    /// By component: those that read its ports or call its services.
+    /// For each component, the indices of those that read its ports or call its services.
     users: Vec<Vec<usize>>,
     timeout: Duration,
-    /// One at a time: codels of a virtual world run in one thread.
+    /// Stop one at a time: with a virtual clock all codels run in one thread.
     alone: bool,
 }
 
@@ -119,10 +120,10 @@ impl Departures {
         Self { going: going.into_iter().map(Some).collect(), state, users, timeout, alone }
     }
 
-    /// Asks each in its turn; those that ended go to the helpers.
+    /// Asks each component when its turn comes, and gives those that ended to the helpers.
     ///
-    /// Not one by one while others end as well: to close a library takes a look at all threads
-    /// there are, and soon there are fewer.
+    /// They are handed over in batches, when no other component ends at the moment: closing a
+    /// library inspects all threads of the process, and their number is decreasing.
     fn run(mut self, finished: Sender<Finished>) {
         let (tell, ended) = channel();
         let mut ready: Vec<Finished> = Vec::new();
@@ -155,7 +156,8 @@ impl Departures {
         }
     }
 
-    /// Asks those that nobody needs any more; where all wait for one another, the last loaded.
+    /// Asks all components that no running one needs any more; if all wait for one another, the
+    /// last loaded.
     fn ask(&mut self, tell: &Sender<usize>) {
         loop {
             let waiting = (0..self.state.len()).rev().filter(|&at| self.state[at] == State::Waits);
@@ -192,7 +194,8 @@ impl Departures {
         if !self.alone {
             return hosted.begin_stop(ended, timeout);
         }
-        // Its stop codels run in the thread that asks: whoever waits must be another.
+        // With a virtual clock the stop codels run in the thread that asks, which therefore must
+        // not be the one that waits.
         let asking = thread::Builder::new().name("genomd-asks".to_owned());
         if let Err(error) = asking.spawn(move || hosted.begin_stop(ended, timeout)) {
             tracing::error!("a component cannot be stopped: {error}");
@@ -212,7 +215,7 @@ impl Departures {
 
 fn hand_on(ready: &mut Vec<Finished>, helpers: &Sender<Finished>) {
     for one in ready.drain(..) {
-        // The helpers end when whoever sends to them does.
+        // Fails only if all helpers have ended, which they do after the sender is dropped.
         let _ = helpers.send(one);
     }
 }

@@ -1,4 +1,4 @@
-//! Tells what happens inside a component: on the daemon's bus, and to callers of its activities.
+//! Reports what happens inside a component on the daemon's bus, and to callers of its activities.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -9,17 +9,17 @@ use genom_runtime::{Change as Inner, Watcher};
 
 use crate::bus::{Bus, Change};
 
-/// Hears the states an activity enters.
+/// Called with each state that an activity enters.
 pub(crate) type Follower = Box<dyn FnMut(&str) + Send>;
 
-/// Watches one instance.
+/// Watcher of one instance.
 pub(crate) struct BusWatcher {
     bus: Arc<Bus>,
     component: String,
     plan: Arc<Plan>,
-    /// What was told of the activities that run.
+    /// What was reported about the running activities.
     known: Mutex<HashMap<u32, Known>>,
-    /// Who follows which activity, and the state it was told last.
+    /// Followers of activities, each with the state reported last.
     followers: Mutex<HashMap<u32, Arc<Mutex<Following>>>>,
 }
 
@@ -30,14 +30,14 @@ struct Following {
 
 #[derive(Default)]
 struct Known {
-    /// Transitions do not name it. `None` for a permanent activity.
+    /// Kept because transitions do not contain it. `None` for a permanent activity.
     service: Option<ServiceIx>,
-    /// A state that yields itself at each period is told once.
+    /// The state reported last: a state that yields itself at each period is reported once.
     last: Option<(usize, bool)>,
 }
 
 impl BusWatcher {
-    /// Tells what happens inside a component of this plan.
+    /// A watcher for an instance of this plan.
     pub(crate) fn new(bus: &Arc<Bus>, component: &str, plan: &Arc<Plan>) -> Self {
         Self {
             bus: Arc::clone(bus),
@@ -48,8 +48,8 @@ impl BusWatcher {
         }
     }
 
-    /// Tells somebody the states of an activity from now on. It moves only after all who asked
-    /// for it know that it was accepted: asked for until then, no state is missed.
+    /// Reports the states of an activity from now on. An activity enters no state before all
+    /// handlers of its acceptance have returned: a follower added there misses nothing.
     pub(crate) fn follow(&self, activity: u32, follower: Follower) {
         let following = Arc::new(Mutex::new(Following { last: None, follower }));
         self.followers().insert(activity, following);
@@ -59,7 +59,7 @@ impl BusWatcher {
         self.followers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Who follows may call back: the map is not locked meanwhile.
+    /// Not called with the map locked, because the follower may call back.
     fn entered(&self, activity: u32, state: usize) {
         let Some(following) = self.followers().get(&activity).map(Arc::clone) else { return };
         let mut following = following.lock().unwrap_or_else(PoisonError::into_inner);
@@ -78,7 +78,7 @@ impl BusWatcher {
         work(&mut self.known.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// The service of an activity that moved; `None` when there is nothing new to tell.
+    /// The service of an activity that changed its state; `None` if that was reported already.
     fn moved(&self, activity: u32, to: (usize, bool)) -> Option<Option<ServiceIx>> {
         self.with_known(|known| {
             let known = known.entry(activity).or_default();

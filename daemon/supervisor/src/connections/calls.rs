@@ -1,5 +1,5 @@
-//! What a remote of a codel does when it is called: waits for a service of this daemon, or of
-//! another one through a middleware (genom3.md 5.8).
+//! Calls that codels make through remotes: to a service of this daemon, or through a middleware to
+//! a service elsewhere (genom3.md 5.8).
 
 use std::sync::mpsc::channel;
 use std::sync::{Arc, Weak};
@@ -15,27 +15,29 @@ use serde_json::{Value, json};
 
 use crate::components::{Components, Heard, Hosted};
 
-/// An exception for the calling codel.
+/// An exception raised in the calling codel: its name and members.
 type Thrown = (String, Value);
 
-/// genom3.md 5.8: a call lasts as long as the service runs, so it has no time-out. This is the
-/// longest that middlewares know.
+/// genom3.md 5.8: a call lasts as long as the service runs, without a timeout. This is the longest
+/// time that middlewares accept.
 const FOR_EVER: Duration = Duration::from_secs(10 * 365 * 24 * 3600);
 
-/// A call within the daemon. The provider may go and come back: it is found at each call.
+/// A call within the daemon. The provider may be unloaded and loaded again: it is looked up at each
+/// call.
 pub(super) struct DirectCall {
-    /// Weak: they own the caller.
+    /// Weak, because the components own the caller.
     components: Weak<Components>,
     provider: String,
     service: String,
-    /// What the service must be like (genom3.md 4.9): who comes back may be another one.
+    /// Digest that the service must have (genom3.md 4.9), since a component loaded again may
+    /// differ.
     digest: String,
-    /// Of the calling component, for exceptions.
+    /// Version of the calling component, for exceptions.
     version: String,
 }
 
 impl DirectCall {
-    /// Calls `service` of `provider` for a component of this version.
+    /// Calls `service` of the component `provider`, on behalf of a component of this version.
     pub(super) fn new(
         components: &Arc<Components>,
         provider: &Hosted,
@@ -71,7 +73,7 @@ impl RemoteCall for DirectCall {
                 let _ = sender.send(outcome);
             }
         });
-        // Dropped without an answer: the provider was stopped.
+        // The sender was dropped without a reply: the provider was stopped.
         let killed = |_| ("::genom::interrupted".to_owned(), json!({ "by": "kill" }));
         match ended.recv().map_err(killed)? {
             Outcome::Success(record) => {
@@ -82,19 +84,19 @@ impl RemoteCall for DirectCall {
     }
 }
 
-/// A call through a middleware. The service may go and come back: what is left of one that is
-/// gone is closed, so that it may come back as another one, and opened again at the next call.
+/// A call through a middleware. The service may disappear and come back: the client is closed when
+/// the service is gone, and opened again at the next call.
 pub(super) struct FarCall {
     middleware: Arc<dyn Middleware>,
     at: Address,
     ty: ServiceType,
-    /// Of the calling component, for exceptions.
+    /// Version of the calling component, for exceptions.
     version: String,
     client: Option<Box<dyn Client>>,
 }
 
 impl FarCall {
-    /// Opens the calling end; types that are known to differ are refused.
+    /// Opens the client. Fails if the types are known to differ.
     pub(super) fn open(
         middleware: &Arc<dyn Middleware>,
         at: &Address,
@@ -106,7 +108,7 @@ impl FarCall {
         Ok(Self { middleware, at, ty, version, client })
     }
 
-    /// The middleware it goes through.
+    /// Name of the middleware.
     pub(super) fn backend(&self) -> &'static str {
         self.middleware.name()
     }
@@ -125,7 +127,7 @@ impl FarCall {
         }
     }
 
-    /// The exception that stands for a call that came to nothing (genom3.md 4.8).
+    /// The exception for a failed call (genom3.md 4.8).
     fn thrown(&self, error: &CallError) -> Thrown {
         tracing::warn!("call of {} on {}: {error}", self.at, self.backend());
         let (name, detail) = match error {
@@ -140,7 +142,7 @@ impl FarCall {
     }
 }
 
-/// genom3.md 4.8: versions of both sides, as far as known.
+/// genom3.md 4.8: the versions of both sides, as far as known.
 fn incompatible(client: &str, server: &str) -> Thrown {
     let side =
         |version: &str| json!({ "version": version.get(..31).unwrap_or(version), "date": "" });

@@ -1,4 +1,4 @@
-//! What it takes to make connections, and what is asked of one.
+//! The state needed to make connections, and the parameters of one.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -13,12 +13,13 @@ use super::opening::Opening;
 use crate::bus::Bus;
 use crate::components::Components;
 
-/// On a network others become visible a while after they, or we, came up.
+/// How long it may take until endpoints on a network become visible after they, or this daemon,
+/// started.
 pub(super) const NETWORK: Duration = Duration::from_secs(2);
-/// Between two looks at a network.
+/// Interval between two checks for endpoints on a network.
 pub(super) const LOOK_AGAIN: Duration = Duration::from_millis(20);
 
-/// The connections of a supervisor's components, and all it takes to make them.
+/// Makes, moves and removes the connections of a supervisor's components.
 #[derive(Clone)]
 pub struct Connections {
     pub(super) backends: Arc<Backends>,
@@ -33,26 +34,27 @@ pub struct Connections {
 #[derive(Clone, Debug)]
 pub struct Wanted {
     /// The in port, `component/port` or `component/port/element`, or the remote,
-    /// `component/remote`; of this daemon.
+    /// `component/remote`, of this daemon.
     pub inport: String,
-    /// Which of the two it must be, when only one is meant.
+    /// Set if only a port, or only a remote, is meant.
     pub kind: Option<Kind>,
-    /// The out port or the service, of any daemon; a middleware may stand before it.
+    /// The out port or the service, of any daemon; optionally with its middleware.
     pub outport: String,
-    /// What the reader gets of the samples it has not read: the last one, unless this says more. A
-    /// remote takes none.
+    /// Which unread samples are kept for the reader; by default only the last one. Not for a
+    /// remote.
     pub policy: Option<Policy>,
-    /// The middleware. By default the out port's, when it is in this daemon, else that of the in
-    /// port; within the daemon services are called without one.
+    /// The middleware. By default that of the out port if it is in this daemon, else that of the in
+    /// port; services within the daemon are called without a middleware.
     pub backend: Option<String>,
-    /// Connect also when the other side is not there yet.
+    /// Connect even if the other side does not exist yet.
     pub wait: bool,
-    /// How long to look for it on a network.
+    /// How long to wait for it to become visible on a network.
     pub patience: Patience,
 }
 
 impl From<&ConnectionEntry> for Wanted {
-    /// What an entry of a file asks for: who applies it looks again if the other side is not there.
+    /// The connection of a deployment's entry. The caller tries again if the other side does not
+    /// exist yet.
     fn from(entry: &ConnectionEntry) -> Self {
         Self {
             inport: entry.inport.clone(),
@@ -66,20 +68,21 @@ impl From<&ConnectionEntry> for Wanted {
     }
 }
 
-/// How long to look on a network for what does not show there.
+/// How long to wait for an endpoint that is not visible on a network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Patience {
-    /// Not at all: somebody asks again.
+    /// Not at all: the caller tries again.
     None,
-    /// Until this daemon has been there for long enough to see all that is there. What comes up at
-    /// this very moment is not waited for: a component asks, whose other requests wait meanwhile.
+    /// Until this daemon has run for long enough to see all existing endpoints. Endpoints created
+    /// right now are not waited for: for requests of codels, which would delay other requests of
+    /// their component.
     Newcomer,
-    /// As long as what comes up now may take to become visible: a person asks.
+    /// Long enough to see endpoints that are created right now: for requests of users.
     Full,
 }
 
 impl Patience {
-    /// Until when to look on this middleware.
+    /// Until when to wait on this middleware.
     pub(super) fn end(self, backends: &Backends, middleware: &dyn Middleware) -> Instant {
         let now = Instant::now();
         let network = middleware.capabilities().cross_host;
@@ -110,7 +113,7 @@ impl Connections {
         }
     }
 
-    /// What it takes to open ends of ports.
+    /// What is needed to open publishers of ports.
     pub(crate) fn opening(&self) -> &Opening {
         &self.opening
     }

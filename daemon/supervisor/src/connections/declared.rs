@@ -1,17 +1,17 @@
-//! The connections that deployments declared; `keep` makes them again.
+//! The connections that deployments declared. They are made again by `keep`.
 
 use std::sync::{Mutex, PoisonError};
 
 use genom_configuration::ConnectionEntry;
 
-/// The connections that deployments declared, one an in port or remote.
+/// The connections that deployments declared, at most one for each in port or remote.
 #[derive(Debug, Default)]
 pub(super) struct Declared {
     entries: Mutex<Vec<ConnectionEntry>>,
 }
 
 impl Declared {
-    /// These are to be kept from now on, in place of others of the same in ports.
+    /// Adds declarations; each replaces an earlier one for the same in port or remote.
     pub(super) fn keep(&self, new: &[ConnectionEntry]) {
         self.with(|entries| {
             entries.retain(|old| !new.iter().any(|entry| entry.inport == old.inport));
@@ -19,12 +19,13 @@ impl Declared {
         });
     }
 
-    /// Somebody disconnected or connected this in port or remote otherwise: that holds.
+    /// Removes a declaration, because somebody disconnected this in port or remote or connected it
+    /// otherwise.
     pub(super) fn forget(&self, inport: &str) {
         self.with(|entries| entries.retain(|entry| entry.inport != inport));
     }
 
-    /// All of them.
+    /// All declarations.
     pub(super) fn all(&self) -> Vec<ConnectionEntry> {
         self.with(|entries| entries.clone())
     }

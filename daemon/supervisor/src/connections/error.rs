@@ -1,11 +1,11 @@
-//! Why a connection could not be made or taken away.
+//! Errors of connecting and disconnecting.
 
 use genom_middleware::OpenError;
 use genom_protocol::Code;
 use genom_registry::BackendError;
 use genom_runtime::HeldUp;
 
-/// What is connected: ports, or a remote and a service.
+/// Kind of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// An in port to an out port.
@@ -14,52 +14,52 @@ pub enum Kind {
     Service,
 }
 
-/// A connection could not be made; what was there before still is.
+/// Why a connection could not be made. The previous connection, if any, is kept.
 #[derive(Debug, thiserror::Error)]
 pub enum ConnectError {
     /// This daemon has no such in port, or no such remote.
     #[error("{}: {message}{}", .kind.no_such_inport(), .kind.told(.help))]
     NoSuchInport {
-        /// Which of the two.
+        /// Whether an in port or a remote was expected.
         kind: Kind,
-        /// A sentence.
+        /// The message, as a sentence.
         message: String,
-        /// The way out.
+        /// What the user can do.
         help: String,
     },
     /// There is no such out port, or no such service.
     #[error("{}: {message}{}", .kind.no_such_outport(), .kind.told(.help))]
     NoSuchOutport {
-        /// Which of the two.
+        /// Whether an out port or a service was expected.
         kind: Kind,
-        /// A sentence.
+        /// The message, as a sentence.
         message: String,
-        /// The way out.
+        /// What the user can do.
         help: String,
-        /// It may come later.
+        /// Whether it may appear later.
         absent: bool,
     },
-    /// A remote was given a policy.
+    /// A policy was given for a remote.
     #[error("{remote} is a remote: it takes a service, and no policy")]
     Policy {
-        /// The remote.
+        /// Address of the remote.
         remote: String,
     },
     /// The two sides carry different types.
     #[error("{message}")]
     Type {
-        /// Which two, and their types.
+        /// Message with both addresses and types.
         message: String,
-        /// The way out, unless the message says it.
+        /// What the user can do, unless the message says it.
         help: Option<&'static str>,
     },
-    /// No such middleware.
+    /// There is no such middleware.
     #[error(transparent)]
     Backend(#[from] BackendError),
-    /// The middleware refused.
+    /// The middleware reported an error.
     #[error(transparent)]
     Failed(Box<OpenError>),
-    /// A codel of the reader, or of the caller, does not return.
+    /// A codel of the reader or caller does not return.
     #[error(transparent)]
     HeldUp(#[from] HeldUp),
 }
@@ -79,7 +79,7 @@ impl Kind {
         }
     }
 
-    /// Help as a part of the message: of ports it stands apart.
+    /// The help as part of the message, for services; for ports it is reported separately.
     fn told(self, help: &str) -> String {
         match self {
             Kind::Port => String::new(),
@@ -89,7 +89,7 @@ impl Kind {
 }
 
 impl ConnectError {
-    /// Its reason, for programs.
+    /// The stable name of the reason, for programs.
     #[must_use]
     pub fn code(&self) -> Code {
         match self {
@@ -102,7 +102,7 @@ impl ConnectError {
         }
     }
 
-    /// The key of a connection's entry that it is about.
+    /// The key of the connection's entry that the error is about.
     #[must_use]
     pub fn key(&self) -> &'static str {
         match self {
@@ -115,7 +115,7 @@ impl ConnectError {
         }
     }
 
-    /// The message without its code, where that is told apart.
+    /// The message without the help that [`help`](Self::help) returns.
     #[must_use]
     pub fn message(&self) -> String {
         match self {
@@ -125,13 +125,13 @@ impl ConnectError {
         }
     }
 
-    /// Whether the other side is not there and may come.
+    /// Whether the other side does not exist yet and may appear later.
     #[must_use]
     pub fn is_absent(&self) -> bool {
         matches!(self, ConnectError::NoSuchOutport { absent: true, .. })
     }
 
-    /// The way out, when the message does not say it.
+    /// What the user can do, unless the message says it.
     #[must_use]
     pub fn help(&self) -> Option<&str> {
         match self {
@@ -142,7 +142,7 @@ impl ConnectError {
         }
     }
 
-    /// All of it in one sentence.
+    /// Message and help in one sentence.
     #[must_use]
     pub fn sentence(&self) -> String {
         match self.help() {

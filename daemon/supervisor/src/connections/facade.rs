@@ -1,4 +1,4 @@
-//! Connections by name, whatever they are of: the one way to make one or to take it away.
+//! Makes and removes connections by name, both of ports and of services.
 
 use genom_configuration::ConnectionEntry;
 
@@ -9,19 +9,39 @@ use crate::bus::Change;
 use crate::ties::Connection;
 
 impl Connections {
-    /// Makes a connection that somebody asks for, in place of the one that is there: what a
-    /// deployment declared for this in port or remote holds no more. Blocks while codels are
-    /// excluded.
+    /// Makes a connection on request, in place of an existing one. A deployment's declaration for
+    /// this in port or remote is dropped. Blocks while codels are excluded.
     ///
     /// # Errors
-    /// It could not be made; what was there before still is.
+    /// The connection could not be made. The previous one is kept.
+    ///
+    /// ```
+    /// use genom_configuration::ConnectionEntry;
+    /// use genom_supervisor::connections::Wanted;
+    /// use genom_supervisor::{LoadRequest, Settings, Supervisor};
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let paths = genom_components::Paths::of_workspace()?;
+    /// let supervisor = Supervisor::new(Settings::default());
+    /// for name in ["demo", "mission"] {
+    ///     # let library = genom_components::build(&paths, name)?.library;
+    ///     supervisor.load(&LoadRequest { library, ..LoadRequest::default() })?;
+    /// }
+    /// let (inport, outport) = ("demo/parameter".into(), "mission/gain".into());
+    /// let entry = ConnectionEntry { inport, outport, policy: None, backend: None };
+    /// supervisor.connections.connect(&Wanted::from(&entry))?;
+    /// assert_eq!(supervisor.connections.all().len(), 1);
+    /// assert!(supervisor.unload_all().is_empty());
+    /// # Ok(())
+    /// # }
+    /// ```
     pub fn connect(&self, wanted: &Wanted) -> Result<Connection, ConnectError> {
         let made = self.make(wanted)?;
         self.declared.forget(&wanted.inport);
         Ok(made)
     }
 
-    /// The same for a deployment, which declares what it makes.
+    /// Makes a connection of a deployment, without dropping the declaration.
     pub(crate) fn make(&self, wanted: &Wanted) -> Result<Connection, ConnectError> {
         match self.inlet(&wanted.inport, wanted.kind)? {
             Inlet::Remote(caller, remote) => {
@@ -36,18 +56,18 @@ impl Connections {
         }
     }
 
-    /// Takes the connection of an in port or remote away, and what a deployment declared for it;
-    /// whether there was one. Blocks while codels are excluded.
+    /// Removes the connection of an in port or remote, and a deployment's declaration for it.
+    /// Returns whether there was a connection. Blocks while codels are excluded.
     ///
     /// # Errors
     /// There is no such in port or remote, or a codel of its component does not return.
     pub fn disconnect(&self, inport: &str) -> Result<bool, ConnectError> {
-        // Before: it would be made again.
+        // First, because otherwise the connection could be made again in between.
         self.declared.forget(inport);
         self.take_away(inport)
     }
 
-    /// The same, and what was declared for it stays.
+    /// Removes a connection, but keeps a declaration for it.
     pub(crate) fn take_away(&self, inport: &str) -> Result<bool, ConnectError> {
         let (was_there, told) = match self.inlet(inport, None)? {
             Inlet::Remote(caller, remote) => {
@@ -66,7 +86,7 @@ impl Connections {
         Ok(was_there)
     }
 
-    /// What feeds an in port, or serves a remote, now.
+    /// The present connection of an in port or remote.
     #[must_use]
     pub fn present(&self, inport: &str) -> Option<Connection> {
         match self.inlet(inport, None).ok()? {
@@ -75,19 +95,19 @@ impl Connections {
         }
     }
 
-    /// Those of all components.
+    /// The connections of all components.
     #[must_use]
     pub fn all(&self) -> Vec<Connection> {
         self.components.all().iter().flat_map(|hosted| hosted.ties.connections()).collect()
     }
 
-    /// Declares connections: each is made again when a side comes back, until somebody asks for
-    /// another one there.
+    /// Declares connections: each is made again whenever one side comes back, until somebody
+    /// requests another one for the same in port or remote.
     pub fn declare(&self, entries: &[ConnectionEntry]) {
         self.declared.keep(entries);
     }
 
-    /// Those that are declared.
+    /// The declared connections.
     pub(crate) fn declared(&self) -> Vec<ConnectionEntry> {
         self.declared.all()
     }

@@ -1,8 +1,8 @@
-//! Publishing to an in port from outside: a supervisor or a simulator feeds a component.
+//! Publishes values to an in port from outside, for supervisors and simulators.
 //!
-//! Nobody else writes under an in port's own address, so that is where such values go: the in
-//! port is connected to itself, and whoever opens a publisher there feeds it. The daemon does for
-//! callers of its control plane; a program that speaks the middleware may do so itself.
+//! Nobody else publishes under an in port's own address. Such values therefore go there: the in
+//! port is connected to its own address, and receives from any publisher opened at it. The daemon
+//! does this for clients of its control plane; a program may also publish on the middleware itself.
 
 use genom_description::model::PortDirection;
 use genom_middleware::{OpenError, Policy, PortSpec, PublishError};
@@ -16,32 +16,32 @@ use super::port::{AttachError, Source};
 use crate::components::Hosted;
 use crate::ties::PortConnection;
 
-/// A value could not be published; the port keeps the one it had.
+/// Why a value was not published. The port keeps its last value.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum FeedError {
-    /// Codels write out ports.
+    /// The port is an out port, which codels write.
     #[error("{0} is an out port: its codels write it, nobody else")]
     OutPort(String),
-    /// Something else feeds the port.
+    /// The port is connected to something else.
     #[error("{inport} reads {outport}")]
     Connected { inport: String, outport: String },
-    /// The value is not one of the port's type.
+    /// The JSON is not a value of the port's type.
     #[error(transparent)]
     Value(#[from] JsonError),
-    /// The message is not one of the port's type.
+    /// The CDR message is not a value of the port's type.
     #[error(transparent)]
     Message(#[from] CdrError),
-    /// No such middleware.
+    /// There is no such middleware.
     #[error(transparent)]
     Backend(#[from] BackendError),
-    /// The middleware refused the publisher or the connection.
+    /// The middleware refused to open the publisher or the connection.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// The middleware refused the value.
+    /// The middleware did not take the value.
     #[error("{inport} takes no value: {source}")]
     Publish { inport: String, source: PublishError },
-    /// A codel does not return, so the port cannot be connected.
+    /// A codel does not return, so that the port cannot be connected.
     #[error(transparent)]
     HeldUp(#[from] HeldUp),
 }
@@ -56,14 +56,16 @@ impl From<AttachError> for FeedError {
 }
 
 impl Connections {
-    /// Publishes what `fill` makes of the value published last, at first zero, and connects the
-    /// port the first time. What `tell` makes of what the port has now.
+    /// Publishes a value to an in port. `fill` modifies a copy of the value published last (zero at
+    /// first) into the new value; `tell` converts the published value for the caller. The first
+    /// call connects the port.
     ///
-    /// Blocks while codels are excluded. A port that something else feeds stays as it is: taking a
-    /// robot's sensor away is done on purpose, by disconnecting it.
+    /// Blocks while codels are excluded. A port that is connected to something else is refused: the
+    /// user has to disconnect it first.
     ///
     /// # Errors
-    /// The port takes no value from outside, or not this one; it keeps the one it had.
+    /// The port cannot take values from outside, or this value is not valid. The port keeps its
+    /// last value.
     pub fn feed<T>(
         &self,
         hosted: &Hosted,
@@ -76,7 +78,7 @@ impl Connections {
         let Some(ty) = hosted.port_type(key.port).filter(|_| is_in) else {
             return Err(FeedError::OutPort(inport.to_string()));
         };
-        // Held throughout: of two callers that publish first, one opens the publisher.
+        // Locked throughout: if two callers publish first, only one opens the publisher.
         hosted.ties.feeds.hold(|feeds| {
             let connection = hosted.ties.connection(key);
             if let Some(PortConnection { outport, .. }) = &connection
@@ -89,7 +91,7 @@ impl Connections {
             let refused = |source| FeedError::Publish { inport: name.clone(), source };
             let mut value = Record::new(ty);
             if let Some(feed) = feeds.get_mut(key) {
-                // Of one type: copying cannot fail.
+                // Cannot fail: both records have the same type.
                 let _ = value.copy_from(&feed.value);
                 fill(&mut value)?;
                 feed.publisher.publish(&value).map_err(refused)?;
@@ -97,7 +99,8 @@ impl Connections {
                 return Ok(tell(&feed.value));
             }
             fill(&mut value)?;
-            // Connected to itself before: on the middleware that was asked for then.
+            // The port is connected to its own address already: use the middleware of that
+            // connection.
             let backend = match &connection {
                 Some(made) => made.backend.clone(),
                 None => hosted.backends_of(key).first().to_owned(),
@@ -105,7 +108,7 @@ impl Connections {
             let middleware = self.backends.get(&backend)?;
             let mut publisher =
                 middleware.publisher(&PortSpec::new(&inport, ty).of(hosted.quality(key)))?;
-            // Before the port is connected: the first thing it reads is this value.
+            // Published before the port is connected, so that the first sample read is this value.
             publisher.publish(&value).map_err(refused)?;
             if connection.is_none() {
                 let source = Source { outport: inport, policy: Policy::Latest, fixed: false };

@@ -1,5 +1,5 @@
-//! Both sides of a connection by their names: in ports and remotes of this daemon, out ports and
-//! services wherever they show.
+//! Finds both sides of a connection by name: in ports and remotes in this daemon, out ports and
+//! services wherever they are visible.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -15,26 +15,26 @@ use super::core::{Connections, Wanted};
 use super::error::{ConnectError, Kind};
 use crate::components::Hosted;
 
-/// What a connection goes into.
+/// The receiving side of a connection.
 pub(super) enum Inlet {
     /// An in port of a component.
     Port(Arc<Hosted>, PortKey),
-    /// A remote of a component, by its rank.
+    /// A remote of a component, by its index.
     Remote(Arc<Hosted>, usize),
 }
 
-/// What a connection comes from.
+/// The providing side of a connection.
 pub(super) struct Outlet {
     pub(super) address: Address,
-    /// The middleware that was asked for by name.
+    /// The middleware that was requested.
     pub(super) asked: Option<String>,
-    /// Whether the name itself says the middleware: then it may be that of a peer that is no
+    /// Whether the address itself names the middleware; the peer may then be a program other than
     /// genomd.
     pub(super) foreign: bool,
 }
 
 impl Connections {
-    /// What a name of this daemon stands for: a remote, else an in port.
+    /// Finds the remote or, failing that, the in port of this name.
     pub(super) fn inlet(&self, name: &str, kind: Option<Kind>) -> Result<Inlet, ConnectError> {
         if kind != Some(Kind::Port) {
             match self.remote(name) {
@@ -102,7 +102,7 @@ impl Connections {
 }
 
 impl Wanted {
-    /// The other side, and the middleware that is asked for.
+    /// The providing side, with the middleware requested.
     pub(super) fn outlet(&self, kind: Kind) -> Result<Outlet, ConnectError> {
         let place = Place::parse(&self.outport).map_err(|error| match (error, kind) {
             (PlaceError::Backend(error), _) => ConnectError::Backend(error),
@@ -131,14 +131,14 @@ impl Wanted {
         Ok(Outlet { address: place.address, asked: asked.or(place.backend), foreign })
     }
 
-    /// There is no such service in this place.
+    /// The error for a service that does not exist at `place`.
     pub(super) fn no_service(&self, place: &str, help: impl Into<String>) -> ConnectError {
         let message = format!("there is no service `{}`{place}", self.outport);
         ConnectError::outport(Kind::Service, message, help)
     }
 }
 
-/// Port and element of an address.
+/// Splits an address into port and element.
 pub(super) fn split(address: &Address) -> (&str, Option<&str>) {
     match address.name.split_once('/') {
         Some((port, element)) => (port, Some(element)),
@@ -146,13 +146,13 @@ pub(super) fn split(address: &Address) -> (&str, Option<&str>) {
     }
 }
 
-/// Whether somebody announces this out port on a middleware.
+/// Whether an out port is visible on a middleware.
 #[must_use]
 pub fn publishes(middleware: &dyn Middleware, outport: &Address) -> bool {
     shows(middleware, EndpointKind::Publisher, outport)
 }
 
-/// Whether somebody announces this service on a middleware.
+/// Whether a service is visible on a middleware.
 #[must_use]
 pub fn serves(middleware: &dyn Middleware, service: &Address) -> bool {
     shows(middleware, EndpointKind::Service, service)
@@ -162,7 +162,7 @@ fn shows(middleware: &dyn Middleware, kind: EndpointKind, at: &Address) -> bool 
     visible(middleware, kind, at).is_ok_and(|all| all.contains(&middleware.spelled(at)))
 }
 
-/// Addresses of all ends of a kind that are visible now, in order, while one looks for `at`.
+/// Addresses of all visible endpoints of a kind, sorted. `at` is used in errors only.
 pub(super) fn visible(
     middleware: &dyn Middleware,
     kind: EndpointKind,

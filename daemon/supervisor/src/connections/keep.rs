@@ -1,15 +1,15 @@
-//! Looks after connections: those declared are made again when a component or another daemon comes
-//! back, and all follow writers that move to another middleware of the in port's.
+//! Keeps connections up: declared ones are made again when a component or another daemon comes
+//! back, and all follow writers that move to another middleware that the in port is on, too.
 
 use std::time::Duration;
 
 use super::core::{Connections, Wanted};
 use crate::flag::Flag;
 
-/// How often missing connections are looked after.
+/// How often missing connections are checked.
 const LOOK: Duration = Duration::from_millis(100);
 
-/// Looks after connections until `stop` is raised.
+/// Starts the thread that keeps connections up, until `stop` is raised.
 pub(crate) fn watch(connections: Connections, stop: Flag) -> std::io::Result<()> {
     std::thread::Builder::new().name("genomd-wiring".to_owned()).spawn(move || {
         while !stop.is_up() {
@@ -21,10 +21,11 @@ pub(crate) fn watch(connections: Connections, stop: Flag) -> std::io::Result<()>
 }
 
 impl Connections {
-    /// Makes what is missing, as far as both sides are there.
+    /// Makes missing connections whose two sides exist.
     fn look(&self) {
         for entry in self.declared.all() {
-            // Subscriptions and remotes survive their other side: it is found when it is back.
+            // Existing subscriptions and remotes recover by themselves when the other side comes
+            // back.
             if self.components.get(entry.reader()).is_none()
                 || self.present(&entry.inport).is_some()
             {

@@ -1,9 +1,9 @@
-//! The value that an out port wrote last, bit by bit: what readers get first where the port moves
-//! to.
+//! The value that an out port wrote last, unchanged bit by bit: when the port moves, it is the
+//! first value that readers get on the new middleware.
 //!
-//! Of ports up to 64 KiB the component keeps a copy. Of larger ones it does so only while somebody
-//! looks; their middleware has the value all the same, since it offers it to readers that come
-//! late, and is read as by one of those.
+//! The component keeps a copy of values up to 64 KiB. It keeps a copy of larger ones only while
+//! somebody watches them; otherwise the value is read back from the old middleware, which offers it
+//! to late readers.
 
 use std::time::{Duration, Instant};
 
@@ -15,17 +15,17 @@ use genom_types::{DataType, Record};
 use super::core::{Connections, LOOK_AGAIN, NETWORK};
 use crate::components::Hosted;
 
-/// Within the machine, a reader that comes late has the value almost at once.
+/// How long to wait for the last value on a middleware within the machine.
 const MACHINE: Duration = Duration::from_millis(500);
 
-/// The value written last, as of some moment.
+/// The value that a port wrote last, at some moment.
 #[derive(Default)]
 pub(super) struct LastValue {
-    /// `None` when nothing was written, or it cannot be had.
+    /// `None` if nothing was written, or if the value cannot be read back.
     pub(super) value: Option<Record>,
-    /// How many samples had been written.
+    /// Number of samples written by then.
     samples: u64,
-    /// Where it is read back from.
+    /// The subscription it was read back from.
     back: Option<Box<dyn Subscription>>,
 }
 
@@ -83,8 +83,8 @@ impl LastValue {
         }
     }
 
-    /// Takes what was written since. To be called with all codels excluded; whether there was
-    /// something.
+    /// Updates the value if samples were written since. Returns whether it changed. All codels must
+    /// be excluded during the call.
     pub(super) fn renew(&mut self, hosted: &Hosted, key: &PortKey, fan: &Fan) -> bool {
         let samples = fan.gauge().counts().samples;
         if samples == self.samples {

@@ -1,7 +1,7 @@
-//! Connections: made, looked at, moved between middlewares and taken away.
+//! Connections: making, listing, moving and removing them.
 //!
-//! [`Connections`] is the one way to any of this. It finds out whether a name is that of an in port
-//! or of a remote, and what deployments declared follows what somebody asks for.
+//! Everything goes through [`Connections`]. It finds out whether a name is that of an in port or of
+//! a remote, and keeps the declarations of deployments consistent with later requests.
 
 mod calls;
 mod core;

@@ -1,7 +1,8 @@
 //! Moves a running component, or one of its ports, to other middlewares.
 //!
-//! New ends are opened and filled first; exchanging them takes a few stores while codels are
-//! excluded; old ends are closed after that. No codel notices, no tick is missed.
+//! First the new publishers and subscriptions are opened and given the last value. Then they
+//! replace the old ones while codels are excluded, which takes only a few stores. Old ones are
+//! closed last. Codels notice nothing, and no tick is missed.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,7 +22,7 @@ use crate::bus::Change;
 use crate::components::Hosted;
 use crate::ties::{PortConnection, ServiceConnection};
 
-/// What is to be exchanged for an out port.
+/// The new publishers of an out port, not in use yet.
 struct NewEnds {
     key: PortKey,
     fan: Fan,
@@ -30,7 +31,8 @@ struct NewEnds {
 }
 
 impl NewEnds {
-    /// Late readers where it comes to see the last value at once.
+    /// Publishes the last value on the new middlewares, for readers that are there already or come
+    /// later.
     fn offer(&mut self, hosted: &Hosted) {
         let Some(value) = &self.last.value else { return };
         for (name, publisher) in &mut self.opened {
@@ -41,9 +43,10 @@ impl NewEnds {
         }
     }
 
-    /// Exchanges the ends, with all codels excluded; those to be closed later.
+    /// Replaces the publishers, with all codels excluded. Returns the old ones, to be dropped
+    /// later.
     fn exchange(mut self, hosted: &Hosted, to: &BackendNames) -> Vec<(String, Box<dyn Publisher>)> {
-        // A codel may have written since it was looked at.
+        // A codel may have written since the last value was read.
         if !self.opened.is_empty() && self.last.renew(hosted, &self.key, &self.fan) {
             self.offer(hosted);
         }
@@ -58,7 +61,7 @@ impl NewEnds {
     }
 }
 
-/// What is to be exchanged for a connection.
+/// The new subscription of an in port, not in use yet.
 struct NewFeed {
     key: PortKey,
     tap: Tap,
@@ -75,20 +78,20 @@ impl NewFeed {
         Ok(())
     }
 
-    /// Whether it can be exchanged.
+    /// Whether the reader's codels can be excluded now.
     fn ready(&self) -> Result<(), HeldUp> {
         self.reader.excluded(|| ())
     }
 }
 
 impl Connections {
-    /// Moves a component with all its ports and services, or one port when it is named.
+    /// Moves a component with all its ports and services, or a single port.
     ///
     /// Connections of this daemon's components that read the moved out ports follow, unless their
-    /// backend was asked for by name.
+    /// middleware was requested explicitly.
     ///
     /// # Errors
-    /// A middleware refuses, or a codel does not return; nothing is changed then.
+    /// A middleware reports an error, or a codel does not return. Nothing is changed then.
     pub fn move_to(
         &self,
         hosted: &Arc<Hosted>,
@@ -109,13 +112,14 @@ impl Connections {
             None => Some(self.serve_on(hosted, &added(&hosted.ties.bindings.component(), to))?),
             Some(_) => None,
         };
-        // Before anything is exchanged.
+        // Checked before anything is replaced.
         feeds.iter().try_for_each(NewFeed::ready)?;
         let old_ends: Vec<_> =
             hosted.excluded(|| ends.into_iter().map(|new| new.exchange(hosted, to)).collect())?;
         for new in feeds {
             if let Err(held_up) = new.exchange() {
-                // A moment ago it was not: what it reads stands still.
+                // The check above passed, but now a codel does not return: this reader gets no more
+                // samples.
                 tracing::error!("a connection does not follow {}: {held_up}", hosted.name);
             }
         }
@@ -135,7 +139,7 @@ impl Connections {
         Ok(())
     }
 
-    /// The ends of an out port where it was not yet, with its last value.
+    /// New publishers for the middlewares that the out port is not on yet, with its last value.
     fn new_ends(
         &self,
         hosted: &Hosted,
@@ -160,7 +164,8 @@ impl Connections {
         Ok(Some(new))
     }
 
-    /// Connections of this daemon that read `address`, opened anew where it goes.
+    /// New subscriptions, on the port's new middlewares, for connections of this daemon that read
+    /// `address`.
     fn followers(&self, address: &Address, to: &BackendNames) -> Result<Vec<NewFeed>, BindError> {
         let mut all = Vec::new();
         for reader in self.components.all() {
@@ -174,9 +179,9 @@ impl Connections {
         Ok(all)
     }
 
-    /// Connections of the component's own in ports to writers of other daemons: they move too when
-    /// the writer is visible there. Writers of this daemon stay where they are, and so do
-    /// connections to them. A writer that shows there later is followed by
+    /// New subscriptions for connections of the component's own in ports to writers of other
+    /// daemons, if the writer is visible on the new middleware. Connections to writers in this
+    /// daemon stay where the writer is. Writers that become visible later are handled by
     /// [`catch_up`](Self::catch_up).
     fn own_feeds(
         &self,
@@ -199,7 +204,7 @@ impl Connections {
         Ok(all)
     }
 
-    /// A connection opened anew on another middleware.
+    /// A new subscription, on another middleware, for an existing connection.
     fn new_feed(
         &self,
         reader: &Arc<Hosted>,
@@ -215,8 +220,9 @@ impl Connections {
         Ok(Some(NewFeed { key, tap, backend, end, reader }))
     }
 
-    /// Moves connections to writers and services of other daemons that went where the in port or
-    /// the caller is as well: moved after it, or not seen there yet when it moved.
+    /// Moves connections to writers and services of other daemons that have moved to another
+    /// middleware of the in port or caller, or were not yet visible there when the in port or
+    /// caller moved.
     pub(super) fn catch_up(&self) {
         let mut seen = Seen::default();
         for reader in self.components.all() {
@@ -272,13 +278,13 @@ impl Connections {
     }
 }
 
-/// The middlewares among these that are not among those at present.
+/// The middlewares of `to` that are not in `present`.
 fn added(present: &BackendNames, to: &BackendNames) -> Vec<String> {
     to.names().iter().filter(|name| !present.has(name)).cloned().collect()
 }
 
-/// The first of our middlewares where the other side shows, when it does not where it was, or we
-/// are not there any more.
+/// The first of our middlewares on which the other side is visible, if it is not visible on the
+/// present one or we left that one.
 fn elsewhere<'a>(
     ours: &'a BackendNames,
     present: &str,
@@ -292,7 +298,7 @@ fn elsewhere<'a>(
     others.find(|name| shows(name)).map(String::as_str)
 }
 
-/// What shows on each middleware, looked up once.
+/// Endpoints visible on each middleware; listed once.
 #[derive(Default)]
 struct Seen(BTreeMap<String, BTreeMap<String, EndpointKind>>);
 

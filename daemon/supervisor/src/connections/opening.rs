@@ -1,4 +1,5 @@
-//! Opening the ends of out ports: at load, and by codels for elements of multiple ports.
+//! Opens publishers of out ports, when a component is loaded and when codels open elements of
+//! multiple ports.
 
 use std::sync::Arc;
 
@@ -16,43 +17,43 @@ use crate::limits;
 use crate::recording::Recordings;
 use crate::ties::Ties;
 
-/// A port could not be opened on one of its middlewares.
+/// Why a port could not be opened on one of its middlewares.
 #[derive(Debug, thiserror::Error)]
 pub enum BindError {
-    /// No such middleware.
+    /// There is no such middleware.
     #[error(transparent)]
     Backend(#[from] BackendError),
-    /// The middleware refused.
+    /// The middleware reported an error.
     #[error("{source}{limit}")]
     Open {
-        /// Its own words.
+        /// The error of the middleware.
         source: Box<OpenError>,
-        /// The limit of the system that was reached, if one was.
+        /// The limit of the system that was reached, as a part of the message; empty if none was.
         limit: String,
     },
-    /// A codel does not return: of the component, or of one that reads it.
+    /// A codel of the component, or of a reader of the port, does not return.
     #[error(transparent)]
     HeldUp(#[from] HeldUp),
 }
 
 impl From<Box<OpenError>> for BindError {
-    /// Looks at limits while what was opened before still is.
+    /// Checks the limits now, while what was opened before is still open.
     fn from(source: Box<OpenError>) -> Self {
         Self::Open { source, limit: limits::reached() }
     }
 }
 
-/// What it takes to open the ends of ports.
+/// What is needed to open publishers of ports.
 #[derive(Clone)]
 pub struct Opening {
     pub(crate) backends: Arc<Backends>,
     pub(crate) recordings: Arc<Recordings>,
-    /// Time of the components.
+    /// The clock of the components.
     pub(crate) clock: Clock,
 }
 
 impl Opening {
-    /// Opens an address on each of these middlewares, in this quality.
+    /// Opens an address on each of these middlewares, with this quality of service.
     pub(super) fn ends(
         &self,
         names: &BackendNames,
@@ -70,7 +71,7 @@ impl Opening {
         Ok(ends)
     }
 
-    /// Opens an out port on the middlewares it is bound to; its type and name are known.
+    /// Opens an out port on its middlewares.
     fn fan(
         &self,
         ties: &Ties,
@@ -83,13 +84,13 @@ impl Opening {
         Ok(Fan::new(ends, &self.clock, ty))
     }
 
-    /// Puts an open port where supervisors and recordings find it.
+    /// Registers an open port with supervisors and recordings.
     fn opened(&self, ties: &Ties, key: PortKey, address: &Address, ty: &DataType, fan: &Fan) {
         ties.opened(key, fan.clone());
         self.recordings.opened(address, PortDirection::Out, None, ty, fan.tapes());
     }
 
-    /// Opens every out port of an instance that does not run yet.
+    /// Opens every out port of an instance that is not running yet.
     pub(crate) fn bind(
         &self,
         body: &dyn Body,

@@ -1,4 +1,4 @@
-//! Connecting in ports to out ports of this daemon or of others.
+//! Connects in ports to out ports of this daemon or of others.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -18,10 +18,10 @@ use crate::bus::Change;
 use crate::components::Hosted;
 use crate::ties::PortConnection;
 
-/// An in port could not be bound; it has what it had.
+/// Why an in port could not be bound. The previous connection is kept.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum AttachError {
-    /// The middleware refused.
+    /// The middleware reported an error.
     #[error(transparent)]
     Open(#[from] OpenError),
     /// A codel of the reader does not return.
@@ -29,15 +29,15 @@ pub(super) enum AttachError {
     HeldUp(#[from] HeldUp),
 }
 
-/// Where an in port is to read.
+/// What an in port is to read.
 pub(super) struct Source {
     pub(super) outport: Address,
     pub(super) policy: Policy,
-    /// Whether the middleware was asked for by name.
+    /// Whether the middleware was requested explicitly.
     pub(super) fixed: bool,
 }
 
-/// Types that differ.
+/// The error for two ports of different types.
 fn differs(inport: &Address, ours: &str, outport: &Address, theirs: &str) -> ConnectError {
     let message = format!("{inport} reads {ours}, {outport} carries {theirs}");
     ConnectError::Type { message, help: Some("make the two .gen types equal") }
@@ -68,9 +68,11 @@ impl Connections {
         let backend = self.choose(asked.as_deref(), local.as_deref(), hosted, key, &outport);
         let middleware = self.backends.get(&backend)?;
         let inport = hosted.port_address(key);
-        // From itself: somebody outside publishes there, or will.
+        // Connected to its own address: a program other than the component's peers publishes there,
+        // or will.
         let from_outside = outport == inport;
-        // A peer that is no genomd need not show itself where there are no announcements.
+        // On a network, programs other than genomd need not be visible before they are connected
+        // to.
         let foreign = foreign && middleware.capabilities().cross_host;
         match &local {
             _ if from_outside => {}
@@ -85,7 +87,8 @@ impl Connections {
             let (outport, fixed) = (outport.clone(), asked.is_some());
             let policy = wanted.policy.unwrap_or_default();
             let made = self.attach(hosted, key, &middleware, Source { outport, policy, fixed })?;
-            // What the daemon published there is over, also for who wants to publish there itself.
+            // The daemon's own publisher at this port is closed, also to let another program
+            // publish there.
             feeds.remove(key);
             Ok(made)
         });
@@ -98,7 +101,7 @@ impl Connections {
         })
     }
 
-    /// Binds an in port to an out port that was checked, and tells it.
+    /// Binds an in port to an out port, after all checks, and reports the change.
     pub(super) fn attach(
         &self,
         hosted: &Hosted,
@@ -118,7 +121,8 @@ impl Connections {
         let backend = middleware.name().to_owned();
         let connection = PortConnection { inport: inport.clone(), outport, backend, policy, fixed };
         let had = hosted.ties.connected(key.clone(), connection.clone(), tap.clone());
-        // Known before it is used: a recording that starts now finds it here or there.
+        // Registered before it is used: a recording that starts now finds it in one place or the
+        // other.
         let reads = Some(&connection.outport);
         self.opening.recordings.opened(&inport, PortDirection::In, reads, ty, tap.tapes());
         if let Err(held_up) = hosted.bind_in(key, Some(tap.subscription())) {
@@ -134,8 +138,8 @@ impl Connections {
         Ok(connection)
     }
 
-    /// The middleware of a connection: the one asked for; else one the writer is on, when it is in
-    /// this daemon, else one the in port is on: the first where the writer shows.
+    /// Chooses the middleware of a connection: the one requested, else the writer's if it is in
+    /// this daemon, else the first one of the in port on which the writer is visible.
     fn choose(
         &self,
         asked: Option<&str>,
@@ -162,7 +166,7 @@ impl Connections {
         }
     }
 
-    /// Whether there was a connection to take away.
+    /// Disconnects an in port. Returns whether it was connected.
     pub(super) fn disconnect_port(&self, hosted: &Hosted, key: &PortKey) -> Result<bool, HeldUp> {
         hosted.ties.feeds.hold(|feeds| {
             let Some(had) = hosted.ties.disconnected(key) else { return Ok(false) };
@@ -176,7 +180,7 @@ impl Connections {
     }
 }
 
-/// The writer is in this daemon: everything about it is known.
+/// Checks a writer in this daemon, about which everything is known.
 fn check_local(
     writer: &Hosted,
     outport: &Address,
@@ -220,7 +224,7 @@ fn check_local(
     }
 }
 
-/// The writer is elsewhere: it must be visible, unless the caller is ready to wait.
+/// Checks a writer elsewhere: it must be visible, unless the caller agreed to wait.
 fn check_remote(
     middleware: &dyn Middleware,
     outport: &Address,

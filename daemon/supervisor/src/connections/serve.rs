@@ -1,4 +1,4 @@
-//! Services of a component on its middleware, for callers outside the control plane.
+//! Offers the services of a component on middlewares.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
@@ -16,7 +16,7 @@ use super::opening::BindError;
 use crate::components::{Heard, Hosted, ServedOn, ServedServices};
 
 impl Connections {
-    /// Serves every service on each of these middlewares, as far as they have services at all.
+    /// Offers every service on each of these middlewares, if they support services.
     pub(crate) fn serve_on(
         &self,
         hosted: &Arc<Hosted>,
@@ -40,7 +40,7 @@ fn serve(
 ) -> Result<ServedServices, BindError> {
     let mut served = Vec::new();
     for (index, service) in hosted.model().services.pairs() {
-        // Not declared at all: a call finds nobody, as if the component had no such service.
+        // Not declared at all, so that callers see no such service.
         if !offers(&service.name) {
             continue;
         }
@@ -51,7 +51,7 @@ fn serve(
         let handler = Arc::new(Handler { hosted: Arc::downgrade(hosted), service: index });
         match middleware.serve(&hosted.address(&service.name, None), &ty, handler) {
             Ok(one) => served.push((index, one)),
-            // The control plane serves it all the same.
+            // Calls through the control plane still work.
             Err(OpenError::Unsupported { why, .. }) => {
                 tracing::debug!("{}/{}: {why}", hosted.name, service.name);
             }
@@ -61,7 +61,7 @@ fn serve(
     Ok(served)
 }
 
-/// The kind of a service, as middlewares call it.
+/// Converts the kind of a service to that of the middleware API.
 pub(super) fn kind_of(kind: ModelKind) -> ServiceKind {
     match kind {
         ModelKind::Attribute => ServiceKind::Attribute,
@@ -70,14 +70,14 @@ pub(super) fn kind_of(kind: ModelKind) -> ServiceKind {
     }
 }
 
-/// One service for one component.
+/// Handles the requests to one service of one component.
 struct Handler {
-    /// Weak: the component holds the handler.
+    /// Weak, because the component holds the handler.
     hosted: Weak<Hosted>,
     service: ServiceIx,
 }
 
-/// Who gets the answer, until it has it.
+/// Where the reply goes; `None` once it was sent.
 type Caller = Option<Box<dyn Replies>>;
 
 fn lock(caller: &Mutex<Caller>) -> MutexGuard<'_, Caller> {
@@ -86,7 +86,7 @@ fn lock(caller: &Mutex<Caller>) -> MutexGuard<'_, Caller> {
 
 impl ServiceHandler for Handler {
     fn request(&self, input: Record, replies: Box<dyn Replies>) {
-        // Dropping the replies tells the caller that the service is gone.
+        // Dropping `replies` tells the caller that the service is gone.
         let Some(hosted) = self.hosted.upgrade() else { return };
         let replies = Arc::new(Mutex::new(Some(replies)));
         let weak = Weak::clone(&self.hosted);
@@ -95,7 +95,8 @@ impl ServiceHandler for Handler {
                 if let Some(replies) = lock(&replies).as_mut() {
                     replies.accepted(ActivityId(activity.number));
                 }
-                // Weak: dropped replies tell that the service is gone.
+                // Weak, so that `replies` is dropped, which tells that the service is gone, if the
+                // component goes.
                 let replies = Arc::downgrade(&replies);
                 let follower = move |state: &str| {
                     if let Some(replies) = replies.upgrade()
@@ -108,7 +109,7 @@ impl ServiceHandler for Handler {
                     hosted.follow(&activity, Box::new(follower));
                 }
             }
-            // Of whole inputs, as these are, none is refused so.
+            // Only partial inputs can be refused this way, and these are complete.
             Heard::Refused(_) => {}
             Heard::Ended(outcome) => {
                 let replies = lock(&replies).take();

@@ -1,4 +1,4 @@
-//! Connecting remotes to services: of this daemon directly, of others through a middleware.
+//! Connects remotes to services: directly within this daemon, through a middleware otherwise.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::components::Hosted;
 use crate::ties::ServiceConnection;
 
 impl Connections {
-    /// Connects a remote, in place of the service it had.
+    /// Connects a remote, in place of its previous service.
     pub(super) fn connect_service(
         &self,
         caller: &Hosted,
@@ -54,7 +54,7 @@ impl Connections {
         Ok(connection)
     }
 
-    /// A call of a component of this daemon: everything about it is known.
+    /// A connection to a component of this daemon, about which everything is known.
     fn near(
         &self,
         caller: &Hosted,
@@ -69,7 +69,7 @@ impl Connections {
             return Err(wanted.no_service(" in this daemon", suggest(&at.name, names)));
         };
         let ours = &caller.model().remotes[remote];
-        // genom3.md 4.9: digests of the two are compared when they are connected.
+        // genom3.md 4.9: the digests of both sides are compared when they are connected.
         if ours.digest != theirs.call_digest {
             let calls = format!("{} of interface {} ({})", ours.name, ours.interface, ours.digest);
             let is = format!("{} ({})", theirs.name, theirs.call_digest);
@@ -78,8 +78,8 @@ impl Connections {
         Ok(DirectCall::new(&self.components, provider, theirs, &caller.model().version))
     }
 
-    /// A call through a middleware: the one asked for, else one the caller is on, the first where
-    /// the service shows.
+    /// A connection through a middleware: the one requested, else the first one of the caller on
+    /// which the service is visible.
     fn far(
         &self,
         caller: &Hosted,
@@ -112,7 +112,7 @@ impl Connections {
         })
     }
 
-    /// The middlewares through which the service may be found.
+    /// The middlewares on which the service may be found.
     fn reaching(
         &self,
         caller: &Hosted,
@@ -142,7 +142,7 @@ impl Connections {
         Ok(all)
     }
 
-    /// The first that shows the service; on a network it is looked for as long as that may take.
+    /// The first middleware on which the service is visible; on a network this may take a while.
     fn showing(
         &self,
         all: &[Arc<dyn Middleware>],
@@ -180,7 +180,7 @@ impl Connections {
         }
     }
 
-    /// Whether there was a service behind a remote to take away.
+    /// Disconnects a remote. Returns whether it was connected.
     pub(super) fn disconnect_service(
         &self,
         caller: &Hosted,
@@ -195,7 +195,7 @@ impl Connections {
     }
 }
 
-/// The service takes or gives something else.
+/// The error for a service whose parameters or exceptions differ.
 fn differs(wanted: &Wanted, ours: &str, theirs: &str) -> ConnectError {
     let Wanted { inport: remote, outport: service, .. } = wanted;
     let message =

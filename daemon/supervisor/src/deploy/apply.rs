@@ -1,5 +1,5 @@
-//! Takes the steps of a deployment, waits for what others must do first, and undoes what was
-//! done when a step is refused.
+//! Takes the steps of a deployment, waits for the other sides of connections, and undoes everything
+//! when a step fails.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -17,19 +17,19 @@ use crate::loading;
 use crate::supervisor::Supervisor;
 use genom_configuration::{CallEntry, ConnectionEntry, Spot};
 
-/// How often the other side of a connection is looked for: discovery tells nobody.
+/// How often to check for the other side of a connection: discovery does not notify.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// A deployment could not be brought about.
+/// Why a deployment could not be applied.
 #[derive(Debug, thiserror::Error)]
 #[error("{step}: {why}{}", remaining(.left))]
 pub struct ApplyError {
-    /// The step that was refused.
+    /// The step that failed.
     pub step: String,
-    /// Why it was refused.
+    /// Why it failed.
     #[source]
     pub why: Box<StepError>,
-    /// Where it is asked for in the file.
+    /// The entry of the file that asks for it.
     pub place: Spot,
     /// What could not be undone.
     pub left: Vec<String>,
@@ -42,7 +42,8 @@ fn remaining(left: &[String]) -> String {
     format!("; all is as it was, but for: {}", left.join(", "))
 }
 
-/// Takes all steps, in order; connections wait for the other side at most this long each. Blocks.
+/// Takes all steps in order. Each connection waits for its other side for at most `patience`.
+/// Blocks.
 pub fn apply(
     supervisor: &Arc<Supervisor>,
     steps: &[Step],
@@ -53,7 +54,8 @@ pub fn apply(
     let mut rest = steps;
     while let Some((step, after)) = rest.split_first() {
         let taken = if let Step::Connect(_) = step {
-            // Together: one that waits holds up no other.
+            // Consecutive connections are made together, so that one that waits does not delay the
+            // others.
             let connects = rest.iter().map_while(Step::connection).collect::<Vec<_>>();
             rest = &rest[connects.len()..];
             connect_all(supervisor, connects, patience, &mut undo)
@@ -75,7 +77,7 @@ fn tell(supervisor: &Supervisor, step: &Step, status: StepStatus) {
     supervisor.bus.tell(&Change::DeploymentStep { step: step.to_string(), status });
 }
 
-/// A step that was refused.
+/// A step that failed.
 struct Refused {
     step: String,
     why: Box<StepError>,
@@ -103,7 +105,7 @@ impl Refused {
     }
 }
 
-/// Takes a step; the way back comes to the others.
+/// Takes a step, and pushes how to undo it.
 fn take(
     supervisor: &Arc<Supervisor>,
     step: &Step,
@@ -141,7 +143,7 @@ fn take(
         Step::Set(entry) => {
             let before = Requested::before(supervisor, entry, step.to_string(), ran);
             request::send(&supervisor.components, entry).map_err(|error| {
-                // As the file has it: inputs stand under the service's name.
+                // In the file the inputs stand directly under the service's name.
                 let members = error.key.iter().filter(|key| *key != "inputs").cloned();
                 let key = ["attributes".to_owned(), entry.service.clone()];
                 let key: Vec<String> = key.into_iter().chain(members).collect();
@@ -149,7 +151,7 @@ fn take(
             })?;
             undo.push(Undo::Request(before));
         }
-        // Taken together, by `connect_all`.
+        // Handled by `connect_all`.
         Step::Connect(_) => {}
         Step::Call(entry) | Step::Start(entry) => {
             if let Step::Start(_) = step {
@@ -166,7 +168,7 @@ fn take(
                 }
                 (_, Some(number), Some(hosted)) => {
                     undo.push(Undo::Request(before));
-                    // Called, not started: what comes next may rely on its end.
+                    // Waits for the end, because later steps may depend on it.
                     let ended = hosted.activities.get(number).map(|activity| activity.wait());
                     if let Some(Some(Ending::Exception { name, .. })) = ended {
                         return Err(Refused::new(step, ["service"], StepError::Exception(name)));
@@ -182,7 +184,7 @@ fn take(
     Ok(())
 }
 
-/// Stops a component, which may be put back.
+/// Stops a component, such that it can be loaded again.
 fn take_down(
     supervisor: &Arc<Supervisor>,
     name: &str,
@@ -193,7 +195,7 @@ fn take_down(
     supervisor.unload(name)
 }
 
-/// Only activities are started: anything else would be over when the next one begins.
+/// Fails if the service is not an activity: an attribute or function would be over at once.
 fn is_activity(supervisor: &Supervisor, entry: &CallEntry) -> Result<(), StepError> {
     let hosted = supervisor.components.get(&entry.component);
     let services = hosted.as_ref().map_or(&[][..], |hosted| &hosted.model().services);
@@ -225,8 +227,8 @@ fn connect_all(
                     tell(supervisor, &step, StepStatus::Done);
                     undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
                 }
-                // The other side comes when its daemon does; a name with a mistake in it waits
-                // until the time is over, and is reported then.
+                // The other side may appear with its daemon. A misspelt name is therefore waited
+                // for until the timeout, and reported then.
                 Err(error) if error.is_absent() => absent.push((entry, step, error)),
                 Err(error) => return Err(Refused::new(&step, [error.key()], error)),
             }

@@ -1,4 +1,4 @@
-//! The running system as a deployment.
+//! Writes the running system as a deployment.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,8 @@ use crate::supervisor::Supervisor;
 use crate::ties::Connection;
 use genom_configuration::{BackendNames, CallEntry, Deployment, LoadRequest};
 
-/// What runs and how it is wired; applied on a fresh daemon it gives the same.
+/// Components, connections and requests that run now; applied to a new daemon the deployment gives
+/// the same system.
 pub fn dump(supervisor: &Supervisor) -> Deployment {
     let mut all = Deployment::default();
     for hosted in supervisor.components.all() {
@@ -21,7 +22,7 @@ pub fn dump(supervisor: &Supervisor) -> Deployment {
             inputs,
         };
         for (service, inputs) in hosted.standing.all_deployed() {
-            // Activities are dumped as long as they run, below.
+            // Running activities are handled below.
             let known = hosted.model().services.iter().find(|known| known.name == service);
             if known.is_some_and(|known| known.kind != ServiceKind::Activity) {
                 all.call.push(entry(&service, inputs));
@@ -33,7 +34,7 @@ pub fn dump(supervisor: &Supervisor) -> Deployment {
             }
         }
     }
-    // Declared, and waiting for one of its sides.
+    // Declared connections of which one side is missing.
     for declared in supervisor.connections.declared() {
         if !all.connection.iter().any(|made| made.inport == declared.inport) {
             all.connection.push(declared);
@@ -42,7 +43,7 @@ pub fn dump(supervisor: &Supervisor) -> Deployment {
     all
 }
 
-/// How to load a component that runs, as it is.
+/// The request that loads a component as it is now.
 pub(super) fn component(hosted: &Hosted) -> LoadRequest {
     let bindings = &hosted.ties.bindings;
     let ports: BTreeMap<String, BackendNames> = bindings.ports();

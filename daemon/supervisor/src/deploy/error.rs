@@ -7,47 +7,47 @@ use crate::components::request::RequestError;
 use crate::connections::{BindError, ConnectError};
 use crate::loading::LoadError;
 
-/// A step of a deployment was refused.
+/// Why a step of a deployment failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StepError {
-    /// A component does not load.
+    /// A component could not be loaded.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A component does not stop.
+    /// A component could not be stopped.
     #[error(transparent)]
     Unload(#[from] UnloadError),
-    /// A component or port cannot go to other middlewares.
+    /// A component or port could not be moved.
     #[error(transparent)]
     Move(#[from] MoveError),
-    /// A connection cannot be made.
+    /// A connection could not be made.
     #[error("{}", .0.sentence())]
     Connect(#[from] ConnectError),
-    /// A connection cannot be taken away.
+    /// A connection could not be removed.
     #[error(transparent)]
     Disconnect(ConnectError),
-    /// The other side of a connection did not come in time.
+    /// The other side of a connection did not appear in time.
     #[error("nothing after {:.1} s: {}", .after.as_secs_f64(), .source.sentence())]
     Absent {
-        /// How long it was waited for.
+        /// The time waited.
         after: Duration,
-        /// What is not there.
+        /// Which side is missing.
         source: ConnectError,
     },
-    /// A component does not take a request.
+    /// A component refused a request.
     #[error(transparent)]
     Request(#[from] RequestError),
-    /// The service that was to be started is over as soon as it ran.
+    /// The service to be started is not an activity, and would be over at once.
     #[error("{component}/{service} is {kind}: name it in [[call]]")]
     NoActivity {
-        /// Of which component.
+        /// Instance name of the component.
         component: String,
-        /// Its name.
+        /// Name of the service.
         service: String,
         /// `an attribute` or `a function`.
         kind: &'static str,
     },
-    /// What was called ended with an exception.
+    /// The service ended with an exception.
     #[error("it ended with {0}")]
     Exception(String),
     /// The daemon was asked to stop meanwhile.
@@ -55,35 +55,35 @@ pub enum StepError {
     Stopping,
 }
 
-/// A component or port stays on the middlewares it is on.
+/// Why a component or port was not moved.
 #[derive(Debug, thiserror::Error)]
 pub enum MoveError {
     /// The component was unloaded.
     #[error("{0} does not run")]
     NotThere(String),
-    /// A middleware refused, or a codel does not return.
+    /// A middleware reported an error, or a codel does not return.
     #[error(transparent)]
     Bind(#[from] BindError),
 }
 
-/// Something that a step did stays as it is.
+/// An effect of a step that could not be undone.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum UndoError {
-    /// The activity that it started.
+    /// An activity that was started and does not end.
     #[error("{0}, which does not end")]
     Endless(String),
-    /// What a service did, since none is known that does the contrary.
+    /// The effect of a service that has no known inverse.
     #[error("{0}")]
     Final(String),
-    /// An attribute, which refuses the inputs it had.
+    /// An attribute that refused its previous inputs.
     #[error("{step}: {source}")]
     Request { step: String, source: RequestError },
     #[error(transparent)]
     Move(#[from] MoveError),
-    /// A connection that was made.
+    /// A connection that could not be restored.
     #[error(transparent)]
     Disconnect(#[from] ConnectError),
-    /// A connection that was taken away.
+    /// A connection that could not be removed again.
     #[error("{entry}: {}", .source.sentence())]
     Connect { entry: String, source: ConnectError },
 }

@@ -1,4 +1,4 @@
-//! Deployments: what is to run and how it is wired, brought about step by step.
+//! Deployments: compares what is wanted with what runs, and takes the steps in between.
 
 pub mod apply;
 pub mod dump;
@@ -12,43 +12,44 @@ use std::fmt;
 
 use genom_configuration::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
 
-/// One step on the way to a deployment.
+/// A step towards a deployment.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
-    /// A component is to run, with its attributes set.
+    /// Loads a component and sets its attributes.
     Load(Box<LoadRequest>),
-    /// A component is to be loaded anew, since it differs in what cannot be changed while it runs.
+    /// Unloads a component and loads it again, because it differs in something that cannot change
+    /// while it runs.
     Reload {
-        /// The component as it is to be.
+        /// The request that loads it.
         request: Box<LoadRequest>,
         /// What differs.
         why: &'static str,
     },
-    /// A component is to go.
+    /// Unloads a component.
     Unload(String),
-    /// An in port or a remote is to be connected no more.
+    /// Disconnects an in port or a remote.
     Disconnect(ConnectionEntry),
-    /// A component or port is to move to other middlewares.
+    /// Moves a component or port to other middlewares.
     Move {
         /// Instance name.
         component: String,
-        /// The port, when it is one alone.
+        /// Name of the port, if only one moves.
         port: Option<String>,
-        /// The middlewares it is to be on.
+        /// The new middlewares.
         to: BackendNames,
     },
-    /// An attribute is to have other inputs.
+    /// Sets an attribute.
     Set(CallEntry),
-    /// An in port or a remote is to be connected.
+    /// Connects an in port or a remote.
     Connect(ConnectionEntry),
-    /// A service is to be called.
+    /// Calls a service and waits for its end.
     Call(CallEntry),
-    /// An activity is to be started.
+    /// Starts an activity.
     Start(CallEntry),
 }
 
 impl Step {
-    /// The connection it makes, if it makes one.
+    /// The connection that the step makes, if it makes one.
     fn connection(&self) -> Option<&ConnectionEntry> {
         if let Step::Connect(entry) = self { Some(entry) } else { None }
     }

@@ -1,4 +1,4 @@
-//! From a deployment and what runs to the steps between the two.
+//! Computes the steps from what runs to a deployment.
 
 use genom_nearest::suggest;
 use serde_json::Value;
@@ -11,20 +11,21 @@ use genom_configuration::{
     BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot,
 };
 
-/// The deployment contradicts itself or what runs; nothing was changed.
+/// Why there are no such steps: the deployment contradicts itself or what runs. Nothing was
+/// changed.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum PlanError {
-    /// Components wait for each other.
+    /// The `after` of components form a circle.
     #[error("{0} comes after itself: look at the `after` of the components")]
     Circle(String),
-    /// A name of no component.
+    /// A name that does not exist.
     #[error("{what} names component `{typed}`, which neither runs nor is deployed; {help}")]
     Unknown { what: String, typed: String, help: String, place: Spot },
-    /// Two components of one name.
+    /// Two components have the same name.
     #[error("two components are named {0}: give one another `name`")]
     Twice(String),
-    /// What runs cannot become what is wanted.
+    /// A running component cannot become what is wanted.
     #[error(
         "{name} runs from another library than the deployment says: `genomctl unload {name}` first"
     )]
@@ -32,7 +33,7 @@ pub enum PlanError {
 }
 
 impl PlanError {
-    /// Where the mistake is in the file.
+    /// The entry of the file that is wrong.
     pub fn place(&self) -> Spot {
         match self {
             PlanError::Unknown { place, .. } | PlanError::Other { place, .. } => place.clone(),
@@ -41,17 +42,17 @@ impl PlanError {
     }
 }
 
-/// The way from what runs to a deployment.
+/// The steps from what runs to a deployment.
 #[derive(Debug, Default)]
 pub struct Plan {
-    /// The steps, in order; none when the daemon is there.
+    /// The steps in order; empty if everything is as wanted.
     pub steps: Vec<Step>,
-    /// What there is that the deployment does not say, as the steps that take it away. They are
-    /// among the others when this is asked for.
+    /// Steps that remove what the deployment does not contain. With `prune` they are in `steps`,
+    /// too.
     pub beside: Vec<Step>,
 }
 
-/// Plans; `prune`: what the deployment does not say is to go.
+/// Computes the steps. With `prune`, what the deployment does not contain is removed.
 pub fn plan(supervisor: &Supervisor, wanted: &Deployment, prune: bool) -> Result<Plan, PlanError> {
     let beside = beside(supervisor, wanted);
     let mut steps = plan_steps(supervisor, wanted, prune)?;
@@ -64,8 +65,8 @@ pub fn plan(supervisor: &Supervisor, wanted: &Deployment, prune: bool) -> Result
     Ok(Plan { steps, beside })
 }
 
-/// What takes away all that the deployment does not say: connections, then components, users before
-/// those they use.
+/// The steps that remove what the deployment does not contain: first connections, then components,
+/// each before those it uses.
 fn beside(supervisor: &Supervisor, wanted: &Deployment) -> Vec<Step> {
     let mut all = supervisor.components.all();
     all.reverse();
@@ -116,7 +117,8 @@ fn plan_steps(
             steps.push(Step::Connect(connection.clone()));
         }
     }
-    // What is loaded anew keeps the connections that the deployment says nothing of.
+    // Connections of a component that is reloaded are made again if the deployment does not mention
+    // them.
     for hosted in supervisor.components.all() {
         if prune || !anew(&steps, &hosted.name) {
             continue;
@@ -139,25 +141,26 @@ fn plan_steps(
     Ok(steps)
 }
 
-/// The connections of a component, as entries of a file.
+/// The connections of a component, as entries of a deployment.
 pub(super) fn entries(hosted: &Hosted) -> Vec<ConnectionEntry> {
     hosted.ties.connections().iter().map(Connection::entry).collect()
 }
 
-/// Whether a component is to be loaded anew.
+/// Whether the steps reload this component.
 fn anew(steps: &[Step], name: &str) -> bool {
     steps
         .iter()
         .any(|step| matches!(step, Step::Reload { request, .. } if request.instance() == name))
 }
 
-/// Components with those first that others come after.
+/// The components in an order that respects their `after`.
 fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
     let mut left: Vec<&LoadRequest> = all.iter().collect();
     let mut names: Vec<String> = Vec::new();
     for request in all {
         let name = request.instance();
-        // Unnamed ones are named by their descriptions, which are read when they are loaded.
+        // A component without a name in the request gets that of its description, which is not read
+        // yet.
         if names.contains(&name) && request.name.is_some() {
             return Err(PlanError::Twice(name));
         }
@@ -186,7 +189,7 @@ fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
     Ok(order)
 }
 
-/// Steps for a component that runs already.
+/// Steps for a component that is running already.
 fn adapt(
     supervisor: &Supervisor,
     hosted: &Hosted,
@@ -208,7 +211,7 @@ fn adapt(
     if let Some(why) = other {
         let mut request = request.clone();
         request.name = Some(name);
-        // What was set and the deployment says nothing of stays set.
+        // Attributes that were set and that the deployment does not mention are set again.
         for (service, set) in hosted.standing.attributes() {
             let inputs = match request.attributes.get(&service) {
                 None => Some(set),
@@ -247,21 +250,21 @@ fn adapt(
     Ok(())
 }
 
-/// Inputs with the defaults of what they leave out.
+/// The inputs, completed with defaults.
 fn full(hosted: &Hosted, service: &str, inputs: &Value) -> Option<Value> {
     let index = hosted.plan().service(service)?;
     hosted.filled(index, inputs).ok().map(|record| record.to_json())
 }
 
-/// What an attribute is set to when some of its inputs are given after it was set.
+/// The inputs that an attribute has if it is set to `set` and then to the partial `inputs`.
 fn merged(hosted: &Hosted, service: &str, set: &Value, inputs: &Value) -> Option<Value> {
     let mut record = hosted.filled(hosted.plan().service(service)?, set).ok()?;
     record.merge_json(inputs).ok()?;
     Some(record.to_json())
 }
 
-/// Whether a deployment had this called already, in this life of the component, or the activity
-/// runs.
+/// Whether a deployment already called this service with these inputs since the component was
+/// loaded, or such an activity is running.
 fn done(supervisor: &Supervisor, entry: &CallEntry) -> bool {
     let Some(hosted) = supervisor.components.get(&entry.component) else { return false };
     let Some(wanted) = full(&hosted, &entry.service, &entry.inputs) else { return false };

@@ -1,4 +1,4 @@
-//! The way back of each step of a deployment.
+//! Undoes the steps of a deployment.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -16,13 +16,13 @@ use crate::supervisor::Supervisor;
 use crate::ties::Connection;
 use genom_configuration::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
 
-/// How to take a step back.
+/// How to undo a step.
 pub(super) enum Undo {
     Unload(String),
-    /// A component that was taken down.
+    /// Load a component that was taken down.
     PutBack(Box<Gone>),
     Move(Moved),
-    /// An in port or remote, and what it was connected to.
+    /// Restore the connection of an in port or remote.
     Reconnect {
         inport: String,
         before: Option<Connection>,
@@ -34,7 +34,7 @@ pub(super) enum Undo {
 pub(super) struct Gone {
     request: LoadRequest,
     connections: Vec<ConnectionEntry>,
-    /// Services of the activities that ran.
+    /// Services whose activities were running.
     interrupted: Vec<String>,
 }
 
@@ -49,7 +49,8 @@ impl Gone {
         }
     }
 
-    /// Loads it as it was, in place of what bears its name now; what cannot be as it was.
+    /// Loads it as it was, in place of a component that has its name now. Returns what could not be
+    /// restored.
     fn put_back(self, supervisor: &Arc<Supervisor>) -> Vec<String> {
         let name = self.request.instance();
         if supervisor.components.get(&name).is_some()
@@ -75,26 +76,26 @@ pub(super) struct Moved {
     component: String,
     port: Option<String>,
     before: BackendNames,
-    /// Where ports of a component that moved were on their own.
+    /// The middlewares of ports that differed from those of the component.
     ports: BTreeMap<String, BackendNames>,
 }
 
-/// A service that was asked for something.
+/// A service that was called or started.
 pub(super) struct Requested {
     entry: CallEntry,
-    /// As the step is told.
+    /// The step as reported.
     step: String,
-    /// The attribute's inputs that give back what was; none for other services.
+    /// The inputs that restore an attribute; `None` for other services.
     values: Option<Value>,
-    /// Activities that it stopped, and that ran before the deployment.
+    /// Activities from before the deployment that the request interrupted.
     interrupted: Vec<String>,
-    /// What a dump said of the attribute.
+    /// The inputs of the attribute that were remembered for dumps.
     remembered: Option<Value>,
-    /// The activity that was started.
+    /// Number of the activity that was started.
     activity: Option<u64>,
 }
 
-/// What cannot be as it was: of this component, this.
+/// Something that could not be restored, and its component.
 pub(super) struct Left {
     component: String,
     what: String,
@@ -113,8 +114,8 @@ impl Running {
         Self(supervisor.components.all().into_iter().flat_map(of).collect())
     }
 
-    /// Services of those that a request interrupts: nobody but the supervisor may start a motion
-    /// again.
+    /// Services of the running activities that a request interrupts. They are reported and not
+    /// started again: starting a motion is up to the supervisor.
     fn interrupted_by(&self, hosted: &Hosted, service: &str) -> Vec<String> {
         let services = &hosted.model().services;
         let Some(service) = services.iter().find(|one| one.name == service) else {
@@ -129,7 +130,7 @@ impl Running {
     }
 }
 
-/// Moves a component or port, and tells where it was.
+/// Moves a component or port, and returns where it was.
 pub(super) fn move_to(
     supervisor: &Arc<Supervisor>,
     component: &str,
@@ -149,7 +150,7 @@ pub(super) fn move_to(
 }
 
 impl Requested {
-    /// To be known before the request is sent.
+    /// To be called before the request is sent.
     pub(super) fn before(
         supervisor: &Supervisor,
         entry: &CallEntry,
@@ -167,7 +168,7 @@ impl Requested {
         Self { entry: entry.clone(), step, values, interrupted, remembered, activity: None }
     }
 
-    /// The activity that it is.
+    /// Stores the number of the activity that was started.
     pub(super) fn started(self, activity: u64) -> Self {
         Self { activity: Some(activity), ..self }
     }
@@ -177,7 +178,8 @@ impl Requested {
         hosted.standing.not_deployed(&self.entry.service, &self.entry.inputs);
         if let Some(number) = self.activity {
             hosted.abort(number);
-            // As it was: it runs no more. A clock that stands lets nothing end.
+            // Waits until it has ended, as before. While a virtual clock stands still nothing can
+            // end.
             if matches!(supervisor.clock, Clock::Monotonic)
                 && let Some(activity) = hosted.activities.get(number)
                 && activity.wait_at_most(supervisor.settings.stop_timeout).is_none()
@@ -195,14 +197,14 @@ impl Requested {
     }
 }
 
-/// The inputs of an attribute that set what is set now; as it was last set, when codels keep one
-/// from looking.
+/// The inputs that restore the present state of an attribute; those it was last set to, if codels
+/// exclude reading the state.
 fn values(hosted: &Hosted, service: &str, remembered: &Option<Value>) -> Option<Value> {
     let index = hosted.plan().service(service)?;
     hosted.current(index).or_else(|| remembered.clone())
 }
 
-/// A connection that was taken away, if there was one: a name of nothing has none.
+/// The result of disconnecting; a name that does not exist counts as disconnected.
 pub(super) fn take_away(taken: Result<bool, ConnectError>) -> Result<(), ConnectError> {
     match taken {
         Ok(_) | Err(ConnectError::NoSuchInport { .. }) => Ok(()),
@@ -210,13 +212,13 @@ pub(super) fn take_away(taken: Result<bool, ConnectError>) -> Result<(), Connect
     }
 }
 
-/// Makes the connection of an entry, whether the other side is there or not.
+/// Makes the connection of an entry, even if the other side does not exist.
 fn make_anyway(supervisor: &Supervisor, entry: &ConnectionEntry) -> Result<(), ConnectError> {
     let wanted = Wanted { wait: true, ..Wanted::from(entry) };
     supervisor.connections.make(&wanted).map(drop)
 }
 
-/// Brings an in port or remote back to the connection it had, or to none.
+/// Restores the previous connection of an in port or remote, or disconnects it.
 fn put_back(
     supervisor: &Supervisor,
     inport: &str,
@@ -230,21 +232,21 @@ fn put_back(
         .map_err(|source| UndoError::Connect { entry: entry.to_string(), source })
 }
 
-/// Takes steps back, the last first; what could not be is named.
+/// Undoes steps, the last first. Returns what could not be restored.
 pub(super) fn take_back(supervisor: &Arc<Supervisor>, undo: Vec<Undo>) -> Vec<String> {
     let mut left: Vec<Left> = Vec::new();
     let mut back = undo.into_iter().rev().peekable();
     while let Some(one) = back.next() {
         let (component, undone) = match one {
             Undo::Unload(name) => {
-                // Those loaded one after the other go together.
+                // Components that were loaded one after the other are unloaded together.
                 let mut names = vec![name];
                 while let Some(Undo::Unload(name)) =
                     back.next_if(|it| matches!(it, Undo::Unload(_)))
                 {
                     names.insert(0, name);
                 }
-                // What was done to them goes with them.
+                // What could not be undone in these components disappears with them.
                 left.retain(|left| !names.contains(&left.component));
                 let failed = supervisor.unload_these(&names).into_iter();
                 left.extend(

@@ -1,9 +1,9 @@
-//! What was read and compared for components that come again: one library under many names, or a
-//! component that is reloaded.
+//! Caches descriptions and results of checking libraries, for components that are loaded more than
+//! once.
 //!
-//! A description is read again when a file that it was made of changed or would be found
-//! elsewhere; a library is compared again when its contents are others, whatever its date says.
-//! pkg-config (`#pragma requires`) is asked again only when the description is read again.
+//! A description is read again if one of its files changed, or would now be found in another
+//! directory. A library is checked again if its contents changed, whatever its date. pkg-config
+//! (`#pragma requires`) is queried again only when the description is read again.
 
 mod seen;
 
@@ -21,9 +21,10 @@ use genom_runtime::plan::{Plan, PlanError};
 
 use seen::Seen;
 
-/// Descriptions that are kept: those used last. A daemon runs fewer kinds of components.
+/// Maximum number of descriptions kept, those used last. A daemon rarely runs that many kinds of
+/// components.
 const MOST: usize = 64;
-/// Contents of libraries that fit one description.
+/// Number of libraries remembered for one description.
 const BUILDS: usize = 4;
 
 /// Where a description is.
@@ -31,17 +32,17 @@ const BUILDS: usize = 4;
 pub enum Description {
     /// In a file.
     File(PathBuf),
-    /// In the library, under this name for messages.
+    /// Embedded in the library.
     Embedded {
-        /// What messages call it.
+        /// Its name in messages.
         name: PathBuf,
-        /// The description itself.
+        /// Its text.
         text: String,
     },
 }
 
 impl Description {
-    /// What messages call it.
+    /// Its name in messages.
     pub fn path(&self) -> &Path {
         match self {
             Description::File(path) | Description::Embedded { name: path, .. } => path,
@@ -49,11 +50,11 @@ impl Description {
     }
 }
 
-/// A description cannot be used.
+/// Why a description cannot be used.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum ReadError {
-    /// It has errors: drawn, with their places.
+    /// It has errors; formatted, with their places.
     #[error("{0}")]
     Description(String),
     /// It declares no component, or several.
@@ -64,24 +65,24 @@ pub enum ReadError {
     Plan(#[from] PlanError),
 }
 
-/// A description that was read, and what is known of libraries for it.
+/// A description that was read, and the libraries known to match it.
 pub struct Reading {
     description: Description,
-    /// Where its `#include <...>` are looked for.
+    /// Directories searched for `#include <...>`.
     include: Vec<PathBuf>,
-    /// What it was made of.
+    /// The files that it was made of.
     seen: Seen,
     sources: SourceMap,
-    /// Its component, compiled.
+    /// Its component in compiled form.
     pub plan: Arc<Plan>,
-    /// What is to be told each time it is loaded.
+    /// Warnings to be logged each time it is loaded.
     pub warnings: Option<String>,
-    /// Libraries that fit it, the last one first.
+    /// Digests of libraries that match it, the last one used first.
     fit: Mutex<VecDeque<Digest>>,
 }
 
 impl Reading {
-    /// Reads a description from the disk.
+    /// Reads a description from disk.
     pub fn new(description: &Description, include: &[PathBuf]) -> Result<Self, ReadError> {
         let include_dirs = include.to_vec();
         let preprocess = preprocess::Options { include_dirs, ..preprocess::Options::default() };
@@ -112,23 +113,23 @@ impl Reading {
         self.plan.component()
     }
 
-    /// The file that was read.
+    /// The file of the description, or its name if it is embedded.
     pub fn path(&self) -> &Path {
         self.description.path()
     }
 
-    /// A place of it as people say it.
+    /// A place in the description, as `FILE:LINE`.
     pub fn place(&self, span: Span) -> String {
         let at = self.sources.location(span);
         format!("{}:{}", at.path.display(), at.line)
     }
 
-    /// Whether a library of these contents was found to fit.
+    /// Whether a library of this digest is known to match.
     pub fn fits(&self, library: &Digest) -> bool {
         self.fit.lock().unwrap_or_else(PoisonError::into_inner).contains(library)
     }
 
-    /// A library of these contents fits.
+    /// Remembers that a library of this digest matches.
     pub fn found_to_fit(&self, library: Digest) {
         let mut fit = self.fit.lock().unwrap_or_else(PoisonError::into_inner);
         if !fit.contains(&library) {
@@ -138,10 +139,10 @@ impl Reading {
     }
 }
 
-/// Mistakes and surprises that are told: the others are counted.
+/// Maximum number of diagnostics shown; the others are only counted.
 const SHOWN: usize = 100;
 
-/// Its warnings, drawn; its errors refuse it.
+/// Its warnings, formatted. Fails if there are errors.
 fn drawn(analysis: &Analysis) -> Result<Option<String>, ReadError> {
     let drawn = || {
         let (said, rest) = first(&analysis.diagnostics, &analysis.sources, SHOWN);
@@ -164,7 +165,8 @@ fn choose(specification: &Specification, path: &Path) -> Result<usize, ReadError
         [_] => Ok(0),
         [] => refuse("declares no component".to_owned()),
         several => {
-            // A description may hold the components it uses: the file's name tells which is meant.
+            // A description may also declare the components that it uses: the name of the file
+            // selects one.
             let stem = path.file_stem().unwrap_or_default().to_string_lossy();
             if let Some(index) = several.iter().position(|component| component.name == stem) {
                 return Ok(index);
@@ -183,7 +185,7 @@ fn choose(specification: &Specification, path: &Path) -> Result<usize, ReadError
 pub struct Known(Mutex<VecDeque<Arc<Reading>>>);
 
 impl Known {
-    /// The description as it is now.
+    /// The description, read again if it changed.
     pub fn read(
         &self,
         description: &Description,
@@ -233,14 +235,14 @@ mod tests {
         let first = read();
         first.found_to_fit([1; 32]);
         assert!(Arc::ptr_eq(&first, &read()));
-        // Written again, it is what it was.
+        // Written again with the same text.
         fs::write(at("one.gen"), including).unwrap();
         assert!(Arc::ptr_eq(&first, &read()));
-        // As long as before, and within the same moment.
+        // Same length, and written within the resolution of file dates.
         fs::write(at("far/types.gen"), "struct place { double y; };").unwrap();
         let second = read();
         assert!(!Arc::ptr_eq(&first, &second) && !second.fits(&[1; 32]) && first.fits(&[1; 32]));
-        // A file comes that is found before the other.
+        // A file appears that is found before the other.
         fs::create_dir(at("near")).unwrap();
         fs::write(at("near/types.gen"), "struct place { long x; };").unwrap();
         let third = read();

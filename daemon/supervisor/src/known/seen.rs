@@ -1,5 +1,5 @@
-//! What was seen of files while a description was read: asked again, it tells whether reading it
-//! again would give the same.
+//! Records what was read from disk for a description, to tell later whether reading it again would
+//! give the same result.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -8,30 +8,30 @@ use std::path::{Path, PathBuf};
 
 use genom_description::source::{Disk, Files, tidy};
 
-/// Files, and what they answered.
+/// Files that record what was read.
 pub(super) struct Witness<'a> {
     files: &'a dyn Files,
-    /// A text that is not on the disk, whatever is there under its name.
+    /// Name of an embedded text: whatever the disk holds under this name is ignored.
     text: Option<PathBuf>,
     seen: RefCell<Seen>,
 }
 
-/// Answers of the disk, by path.
+/// Answers of the file system, by path.
 #[derive(Debug, Default)]
 pub(super) struct Seen {
     /// Whether there is a file.
     there: BTreeMap<PathBuf, bool>,
-    /// Its contents; nothing when it could not be read.
+    /// Its contents; `None` if it could not be read.
     contents: BTreeMap<PathBuf, Option<Vec<u8>>>,
 }
 
 impl Seen {
-    /// Reads from `files` and notes what of it is the disk's: all but `text`.
+    /// Reads through `files` and records everything but `text`.
     pub(super) fn through<'a>(files: &'a dyn Files, text: Option<&Path>) -> Witness<'a> {
         Witness { files, text: text.map(tidy), seen: RefCell::default() }
     }
 
-    /// Whether the disk answers the same now.
+    /// Whether the file system gives the same answers now.
     pub(super) fn is_current(&self) -> bool {
         let same = |(path, before): (&PathBuf, &Option<Vec<u8>>)| Disk.read(path).ok() == *before;
         self.there.iter().all(|(path, before)| Disk.is_file(path) == *before)
@@ -40,7 +40,7 @@ impl Seen {
 }
 
 impl Witness<'_> {
-    /// What was seen.
+    /// What was recorded.
     pub(super) fn done(self) -> Seen {
         self.seen.into_inner()
     }

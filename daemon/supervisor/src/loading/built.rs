@@ -1,15 +1,15 @@
-//! When a component was built: the date of its library, as `genom_state` tells it.
+//! Build date of a component: the modification date of its library, as `genom_state` reports it.
 
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Date of a library, in universal time; empty when the system does not tell.
+/// Date of a library in UTC; empty if the system does not provide it.
 pub(super) fn date(library: &Path) -> String {
     let changed = std::fs::metadata(library).and_then(|file| file.modified());
     changed.map(text).unwrap_or_default()
 }
 
-/// `2026-11-21T15:04:05Z`
+/// Formats a date as `2026-11-21T15:04:05Z`.
 fn text(date: SystemTime) -> String {
     let seconds = date.duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let (year, month, day) = civil(seconds / 86_400);
@@ -18,7 +18,7 @@ fn text(date: SystemTime) -> String {
     format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}Z")
 }
 
-/// Year, month and day of the n-th day after 1970-01-01, in the Gregorian calendar.
+/// Year, month and day of the given day after 1970-01-01, in the Gregorian calendar.
 fn civil(day: u64) -> (u64, u64, u64) {
     const OF_400_YEARS: u64 = 146_097;
     let leap =

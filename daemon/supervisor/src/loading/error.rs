@@ -1,4 +1,4 @@
-//! Why a component was not loaded.
+//! Errors of loading a component.
 
 use std::path::PathBuf;
 
@@ -8,32 +8,32 @@ use crate::known::ReadError;
 use genom_configuration::NoPeriod;
 use genom_registry::BackendError;
 
-/// A component could not be loaded; nothing of it stays.
+/// Why a component could not be loaded. Everything done for it was undone.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum LoadError {
-    /// The daemon stops.
+    /// The daemon is stopping.
     #[error("the daemon stops: nothing is loaded any more")]
     Stopping,
-    /// No such middleware.
+    /// There is no such middleware.
     #[error(transparent)]
     Backend(#[from] BackendError),
-    /// Library or description not found.
+    /// The library or the description was not found.
     #[error(transparent)]
     Locate(#[from] LocateError),
-    /// The description cannot be used.
+    /// The description is not valid.
     #[error(transparent)]
     Read(#[from] ReadError),
-    /// The instance name cannot name anything.
+    /// The instance name is not valid.
     #[error("`{0}` cannot name an instance: use letters, digits and _, a letter first")]
     Name(String),
-    /// Another component has the name.
+    /// Another component has the same name.
     #[error("a component named {0} runs already: give this one another name (--name)")]
     Taken(String),
-    /// The library is none, or does not open.
+    /// The file is not a shared library, or it cannot be opened.
     #[error(transparent)]
     Library(#[from] genom_host::OpenError),
-    /// The library was built without a source of the component.
+    /// A source file of the component is missing from the library.
     #[error(
         "{}: undefined symbol `{symbol}`: {} defines it, and is not in the library: add it to the \
          sources that the library is built of",
@@ -41,22 +41,22 @@ pub enum LoadError {
         file.display()
     )]
     LeftOut { path: PathBuf, symbol: String, file: PathBuf },
-    /// The library does not fit the description.
+    /// The library does not match the description.
     #[error(transparent)]
     Mismatch(#[from] genom_host::LoadErrors),
-    /// A port could not be opened.
+    /// A port could not be opened on a middleware.
     #[error("{name}: {source}")]
     Bind { name: String, source: BindError },
-    /// What the request says of a task cannot be.
+    /// An option of a task is not valid.
     #[error("{name}: {source}")]
     Override { name: String, source: NoPeriod },
-    /// An attribute did not take its initial value.
+    /// The initial value of an attribute was refused.
     #[error("{name} does not take its attributes: {why}")]
     Attribute { name: String, key: Vec<String>, why: String },
-    /// The request names a port, task or service that the component has not.
+    /// The request names a port, task or service that the component does not have.
     #[error("{name} has no {what} `{typed}`; {help}")]
     NoSuch { name: String, what: &'static str, typed: String, help: String },
-    /// What the request says of the quality of a port cannot be.
+    /// The quality of service of a port is not valid.
     #[error("{name}/{port}: {why}")]
     Qos { name: String, port: String, why: String },
     /// A start codel failed (genom3.md 7.2).
@@ -65,7 +65,7 @@ pub enum LoadError {
 }
 
 impl LoadError {
-    /// Where the mistake is in what was asked: keys, as far as they are known.
+    /// Keys of the request that lead to the mistake, as far as known.
     pub fn key(&self) -> Vec<String> {
         match self {
             LoadError::Attribute { key, .. } => key.clone(),

@@ -1,4 +1,4 @@
-//! Finds the two halves of a component: its library of codels and its description.
+//! Finds the library and the description of a component.
 
 use std::path::{Path, PathBuf};
 
@@ -7,22 +7,22 @@ use genom_host::{Contents, EmbeddedDescription};
 use crate::known::Description;
 use genom_configuration::LoadRequest;
 
-/// Where both halves are.
+/// Library and description of a component.
 #[derive(Debug)]
 pub(crate) struct Located {
-    /// The library.
+    /// Path of the library.
     pub library: PathBuf,
     /// The description.
     pub description: Description,
-    /// The library's contents, if they were looked at for its description.
+    /// Contents of the library, if they were read to find the description.
     pub contents: Option<Contents>,
 }
 
-/// One half is missing.
+/// The library or the description was not found.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
 pub enum LocateError {
-    /// No library.
+    /// There is no library.
     #[error(
         "no library for {}: there is no {}; build the component, or name its directory \
          with --path or GENOM_PATH",
@@ -30,7 +30,7 @@ pub enum LocateError {
         list(.tried)
     )]
     NoLibrary { wanted: PathBuf, tried: Vec<PathBuf> },
-    /// No description.
+    /// There is no description.
     #[error(
         "no description for {}: it has none inside, and there is no {}; put one beside it, or \
          name it with --gen",
@@ -38,7 +38,7 @@ pub enum LocateError {
         .beside.display()
     )]
     NoDescription { library: PathBuf, beside: PathBuf },
-    /// `--gen` names no file.
+    /// The file given by `--gen` does not exist.
     #[error("{}: no such description", .0.display())]
     NoSuchDescription(PathBuf),
     /// The library cannot be read.
@@ -51,7 +51,7 @@ fn list(paths: &[PathBuf]) -> String {
     shown.join(" nor ")
 }
 
-/// Finds library and description of a request; `path` is the component path.
+/// Finds library and description for a request; `path` is the component path.
 pub(crate) fn locate(request: &LoadRequest, path: &[PathBuf]) -> Result<Located, LocateError> {
     let wanted = &request.library;
     let named_gen = wanted.extension().is_some_and(|extension| extension == "gen");
@@ -94,7 +94,7 @@ fn existing(path: PathBuf) -> Option<PathBuf> {
     path.is_file().then_some(path)
 }
 
-/// A path without a directory is looked for on the component path as well.
+/// Whether the path has no directory: it is then searched on the component path as well.
 fn is_bare(path: &Path) -> bool {
     path.components().count() == 1
 }
@@ -110,7 +110,7 @@ fn find_description(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
     existing(wanted.to_owned()).or_else(|| named_on_path(wanted, path))
 }
 
-/// The library of a description or name, in the same directory.
+/// The library for a description or name, in the same directory.
 fn beside(wanted: &Path) -> Option<PathBuf> {
     candidates(wanted)
         .into_iter()
@@ -119,8 +119,8 @@ fn beside(wanted: &Path) -> Option<PathBuf> {
         .or_else(|| project_library(&whole(wanted)))
 }
 
-/// The library of a description or name on the component path: in a directory of it, or in the
-/// directory of that name in one.
+/// The library for a description or name on the component path: in one of its directories, or in a
+/// subdirectory of that name.
 fn on_path(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
     let stem = wanted.file_stem()?;
     path.iter().find_map(|directory| {
@@ -128,7 +128,8 @@ fn on_path(wanted: &Path, path: &[PathBuf]) -> Option<PathBuf> {
     })
 }
 
-/// `demo.so`, `libdemo_codels.so` (the name GenoM3's projects give) and `libdemo.so`.
+/// Possible names of the library: `demo.so`, `libdemo_codels.so` (as GenoM3 names it) and
+/// `libdemo.so`.
 fn candidates(wanted: &Path) -> Vec<PathBuf> {
     let stem = wanted.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     [format!("{stem}.so"), format!("lib{stem}_codels.so"), format!("lib{stem}.so")]
@@ -137,13 +138,13 @@ fn candidates(wanted: &Path) -> Vec<PathBuf> {
         .collect()
 }
 
-/// The same from the root: a relative path does not say what it is in.
+/// The absolute path, whose parent directories are known.
 fn whole(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// The library of a GenoM3 project (genom3.md 5.9), seen from its description: in its tree, where
-/// libtool leaves it, or installed.
+/// The library of a GenoM3 project (genom3.md 5.9), given its description: in the source tree,
+/// where libtool puts it, or installed.
 fn project_library(description: &Path) -> Option<PathBuf> {
     let file = format!("lib{}_codels.so", description.file_stem()?.to_string_lossy());
     let tree = description.with_file_name("codels").join(".libs");
@@ -151,7 +152,7 @@ fn project_library(description: &Path) -> Option<PathBuf> {
     [Some(tree), installed].into_iter().flatten().find_map(|place| existing(place.join(&file)))
 }
 
-/// The description of a GenoM3 project, seen from its library, in the same two places.
+/// The description of a GenoM3 project, given its library: in the source tree, or installed.
 fn project_description(library: &Path) -> Option<PathBuf> {
     let file = format!("{}.gen", component_name(library));
     if !library.file_name()?.to_string_lossy().contains("_codels") {
@@ -160,7 +161,7 @@ fn project_description(library: &Path) -> Option<PathBuf> {
     let share = Path::new("share/idl").join(component_name(library)).join(&file);
     let up = |levels: usize| library.ancestors().nth(levels);
     let tree = up(3).map(|tree| tree.join(&file));
-    // Two levels where libraries lie in a directory for the machine.
+    // Two levels up if libraries are in a directory per architecture.
     let installed = [up(2), up(3)].into_iter().flatten().map(|prefix| prefix.join(&share));
     tree.into_iter().chain(installed).find_map(existing)
 }
@@ -169,7 +170,7 @@ fn description_of(library: &Path) -> Result<(Description, Option<Contents>), Loc
     let beside = library.with_file_name(format!("{}.gen", component_name(library)));
     let contents = Contents::read(library)?;
     if let Some(EmbeddedDescription { text, name }) = contents.description()? {
-        // Its #include lines are relative to the library's directory.
+        // Its `#include` lines are relative to the library's directory.
         let name = name.map_or_else(|| beside.clone(), |name| library.with_file_name(name));
         return Ok((Description::Embedded { name, text }, Some(contents)));
     }
@@ -182,7 +183,8 @@ fn description_of(library: &Path) -> Result<(Description, Option<Contents>), Loc
     }
 }
 
-/// `demo` of `demo.so`, `libdemo_codels.so`, `libdemo.so.1` or `libdemo_codels-1.2.so`.
+/// Name of the component: `demo` for `demo.so`, `libdemo_codels.so`, `libdemo.so.1` or
+/// `libdemo_codels-1.2.so`.
 fn component_name(library: &Path) -> String {
     let file = library.file_name().unwrap_or_default().to_string_lossy();
     let stem = file.split(".so").next().unwrap_or_default();

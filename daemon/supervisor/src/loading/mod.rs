@@ -1,4 +1,5 @@
-//! Loading: find, read, check, lay out, bind, start. Nothing stays when a step refuses.
+//! Loads a component: finds, reads, checks, allocates, binds and starts it. If a step fails,
+//! everything is undone.
 
 mod built;
 mod error;
@@ -24,16 +25,17 @@ use crate::supervisor::Supervisor;
 pub use error::LoadError;
 
 impl Supervisor {
-    /// Loads a component, starts it and sets its attributes. Blocks: files, codels.
+    /// Loads a component, starts it and sets its attributes. Blocks for file access and start
+    /// codels.
     ///
     /// # Errors
-    /// A step refuses; nothing stays of it then.
+    /// A step failed; everything done for the component was undone.
     pub fn load(self: &Arc<Self>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
         load(self, request)
     }
 }
 
-/// Loads a component, starts it and sets its attributes. Blocks: files, codels.
+/// Loads a component, starts it and sets its attributes. Blocks for file access and start codels.
 pub fn load(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
     if supervisor.stopping() {
         return Err(LoadError::Stopping);
@@ -51,7 +53,7 @@ pub fn load(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<H
                 }
             },
         );
-        // As the file has it: inputs stand under the service's name.
+        // In the file the inputs stand directly under the service's name.
         let members = key.into_iter().filter(|key| key != "inputs");
         let mut key = vec!["attributes".to_owned(), service];
         key.extend(members);
@@ -61,7 +63,7 @@ pub fn load(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<H
     Ok(hosted)
 }
 
-/// Sets them; else the one that was refused.
+/// Sets the attributes; on failure returns the one that was refused.
 fn set_attributes(hosted: &Hosted, request: &LoadRequest) -> Result<(), (String, RequestError)> {
     for (service, inputs) in &request.attributes {
         let (component, service) = (hosted.name.clone(), service.clone());
@@ -88,7 +90,7 @@ fn bring_up(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<H
     let Some(reservation) = supervisor.components.reserve(&name) else {
         return Err(LoadError::Taken(name));
     };
-    // They go again with the first step that refuses, else with the component.
+    // Dropped when a step fails, otherwise kept as long as the component.
     let mut masquerades = Vec::new();
     for one in &reading.plan.specification().masquerades {
         let name = one.name.to_string();
@@ -97,7 +99,7 @@ fn bring_up(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<H
     let component = open(&mut located, &reading)?;
     let plan = Arc::clone(&reading.plan);
     drop(reading);
-    // A dump is read elsewhere: it says where the library is, not how one gets there from here.
+    // Absolute, because a dump may be read in another directory.
     let library = std::path::absolute(&located.library).unwrap_or(located.library);
     let hosted = start::start(supervisor, request, name, library, plan, component)?;
     hosted.ties.wear(masquerades);
@@ -108,7 +110,7 @@ fn bring_up(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<H
     Ok(hosted)
 }
 
-/// Does what [`load`] does before anything starts, and says what fits.
+/// Performs the checks of [`load`] without starting anything, and reports the result.
 pub fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadError> {
     let mut located = locate::locate(request, &settings.path)?;
     let reading = Reading::new(&located.description, &settings.include)?;
@@ -124,7 +126,7 @@ pub fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadErr
     ))
 }
 
-/// Opens the library and compares it with the description, unless that was done.
+/// Opens the library and compares it with the description, unless that was done before.
 fn open(located: &mut Located, reading: &Reading) -> Result<Component, LoadError> {
     let contents = match located.contents.take() {
         Some(contents) => contents,
@@ -142,7 +144,7 @@ fn open(located: &mut Located, reading: &Reading) -> Result<Component, LoadError
     Ok(component)
 }
 
-/// A symbol that the component's own sources have is not that of another library.
+/// Explains an undefined symbol that one of the component's own sources defines.
 fn explain(error: OpenError, reading: &Reading) -> LoadError {
     let OpenError::UndefinedSymbol { path, symbol } = &error else { return error.into() };
     match undefined::defined_in(symbol, path, reading.path()) {
@@ -157,7 +159,7 @@ fn tell_warnings(located: &Located, reading: &Reading) {
     }
 }
 
-/// Refuses a request that says something of what the component has not.
+/// Fails if the request mentions a port, task or service that the component does not have.
 fn check_names(request: &LoadRequest, model: &Model, instance: &str) -> Result<(), LoadError> {
     let check = |what, typed: &str, known: Vec<&str>| {
         if known.contains(&typed) {
@@ -202,7 +204,7 @@ fn check_names(request: &LoadRequest, model: &Model, instance: &str) -> Result<(
     Ok(())
 }
 
-/// Instance names stand in addresses, file names and URLs.
+/// Instance names are used in addresses, file names and URLs.
 fn is_name(name: &str) -> bool {
     name.starts_with(|first: char| first.is_ascii_alphabetic() || first == '_')
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')

@@ -1,4 +1,4 @@
-//! What components ask of the supervisor through their standard services (genom3.md 4.8).
+//! Standard services of components that act on the supervisor (genom3.md 4.8).
 
 use std::sync::{Arc, Weak};
 
@@ -9,23 +9,23 @@ use crate::connections::{ConnectError, Kind, Patience, Wanted};
 use crate::flag::Flag;
 use crate::supervisor::Supervisor;
 
-/// The supervisor as one instance sees it.
+/// Requests of one instance to its supervisor.
 pub(super) struct StandardServices {
-    /// Weak: the supervisor owns the instances, not the other way round.
+    /// Weak, because the supervisor owns the instances.
     supervisor: Weak<Supervisor>,
     instance: String,
-    /// Raised when the instance asks for its end, which it may do before it counts as loaded.
+    /// Raised when the instance asks to be unloaded; it may do so before it is fully loaded.
     killed: Flag,
 }
 
 impl StandardServices {
-    /// For an instance, which raises `killed` when it asks for its end.
+    /// For the given instance. `killed` is raised when it asks to be unloaded.
     pub(super) fn new(supervisor: &Arc<Supervisor>, instance: &str, killed: &Flag) -> Self {
         let (instance, killed) = (instance.to_owned(), killed.clone());
         Self { supervisor: Arc::downgrade(supervisor), instance, killed }
     }
 
-    /// Connects what this component calls `local`; what somebody asks for now holds, whatever a
+    /// Connects the in port or remote `local` of this instance. The request replaces what a
     /// deployment declared.
     fn connect(&self, kind: Kind, local: &str, remote: &str) -> Result<(), WiringError> {
         let failed = |why: String| match kind {
@@ -62,13 +62,14 @@ impl StandardServices {
     }
 }
 
-/// Unloads an instance that asked for its end.
+/// Unloads an instance that asked for it.
 pub(super) fn unload_killed(supervisor: &Weak<Supervisor>, instance: &str) {
     let (supervisor, name) = (supervisor.clone(), instance.to_owned());
-    // One of the instance's own threads may be here: another one has to join it.
+    // This may be a thread of the instance, which cannot join itself.
     let stopping = std::thread::Builder::new().name("genomd-kill".to_owned()).spawn(move || {
         match supervisor.upgrade().map(|supervisor| supervisor.unload(&name)) {
-            // It is loaded still, and unloaded then; or somebody else unloads it.
+            // Not found: it is still being loaded, and will be unloaded after that, or another
+            // thread unloads it.
             None | Some(Ok(()) | Err(UnloadError::NotThere(_))) => {}
             Some(Err(error)) => tracing::error!("{error}"),
         }

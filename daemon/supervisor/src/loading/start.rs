@@ -1,5 +1,5 @@
-//! From an opened library to a component that runs: its ports bound, its tasks started, its
-//! services on its middlewares.
+//! Starts a component whose library is open: binds its ports, starts its tasks, and offers its
+//! services on middlewares.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -67,7 +67,7 @@ pub(super) fn start(
     match supervisor.connections.serve_on(&hosted, backend.names()) {
         Ok(served) => hosted.serve_also(served, &backend),
         Err(source) => {
-            // It runs already: it must stop before its memory goes.
+            // It is running already and must stop before its memory is freed.
             if let Err(why) = hosted.stop(supervisor.settings.stop_timeout) {
                 tracing::error!(instance = name, "{why}");
             }

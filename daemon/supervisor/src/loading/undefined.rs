@@ -1,17 +1,17 @@
-//! A symbol that a library lacks: whether the component's own sources define it.
+//! Finds out whether the component's own sources define a symbol that its library lacks.
 //!
-//! It reads C and C++ as far as a function's head looks like one; what it does not see is told as
-//! before. Only done once a library was refused.
+//! The search recognises C and C++ functions by the usual form of their head; what it does not find
+//! is reported as an ordinary undefined symbol. It runs only after a library failed to open.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Files looked at, at most.
+/// Maximum number of files searched.
 const FILES: usize = 500;
-/// Longer ones are not written by hand.
+/// Maximum size of a file, in bytes; longer ones are not written by hand.
 const LONGEST: u64 = 1 << 20;
 
-/// The source, near library or description, that defines the function a linker calls `symbol`.
+/// The source file near the library or description that defines the function `symbol`.
 pub(super) fn defined_in(symbol: &str, library: &Path, description: &Path) -> Option<PathBuf> {
     let name = plain(symbol)?;
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
@@ -39,7 +39,7 @@ fn is_source(path: &Path) -> bool {
     ["c", "cc", "cpp", "cxx", "C"].contains(&&*extension)
 }
 
-/// The name in the source: of a mangled C++ name the last part, before its parameters.
+/// The name in the source: for a mangled C++ name its last part, without parameters.
 fn plain(symbol: &str) -> Option<&str> {
     let Some(mut rest) = symbol.strip_prefix("_Z") else { return Some(symbol) };
     let nested = rest.starts_with('N');
@@ -56,7 +56,7 @@ fn plain(symbol: &str) -> Option<&str> {
     }
 }
 
-/// Whether a text has the function: its name, parameters, and a body.
+/// Whether the text contains a definition of the function: name, parameters, and a body.
 fn defines(text: &str, name: &str) -> bool {
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(name).any(|(at, _)| {

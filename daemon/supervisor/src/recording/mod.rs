@@ -1,8 +1,8 @@
-//! Recordings of what passes through ports and what is asked of services, for `genomctl record`.
+//! Recordings of samples of ports and of calls to services, for `genomctl record`.
 //!
-//! Samples are taken where codels write and read them, at that date, on whatever middleware:
-//! nothing is asked of the middleware, and nothing is lost that is not counted. A recording's
-//! dates go on as they began when the machine's clock is set meanwhile, which it notes.
+//! Samples are taken where codels write and read them, with the date of that moment, whatever the
+//! middleware. Losses are counted. Dates of a recording continue from its start: if the machine's
+//! clock is set meanwhile they do not jump, but a note is recorded.
 
 mod notes;
 mod pump;
@@ -23,30 +23,30 @@ use crate::ending::Ending;
 use notes::{Notes, Subject};
 pub use pump::run;
 
-/// The recordings under way.
+/// The running recordings.
 #[derive(Default)]
 pub struct Recordings {
     dates: Dates,
     last: AtomicU64,
-    /// Spares everybody the lock as long as there is none.
+    /// Whether there are recordings; spares the lock when there are none.
     any: AtomicBool,
     sessions: Mutex<Vec<Arc<Session>>>,
     calls: AtomicU64,
 }
 
-/// One recording.
+/// A recording.
 pub struct Session {
-    /// Its number, unique in the daemon's life.
+    /// Its number, unique during the life of the daemon.
     pub number: u64,
-    /// Components, ports and elements by name; all when empty.
+    /// Names of components, ports and elements to record; everything if empty.
     wanted: Vec<String>,
-    /// Channels that the recording's thread does not know yet.
+    /// Channels that the recording's thread has not seen yet.
     new: Mutex<Vec<(Channel, Reel)>>,
     notes: Notes,
-    /// Dates of all that is recorded: those of its beginning, carried on.
+    /// Converts moments to dates, as of the beginning of the recording.
     calendar: Calendar,
     dates: Dates,
-    /// Somebody asked for its end.
+    /// Whether somebody asked for its end.
     end: AtomicBool,
 }
 
@@ -60,7 +60,7 @@ impl Session {
         self.wanted.is_empty() || self.wanted.iter().any(within)
     }
 
-    /// Whether something of this component is wanted.
+    /// Whether anything of this component is to be recorded.
     fn concerns(&self, component: &str) -> bool {
         let of = |name: &String| name.split('/').next() == Some(component);
         self.wanted.is_empty() || self.wanted.iter().any(of)
@@ -68,12 +68,13 @@ impl Session {
 }
 
 impl Recordings {
-    /// None yet; dates are of `dates`.
+    /// No recordings; their dates come from `dates`.
     pub fn new(dates: Dates) -> Self {
         Self { dates, ..Self::default() }
     }
 
-    /// Starts a recording of what is opened from now on, or is open and told again.
+    /// Starts a recording. It covers ports opened from now on, and open ones for which `opened` is
+    /// called again.
     pub fn start(&self, wanted: Vec<String>) -> Arc<Session> {
         let session = Arc::new(Session {
             number: self.last.fetch_add(1, Ordering::Relaxed) + 1,
@@ -89,7 +90,8 @@ impl Recordings {
         session
     }
 
-    /// Asks a recording to end, once all is sent that was taken; whether there is one.
+    /// Asks a recording to end, once all samples taken are sent. Returns whether there is such a
+    /// recording.
     pub fn end(&self, number: u64) -> bool {
         self.with(|sessions| {
             let found = sessions.iter().find(|session| session.number == number);
@@ -97,7 +99,7 @@ impl Recordings {
         })
     }
 
-    /// A recording is over.
+    /// Removes a recording that ended.
     pub fn forget(&self, session: &Session) {
         self.with(|sessions| {
             sessions.retain(|other| other.number != session.number);
@@ -105,12 +107,12 @@ impl Recordings {
         });
     }
 
-    /// Whether there are any.
+    /// Whether there are recordings.
     pub fn any(&self) -> bool {
         self.any.load(Ordering::Acquire)
     }
 
-    /// A port was opened or connected, and nobody uses it yet.
+    /// A port was opened or connected. To be called before it is used, or with codels excluded.
     pub fn opened(
         &self,
         address: &Address,
@@ -135,7 +137,7 @@ impl Recordings {
                     ];
                     let metadata = metadata.into_iter();
                     let head = Channel {
-                        // Its number is given by the thread that sends it.
+                        // The thread that sends it assigns its number.
                         channel: 0,
                         topic: topic.clone(),
                         encoding: "cdr".to_owned(),
@@ -153,8 +155,8 @@ impl Recordings {
         });
     }
 
-    /// Something is asked of a service; what comes of it is to be told to the call, if there is
-    /// one: nobody records otherwise.
+    /// A service was called. Returns `None` if there is no recording; otherwise the end of the call
+    /// is to be reported to the returned [`Call`].
     pub fn called(
         self: &Arc<Self>,
         component: &str,
@@ -196,7 +198,7 @@ impl Recordings {
     }
 }
 
-/// A request that is being recorded.
+/// A recorded call of a service.
 pub struct Call {
     recordings: Arc<Recordings>,
     number: u64,
@@ -239,7 +241,7 @@ impl Call {
     }
 }
 
-/// The subject of a change, and its component when it is of one.
+/// The subject of a change, and the component it concerns, if any.
 fn subject(change: &Numbered) -> (Subject, Option<&str>) {
     let text = |key: &str| change.data.get(key).and_then(Value::as_str);
     let on = match text("event") {

@@ -1,4 +1,5 @@
-//! What is recorded besides samples: calls, activities, exceptions, and what else changes.
+//! Notes: what is recorded besides samples, such as calls, activities, exceptions and other
+//! changes.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::{Mutex, PoisonError};
@@ -6,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use genom_protocol::frames::Channel;
 use serde_json::{Value, json};
 
-/// Notes that wait at most.
+/// Maximum number of notes that wait to be sent.
 const MOST: usize = 8192;
 
 /// A channel of notes.
@@ -18,7 +19,7 @@ pub(crate) enum Subject {
     Changes,
 }
 
-/// All, by channel number.
+/// All subjects, by channel number.
 pub(super) const SUBJECTS: [Subject; 4] =
     [Subject::Calls, Subject::Activities, Subject::Exceptions, Subject::Changes];
 
@@ -27,7 +28,7 @@ impl Subject {
         self as u16
     }
 
-    /// The channel as it is told: JSON, since each service has other inputs.
+    /// The head of the channel. Its encoding is JSON, since each service has other inputs.
     pub(super) fn head(self) -> Channel {
         let (topic, name, members) = match self {
             Subject::Calls => (
@@ -85,7 +86,7 @@ impl Subject {
     }
 }
 
-/// A note that waits.
+/// A note that waits to be sent.
 pub(super) struct Note {
     pub(super) subject: Subject,
     pub(super) number: u32,
@@ -93,7 +94,7 @@ pub(super) struct Note {
     pub(super) text: String,
 }
 
-/// The notes of one recording.
+/// The notes of one recording that wait to be sent.
 #[derive(Default)]
 pub(super) struct Notes(Mutex<State>);
 
@@ -118,13 +119,13 @@ impl Notes {
         }
     }
 
-    /// `count` notes were lost elsewhere.
+    /// Counts `count` notes that were lost elsewhere.
     pub(super) fn lose(&self, subject: Subject, count: u64) {
         let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         state.lost[usize::from(subject.channel())] += count;
     }
 
-    /// All that wait, and how many of each subject were lost so far.
+    /// Takes all notes that wait, and the total lost so far for each subject.
     pub(super) fn take(&self) -> (VecDeque<Note>, [u64; SUBJECTS.len()]) {
         let mut state = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         (std::mem::take(&mut state.waiting), state.lost)

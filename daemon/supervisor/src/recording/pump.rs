@@ -1,4 +1,4 @@
-//! The thread of one recording: gathers what was taken and sends it in order of date.
+//! The thread of one recording: collects samples and notes, and sends them in order of date.
 
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
@@ -18,22 +18,22 @@ use crate::bus::Numbered;
 use crate::flag::Flag;
 use crate::waiting::wait;
 
-/// How often tapes are looked at: far more often than they fill.
+/// How often tapes are emptied: far more often than they can fill up.
 const LOOK: Duration = Duration::from_millis(2);
-/// What is sent at once, about.
+/// Approximate size of a batch that is sent, in bytes.
 const BATCH: usize = 64 << 10;
-/// A reader that takes nothing for so long is given up.
+/// A reader that takes nothing for this long is given up.
 const SLOWEST_READER: Duration = Duration::from_secs(60);
 
-/// The machine's clock was set when it is so far from where it was, in nanoseconds: what adjusts
-/// it slowly moves it less between two looks.
+/// The machine's clock counts as set if it changed by more than this between two checks, in
+/// nanoseconds. Gradual adjustment (NTP) changes it less.
 const SET: u64 = 100_000_000;
 
 /// A port that is recorded.
 struct Channel {
     number: u16,
     reel: Reel,
-    /// Lost samples that were told.
+    /// Number of lost samples reported so far.
     told: u64,
 }
 
@@ -43,7 +43,7 @@ struct Pump<'a> {
     channels: Vec<Channel>,
     next: u16,
     notes_lost: [u64; SUBJECTS.len()],
-    /// The machine's clock as it was last noted.
+    /// The machine's clock at the last note about it.
     noted: Calendar,
     sender: Sender<Vec<u8>>,
 }
@@ -51,7 +51,7 @@ struct Pump<'a> {
 /// The reader is gone.
 struct Gone;
 
-/// Records until the end is asked for, `closed` is raised or the reader is gone. Blocks.
+/// Records until the end is requested, `closed` is raised or the reader is gone. Blocks.
 pub fn run(
     closed: &Flag,
     session: &Session,
@@ -81,7 +81,7 @@ impl Pump<'_> {
             Frame::Channel(subject.head()).append(&mut out);
         }
         loop {
-            // Asked before the last look, which then sees everything taken until now.
+            // Read before the last collection, which then includes everything taken until now.
             let asked = self.session.end.load(Ordering::Acquire);
             let stopped = closed.is_up();
             self.look(&mut out)?;
@@ -95,7 +95,7 @@ impl Pump<'_> {
         }
     }
 
-    /// Takes all that is there.
+    /// Collects all available samples and notes.
     fn look(&mut self, out: &mut Vec<u8>) -> Result<(), Gone> {
         let new =
             std::mem::take(&mut *self.session.new.lock().unwrap_or_else(PoisonError::into_inner));
@@ -107,7 +107,7 @@ impl Pump<'_> {
         }
         self.take_changes();
         self.look_at_the_clock();
-        // Frames of this look, to be put in order.
+        // The frames collected in this round, to be sorted by date.
         let calendar = self.session.calendar;
         let mut bytes = Vec::new();
         let mut frames: Vec<(u64, std::ops::Range<usize>)> = Vec::new();
@@ -172,7 +172,7 @@ impl Pump<'_> {
         }
     }
 
-    /// Notes that the machine's clock was set: dates of the recording do not follow it.
+    /// Adds a note if the machine's clock was set, because dates of the recording do not follow it.
     fn look_at_the_clock(&mut self) {
         let now = self.session.dates.calendar();
         if self.noted.until(now).unsigned_abs() > SET {

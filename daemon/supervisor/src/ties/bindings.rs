@@ -1,4 +1,4 @@
-//! Which middlewares a component's ports and services are on, and in what quality.
+//! The middlewares of a component's ports and services, and their quality of service.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -7,12 +7,12 @@ use genom_middleware::Quality;
 
 use genom_configuration::{BackendNames, QosEntry, terms};
 
-/// The middlewares of one component: its own, and those of ports that have others.
+/// The middlewares of one component, and of its ports that use others.
 #[derive(Debug)]
 pub struct Bindings {
     state: Mutex<State>,
     qos: QosEntry,
-    /// Held while the component moves: one move at a time.
+    /// Locked while the component moves, so that only one move is made at a time.
     turn: Mutex<()>,
 }
 
@@ -23,7 +23,7 @@ struct State {
 }
 
 impl Bindings {
-    /// A component on these, and its ports that are elsewhere.
+    /// A component on the middlewares `own`, with exceptions for some ports.
     pub fn new(
         component: BackendNames,
         ports: BTreeMap<String, BackendNames>,
@@ -32,32 +32,32 @@ impl Bindings {
         Self { state: Mutex::new(State { component, ports }), qos, turn: Mutex::default() }
     }
 
-    /// What is asked of a port, wherever it is.
+    /// The quality of service requested for a port, on any middleware.
     pub fn quality(&self, port: &str) -> Quality {
         terms::quality(&self.qos.of(port))
     }
 
-    /// Those of services, and of ports that have no others.
+    /// Middlewares of its services, and of ports that have no others.
     pub fn component(&self) -> BackendNames {
         self.with(|state| state.component.clone())
     }
 
-    /// Those of a port.
+    /// Middlewares of a port.
     pub fn port(&self, name: &str) -> BackendNames {
         self.with(|state| state.ports.get(name).unwrap_or(&state.component).clone())
     }
 
-    /// Ports that have others than their component.
+    /// Ports whose middlewares differ from the component's.
     pub fn ports(&self) -> BTreeMap<String, BackendNames> {
         self.with(|state| state.ports.clone())
     }
 
-    /// Waits for the move under way, if there is one.
+    /// Waits for the present move, if any, and locks out others.
     pub fn turn(&self) -> MutexGuard<'_, ()> {
         self.turn.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The component moved, and with it all its ports.
+    /// The component moved with all its ports.
     pub fn move_component(&self, to: &BackendNames) {
         self.with(|state| *state = State { component: to.clone(), ports: BTreeMap::new() });
     }

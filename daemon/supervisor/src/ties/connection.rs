@@ -1,10 +1,10 @@
-//! What is behind an in port or a remote.
+//! The connections of in ports and remotes.
 
 use genom_configuration::place::Place;
 use genom_configuration::{ConnectionEntry, terms};
 use genom_middleware::{Address, Policy};
 
-/// A connection that is there.
+/// An existing connection.
 #[derive(Clone, Debug)]
 pub enum Connection {
     /// An in port reads an out port.
@@ -13,31 +13,31 @@ pub enum Connection {
     Service(ServiceConnection),
 }
 
-/// What feeds an in port.
+/// The connection of an in port.
 #[derive(Clone, Debug)]
 pub struct PortConnection {
     /// The in port.
     pub inport: Address,
-    /// The out port that feeds it.
+    /// The out port that it reads.
     pub outport: Address,
-    /// The middleware between them.
+    /// Name of the middleware.
     pub backend: String,
-    /// What the reader gets of the samples it has not read.
+    /// Which unread samples are kept for the reader.
     pub policy: Policy,
-    /// Whether the middleware was asked for by name: then the connection stays on it.
+    /// Whether the middleware was requested explicitly: the connection then stays on it.
     pub fixed: bool,
 }
 
-/// The service behind a remote.
+/// The connection of a remote.
 #[derive(Clone, Debug)]
 pub struct ServiceConnection {
     /// The remote.
     pub remote: Address,
     /// The service that it calls.
     pub service: Address,
-    /// The middleware it is called through; none within the daemon.
+    /// Name of the middleware; `None` if the service is in this daemon.
     pub backend: Option<String>,
-    /// Whether the middleware was asked for by name: then calls stay on it.
+    /// Whether the middleware was requested explicitly: the connection then stays on it.
     pub fixed: bool,
 }
 
@@ -60,7 +60,7 @@ impl Connection {
         }
     }
 
-    /// The middleware between them; none of a call within the daemon.
+    /// Name of the middleware; `None` for a service in this daemon.
     #[must_use]
     pub fn backend(&self) -> Option<&str> {
         match self {
@@ -69,7 +69,7 @@ impl Connection {
         }
     }
 
-    /// What the reader gets of the samples it has not read; a remote has none.
+    /// Which unread samples are kept for the reader; `None` for a remote.
     #[must_use]
     pub fn policy(&self) -> Option<Policy> {
         match self {
@@ -85,12 +85,12 @@ impl Connection {
         }
     }
 
-    /// As an entry of a file, which gives the same connection when it is applied.
+    /// The connection as an entry of a deployment; applying the entry makes the same connection.
     #[must_use]
     pub fn entry(&self) -> ConnectionEntry {
         let to = self.outport();
         let backend = self.backend().filter(|_| self.fixed()).map(str::to_owned);
-        // `/scan`, a name of somebody else's, is one on its middleware only.
+        // An absolute foreign name such as `/scan` exists on its middleware only.
         let (outport, backend) = match backend {
             Some(on) if to.instance.is_empty() => (format!("{on}:{to}"), None),
             backend => (to.to_string(), backend),
@@ -99,7 +99,7 @@ impl Connection {
         ConnectionEntry { inport: self.inport().to_string(), outport, policy, backend }
     }
 
-    /// Whether it is what an entry asks for.
+    /// Whether it is the connection that an entry asks for.
     #[must_use]
     pub fn is(&self, wanted: &ConnectionEntry) -> bool {
         let Ok(place) = Place::parse(&wanted.outport) else { return false };

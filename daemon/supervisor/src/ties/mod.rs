@@ -1,6 +1,6 @@
-//! What the ports and remotes of one component are tied to: its state, which `connections` changes.
+//! The connections of one component's ports and remotes, as state that `connections` changes.
 //!
-//! Ends that codels hold stay theirs; what is behind them is exchanged.
+//! Codels keep their publishers and subscriptions; what these refer to is exchanged.
 
 mod bindings;
 mod connection;
@@ -18,13 +18,13 @@ use genom_registry::Masquerade;
 pub use self::bindings::Bindings;
 pub use self::connection::{Connection, PortConnection, ServiceConnection};
 
-/// What one component is tied to.
+/// The connections of one component.
 #[derive(Debug)]
 pub struct Ties {
-    /// The middlewares it is on.
+    /// Its middlewares.
     pub bindings: Bindings,
     state: Mutex<State>,
-    /// Publishers at in ports, for values from outside. Locked before `state`, never after.
+    /// The daemon's publishers at its in ports. If both are locked, this comes before `state`.
     pub feeds: Feeds,
 }
 
@@ -32,33 +32,33 @@ pub struct Ties {
 struct State {
     ports: BTreeMap<PortKey, (PortConnection, Tap)>,
     services: BTreeMap<usize, ServiceConnection>,
-    /// In ports whose last connection was refused because types differ, with both types.
+    /// In ports whose last connection failed because the types differ, with both types.
     differed: BTreeMap<PortKey, String>,
-    /// Foreign names of its types, as long as its ends are there.
+    /// Foreign names of its types, kept as long as its ports are open.
     masquerades: Vec<Masquerade>,
-    /// Out ports, and the elements of multiple ones that codels opened.
+    /// Open out ports, and elements of multiple ones that codels opened.
     opened: BTreeMap<PortKey, Fan>,
 }
 
 impl Ties {
-    /// Tied to nothing yet.
+    /// No connections.
     #[must_use]
     pub fn new(bindings: Bindings) -> Self {
         Self { bindings, state: Mutex::default(), feeds: Feeds::default() }
     }
 
-    /// Its types go under these foreign names.
+    /// Keeps the foreign names of the component's types.
     pub(crate) fn wear(&self, masquerades: Vec<Masquerade>) {
         self.with(|state| state.masquerades = masquerades);
     }
 
-    /// What feeds an in port.
+    /// The connection of an in port.
     #[must_use]
     pub fn connection(&self, key: &PortKey) -> Option<PortConnection> {
         self.with(|state| state.ports.get(key).map(|(connection, _)| connection.clone()))
     }
 
-    /// The service behind a remote, by the remote's rank.
+    /// The connection of a remote, given by its index.
     #[must_use]
     pub fn remote(&self, remote: usize) -> Option<ServiceConnection> {
         self.with(|state| state.services.get(&remote).cloned())
@@ -74,7 +74,7 @@ impl Ties {
         })
     }
 
-    /// What passed through a port, written or read.
+    /// The counters of a port.
     #[must_use]
     pub fn gauge(&self, key: &PortKey) -> Option<Arc<Gauge>> {
         self.with(|state| match (state.opened.get(key), state.ports.get(key)) {
@@ -84,7 +84,7 @@ impl Ties {
         })
     }
 
-    /// Elements of a multiple port: opened (out) or connected (in).
+    /// Elements of a multiple port: opened ones (out) or connected ones (in).
     #[must_use]
     pub fn elements(&self, port: PortIx) -> Vec<String> {
         self.with(|state| {
@@ -95,7 +95,7 @@ impl Ties {
         })
     }
 
-    /// Where ports are recorded, with the address that an in port reads.
+    /// Where recordings of ports are attached, with the address that an in port reads.
     pub(crate) fn tapes(&self) -> Vec<(PortKey, Option<Address>, Arc<Tapes>)> {
         self.with(|state| {
             let written = state.opened.iter().map(|(key, fan)| (key, None, fan.tapes()));
@@ -108,14 +108,14 @@ impl Ties {
         })
     }
 
-    /// The out ports with their publishers.
+    /// The open out ports, with their publishers.
     pub(crate) fn fans(&self) -> Vec<(PortKey, Fan)> {
         self.with(|state| {
             state.opened.iter().map(|(key, fan)| (key.clone(), fan.clone())).collect()
         })
     }
 
-    /// The in ports that are connected, with their subscriptions.
+    /// The connected in ports, with their subscriptions.
     pub(crate) fn taps(&self) -> Vec<(PortKey, PortConnection, Tap)> {
         self.with(|state| {
             let all = state.ports.iter();
@@ -123,12 +123,12 @@ impl Ties {
         })
     }
 
-    /// The remotes that are connected.
+    /// The connections of remotes.
     pub(crate) fn services(&self) -> Vec<ServiceConnection> {
         self.with(|state| state.services.values().cloned().collect())
     }
 
-    /// An in port was connected; what it had before.
+    /// Stores the connection of an in port. Returns the previous one.
     pub(crate) fn connected(
         &self,
         key: PortKey,
@@ -141,7 +141,7 @@ impl Ties {
         })
     }
 
-    /// It was not, after all: it has what it had.
+    /// Restores the previous connection of an in port.
     pub(crate) fn put_back(&self, key: PortKey, had: Option<(PortConnection, Tap)>) {
         self.with(|state| match had {
             Some(had) => drop(state.ports.insert(key, had)),
@@ -149,18 +149,18 @@ impl Ties {
         });
     }
 
-    /// An in port was not connected because the types differ.
+    /// Stores that an in port could not be connected because the types differ.
     pub(crate) fn refused(&self, key: PortKey, why: String) {
         self.with(|state| state.differed.insert(key, why));
     }
 
-    /// Both types, when the last connection asked for was refused because they differ.
+    /// Both types, if the last connection requested failed because they differ.
     #[must_use]
     pub fn differed(&self, key: &PortKey) -> Option<String> {
         self.with(|state| state.differed.get(key).cloned())
     }
 
-    /// A connection moved to another middleware.
+    /// Stores that a connection moved to another middleware.
     pub(crate) fn moved(&self, key: &PortKey, backend: &str) {
         self.with(|state| {
             if let Some((connection, _)) = state.ports.get_mut(key) {
@@ -169,23 +169,23 @@ impl Ties {
         });
     }
 
-    /// An in port was disconnected; what it was connected to.
+    /// Removes and returns the connection of an in port.
     pub(crate) fn disconnected(&self, key: &PortKey) -> Option<(PortConnection, Tap)> {
         self.with(|state| state.ports.remove(key))
     }
 
-    /// Lets go of everything: the component stopped.
+    /// Drops everything, after the component stopped.
     pub(crate) fn close(&self) {
         let old = self.with(std::mem::take);
-        // Closed without holding up those who look.
+        // Dropped after the lock is released, so that nobody waits.
         drop(old);
         self.feeds.close_all();
     }
 
-    /// Cuts off a component that did not stop: its addresses are free, and codels that return
-    /// after all write to nobody and read nothing.
+    /// Cuts off a component that did not stop: its addresses become free, and codels that return
+    /// later write to nobody and read nothing.
     ///
-    /// No codel is waited for: an end that one is in at this moment stays, and its address too.
+    /// This does not wait: if a codel is inside `write` or `read` of a port, that one stays open.
     pub(crate) fn cut(&self) {
         let old = self.with(std::mem::take);
         for (key, fan) in &old.opened {
@@ -199,25 +199,25 @@ impl Ties {
         self.feeds.close_all();
     }
 
-    /// A remote was connected.
+    /// Stores the connection of a remote.
     pub(crate) fn remote_connected(&self, remote: usize, connection: ServiceConnection) {
         self.with(|state| state.services.insert(remote, connection));
     }
 
-    /// A remote was disconnected; what it was connected to.
+    /// Removes and returns the connection of a remote.
     pub(crate) fn remote_disconnected(&self, remote: usize) -> Option<ServiceConnection> {
         self.with(|state| state.services.remove(&remote))
     }
 
-    /// An out port was opened, or a codel opened an element of a multiple one.
+    /// An out port, or an element of a multiple one, was opened.
     pub(crate) fn opened(&self, key: PortKey, fan: Fan) {
         self.with(|state| state.opened.insert(key, fan));
     }
 
-    /// A codel closed an element of a multiple out port: it shows nowhere any more.
+    /// A codel closed an element of a multiple out port: it is not visible any more.
     pub(crate) fn closed(&self, key: &PortKey) {
         let old = self.with(|state| state.opened.remove(key));
-        // Closed without holding up those who look.
+        // Dropped after the lock is released, so that nobody waits.
         drop(old);
     }
 

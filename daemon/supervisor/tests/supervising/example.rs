@@ -1,4 +1,4 @@
-//! The program of `examples/ten_lines.rs`.
+//! Runs `examples/ten_lines.rs`.
 
 use genom_components::{Paths, build};
 

@@ -1,4 +1,5 @@
-//! The supervisor as a library: components run in this very process, without a control plane.
+//! Tests of the supervisor as a library: components run in the test's process, without a control
+//! plane.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "helpers fail tests")]
 

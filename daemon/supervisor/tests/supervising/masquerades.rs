@@ -27,7 +27,7 @@ fn nothing_is_shown_under_a_foreign_name_for_a_component_that_was_refused() {
     let scratch = Scratch::new();
     let supervisor = scratch.supervisor();
     let library = scratch.component("thing", THING, CODELS);
-    // Its codel has another name: it does not fit its description.
+    // The name of its codel is wrong: it does not match the description.
     let other =
         scratch.component("other", &THING.replace("component thing", "component other"), "");
     let refused = |library, attribute: Option<(&str, i32)>| {

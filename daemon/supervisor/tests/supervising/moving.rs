@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::own::Own;
 use crate::support::{Scratch, load, until};
 
-/// Above the 64 KiB up to which a component keeps a copy of what it wrote; below them.
+/// One above, one below the 64 KiB up to which a component keeps a copy of what it wrote.
 const SIZES: [usize; 2] = [100_000, 100];
 
 fn image(size: usize) -> String {
@@ -35,8 +35,8 @@ fn reader(size: usize) -> String {
     )
 }
 
-/// NaN with a payload, a text that is no UTF-8; and what is in the buffer afterwards is not what
-/// was written.
+/// Writes NaN with a payload and a text that is not UTF-8, and then changes the buffer without
+/// writing.
 const CAMERA: &str = r#"
 genom_event
 camera_shoot(uint8_t seed, const camera_frame *frame, const genom_context self)
@@ -54,7 +54,7 @@ camera_shoot(uint8_t seed, const camera_frame *frame, const genom_context self)
 }
 "#;
 
-/// Keeps the value as it lies in memory, once there is one.
+/// Keeps the value bit by bit, once there is one.
 const EYE: &str = "
 genom_event
 eye_see(const eye_frame *frame, sequence_octet *seen, const genom_context self)
@@ -71,7 +71,7 @@ eye_see(const eye_frame *frame, sequence_octet *seen, const genom_context self)
 }
 ";
 
-/// What the eye has after it has read.
+/// The bytes of the value that the eye has read.
 fn seen(eye: &Hosted, size: usize) -> Vec<u8> {
     until("an image", || {
         eye.call("see", &json!({})).unwrap();
@@ -88,7 +88,8 @@ fn the_first_value_where_a_port_moves_to_is_the_last_that_was_written() {
         for (from, to) in [("local", "own"), ("own", "local")] {
             moves(size, from, to, *b"\xff\xfe\x80x");
         }
-        // What is no UTF-8 has no CDR, in which shared memory carries such types.
+        // A text that is not UTF-8 cannot be encoded as CDR, which shared memory uses for such
+        // types.
         for (from, to) in [("local", "shm"), ("shm", "local")] {
             moves(size, from, to, *b"left");
         }
@@ -109,7 +110,7 @@ fn moves(size: usize, from: &str, to: &str, place: [u8; 4]) {
         let ended = camera.call("shoot", &json!({ "seed": seed })).unwrap();
         assert_eq!(ended.exception(), None);
     };
-    // The first is the one that a component keeps a copy of whatever its size.
+    // A component always keeps a copy of its first value, whatever the size.
     [1, 2, 3].into_iter().for_each(shoot);
     let wanted = Wanted {
         inport: "eye/frame".to_owned(),
@@ -125,7 +126,7 @@ fn moves(size: usize, from: &str, to: &str, place: [u8; 4]) {
     let made = supervisor.connections.present("eye/frame").unwrap();
     assert_eq!(made.backend(), Some(to));
     let got = seen(&eye, size);
-    // The NaN, the text, pixels of the third image: as in C.
+    // The NaN, the text, and pixels of the third image, in C layout.
     let mut written = 0x7ff8_dead_0bee_f001_u64.to_ne_bytes().to_vec();
     written.extend(place);
     written.resize(16, 0);

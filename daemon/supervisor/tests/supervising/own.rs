@@ -1,5 +1,5 @@
-//! A middleware of the program's own: another exchange within the process, which notes in what
-//! quality its ports were opened.
+//! A middleware that the test provides: exchanges within the process, and notes the quality of
+//! service that ports are opened with.
 
 use std::sync::{Arc, Mutex};
 
@@ -9,7 +9,7 @@ use genom_middleware::{
     Services, Subscription,
 };
 
-/// Which end of which port, and what was asked of it.
+/// End, name of the port, and requested quality of service.
 pub(crate) type Opened = (&'static str, String, Quality);
 
 pub(crate) struct Own {

@@ -13,7 +13,7 @@ use genom_description_tools::{Language, header};
 use genom_supervisor::components::Hosted;
 use genom_supervisor::{LoadRequest, Settings, Supervisor};
 
-/// A directory that goes with the test.
+/// A directory that is removed after the test.
 pub(crate) struct Scratch(tempfile::TempDir);
 
 impl Scratch {
@@ -25,7 +25,7 @@ impl Scratch {
         self.0.path()
     }
 
-    /// A component as its author makes it: a header from its description, then a C compiler.
+    /// Builds a component: a header generated from the description, then the C compiler.
     pub(crate) fn component(&self, name: &str, description: &str, codels: &str) -> PathBuf {
         let at = |extension: &str| self.path().join(format!("{name}.{extension}"));
         fs::write(at("gen"), description).expect("a description written");
@@ -45,7 +45,7 @@ impl Scratch {
         at("so")
     }
 
-    /// A supervisor whose shared memory is its own.
+    /// A supervisor with its own name space of shared memory.
     pub(crate) fn supervisor(&self) -> Arc<Supervisor> {
         let mut shm = toml::Table::new();
         let prefix = format!("genom_supervising_{}_", std::process::id());
@@ -62,7 +62,7 @@ pub(crate) fn load(supervisor: &Arc<Supervisor>, library: PathBuf) -> Arc<Hosted
     supervisor.load(&request).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Looks again until something is so.
+/// Waits until `look` returns something, under a watchdog.
 #[track_caller]
 pub(crate) fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     let end = Instant::now() + Duration::from_secs(60);

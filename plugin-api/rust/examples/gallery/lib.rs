@@ -1,4 +1,4 @@
-//! A component with one of each thing that codels in Rust can take.
+//! A component that uses every kind of parameter that codels in Rust can have.
 
 #![forbid(unsafe_code)]
 
@@ -43,7 +43,7 @@ struct Sample {
     grid: [[i16; 3]; 2],
 }
 
-/// Only codels know what is in it.
+/// Known to codels only.
 #[derive(NativeType)]
 #[genom(name = "::gallery::engine")]
 struct Engine {

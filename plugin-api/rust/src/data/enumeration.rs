@@ -6,12 +6,12 @@ use std::marker::PhantomData;
 use super::{Data, Scalar};
 use crate::abi::TypeDescriptor;
 
-/// An IDL enum; `#[derive(Data)]` implements it for a Rust enum of the same variants.
+/// An IDL enum. `#[derive(Data)]` implements the trait for a Rust enum with the same variants.
 pub trait Enumeration: Copy + fmt::Debug + 'static {
-    /// The type as the host is told of it.
+    /// Descriptor of the type for the host.
     const TYPE: *const TypeDescriptor;
 
-    /// The variant of this rank.
+    /// The variant of this rank, counted from 0; `None` if there is none.
     fn from_rank(rank: u32) -> Option<Self>;
 
     /// The rank of this variant, from 0.
@@ -48,7 +48,7 @@ impl<E: Enumeration> Enum<E> {
         E::from_rank(self.rank)
     }
 
-    /// Changes the value.
+    /// Sets the value.
     pub fn set(&mut self, value: E) {
         self.rank = value.rank();
     }

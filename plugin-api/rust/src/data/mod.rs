@@ -1,7 +1,7 @@
 //! Data types with the memory layout of their C mapping (genom3.md 5.2).
 //!
-//! Every type here is valid when all its bytes are zero, and whatever bytes a peer in C wrote:
-//! what Rust cannot allow, such as a `bool` of 2, is looked at when it is read.
+//! Values of these types are valid if all their bytes are zero, and for any bytes that C code may
+//! write. What Rust does not allow, such as a `bool` of value 2, is checked when it is read.
 
 mod enumeration;
 mod native;
@@ -33,12 +33,12 @@ pub use string::{BoundedString, Text};
             `genom::BoundedString`, `genom::Bool` and `genom::Enum`"
 )]
 pub unsafe trait Data: Sized + 'static {
-    /// The type as the host is told of it: the address of a constant.
+    /// Descriptor of the type for the host: the address of a constant.
     const TYPE: *const TypeDescriptor;
 }
 
-/// Data that a codel gets by address when it only reads it: structs, arrays, sequences,
-/// optionals and bounded strings, but no scalars (genom3.md 5.5).
+/// Data that is passed to a codel by address if the codel only reads it: structs, arrays,
+/// sequences, optionals and bounded strings, but not scalars (genom3.md 5.5).
 pub trait Aggregate: Data {}
 
 /// The descriptor of `T` as a type without name and members.

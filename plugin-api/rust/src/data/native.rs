@@ -1,4 +1,4 @@
-//! Native types: values that only codels know; the IDS holds a pointer to them.
+//! Native types: values known to codels only. The IDS holds a pointer to them.
 
 use std::ffi::CStr;
 use std::fmt;
@@ -6,23 +6,40 @@ use std::fmt;
 use super::{Data, named};
 use crate::abi::{Kind, TypeDescriptor};
 
-/// A Rust type that stands for a `native` of the `.gen` file.
+/// A Rust type that represents a `native` of the `.gen` file.
 ///
-/// It is shared by the codels that get it, which run in several threads, one at a time.
+/// Codels that receive it run in several threads, but never at the same time.
 pub trait NativeType: Send + 'static {
     /// Full name, such as `::demo::driver`.
     const NAME: &'static CStr;
 }
 
-/// A `native` in memory: a pointer, null until a codel sets it.
+/// A `native` in memory: a pointer that is null until a codel sets it.
 ///
-/// The host does not know what it points to: a codel, usually that of state `stop`, takes the
-/// value back, or it is never released.
+/// The host does not know the value and never releases it. A codel has to take it back with
+/// [`take`](Self::take), usually in state `stop`.
+///
+/// ```
+/// use genom::{Event, Native, NativeType, event};
+///
+/// #[derive(NativeType)]
+/// #[genom(name = "::demo::driver")]
+/// struct Driver {
+///     port: std::fs::File,
+/// }
+///
+/// #[genom::codel]
+/// fn demo_stop(driver: &mut Native<Driver>) -> Event {
+///     drop(driver.take().map(|driver| driver.port)); // closes the file
+///     event!("::demo::ether")
+/// }
+/// # fn main() {}
+/// ```
 #[repr(transparent)]
 pub struct Native<T>(*mut T);
 
 impl<T: NativeType> Native<T> {
-    /// The value, once a codel has set one.
+    /// The value; `None` until a codel has set one.
     #[must_use]
     pub fn get(&self) -> Option<&T> {
         // SAFETY: null, or the box of `set`: only codels of this library write this pointer,
@@ -30,20 +47,20 @@ impl<T: NativeType> Native<T> {
         unsafe { self.0.as_ref() }
     }
 
-    /// The value, once a codel has set one.
+    /// The value; `None` until a codel has set one.
     #[must_use]
     pub fn get_mut(&mut self) -> Option<&mut T> {
         // SAFETY: as in `get`, and `self` is borrowed exclusively.
         unsafe { self.0.as_mut() }
     }
 
-    /// Replaces the value.
+    /// Sets the value, and drops the previous one.
     pub fn set(&mut self, value: T) {
         self.take();
         self.0 = Box::into_raw(Box::new(value));
     }
 
-    /// Takes the value back.
+    /// Removes and returns the value.
     pub fn take(&mut self) -> Option<T> {
         let pointer = std::mem::replace(&mut self.0, std::ptr::null_mut());
         if pointer.is_null() {
@@ -53,12 +70,12 @@ impl<T: NativeType> Native<T> {
         Some(*unsafe { Box::from_raw(pointer) })
     }
 
-    /// The pointer itself.
+    /// The pointer.
     pub(crate) fn as_ptr(&self) -> *const T {
         self.0
     }
 
-    /// A view of the pointer that a codel got as an `in` argument.
+    /// A copy of the pointer that a codel received as an `in` argument.
     pub(crate) fn view(pointer: *const T) -> Self {
         Self(pointer.cast_mut())
     }

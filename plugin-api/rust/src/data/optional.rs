@@ -5,7 +5,7 @@ use std::fmt;
 use super::{Aggregate, Bool, Data, plain};
 use crate::abi::{Kind, TypeDescriptor};
 
-/// `optional<T>`: the value stays in place, initialised, while it is absent.
+/// `optional<T>`: memory for the value exists, and is initialised, even while the value is absent.
 ///
 /// ```
 /// use genom::Optional;
@@ -22,19 +22,19 @@ pub struct Optional<T> {
 }
 
 impl<T> Optional<T> {
-    /// The value, when there is one.
+    /// The value, if present.
     #[must_use]
     pub fn get(&self) -> Option<&T> {
         self.present.get().then_some(&self.value)
     }
 
-    /// The value, when there is one.
+    /// The value, if present.
     #[must_use]
     pub fn get_mut(&mut self) -> Option<&mut T> {
         self.present.get().then_some(&mut self.value)
     }
 
-    /// Puts a value there.
+    /// Sets the value.
     pub fn set(&mut self, value: T) {
         self.value = value;
         self.present.set(true);

@@ -5,7 +5,7 @@ use std::fmt;
 use super::{Data, plain};
 use crate::abi::{Kind, TypeDescriptor};
 
-/// A number: passed by value when a codel only reads it.
+/// A number. `in` parameters of this kind are passed by value.
 pub trait Scalar: Data + Copy {}
 
 macro_rules! scalars {
@@ -26,19 +26,19 @@ scalars! {
     i64: LONG_LONG, u64: UNSIGNED_LONG_LONG, f32: FLOAT, f64: DOUBLE, Bool: BOOLEAN
 }
 
-/// A `boolean` in memory: any byte but 0 is true.
+/// A `boolean` in memory: any byte but 0 means true.
 #[derive(Clone, Copy, Default)]
 #[repr(transparent)]
 pub struct Bool(u8);
 
 impl Bool {
-    /// Whether the C byte is not 0.
+    /// The value.
     #[must_use]
     pub const fn get(self) -> bool {
         self.0 != 0
     }
 
-    /// Changes its value.
+    /// Sets the value.
     pub const fn set(&mut self, value: bool) {
         self.0 = value as u8;
     }

@@ -31,7 +31,7 @@ unsafe impl<T: Send> Send for Sequence<T> {}
 unsafe impl<T: Sync> Sync for Sequence<T> {}
 
 impl<T: Data> Sequence<T> {
-    /// Room for exactly `maximum` elements; those beyond it are dropped.
+    /// Allocates room for exactly `maximum` elements; further elements are dropped.
     pub fn reserve_exact(&mut self, maximum: u32) {
         self.truncate(maximum);
         let length = self.len();
@@ -51,10 +51,11 @@ impl<T: Data> Sequence<T> {
         std::mem::forget(old);
     }
 
-    /// Adds an element at the end, with more room if it needs some.
+    /// Appends an element, and allocates room if needed.
     pub fn push(&mut self, value: T) {
         let length = self.len();
-        // A buffer that is not ours may be static memory: elements go to a copy.
+        // A buffer without a release function may be static memory: the elements are copied to a
+        // new one.
         if length >= self.maximum as usize || self.release.is_none() {
             self.reserve_exact(u32::try_from(length).unwrap_or(u32::MAX).saturating_mul(2).max(4));
         }
@@ -79,7 +80,7 @@ impl<T: Data> Sequence<T> {
         }
     }
 
-    /// Drops the elements, and keeps the room.
+    /// Drops the elements, and keeps the allocated memory.
     pub fn clear(&mut self) {
         self.truncate(0);
     }
@@ -125,7 +126,7 @@ impl<T> DerefMut for Sequence<T> {
 
 impl<T> Drop for Sequence<T> {
     fn drop(&mut self) {
-        // Without a release function the memory is someone else's, and so are the elements.
+        // Without a release function, buffer and elements belong to somebody else.
         if self.release.is_some() {
             let elements: *mut [T] = &mut **self;
             // SAFETY: the elements are initialised, and gone with the buffer.
@@ -193,10 +194,10 @@ pub struct BoundedSequence<T, const N: usize> {
 }
 
 impl<T, const N: usize> BoundedSequence<T, N> {
-    /// Adds an element at the end.
+    /// Appends an element.
     ///
     /// # Errors
-    /// The element comes back when there is no room for it.
+    /// Returns the element if there is no room for it.
     pub fn push(&mut self, value: T) -> Result<(), T> {
         let length = self.len();
         match self.buffer.get_mut(length) {
@@ -209,7 +210,7 @@ impl<T, const N: usize> BoundedSequence<T, N> {
         }
     }
 
-    /// Forgets the elements.
+    /// Removes all elements.
     pub fn clear(&mut self) {
         self.length = 0;
     }

@@ -22,7 +22,7 @@ use crate::memory;
 pub struct BoundedString<const N: usize>([u8; N]);
 
 impl<const N: usize> BoundedString<N> {
-    /// A string of `text`, cut where it does not fit, between two characters.
+    /// A string with this text, truncated between two characters if it does not fit.
     #[must_use]
     pub fn new(text: &str) -> Self {
         let mut string = Self([0; N]);
@@ -30,7 +30,7 @@ impl<const N: usize> BoundedString<N> {
         string
     }
 
-    /// Replaces the text; cuts it where it does not fit, between two characters.
+    /// Sets the text, truncated between two characters if it does not fit.
     pub fn set(&mut self, text: &str) {
         let room = N.saturating_sub(1).min(text.len());
         let end = (0..=room).rev().find(|end| text.is_char_boundary(*end)).unwrap_or(0);
@@ -44,7 +44,7 @@ impl<const N: usize> BoundedString<N> {
         self.0.split(|byte| *byte == 0).next().unwrap_or(&[])
     }
 
-    /// The text; bytes that are no UTF-8 are replaced.
+    /// The text; bytes that are not UTF-8 are replaced.
     #[must_use]
     pub fn to_str(&self) -> Cow<'_, str> {
         String::from_utf8_lossy(self.as_bytes())
@@ -78,7 +78,15 @@ unsafe impl<const N: usize> Data for BoundedString<N> {
 
 impl<const N: usize> Aggregate for BoundedString<N> {}
 
-/// `string`: a text of any length in C memory, null while empty.
+/// `string`: a text of any length in C memory; the pointer is null while it is empty.
+///
+/// ```
+/// use genom::Text;
+///
+/// let mut name = Text::new("left");
+/// name.set("left gripper");
+/// assert_eq!(name.to_str(), "left gripper");
+/// ```
 #[repr(transparent)]
 pub struct Text(*mut c_char);
 
@@ -88,7 +96,7 @@ unsafe impl Send for Text {}
 unsafe impl Sync for Text {}
 
 impl Text {
-    /// A string of `text`, up to its first NUL if it has one.
+    /// A string with this text, up to its first NUL.
     #[must_use]
     pub fn new(text: &str) -> Self {
         let bytes = text.as_bytes().split(|byte| *byte == 0).next().unwrap_or(&[]);
@@ -98,12 +106,12 @@ impl Text {
         Self(pointer.cast())
     }
 
-    /// Replaces the text and releases the old one.
+    /// Sets the text, and releases the previous one.
     pub fn set(&mut self, text: &str) {
         *self = Self::new(text);
     }
 
-    /// The text as C has it.
+    /// The text as a C string.
     #[must_use]
     pub fn as_c_str(&self) -> &CStr {
         if self.0.is_null() {
@@ -113,7 +121,7 @@ impl Text {
         unsafe { CStr::from_ptr(self.0) }
     }
 
-    /// The text; bytes that are no UTF-8 are replaced.
+    /// The text; bytes that are not UTF-8 are replaced.
     #[must_use]
     pub fn to_str(&self) -> Cow<'_, str> {
         self.as_c_str().to_string_lossy()

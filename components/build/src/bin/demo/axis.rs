@@ -1,4 +1,4 @@
-//! The axis on the terminal: a bar from 0 to the goal.
+//! Shows the axis on the terminal: a bar from 0 to the goal.
 
 use std::io::{IsTerminal as _, Write as _, stdout};
 use std::str::FromStr;
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::failure::Failure;
 
-/// Characters between the ends of the bar.
+/// Width of the bar, in characters.
 const WIDTH: usize = 50;
 
 /// A sample of port `position`.
@@ -29,7 +29,7 @@ impl FromStr for State {
     }
 }
 
-/// Draws samples, over one another on a terminal, each on a line of its own elsewhere.
+/// Draws samples: on a terminal over one another, otherwise one per line.
 pub(crate) struct Axis {
     goal: f64,
     terminal: bool,
@@ -47,7 +47,7 @@ impl Axis {
         let _ = out.flush();
     }
 
-    /// Leaves the line of the bar.
+    /// Moves to the line after the bar.
     pub(crate) fn finish(&self) {
         if self.terminal {
             let _ = writeln!(stdout());

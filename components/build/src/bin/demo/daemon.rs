@@ -1,4 +1,4 @@
-//! A genomd of its own for the demonstration, and genomctl to talk to it.
+//! A private genomd for the demonstration, controlled by genomctl.
 
 use std::io::{BufRead as _, BufReader, Lines};
 use std::path::{Path, PathBuf};
@@ -13,24 +13,24 @@ use tempfile::TempDir;
 
 use crate::failure::Failure;
 
-/// What genomd logs when its components run.
+/// Text in the log once the components run.
 const READY: &str = "ready on";
-/// Loading takes milliseconds, on a machine that is busy building too.
+/// Loading takes milliseconds; the limit allows for a machine that is busy compiling.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A running genomd; dropped without `stop`, it is killed.
+/// A running genomd; killed when dropped without `stop`.
 pub(crate) struct Daemon {
     process: Mutex<Child>,
     genomctl: PathBuf,
     socket: PathBuf,
-    /// Reads what genomd says to the end; gives it back.
+    /// Collects the standard error of genomd.
     talk: Option<JoinHandle<String>>,
-    /// Holds the socket; private, so that a daemon of the user is left alone.
+    /// Directory of the socket; private, so that a daemon of the user is not affected.
     _directory: TempDir,
 }
 
 impl Daemon {
-    /// Starts genomd with one component and waits until it runs.
+    /// Starts genomd with one component and waits until that runs.
     pub(crate) fn start(
         genomd: &Path,
         genomctl: &Path,
@@ -68,7 +68,7 @@ impl Daemon {
         }
     }
 
-    /// Runs genomctl to its end, and gives what it printed, as JSON.
+    /// Runs genomctl and returns its output, in JSON.
     pub(crate) fn ask(&self, arguments: &[&str]) -> Result<String, Failure> {
         let output = self
             .genomctl()
@@ -82,7 +82,7 @@ impl Daemon {
         Err(Failure::Refused { command: arguments.join(" "), said })
     }
 
-    /// Follows a port, at most `rate` samples a second.
+    /// Follows a port, with at most `rate` samples per second.
     pub(crate) fn echo(&self, port: &str, rate: u32) -> Result<Echo, Failure> {
         let mut process = self
             .genomctl()
@@ -94,7 +94,7 @@ impl Daemon {
         Ok(Echo { process, output })
     }
 
-    /// Stops it as a user would, and tells whether it ended well.
+    /// Stops it as a user would, and checks that it ended cleanly.
     pub(crate) fn stop(mut self) -> Result<(), Failure> {
         let process = self.process.get_mut().unwrap_or_else(PoisonError::into_inner);
         let pid = Pid::from_child(process);
@@ -107,7 +107,7 @@ impl Daemon {
         Err(Failure::BadEnd { status, said: self.talk.take().map(joined).unwrap_or_default() })
     }
 
-    /// Kills it; who waits for an answer gets none.
+    /// Kills it, so that nobody waits for an answer any more.
     pub(crate) fn abandon(&self) {
         let mut process = self.process.lock().unwrap_or_else(PoisonError::into_inner);
         let _ = process.kill();
@@ -131,19 +131,19 @@ impl Drop for Daemon {
     }
 }
 
-/// A genomctl that prints the values of a port until it is ended.
+/// A running `genomctl echo`.
 pub(crate) struct Echo {
     process: Child,
     output: Option<ChildStdout>,
 }
 
 impl Echo {
-    /// The values, one a line.
+    /// The values, one per line.
     pub(crate) fn lines(&mut self) -> impl Iterator<Item = std::io::Result<String>> + use<> {
         self.output.take().into_iter().flat_map(|output| BufReader::new(output).lines())
     }
 
-    /// Ends it, and its lines.
+    /// Ends it, and thereby its lines.
     pub(crate) fn end(&mut self) {
         let _ = self.process.kill();
         let _ = self.process.wait();
@@ -156,7 +156,7 @@ impl Drop for Echo {
     }
 }
 
-/// Reads what genomd says, and tells once when it is ready.
+/// Reads the standard error of genomd, and sends a message once it is ready.
 fn listen(stderr: Option<ChildStderr>) -> (JoinHandle<String>, Receiver<()>) {
     let (ready, is_ready) = mpsc::channel();
     let talk = thread::spawn(move || {

@@ -1,72 +1,72 @@
-//! Why the demonstration did not end at the goal.
+//! Errors of the demonstration.
 
 use std::io;
 use std::process::ExitStatus;
 
 use genom_components::BuildError;
 
-/// Why the demonstration did not end at the goal.
+/// Why the demonstration failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
-    /// Something does not compile.
+    /// A program or component does not compile.
     #[error(transparent)]
     Build(#[from] BuildError),
     /// A program cannot be started, or a pipe is broken.
     #[error("{what}: {source}")]
     System {
-        /// What was tried.
+        /// What was attempted.
         what: &'static str,
-        /// Why it failed.
+        /// The error of the system.
         source: io::Error,
     },
     /// genomd ended before it was ready.
     #[error("genomd did not start:\n{said}")]
     NotReady {
-        /// What it said on standard error.
+        /// Its standard error.
         said: String,
     },
     /// genomctl was refused, or the service ended with an exception.
     #[error("`genomctl {command}` failed: {said}")]
     Refused {
-        /// What was asked.
+        /// The arguments of genomctl.
         command: String,
-        /// What it said on standard error.
+        /// Its standard error.
         said: String,
     },
-    /// A reply has another shape than expected.
+    /// A reply does not have the expected form.
     #[error("{what} cannot be read in `{found}`")]
     Unexpected {
-        /// What was looked for.
+        /// What was expected.
         what: &'static str,
-        /// What was there.
+        /// What was found.
         found: String,
     },
-    /// No end of the activity.
+    /// The activity did not end in time.
     #[error("nothing moved for {seconds} s")]
     Never {
-        /// How long it was waited for.
+        /// The time waited, in seconds.
         seconds: u64,
     },
-    /// The activity ended elsewhere.
+    /// The activity ended at another position.
     #[error("the axis is at {position} m instead of {goal} m")]
     Elsewhere {
-        /// Where it is.
+        /// The position, in metres.
         position: f64,
-        /// Where it should be.
+        /// The goal, in metres.
         goal: f64,
     },
-    /// genomd did not stop as it should.
+    /// genomd did not end cleanly.
     #[error("genomd ended with {status}:\n{said}")]
     BadEnd {
-        /// How it ended.
+        /// Its exit status.
         status: ExitStatus,
-        /// What it said on standard error.
+        /// Its standard error.
         said: String,
     },
 }
 
 impl Failure {
-    /// Says what was tried when the system refused.
+    /// Adds to an error of the system what was attempted.
     pub(crate) fn system(what: &'static str) -> impl FnOnce(io::Error) -> Self {
         move |source| Self::System { what, source }
     }

@@ -1,7 +1,8 @@
-//! `cargo demo`: builds all, runs the demo component in genomd, moves it, and shows it moving.
+//! `cargo demo`: builds everything, runs the demo component in genomd, moves it, and shows the
+//! movement.
 //!
-//! It drives the daemon as a user does, through genomctl. It ends with 0 only when the axis is
-//! at the goal and the daemon stopped cleanly.
+//! It uses the daemon as a user does, through genomctl. The exit status is 0 only if the axis is at
+//! the goal and the daemon stopped cleanly.
 
 #![forbid(unsafe_code)]
 
@@ -23,11 +24,11 @@ use daemon::Daemon;
 use failure::Failure;
 use genom_components::{Paths, build_all, build_programs};
 
-/// Speed asked for, m/s.
+/// Speed of the axis, m/s.
 const SPEED: f64 = 0.5;
-/// Where the axis is sent, m.
+/// Goal of the axis, m.
 const GOAL: f64 = 1.0;
-/// The axis needs 2.3 s; a daemon that never ends it is given up.
+/// Limit of the movement, which takes 2.3 s, in case the daemon never ends it.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// Builds genomd and the components, runs the demo, and shows it moving.
@@ -52,11 +53,11 @@ fn main() -> ExitCode {
     }
 }
 
-/// What happened while the axis moves.
+/// An event during the movement.
 enum Event {
     /// A sample on port `position`.
     Sample(String),
-    /// The activity ended: what genomctl printed, or why it failed.
+    /// The activity ended: output of genomctl, or the error.
     Ended(Result<String, Failure>),
 }
 
@@ -88,7 +89,7 @@ fn run(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Starts `goto`, shows the axis until it ends, and tells where it is then.
+/// Starts `goto`, shows the axis until the activity ends, and returns the final position.
 fn go(daemon: &Daemon) -> Result<State, Failure> {
     let axis = Axis::new(GOAL);
     let (events, happened) = mpsc::channel();
@@ -107,7 +108,7 @@ fn go(daemon: &Daemon) -> Result<State, Failure> {
             let _ = events.send(Event::Ended(end));
         });
         let end = watch(&axis, &happened, daemon).and_then(|()| rest(daemon));
-        // The stream has no end of its own.
+        // The stream does not end by itself.
         echo.end();
         if let Ok(state) = &end {
             axis.show(state);
@@ -117,7 +118,8 @@ fn go(daemon: &Daemon) -> Result<State, Failure> {
     })
 }
 
-/// Where the axis is now. The stream leaves out samples that come too fast, the last among them.
+/// The final position. It is read separately, because the stream limits its rate and may skip the
+/// last sample.
 fn rest(daemon: &Daemon) -> Result<State, Failure> {
     let reply = daemon.ask(&["call", "demo", "get_position"])?;
     let outcome: Value = serde_json::from_str(&reply).unwrap_or_default();
@@ -131,7 +133,7 @@ fn watch(axis: &Axis, happened: &Receiver<Event>, daemon: &Daemon) -> Result<(),
             Ok(Event::Sample(line)) => axis.show(&line.parse()?),
             Ok(Event::Ended(end)) => return end.map(drop),
             Err(_) => {
-                // Who waits for the daemon's answer gets none.
+                // Whoever waits for the daemon's answer gets an error instead.
                 daemon.abandon();
                 return Err(Failure::Never { seconds: PATIENCE.as_secs() });
             }
@@ -139,7 +141,7 @@ fn watch(axis: &Axis, happened: &Receiver<Event>, daemon: &Daemon) -> Result<(),
     }
 }
 
-/// Says a line on standard output; nobody reading it is no failure.
+/// Prints a line on standard output; a closed pipe is not an error.
 fn say(line: &str) {
     let _ = writeln!(std::io::stdout(), "{line}");
 }
