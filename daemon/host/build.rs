@@ -1,5 +1,5 @@
 //! Compiles the guard that stops C++ exceptions between a codel and Rust, the shim that makes C++
-//! objects, and the functions that stand in for those of the C library.
+//! objects, and the functions that replace some of the C library.
 
 fn main() {
     let include = "../../plugin-api/include";

@@ -1,4 +1,4 @@
-//! A component as data and as a page of text.
+//! A component as JSON, and as a page of text.
 
 use std::fmt::Write;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use genom_description::model::{
     ServiceKind, Source, Specification,
 };
 
-/// Everything a client may want to know of a component.
+/// The whole component as JSON: services, ports, tasks, types, docs and defaults.
 #[must_use]
 pub fn describe(spec: &Specification, component: &Component) -> Value {
     let types = &spec.types;
@@ -149,7 +149,7 @@ fn one_codel(component: &Component, types: &TypeTable, codel: &Codel) -> Value {
     })
 }
 
-/// Where an argument comes from, as written in a description: `ids a.b[2]`, `port p`.
+/// The source of an argument, as written in a description: `ids a.b[2]`, `port p`.
 fn source(component: &Component, types: &TypeTable, source: &Source) -> String {
     match source {
         Source::Ids { path } => {
@@ -234,7 +234,7 @@ fn dialect(dialect: Dialect) -> &'static str {
     }
 }
 
-/// The same for people: what the component offers, one line each, docs beside.
+/// The component as text for people: one line for each item, with its doc.
 #[must_use]
 pub fn describe_text(spec: &Specification, component: &Component) -> String {
     let types = &spec.types;

@@ -1,4 +1,4 @@
-//! Pictures of a component: its parts, and the state machines of its tasks and activities.
+//! Diagrams of a component: its parts, and the state machines of its tasks and activities.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use genom_description::model::{
     Codel, CodelKind, Component, PortDirection, Service, ServiceKind, Source,
 };
 
-/// Languages that pictures are written in.
+/// Languages that diagrams are written in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Graph {
     /// Graphviz.
@@ -15,7 +15,7 @@ pub enum Graph {
     Mermaid,
 }
 
-/// The component and each of its state machines, as one picture.
+/// The component and each of its state machines, in one diagram.
 #[must_use]
 pub fn graph(component: &Component, language: Graph) -> String {
     let picture = picture(component);
@@ -50,7 +50,7 @@ struct Arrow {
     from: String,
     to: String,
     label: String,
-    /// A pause, or what is not data.
+    /// For a pause, and for relations other than data flow.
     dashed: bool,
 }
 
@@ -120,7 +120,7 @@ fn service_id(service: &Service) -> String {
 }
 
 impl Picture {
-    /// Arrows between a part and the ports its codels use, one each way.
+    /// Adds arrows between a part and the ports that its codels use, at most one in each direction.
     fn data(&mut self, component: &Component, id: &str, codels: &[usize]) {
         let mut seen = std::collections::BTreeSet::new();
         let codels = codels.iter().filter_map(|rank| component.codels.get(*rank));

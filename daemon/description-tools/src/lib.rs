@@ -1,8 +1,8 @@
-//! Tools on descriptions: what can be made of one, and what an editor asks about one.
+//! Tools on descriptions: what is generated from one, and what an editor asks about one.
 //!
 //! Pure functions from model or text to text: [`header`] for codels, [`graph`]s, JSON [`schema`]s,
-//! descriptions ([`describe`]), formatted text ([`format_text`]). [`navigate`] tells what the names
-//! in a text stand for.
+//! descriptions ([`describe`]), formatted text ([`format_text`]). [`navigate`] resolves the names
+//! in a text that may be incomplete.
 //!
 //! ```
 //! use genom_description::{Options, read_text};

@@ -1,9 +1,9 @@
 //! Types of services and ports as JSON Schema (2020-12), with the docs and defaults of the
-//! description. Each schema stands for itself: the named types it needs are in its `$defs`.
+//! description. Each schema is self-contained: the named types it needs are in its `$defs`.
 //!
-//! What a schema accepts is what the daemon reads (genom3.md appendix A): any members of a
-//! struct, an array or some of its elements by index. Inputs of a function or activity that have no
-//! default are required.
+//! A schema accepts what the daemon reads (genom3.md appendix A): any members of a struct, an array
+//! or some of its elements by index. Inputs of a function or activity without a default are
+//! required.
 
 use std::collections::BTreeMap;
 
@@ -40,7 +40,7 @@ pub fn schema(spec: &Specification, component: &Component) -> Value {
     json!({ "component": component.name, "services": services, "ports": ports })
 }
 
-/// Inputs and outputs of a service; of one that is not there, nothing.
+/// Input and output schemas of a service; empty ones for a service that does not exist.
 #[must_use]
 pub fn service_schemas(
     spec: &Specification,
@@ -49,7 +49,8 @@ pub fn service_schemas(
 ) -> [Value; 2] {
     let service = component.services.get(service);
     let parameters = service.map_or(&[][..], |service| &service.parameters);
-    // What is left out of an attribute keeps its value, which no description tells.
+    // Omitted inputs of an attribute keep their values in the IDS, which the description does not
+    // know.
     let keeps = service.is_some_and(|service| service.kind == ServiceKind::Attribute);
     [Direction::Out, Direction::In].map(|other| {
         let these = parameters.iter().filter(|parameter| parameter.direction != other);
@@ -106,12 +107,12 @@ fn describe(schema: &mut Value, doc: Option<&str>) {
     }
 }
 
-/// Says more of a member inside, beside the `$ref` that says what it is.
+/// Adds the doc of an inner member, beside the `$ref` to its type.
 fn describe_member(schema: &mut Value, pointer: &str, doc: &str) {
     let mut at = schema;
     for step in pointer.split('/').skip(1) {
         let step = step.replace("~1", "/").replace("~0", "~");
-        // A word is a member; a number is one too, or an element: then all are meant.
+        // A number is the index of an element: its doc is given to all elements.
         let place = if step.parse::<usize>().is_ok() {
             at.as_object_mut().map(|map| map.entry("items").or_insert_with(|| json!({})))
         } else {
@@ -127,10 +128,10 @@ fn describe_member(schema: &mut Value, pointer: &str, doc: &str) {
     describe(at, Some(doc));
 }
 
-/// Collects named types on the way.
+/// Makes schemas, and collects the named types that they refer to.
 struct Walk<'a> {
     types: &'a TypeTable,
-    /// `null` while its schema is made: a type may contain itself.
+    /// Schemas of named types; `null` while one is being made, since a type may contain itself.
     named: BTreeMap<String, Value>,
 }
 
@@ -170,11 +171,11 @@ impl Walk<'_> {
             Kind::UnsignedLong => range(0, u32::MAX.into()),
             Kind::LongLong => range(i64::MIN, i64::MAX.unsigned_abs()),
             Kind::UnsignedLongLong => range(0, u64::MAX),
-            // NaN is null.
+            // NaN is written as `null`.
             Kind::Float | Kind::Double => {
                 json!({"anyOf": [{"type": "number"}, {"enum": ["inf", "-inf", null]}]})
             }
-            // In bytes, the NUL included; JSON counts characters, which are never more.
+            // The bound is in bytes with the NUL; JSON counts characters, which are never more.
             Kind::String { bound } => match bound {
                 Some(bound) => json!({"type": "string", "maxLength": bound.saturating_sub(1)}),
                 None => json!({"type": "string"}),
@@ -222,7 +223,7 @@ impl Walk<'_> {
         }
     }
 
-    /// A list of all elements, or some of them by index.
+    /// An array of all elements, or an object of some of them by index.
     fn elements(&mut self, element: TypeId, mut list: Value) -> Value {
         let element = self.of(element);
         if let Value::Object(list) = &mut list {

@@ -1,5 +1,5 @@
-//! What editors ask about places in a text: names, documentation, completions, also in the
-//! middle of writing.
+//! What editors ask about positions in a text: names, documentation, completion, also while a
+//! statement is incomplete.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -43,7 +43,7 @@ fn offset(text: &str, marked: &str) -> u32 {
     u32::try_from(found + marked.find('|').unwrap()).unwrap()
 }
 
-/// Where the name at `|` is declared: its line, from the name on.
+/// The declaration of the name at `|`: its line, from the name on.
 fn goes_to(marked: &str) -> String {
     let arm = read(ARM);
     let file = arm.file(Path::new("arm.gen")).unwrap();
@@ -154,7 +154,7 @@ fn an_outline_is_a_tree_in_order() {
     }
 }
 
-/// What may be written in place of `|` in a statement of the component.
+/// Completions at `|` in a statement of the component.
 fn offered(statement: &str) -> Vec<String> {
     let last = ARM.rfind("};").unwrap();
     let (marked, rest) = (format!("{}{statement}", &ARM[..last]), &ARM[last..]);

@@ -1,18 +1,18 @@
-//! Missing files: errors about names that they would have declared are left out.
+//! Missing files: omits the errors about names that they would have declared.
 
 use crate::diagnostic::{Diagnostic, Diagnostics, Severity};
 
-/// A file or a package that cannot be read.
+/// Codes for a file or package that cannot be read.
 const ABSENT: [&str; 4] = ["E0120", "E0121", "E0131", "E0133"];
-/// A package that is not found.
+/// Code for a package that is not found.
 const PACKAGE: &str = "E0131";
-/// A file that is not found.
+/// Code for a file that is not found.
 const FILE: &str = "E0121";
-/// A name, or an interface, that nothing declares.
+/// Codes for a name, or an interface, that nothing declares.
 const UNKNOWN: [&str; 2] = ["E0206", "E0402"];
 
-/// One mistake, one message: a missing file makes names unknown, and a missing package makes files
-/// missing. The first error tells how many others are left out for that reason.
+/// Omits consequential errors: a missing file makes names unknown, and a missing package makes
+/// files missing. The first error says how many others are omitted for that reason.
 pub(crate) fn leave_out(preprocess: &mut Diagnostics, rest: &mut Diagnostics) {
     let is_error = |one: &Diagnostic| one.severity == Severity::Error;
     if preprocess.iter().any(|one| one.code == PACKAGE) {

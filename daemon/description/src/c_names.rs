@@ -1,4 +1,4 @@
-//! What things of a description are called in the header of codels, and which of them clash.
+//! C names of types, events and other items in the header for codels, and clashes between them.
 //!
 //! Scopes are joined by `_`, so that `a::b_c` and `a_b::c` are both `a_b_c` (genom3.md 5.1).
 
@@ -8,26 +8,26 @@ use genom_types::{Kind, TypeId, TypeTable};
 
 use crate::model::{CodelKind, Component, Constant, Span, Specification};
 
-/// What a C name stands for.
+/// An item that has a C name.
 #[derive(Clone, Debug)]
 pub struct CName {
     /// Its full name in IDL.
     pub idl: String,
-    /// Where it is declared.
+    /// Its position.
     pub place: Place,
 }
 
-/// Where something that has a C name is declared.
+/// Position of an item that has a C name.
 #[derive(Clone, Copy, Debug)]
 pub enum Place {
-    /// Where this type is.
+    /// That of the declaration of this type.
     Type(TypeId),
-    /// At this place.
+    /// This one.
     At(Span),
 }
 
-/// Pairs of different things with one name in C, and that name. `without` are types that no
-/// header holds.
+/// Pairs of different items that have one C name, with that name. Types in `without` are ignored,
+/// because no header contains them.
 #[must_use]
 pub fn clashes<'s>(
     types: &TypeTable,
@@ -88,7 +88,7 @@ impl Found {
     }
 }
 
-/// The structs that genomd makes of parameters: no codel sees them.
+/// Structs that genomd makes of the parameters of services: no codel sees them.
 #[must_use]
 pub fn records(spec: &Specification) -> HashSet<TypeId> {
     let of_component = |component: &Component| {
@@ -97,8 +97,8 @@ pub fn records(spec: &Specification) -> HashSet<TypeId> {
         services.chain(remotes).collect::<Vec<_>>()
     };
     let mut records: HashSet<TypeId> = spec.components.iter().flat_map(of_component).collect();
-    // Those of interfaces are only known by name: `::interface::service::input`. A struct that
-    // something holds was written by somebody.
+    // For services of interfaces only the names are known: `::interface::service::input`. A struct
+    // that is used as a member was declared by the user.
     let services: HashSet<(&str, &str)> = spec
         .interfaces
         .iter()
@@ -119,7 +119,7 @@ pub fn records(spec: &Specification) -> HashSet<TypeId> {
     records
 }
 
-/// What must be complete before the type is.
+/// Types that C needs complete before it can define this one.
 #[must_use]
 pub fn contained(types: &TypeTable, id: TypeId) -> Vec<TypeId> {
     match types.kind(id) {
@@ -137,10 +137,10 @@ pub fn contained(types: &TypeTable, id: TypeId) -> Vec<TypeId> {
     }
 }
 
-/// C name and text of each event of a component.
+/// C name and name of each event of a component.
 ///
-/// In the papers' figures a codel bears the name that an event would have (`demo_stop`): the
-/// codel keeps it, since it is what the host calls, and the event is `demo_stop_event`.
+/// In the figures of the papers a codel can have the C name of an event (`demo_stop`). The codel
+/// keeps it, because the host calls it by that name, and the event becomes `demo_stop_event`.
 #[must_use]
 pub fn event_names(component: &Component) -> Vec<(String, String)> {
     let name = &component.name;
@@ -168,7 +168,7 @@ pub fn paused(component: &Component) -> BTreeSet<usize> {
     yields.filter(|to| to.pause).map(|to| to.state).collect()
 }
 
-/// Whether C or C++ has a word otherwise: a keyword, or a macro of the headers that codels use.
+/// Whether C or C++ reserves the name: a keyword, or a macro of the headers that codels include.
 #[must_use]
 pub fn is_taken(name: &str) -> bool {
     const TAKEN: &[&str] = &[

@@ -1,7 +1,7 @@
-//! The `.gen` language: text to checked component model and diagnostics.
+//! The `.gen` language: from text to a checked component model and diagnostics.
 //!
-//! Reading never fails: it returns what could be understood and everything there is to say
-//! about it. This crate starts no thread, opens no socket and loads no code.
+//! Reading never fails: it returns what could be understood, with all errors and warnings. This
+//! crate starts no thread, opens no socket and loads no code.
 //!
 //! ```
 //! use genom_description::diagnostic::render;
@@ -11,22 +11,29 @@
 //!     version \"1.0\"; lang \"c\"; email \"axis@example.org\"; require \"genom3 >= 2.99\";
 //!     ids { double speed; };
 //!     attribute set_speed(in speed);
-//!     function halve(out double speeed);
+//!     function stop_distance(in double slope, out double distance);
 //! };";
 //! let analysis = read_text("axis.gen", text, &Options::default());
 //! assert!(!analysis.has_errors());
-//! let axis = &analysis.specification.components[0];
-//! assert_eq!(axis.name, "axis");
-//! assert!(axis.services.iter().any(|service| service.name == "set_speed"));
 //!
-//! // What is wrong has a place and a code, which `diagnostic::explain` explains.
+//! // The services of the component, without those that every component has (`standard`).
+//! let axis = &analysis.specification.components[0];
+//! let mut list = String::new();
+//! for service in axis.services.iter().filter(|service| !service.standard) {
+//!     let parameters: Vec<&str> = service.parameters.iter().map(|p| p.name.as_str()).collect();
+//!     list += &format!("{:?} {}({})\n", service.kind, service.name, parameters.join(", "));
+//! }
+//! assert_eq!(list, "Attribute set_speed(speed)\nFunction stop_distance(slope, distance)\n");
+//!
+//! // A diagnostic has a position and a code, which `diagnostic::explain` explains.
 //! let analysis = read_text("axis.gen", "typedef lonk t;", &Options::default());
-//! let told = render::short(&analysis.diagnostics, &analysis.sources);
-//! assert_eq!(told, "axis.gen:1:9: error: unknown type `lonk` [E0206]\n");
+//! assert!(analysis.has_errors());
+//! let shown = render::short(&analysis.diagnostics, &analysis.sources);
+//! assert_eq!(shown, "axis.gen:1:9: error: unknown type `lonk` [E0206]\n");
 //! ```
 //!
-//! The steps: [`preprocess`] makes tokens (of crate `genom-text`), [`parse`] a tree ([`syntax`]),
-//! checking a [`model`] whose names are resolved.
+//! The steps: [`preprocess`] (of crate `genom-text`) makes tokens, [`parse`] makes a tree
+//! ([`syntax`]), and checking makes a [`model`], in which all names are resolved.
 
 #![forbid(unsafe_code)]
 

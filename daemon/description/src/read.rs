@@ -1,4 +1,4 @@
-//! The way in: files to model, with everything there is to say.
+//! The entry points: from files to model and diagnostics.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ use crate::source::{Disk, Files, Memory, SourceMap};
 use crate::syntax::{Statement, Tree};
 use crate::token::Token;
 
-/// The interface that every component provides (genom3.md 4.8).
+/// The interface `genom`, which every component provides (genom3.md 4.8).
 const STANDARD: &str = include_str!("genom.gen");
 
 /// How to read a description.
@@ -20,8 +20,8 @@ const STANDARD: &str = include_str!("genom.gen");
 pub struct Options {
     /// Include directories and definitions.
     pub preprocess: preprocess::Options,
-    /// Whether components provide interface `genom`. Without it a description means what
-    /// GenoM3's own tool sees, and its digests are those of that tool.
+    /// Whether components provide interface `genom`. Without it, model and digests are those of
+    /// GenoM3's own tool.
     pub standard_interface: bool,
 }
 
@@ -31,25 +31,25 @@ impl Default for Options {
     }
 }
 
-/// What a description means and what is wrong with it.
+/// The result of reading a description.
 #[derive(Debug)]
 pub struct Analysis {
-    /// What could be understood; complete and sound if there are no errors.
+    /// The model; complete and consistent if there are no errors, else as far as it was understood.
     pub specification: Specification,
-    /// Errors and warnings: those of the preprocessor, then the others by place.
+    /// Errors and warnings: those of the preprocessor, then the others by position.
     pub diagnostics: Diagnostics,
-    /// The text, to resolve spans.
+    /// The files read, to convert spans to lines and columns.
     pub sources: SourceMap,
 }
 
 impl Analysis {
-    /// Whether the description is refused.
+    /// Whether the description has errors, and so cannot be run.
     #[must_use]
     pub fn has_errors(&self) -> bool {
         self.diagnostics.errors() > 0
     }
 
-    /// Generation of the language of each component, by name.
+    /// Name of each component, with the generation of the language that it is written in.
     pub fn dialects(&self) -> impl Iterator<Item = (&str, Dialect)> {
         self.specification.components.iter().map(|c| (c.name.as_str(), c.dialect))
     }
@@ -62,7 +62,7 @@ pub fn read<P: AsRef<Path>>(inputs: &[P], options: &Options) -> Analysis {
     read_files(&inputs, options, &Disk)
 }
 
-/// Reads one text held in memory; what it includes comes from the disk.
+/// Reads one text held in memory; files that it includes are read from the disk.
 #[must_use]
 pub fn read_text(name: &str, text: &str, options: &Options) -> Analysis {
     let mut files = Memory::over_disk();
@@ -78,19 +78,20 @@ pub fn read_files(inputs: &[PathBuf], options: &Options, files: &dyn Files) -> A
     parsed.check()
 }
 
-/// Text made into trees; no name is resolved.
+/// The result of parsing; no name is resolved yet.
 #[derive(Debug)]
 pub struct Parsed {
     /// The statements of the input files.
     pub tree: Tree,
-    /// The standard interface, unless the files hold it.
+    /// Tree of interface `genom`, unless the files declare it themselves.
     pub standard: Option<Tree>,
     sources: SourceMap,
     preprocess: Diagnostics,
     syntax: Diagnostics,
 }
 
-/// Reads input files as far as no name needs a meaning; the tokens apart, for they are many.
+/// Reads input files up to the tree. The tokens are returned apart, so that they can be dropped
+/// early: they take much memory.
 #[must_use]
 pub fn parse_files(
     inputs: &[PathBuf],
@@ -119,13 +120,13 @@ impl Parsed {
             let span = Span { file, ..Span::default() };
             sources.include_chain(span).last().map_or(file, |outermost| outermost.file)
         };
-        // A text that could not be read whole gets one error: why.
+        // Of a text that was not read to its end, only the reason is reported.
         let stopped = diagnostics.stopped;
         let tree = if stopped { Tree { statements: Vec::new(), lost: tree.lost } } else { tree };
         let (specification, mut semantics) = check(tree, standard, &root_of);
         let mut rest = syntax;
         if rest.errors() > 0 {
-            // Parts that could not be read may use what seems unused.
+            // Parts that failed to parse may use what seems unused.
             semantics.retain(|said| !said.code.starts_with("W09"));
         }
         rest.append(semantics);

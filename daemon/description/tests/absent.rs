@@ -1,4 +1,4 @@
-//! Files and packages that are not there: one mistake, one message.
+//! Missing files and packages: each mistake is reported once.
 
 use genom_description::{Options, read_text};
 

@@ -1,5 +1,5 @@
-//! Every case of GenoM3's own behaviour: same verdict, same line of the first error.
-//! Where we differ on purpose (docs/language.md), the manifest's fourth column says why.
+//! Every recorded case of GenoM3's behaviour: same verdict, same line of the first error. Where
+//! genomd differs on purpose (docs/language.md), the fourth column of the manifest says why.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
@@ -18,7 +18,7 @@ fn ours(file: &Path) -> (Outcome, String) {
     let options = Options { standard_interface: false, ..Options::default() };
     let analysis = read(&[file], &options);
     let errors = || analysis.diagnostics.iter().filter(|d| d.severity == Severity::Error);
-    // As GenoM3 says it: the line alone, in whatever file.
+    // As GenoM3 reports it: the line only, whatever the file.
     let line = errors().next().map(|d| analysis.sources.location(d.span).line);
     let said = errors().map(|d| format!("{} {}", d.code, d.message)).collect::<Vec<_>>().join("; ");
     (Outcome { accepted: line.is_none(), line }, said)

@@ -1,4 +1,4 @@
-//! Every description of the repository reads without a word.
+//! Every description of the repository is read without errors or warnings.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 

@@ -1,4 +1,4 @@
-//! The grammar file for editors knows every word of the language.
+//! The grammar file for editors contains every word of the language.
 
 use serde_json::Value;
 

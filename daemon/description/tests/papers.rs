@@ -83,7 +83,7 @@ fn the_figure_of_2010_reads_as_printed() {
         .map(ToString::to_string)
         .collect();
     assert!(thrown.contains(&"::demo::SERVO_ERROR".to_owned()), "{thrown:?}");
-    // Not compatible with itself: the newest goto interrupts the one that runs.
+    // `goto` is incompatible with itself: the newest one interrupts the one that runs.
     let own = demo.services.find(|s| s.name == "goto").unwrap();
     assert_eq!(goto.interrupts, [own]);
 }
@@ -96,7 +96,7 @@ fn the_figure_of_2011_reads_as_printed() {
     let kinds: Vec<_> =
         demo.services.iter().filter(|s| !s.standard).map(|s| (s.name.as_str(), s.kind)).collect();
     assert_eq!(kinds, [("setspeed", ServiceKind::Attribute), ("goto", ServiceKind::Activity)]);
-    // Used without a declaration: declared by use.
+    // Used without a declaration: the use declares it.
     assert_eq!(demo.sinks.iter().map(|s| s.name.as_str()).collect::<Vec<_>>(), ["emergency"]);
     let check = demo.codels.iter().find(|c| c.name == "demo_chk_velocity").unwrap();
     assert!(matches!(check.kind, CodelKind::Validate));

@@ -1,4 +1,4 @@
-//! The register of codes: each example makes the diagnostic that it is an example of.
+//! The register of codes: each example causes the diagnostic that it stands for.
 
 use genom_description::diagnostic::{explain, explanations, render};
 use genom_description::{Options, read_text};

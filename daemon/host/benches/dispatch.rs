@@ -1,7 +1,7 @@
-//! One codel called three ways, same run, same function: directly, through libffi, and as the
-//! runtime dispatches it (exclusion entered and left, arguments in place, event known, transition
-//! found). Prints the median of each, and what it costs above a direct call; and the dispatch of
-//! the same codel of a component in C++.
+//! Calls one codel in three ways, in the same run: directly, through libffi, and as the runtime
+//! dispatches it (exclusion entered and left, arguments bound, event identified, transition looked
+//! up). Prints the median of each and the overhead over a direct call; and the dispatch of the same
+//! codel in a C++ component.
 
 #![allow(missing_docs, unsafe_code, clippy::unwrap_used, clippy::print_stdout)]
 
@@ -76,7 +76,7 @@ type Servo = unsafe extern "C" fn(
 const CALLS: u32 = 100_000;
 const ROUNDS: usize = 41;
 
-/// Nanoseconds for one of many calls.
+/// Nanoseconds per call, over many calls.
 fn time(mut call: impl FnMut()) -> f64 {
     let start = Instant::now();
     for _ in 0..CALLS {
@@ -90,7 +90,7 @@ fn median(mut values: Vec<f64>) -> f64 {
     values[values.len() / 2]
 }
 
-/// Runs a codel as a task does, but for the clock.
+/// Runs a codel as a task does, without reading the clock.
 fn dispatch(plan: &Plan, exclusion: &Exclusion, frame: &mut dyn Frame, codel: usize) {
     let permit = exclusion.enter(0, codel);
     let returned = frame.call(codel, 0);
@@ -150,7 +150,7 @@ fn main() {
     for _ in 0..ROUNDS {
         rounds[0].push(time(|| {
             let servo = black_box(servo);
-            // SAFETY: the arguments are of the prototype, and lead to data that lives.
+            // SAFETY: the arguments match the prototype, and point to data that lives.
             black_box(unsafe { servo(1.0, 0.5, false, address.cast(), nothing, nothing, nothing) });
         }));
         rounds[1].push(time(|| {

@@ -1,4 +1,4 @@
-//! Contexts: what codels throw exceptions through (genom3.md 5.4). One of the few unsafe modules.
+//! Contexts, through which codels throw exceptions (genom3.md 5.4). One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::cell::UnsafeCell;
@@ -21,13 +21,13 @@ struct Interface {
 
 /// The contexts of one component: one for each task, then one for each control worker.
 ///
-/// Each belongs, at any time, to the thread that runs a codel with it.
+/// At any time, each belongs to the thread that runs a codel with it.
 pub(crate) struct Contexts(Box<[Context]>);
 
 /// The context of one task or control worker.
 pub(crate) struct Context {
     interface: UnsafeCell<Interface>,
-    /// Identity of the thread whose codel has the context now; 0 between codels.
+    /// Identity of the thread whose codel uses the context now; 0 between codels.
     thread: AtomicUsize,
     record: UnsafeCell<Exception>,
     /// The library's own pointer for `genom_fatal`.
@@ -38,16 +38,16 @@ pub(crate) struct Context {
 struct Exception {
     event: *const c_char,
     size: usize,
-    /// By the codel that runs now, or ran last.
+    /// Whether the codel that runs now, or ran last, recorded it.
     fresh: bool,
-    /// As 8-byte words: a detail may hold anything that C aligns.
+    /// As 8-byte words, so that it is aligned for any C type.
     detail: Box<[u64]>,
 }
 
-// SAFETY: the exception is touched only by the thread noted in `thread`, which the runtime makes
-// the only one to run codels of that task; the interface is written once, before it is shared.
+// SAFETY: the exception is accessed only by the thread in `thread`, which the runtime makes the
+// only one to run codels with this context; the interface is written once, before it is shared.
 unsafe impl Sync for Context {}
-// SAFETY: as above; the pointers inside lead to the library, which outlives the contexts.
+// SAFETY: as above; the pointers inside point into the library, which outlives the contexts.
 unsafe impl Send for Context {}
 
 impl fmt::Debug for Contexts {
@@ -56,14 +56,14 @@ impl fmt::Debug for Contexts {
     }
 }
 
-/// Identifies the calling thread among those that are alive.
+/// Identifies the calling thread among the living ones.
 fn this_thread() -> usize {
     thread_local!(static HERE: u8 = const { 0 });
     HERE.with(|here| std::ptr::from_ref(here) as usize)
 }
 
 impl Contexts {
-    /// `count` contexts that record details of at most `room` bytes.
+    /// Makes `count` contexts for details of at most `room` bytes.
     pub(crate) fn new(count: usize, room: usize, fatal: *const c_char) -> Self {
         let contexts: Box<[Context]> = (0..count)
             .map(|_| Context {
@@ -79,19 +79,19 @@ impl Contexts {
             })
             .collect();
         for context in &contexts {
-            // SAFETY: nobody else knows the contexts yet; the box never moves its contents.
+            // SAFETY: the contexts are not shared yet; the contents of the box never move.
             unsafe { (*context.interface.get()).data = context };
         }
         Self(contexts)
     }
 
-    /// The context with this rank.
+    /// The context with this index.
     pub(crate) fn get(&self, rank: usize) -> Option<&Context> {
         self.0.get(rank)
     }
 
-    /// The context that a codel passed to a method of a port or remote: one of ours, and in use
-    /// by the calling thread. Anything else is a codel's mistake.
+    /// Finds the context that a codel passed to a method of a port or remote. It must be one of
+    /// these contexts, in use by the calling thread; anything else is an error of the codel.
     pub(crate) fn passed(&self, pointer: *const u8) -> Option<&Context> {
         let context = self.0.iter().find(|context| context.pointer() == pointer.cast())?;
         context.is_here().then_some(context)
@@ -99,15 +99,15 @@ impl Contexts {
 }
 
 impl Context {
-    /// What codels get as `genom_context`.
+    /// The pointer that codels get as `genom_context`.
     pub(crate) fn pointer(&self) -> *const c_void {
         self.interface.get().cast_const().cast()
     }
 
-    /// A codel starts with this context, on this thread.
+    /// A codel starts with this context on the calling thread.
     pub(crate) fn enter(&self) {
         self.thread.store(this_thread(), Ordering::Relaxed);
-        // SAFETY: this thread has the context now.
+        // SAFETY: the context belongs to this thread now.
         unsafe { (*self.record.get()).fresh = false };
     }
 
@@ -120,17 +120,17 @@ impl Context {
         self.thread.load(Ordering::Relaxed) == this_thread()
     }
 
-    /// Records an exception; `false` when its detail is too large. Called while a codel of this
-    /// thread has the context.
+    /// Records an exception; `false` when its detail is too large. Called while a codel on this
+    /// thread uses the context.
     pub(crate) fn record(&self, event: *const c_char, detail: &[u8]) -> bool {
-        // SAFETY: this thread has the context; the detail is as large as its slice says.
+        // SAFETY: the context belongs to this thread; the detail is as large as its slice says.
         unsafe { self.record_raw(event, detail.as_ptr().cast(), detail.len()) }
     }
 
     /// As [`record`](Self::record), from C.
     ///
     /// # Safety
-    /// This thread has the context, and `detail` leads to `size` bytes.
+    /// The context belongs to this thread, and `detail` points to `size` bytes.
     unsafe fn record_raw(&self, event: *const c_char, detail: *const c_void, size: usize) -> bool {
         // SAFETY: the caller's promise.
         let record = unsafe { &mut *self.record.get() };
@@ -138,8 +138,8 @@ impl Context {
         if event.is_null() || size > record.detail.len() * 8 {
             return false;
         }
-        // SAFETY: the room was checked. A codel may pass the detail it got from `raised`, so both
-        // may overlap.
+        // SAFETY: the size was checked. A codel may pass the detail that it got from `raised`, so
+        // both may overlap.
         unsafe { std::ptr::copy(detail.cast::<u8>(), record.detail.as_mut_ptr().cast(), size) };
         record.event = event;
         record.size = size;
@@ -148,15 +148,15 @@ impl Context {
     }
 
     /// Copies the detail that the last codel recorded with the exception that it returned, named
-    /// `name`, into `into`, of the same room, and returns its size; `None` when it recorded none.
-    /// Called on the thread that ran the codel.
+    /// `name`, into `into`, which has the same size; returns the detail's size, `None` when there
+    /// is none. Called on the thread that ran the codel.
     pub(crate) fn take_detail(
         &self,
         returned: *const c_char,
         name: &[u8],
         into: &mut [u64],
     ) -> Option<usize> {
-        // SAFETY: the codel returned, and its thread is the one that asks.
+        // SAFETY: the codel has returned, and this is its thread.
         let record = unsafe { &*self.record.get() };
         let same =
             || record.event == returned || crate::events::text(record.event, false) == Some(name);
@@ -169,10 +169,10 @@ impl Context {
     }
 }
 
-/// The context behind what C code passed.
+/// The context that C code passed.
 ///
 /// # Safety
-/// `this` is NULL or a context of ours.
+/// `this` is NULL or points to one of these contexts.
 unsafe fn context<'a>(this: *const Interface) -> Option<&'a Context> {
     if this.is_null() {
         return None;
@@ -189,7 +189,7 @@ unsafe extern "C" fn raise(
 ) -> *const c_char {
     // SAFETY: a codel passes the context it got (genom3.md 5.4).
     let Some(context) = (unsafe { context(this) }) else { return event };
-    // SAFETY: the thread is checked first; the detail is the codel's word.
+    // SAFETY: the thread is checked first; the codel guarantees the detail.
     if context.is_here() && unsafe { context.record_raw(event, detail, size) } {
         event
     } else {
@@ -200,10 +200,10 @@ unsafe extern "C" fn raise(
 unsafe extern "C" fn raised(event: *mut *const c_char, this: *const Interface) -> *const c_void {
     // SAFETY: a codel passes the context it got (genom3.md 5.4).
     let found = unsafe { context(this) }.filter(|context| context.is_here());
-    // SAFETY: this thread has the context, as was just checked.
+    // SAFETY: the context belongs to this thread, as was just checked.
     let record = found.map(|context| unsafe { &*context.record.get() });
     if !event.is_null() {
-        // SAFETY: the codel gave a place for an event.
+        // SAFETY: the codel provides the memory for the event.
         unsafe { event.write(record.map_or(std::ptr::null(), |record| record.event)) };
     }
     match record {
@@ -221,7 +221,7 @@ mod tests {
     use std::ffi::CStr;
 
     fn raise_in(context: &Context, detail: &[u8]) -> *const c_char {
-        // SAFETY: the context is ours and the detail as large as said.
+        // SAFETY: the context is valid, and the detail as large as stated.
         unsafe {
             raise(OK.as_ptr(), detail.as_ptr().cast(), detail.len(), context.pointer().cast())
         }

@@ -1,4 +1,4 @@
-//! Details of exceptions: which type they have, from C memory to JSON and back. One of the few
+//! Details of exceptions: their types, and conversion between C memory and JSON. One of the few
 //! unsafe modules.
 #![allow(unsafe_code)]
 
@@ -9,17 +9,17 @@ use serde_json::{Value, json};
 
 use crate::what::WHAT;
 
-/// Bytes of the sentence in `exception mwerr { string<256> what; };`.
+/// Bytes of the message in `exception mwerr { string<256> what; };`.
 pub(crate) const MWERR_WHAT: usize = 256;
 
-/// Full name of the exception for what no declaration covers.
+/// Full name of the exception for what is not declared.
 pub(crate) const UNKEX: &str = "::genom::unkex";
 /// Full name of the exception for failures of a middleware.
 pub(crate) const MWERR: &str = "::genom::mwerr";
 /// Full name of the exception for system calls that fail.
 pub(crate) const SYSERR: &str = "::genom::syserr";
 
-/// Types of the exceptions a component may see, by full name.
+/// Types of details for the exceptions that a component may throw or get, by full name.
 #[derive(Debug, Default)]
 pub(crate) struct Details {
     types: HashMap<String, Option<DataType>>,
@@ -41,22 +41,22 @@ impl Details {
         self.types.iter().map(|(name, ty)| (name.as_str(), ty.as_ref()))
     }
 
-    /// Whether `name` is an exception, declared or one of the C run time.
+    /// Whether `name` is an exception, declared or of the C run time.
     pub(crate) fn is_exception(&self, name: &str) -> bool {
         matches!(name, UNKEX | MWERR | SYSERR) || self.types.contains_key(name)
     }
 
-    /// Whether the bytes of a detail of exception `name` say all, without pointers.
+    /// Whether the detail of exception `name` contains no pointers.
     pub(crate) fn is_plain(&self, name: &str) -> bool {
         self.types.get(name).and_then(Option::as_ref).is_none_or(DataType::is_fixed_size)
     }
 
-    /// Bytes of the largest detail.
+    /// Size of the largest detail in bytes.
     pub(crate) fn room(&self) -> usize {
         self.types.values().flatten().map(DataType::size).max().unwrap_or(0).max(MWERR_WHAT)
     }
 
-    /// The detail of exception `name`, recorded as the first `size` bytes of `words`.
+    /// Converts the detail of exception `name`, the first `size` bytes of `words`.
     pub(crate) fn to_json(&self, name: &str, words: &[u64], size: usize) -> Option<Value> {
         let bytes = || words.iter().flat_map(|word| word.to_ne_bytes()).take(size);
         match name {
@@ -71,13 +71,13 @@ impl Details {
             }
             _ => {
                 let ty = self.types.get(name)?.as_ref()?;
-                // A codel may record less than the whole: the rest is zero.
+                // A codel may record only part of the struct: the rest is zero.
                 let mut whole = vec![0_u64; ty.size().div_ceil(8).max(1)];
                 let words_used = size.min(ty.size()).div_ceil(8);
                 whole[..words_used].copy_from_slice(words.get(..words_used)?);
                 let mut record = Record::new(ty);
-                // SAFETY: the codel recorded a value of this type (genom3.md 5.4), aligned as C
-                // aligns it; what it points to is read before the codel runs again.
+                // SAFETY: the codel recorded a value of this type (genom3.md 5.4), which the words
+                // align; what it points to is read before the codel runs again.
                 unsafe {
                     foreign::copy_value(ty, whole.as_ptr().cast(), record.as_mut_ptr());
                 }
@@ -86,7 +86,7 @@ impl Details {
         }
     }
 
-    /// The detail of exception `name` as the codels' C code expects it; `None` when it has none.
+    /// Makes the detail of exception `name` in C layout; `None` when it has none.
     pub(crate) fn make(&self, name: &str, detail: &Value) -> Option<Detail> {
         match name {
             UNKEX => {
@@ -111,7 +111,7 @@ impl Details {
     }
 }
 
-/// Writes as much of `text` as fits before the last byte, which stays NUL.
+/// Writes as much of `text` as fits, and keeps the last byte NUL.
 pub(crate) fn put_text(into: &mut [u8], text: &str) {
     let room = into.len().saturating_sub(1);
     let fits = |end: &usize| *end <= room;
@@ -129,7 +129,7 @@ pub(crate) enum Detail {
 }
 
 impl Detail {
-    /// The bytes to record; pointers in them live as long as the detail.
+    /// The bytes to record; pointers in them are valid as long as the detail lives.
     pub(crate) fn bytes(&self) -> &[u8] {
         match self {
             Self::Bytes(bytes) => bytes,

@@ -1,8 +1,8 @@
-//! Events of a component: strings to the library, numbers to the runtime. One of the few unsafe
+//! Events of a component: strings in the library, numbers in the runtime. One of the few unsafe
 //! modules.
 //!
-//! genom3.md 5.3: a returned event is known by its contents, and one handed to a library is the
-//! pointer that this library itself compares with.
+//! genom3.md 5.3: a returned event is identified by its content; for an event passed to a library,
+//! the pointer is the library's own, since codels compare pointers.
 #![allow(unsafe_code)]
 
 use std::collections::HashMap;
@@ -12,23 +12,24 @@ use genom_runtime::body::EventId;
 
 use crate::library::Library;
 
-/// Longest event that is read from a library's memory.
+/// Longest event that is read from a library's memory, in bytes.
 const LONGEST: usize = 1024;
 
-/// Memory comes and goes in multiples of this.
+/// Least size of a memory page: within one, all bytes or none can be read.
 const PAGE: usize = 4096;
 
-/// The events a component may return or be given.
+/// The events that a component may return or get.
 #[derive(Debug)]
 pub(crate) struct Events {
     ids: HashMap<Box<[u8]>, EventId>,
-    /// Pointers for the library, by full name; `own` holds those it does not define.
+    /// The library's pointers, by full name; `own` holds the events that the library does not
+    /// define.
     pointers: HashMap<String, usize>,
     _own: Vec<CString>,
 }
 
 impl Events {
-    /// The events of `plan` by rank, and the names in `given` that the host may hand out.
+    /// The events of `plan` by index, and those named in `given`, which the host may pass.
     pub(crate) fn new<'a>(
         library: &Library,
         plan: impl Iterator<Item = &'a str>,
@@ -50,18 +51,18 @@ impl Events {
         events
     }
 
-    /// The event of this content.
+    /// The event with this content.
     pub(crate) fn id(&self, name: &[u8]) -> Option<EventId> {
         self.ids.get(name).copied()
     }
 
-    /// The library's own pointer for event `name`; `None` when it was not announced at load.
+    /// The library's own pointer for event `name`; `None` when it was not prepared at load.
     pub(crate) fn pointer(&self, name: &str) -> Option<*const c_char> {
         self.pointers.get(name).map(|&at| at as *const c_char)
     }
 }
 
-/// C names an event may have (genom3.md 5.3): states as they are, exceptions with `_id`.
+/// C names that an event may have (genom3.md 5.3): of states as they are, of exceptions with `_id`.
 fn symbols_of(name: &str) -> [String; 2] {
     let plain = name.trim_start_matches("::").replace("::", "_");
     [format!("{plain}_id"), plain]
@@ -74,9 +75,9 @@ fn holds(at: usize, bytes: &[u8]) -> bool {
     bytes.iter().enumerate().all(|(i, byte)| unsafe { (at as *const u8).add(i).read() } == *byte)
 }
 
-/// Contents of an event that a codel returned; empty for NULL, `None` where no text can be read.
+/// Content of an event that a codel returned; empty for NULL, `None` if it cannot be read.
 ///
-/// `known`: it lies in memory of the library, which is there. Any other address is a codel's word:
+/// `known`: it lies in memory of the library, which is loaded. Any other address may be invalid:
 /// the kernel is asked whether it can be read.
 pub(crate) fn text<'a>(event: *const c_char, known: bool) -> Option<&'a [u8]> {
     if event.is_null() {
@@ -91,8 +92,8 @@ pub(crate) fn text<'a>(event: *const c_char, known: bool) -> Option<&'a [u8]> {
         let rest = PAGE - end % PAGE;
         for at in end..end + rest.min(LONGEST - (end - first)) {
             // SAFETY: an event is a NUL-terminated string (genom3.md 5.3) of a library that is
-            // loaded, or this part of it was just found to be readable. The caller looks at it
-            // before the library runs again.
+            // loaded, or this part of it was just found readable. The caller uses it before the
+            // library runs again.
             if unsafe { (at as *const u8).read() } == 0 {
                 // SAFETY: as above: each byte was read.
                 return Some(unsafe { std::slice::from_raw_parts(event.cast(), at - first) });
@@ -104,22 +105,22 @@ pub(crate) fn text<'a>(event: *const c_char, known: bool) -> Option<&'a [u8]> {
     Some(unsafe { std::slice::from_raw_parts(event.cast(), LONGEST) })
 }
 
-/// Whether the word at or before this address can be read.
+/// Whether the 8-byte word that contains this address can be read.
 fn is_readable(address: usize) -> bool {
-    // Nothing lies there, and 0 is no mask to the kernel.
+    // The first page is never mapped, and a null mask would not be read.
     if address < PAGE {
         return false;
     }
-    // The kernel reads the new mask before it refuses what is to be done with it.
+    // The kernel reads the new mask before it rejects the unknown operation.
     let (nothing, size) = (std::ptr::null_mut::<u8>(), 8);
-    // SAFETY: nothing is changed: there is no such thing to do with a mask.
+    // SAFETY: no mask is changed, since the operation does not exist.
     let done = unsafe {
         libc::syscall(libc::SYS_rt_sigprocmask, c_long::MAX, address & !7, nothing, size)
     };
     done == 0 || std::io::Error::last_os_error().raw_os_error() != Some(libc::EFAULT)
 }
 
-/// Numbers of events by pointer: a small table that never grows, private to one thread.
+/// Numbers of events by pointer: a small cache of fixed size, private to one thread.
 #[derive(Debug)]
 pub(crate) struct EventCache {
     slots: [(usize, EventId); Self::SLOTS],
@@ -130,19 +131,19 @@ impl EventCache {
     /// Slots tried for one pointer.
     const TRIES: usize = 4;
 
-    /// An empty one.
+    /// An empty cache.
     pub(crate) fn new() -> Self {
         Self { slots: [(0, EventId(0)); Self::SLOTS] }
     }
 
-    /// The event last noted for this pointer.
+    /// The event cached for this pointer.
     #[inline]
     pub(crate) fn get(&self, event: *const c_char) -> Option<EventId> {
         let slot = |rank| self.slots[rank];
         Self::slots(event).map(slot).find(|slot| slot.0 == event as usize).map(|slot| slot.1)
     }
 
-    /// Notes the event of a pointer whose contents never change; an older note may go.
+    /// Caches the event of a pointer whose content never changes; may replace an older entry.
     pub(crate) fn note(&mut self, event: *const c_char, id: EventId) {
         let free = Self::slots(event).find(|&rank| self.slots[rank].0 == 0);
         let rank = free.or_else(|| Self::slots(event).next()).unwrap_or_default();
@@ -150,7 +151,7 @@ impl EventCache {
     }
 
     fn slots(event: *const c_char) -> impl Iterator<Item = usize> {
-        // Strings of one library lie close together and start at any byte.
+        // Strings of one library lie close together and start at any byte: mix the bits.
         let at = event as usize;
         let first = at ^ (at >> 6);
         (0..Self::TRIES).map(move |i| first.wrapping_add(i) % Self::SLOTS)

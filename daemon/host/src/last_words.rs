@@ -1,7 +1,7 @@
-//! What the process says on standard error when foreign code ends it: which codel, of which
-//! library, and how. Without it a crash of one codel among hundreds leaves no trace.
+//! Reports on standard error when foreign code ends the process: which codel, of which library, and
+//! how. Without this report, a crash would not show which of many codels caused it.
 //!
-//! It saves nothing: the process ends as it would have. One of the few unsafe modules.
+//! It does not prevent anything: the process ends as it would have. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::process;
 use crate::running::{is_own_process, note_own_process, words};
 
-/// Signals that end a process because of what its code does.
+/// Signals that end a process because of an error in its code.
 const FAULTS: [(c_int, &str); 7] = [
     (libc::SIGSEGV, "SIGSEGV"),
     (libc::SIGBUS, "SIGBUS"),
@@ -24,17 +24,17 @@ const FAULTS: [(c_int, &str); 7] = [
     (libc::SIGTRAP, "SIGTRAP"),
 ];
 
-/// What was done on these signals before.
+/// Actions of these signals before ours were installed.
 static BEFORE: OnceLock<[Option<libc::sigaction>; FAULTS.len()]> = OnceLock::new();
 
-/// The daemon ends as it should: what it does from here on is its own.
+/// The daemon is ending normally: no report from here on.
 static ENDS_WELL: AtomicBool = AtomicBool::new(false);
 
-/// From now on the process says what ended it. Once is enough.
+/// Installs the reports. Further calls do nothing.
 pub fn tell_last_words() {
     BEFORE.get_or_init(|| {
-        // SAFETY: the handler calls only what may be called in handlers; it is part of this
-        // program, which is never closed.
+        // SAFETY: the handler calls only functions that are allowed in handlers; it is part of this
+        // program, which is never unloaded.
         unsafe { libc::atexit(on_exit) };
         note_own_process();
         FAULTS.map(|(signal, _)| handle(signal))
@@ -47,7 +47,7 @@ fn handle(signal: c_int) -> Option<libc::sigaction> {
     let mut action: libc::sigaction = unsafe { MaybeUninit::zeroed().assume_init() };
     let handler: extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void) = on_fault;
     action.sa_sigaction = handler as usize;
-    // On the stack of its own that each thread has: its own may have overflowed.
+    // On the alternate stack that each thread has: the normal one may have overflowed.
     action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
     // SAFETY: the handler has the signature that SA_SIGINFO asks for, see above for the rest.
     let done = unsafe { libc::sigaction(signal, &raw const action, before.as_mut_ptr()) } == 0;
@@ -60,35 +60,35 @@ extern "C" fn on_fault(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_void
     let name = rank.and_then(|rank| FAULTS.get(rank)).map_or("a signal", |(_, name)| name);
     say(name, " in ");
     let before = BEFORE.get().zip(rank).and_then(|(all, rank)| all.get(rank)?.as_ref());
-    // SAFETY: what the system told of the signal before; a fault then happens again.
+    // SAFETY: restores the action that the system returned; the fault then happens again.
     unsafe {
         match before {
             Some(before) => libc::sigaction(signal, before, ptr::null_mut()),
             None => libc::signal(signal, libc::SIG_DFL) as c_int,
         };
-        // One that was sent does not come again by itself.
+        // A signal that was sent does not recur by itself.
         if (*info).si_code <= 0 {
             libc::raise(signal);
         }
     }
 }
 
-/// The daemon has stopped everything and ends, with whatever status it says.
+/// The daemon has stopped everything and ends, with any status.
 pub fn end_is_ours() {
     ENDS_WELL.store(true, Ordering::Release);
 }
 
-/// `exit` was called: by foreign code, unless the daemon is at its end.
+/// Called at `exit`, which foreign code called unless the daemon ends normally.
 extern "C" fn on_exit() {
     if genom_host_process_ends(c"exit".as_ptr()) {
-        // SAFETY: threads of the daemon still run: nothing more is taken down under them, and
-        // who watches it learns that it did not end well.
+        // SAFETY: threads of the daemon still run, so no further exit handlers are run; the status
+        // tells the parent that the daemon failed.
         unsafe { libc::_exit(1) };
     }
 }
 
-/// Says who ends the process by the function `how`, unless it is a child or ends as it should;
-/// whether it was said.
+/// Reports who ends the process by the function `how`, unless it is a child process or ends
+/// normally; returns whether it reported.
 #[unsafe(no_mangle)]
 extern "C" fn genom_host_process_ends(how: *const c_char) -> bool {
     static SAID: AtomicBool = AtomicBool::new(false);
@@ -96,29 +96,30 @@ extern "C" fn genom_host_process_ends(how: *const c_char) -> bool {
         return false;
     }
     if !SAID.swap(true, Ordering::AcqRel) {
-        // SAFETY: the callers name a function.
+        // SAFETY: the callers pass a C string.
         let how = unsafe { CStr::from_ptr(how) };
         say(how.to_str().unwrap_or_default(), " called by ");
     }
     true
 }
 
-/// A codel's thread is cancelled: the process cannot go on.
+/// A codel's thread is being cancelled: the process cannot continue.
 #[unsafe(no_mangle)]
 extern "C" fn genom_host_thread_ends() {
     say("pthread_cancel", " in ");
 }
 
-/// Ends a child that a codel forked and that came back from it: it must not go on as a daemon.
+/// Ends a child that a codel forked and that returned from the codel: it must not continue as a
+/// daemon.
 #[cold]
 pub(crate) fn child_came_back() -> ! {
     write(&["genomd: a child that ", words(), " forked came back from it: the child ends\n"]);
-    // SAFETY: what the daemon has to do at its end is not the child's.
+    // SAFETY: the daemon's exit handlers must not run in the child.
     unsafe { libc::_exit(1) }
 }
 
-/// Ends the process: a constructor threw within the dynamic linker, which is of no use any more
-/// to any thread.
+/// Ends the process: a constructor threw inside the dynamic linker, which no thread can use any
+/// more.
 pub(crate) fn constructor_threw(what: &str) -> ! {
     say("a C++ exception", " thrown by ");
     write(&["genomd: it says: ", what, "\n"]);
@@ -127,7 +128,7 @@ pub(crate) fn constructor_threw(what: &str) -> ! {
     unsafe { libc::_exit(1) }
 }
 
-/// One line; only with what signal handlers may call.
+/// Writes one line, using only what is allowed in signal handlers.
 fn say(what: &str, by: &str) {
     match words() {
         "" => write(&["genomd: ", what, ", outside codels: the process ends\n"]),

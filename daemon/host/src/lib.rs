@@ -1,8 +1,8 @@
-//! Foreign code: libraries of codels opened, checked against their description, and called.
+//! Foreign code: opens libraries of codels, checks them against their description, and calls them.
 //!
-//! [`Library`] opens a private copy of a file; [`Component`] is one instance of a component made
-//! of it: the [`Body`](genom_runtime::body::Body) that the runtime runs. Unsafe code lives in the
-//! modules that say so in their first lines; everything else is safe.
+//! [`Library`] opens a private copy of a file; [`Component`] is one instance of a component with
+//! that library: the [`Body`](genom_runtime::body::Body) that the runtime runs. Modules with unsafe
+//! code say so in their first lines; all others are safe.
 
 #![deny(unsafe_code)]
 

@@ -1,5 +1,5 @@
-//! Remotes as codels see them: one C function each, that calls a service of another component and
-//! waits (genom3.md 5.8). One of the few unsafe modules.
+//! Remotes as codels see them: a C function for each, which calls a service of another component
+//! and waits (genom3.md 5.8). One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::ffi::{c_char, c_void};
@@ -22,14 +22,14 @@ pub(crate) struct Signature {
     output: DataType,
 }
 
-/// A parameter, and where the records keep it.
+/// A parameter, and its members in the input and output records.
 struct Parameter {
     name: String,
     direction: Direction,
     class: Class,
-    /// As member of the inputs.
+    /// Its member in the input record.
     input: Option<Member>,
-    /// As member of the outputs.
+    /// Its member in the output record.
     output: Option<Member>,
 }
 
@@ -37,15 +37,15 @@ struct Parameter {
 struct Member {
     ty: DataType,
     offset: usize,
-    /// What codels in C++ pass.
+    /// Type that codels in C++ pass.
     cxx: Option<CxxType>,
 }
 
 impl Member {
-    /// Takes the value of an argument into a record.
+    /// Copies the value of an argument into a record.
     ///
     /// # Safety
-    /// `from` holds a value of the type in the codels' language, `to` one in C.
+    /// `from` holds a value of the type in the codels' language, `to` one in C layout.
     unsafe fn take(&self, from: *const u8, to: *mut u8) {
         // SAFETY: the caller's promise.
         unsafe {
@@ -56,12 +56,13 @@ impl Member {
         }
     }
 
-    /// Gives a record's value to an argument, of which nothing is released when it is `fresh`.
+    /// Copies a value from a record to an argument. A `fresh` argument holds no value that has to
+    /// be released.
     ///
     /// # Safety
-    /// As for `take`, the other way round; a fresh one in C is memory for the type.
+    /// As for `take`, in the other direction; a fresh argument in C is memory for the type.
     unsafe fn give(&self, from: *const u8, to: *mut u8, fresh: bool) {
-        // SAFETY: the caller's promise; in C++ what a reference leads to is always a value.
+        // SAFETY: the caller's promise; in C++ a reference always points to a value.
         unsafe {
             match &self.cxx {
                 Some(ty) => to_cxx(ty, from, to),
@@ -78,7 +79,7 @@ impl Member {
 }
 
 impl Signature {
-    /// Lays the parameters out with `lay_out`, which notes why it cannot.
+    /// Lays out the parameters with `lay_out`, which records errors.
     pub(crate) fn new(
         remote: &Remote,
         in_cxx: bool,
@@ -91,7 +92,7 @@ impl Signature {
         let (input, output) = (input?, output?);
         let member = |record: &DataType, rank: &mut usize| {
             let (ty, offset) = (record.member(*rank)?, record.member_offset(*rank)?);
-            // What has no C++ type is told with the other types.
+            // A type without a C++ equivalent is reported with the types of the component.
             let cxx = if in_cxx { Some(CxxType::new(&ty).ok()?) } else { None };
             let found = Member { ty, offset, cxx };
             *rank += 1;
@@ -125,23 +126,23 @@ impl Signature {
 /// The remotes of one component.
 pub(crate) struct Remotes(Vec<Handle>);
 
-/// `comp_r` of genom3.md 5.8 or 6, and what its function works on.
+/// `comp_r` of genom3.md 5.8 or 6, and the state of its function.
 struct Handle {
-    /// In C the function. In C++ the object, which is the address of the vtable's functions, then
-    /// the vtable: offset to top, type, function.
+    /// In C, the function. In C++, the object: first the address of the functions in the vtable,
+    /// then the vtable itself (offset to top, type, function).
     table: Box<[usize; 4]>,
     state: Arc<State>,
     _function: NativeFunction,
 }
 
-/// What a call works on.
+/// State of a remote's function.
 struct State {
     signature: Signature,
     shared: Arc<Shared>,
     details: Arc<Details>,
     /// For codels in C++.
     exceptions: Option<Arc<Exceptions>>,
-    /// Codels of several tasks may call at once; they take turns.
+    /// Codels of several tasks may call at the same time; the calls are serialised.
     link: Mutex<Link>,
 }
 
@@ -149,7 +150,7 @@ struct Link {
     call: Option<Box<dyn RemoteCall>>,
     input: Record,
     output: Record,
-    /// Owns what the detail recorded last points to.
+    /// Owns the memory that the last recorded detail points to.
     detail: Option<Detail>,
 }
 
@@ -200,12 +201,12 @@ impl Remotes {
         signatures.into_iter().map(handle).collect::<Option<_>>().map(Self)
     }
 
-    /// What codels get for the remote.
+    /// The pointer that codels get for the remote.
     pub(crate) fn handle(&self, remote: usize) -> *const c_void {
         self.0[remote].table.as_ptr().cast()
     }
 
-    /// Connects a remote, or disconnects it.
+    /// Connects a remote, or disconnects it with `None`.
     pub(crate) fn bind(&self, remote: usize, call: Option<Box<dyn RemoteCall>>) {
         if let Some(handle) = self.0.get(remote) {
             handle.state.link.lock().unwrap_or_else(PoisonError::into_inner).call = call;
@@ -213,7 +214,7 @@ impl Remotes {
     }
 }
 
-/// The function behind every remote.
+/// The implementation of every remote's function.
 fn call(state: &Arc<State>, arguments: Arguments<'_>) -> *const c_void {
     let context = arguments.pointer(state.signature.parameters.len());
     let mut link = state.link.lock().unwrap_or_else(PoisonError::into_inner);
@@ -228,7 +229,7 @@ fn call(state: &Arc<State>, arguments: Arguments<'_>) -> *const c_void {
     event.cast()
 }
 
-/// The function behind every remote of a component in C++.
+/// The implementation of every remote's function for codels in C++.
 fn call_in_cxx(state: &Arc<State>, arguments: Arguments<'_>) -> *const Raise {
     let mut link = state.link.lock().unwrap_or_else(PoisonError::into_inner);
     let (Err((name, detail)), Some(exceptions)) =
@@ -243,7 +244,7 @@ fn call_in_cxx(state: &Arc<State>, arguments: Arguments<'_>) -> *const Raise {
 type Thrown = (String, Option<Detail>);
 
 impl State {
-    /// Sends the arguments, waits, and fills the arguments the service makes.
+    /// Sends the arguments, waits, and stores the outputs.
     fn call(&self, link: &mut Link, arguments: Arguments<'_>) -> Result<(), Thrown> {
         // In C++ the object comes first.
         let first = usize::from(self.exceptions.is_some());
@@ -259,8 +260,8 @@ impl State {
         };
         for (rank, parameter) in parameters() {
             let Some(member) = &parameter.input else { continue };
-            // SAFETY: the argument has the class of its type, so that it is, or leads to, a value
-            // of it; the member of the record is another place of that type.
+            // SAFETY: the argument has the class of its type, so it is, or points to, a value of
+            // that type; the member of the record is another one.
             unsafe {
                 let from = parameter.place(arguments, rank);
                 member.take(from, link.input.as_mut_ptr().add(member.offset));
@@ -280,8 +281,8 @@ impl State {
         for (rank, parameter) in parameters() {
             let Some(member) = &parameter.output else { continue };
             let to = arguments.pointer(rank);
-            // SAFETY: as above. What `out` leads to need not be a value yet, so nothing of it is
-            // released; `inout` was one.
+            // SAFETY: as above. The target of an `out` argument need not hold a value yet, so
+            // nothing of it is released; that of `inout` holds one.
             unsafe {
                 let from = link.output.as_ptr().add(member.offset);
                 member.give(from, to, parameter.direction == Direction::Out);
@@ -297,7 +298,7 @@ impl State {
 }
 
 impl Parameter {
-    /// Where the value of argument `rank` is.
+    /// Address of the value of argument `rank`.
     fn place(&self, arguments: Arguments<'_>, rank: usize) -> *const u8 {
         match self.class {
             Class::Value(_) | Class::Held => arguments.place(rank),

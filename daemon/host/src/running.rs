@@ -1,27 +1,27 @@
-//! Which foreign code each thread of the daemon runs. One of the few unsafe modules.
+//! The foreign code that each thread of the daemon runs. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::cell::Cell;
 use std::ptr;
 use std::sync::atomic::{AtomicI32, Ordering};
 
-/// The daemon's process, once it is known: a codel may fork.
+/// Process id of the daemon, once it is recorded, to recognise children that codels fork.
 static OWN_PROCESS: AtomicI32 = AtomicI32::new(0);
 
 thread_local! {
-    /// The foreign code that this thread runs, in words. Without a destructor: signal handlers
-    /// and what runs at the exit of the process read it.
+    /// Description of the foreign code that this thread runs. Has no destructor, since signal
+    /// handlers and exit handlers read it.
     static RUNNING: Cell<*const str> = const { Cell::new(ptr::from_ref("")) };
 }
 
-/// Foreign code runs on this thread until this is dropped.
+/// Marks that foreign code runs on this thread, until dropped.
 pub(crate) struct Running<'a> {
     outer: *const str,
-    /// What is pointed to outlives this.
+    /// Makes the borrow outlive this value.
     _words: &'a str,
 }
 
-/// From now on this thread runs what the words say, such as ``codel `servo` of demo.so``.
+/// Marks that this thread runs what `words` describe, such as ``codel `servo` of demo.so``.
 pub(crate) fn running(words: &str) -> Running<'_> {
     Running { outer: RUNNING.replace(ptr::from_ref(words)), _words: words }
 }
@@ -32,7 +32,7 @@ impl Drop for Running<'_> {
     }
 }
 
-/// This process is the daemon's.
+/// Records this process as the daemon's.
 pub(crate) fn note_own_process() {
     // SAFETY: it has no preconditions.
     OWN_PROCESS.store(unsafe { libc::getpid() }, Ordering::Release);
@@ -50,9 +50,10 @@ pub(crate) fn in_codel() -> bool {
     !words().is_empty() && is_own_process()
 }
 
-/// The foreign code that this thread runs; empty without any. Signal handlers may ask.
+/// Description of the foreign code that this thread runs; empty if there is none. Signal handlers
+/// may call it.
 pub(crate) fn words<'a>() -> &'a str {
-    // SAFETY: the words of a `Running` outlive it, and it takes them back when it is dropped.
+    // SAFETY: the words outlive their `Running`, which removes them when it is dropped.
     unsafe { &*RUNNING.get() }
 }
 

@@ -1,4 +1,4 @@
-//! What the codels, ports and remotes of one component have in common: contexts and events.
+//! State shared by the codels, ports and remotes of one component: contexts and events.
 
 use std::ffi::c_char;
 
@@ -13,9 +13,11 @@ pub(crate) struct Shared {
 }
 
 impl Shared {
-    /// Records exception `name` in the context a codel passed; returns what the codel is to see.
+    /// Records exception `name` in the context that a codel passed; returns the event for the
+    /// codel.
     ///
-    /// A context that is not the codel's own records nothing: the event is returned all the same.
+    /// If the context is not the codel's own, nothing is recorded, and the event is returned all
+    /// the same.
     pub(crate) fn throw(&self, context: *mut u8, name: &str, detail: &[u8]) -> *const c_char {
         let fatal = || self.events.pointer("::genom::fatal").unwrap_or(c"::genom::fatal".as_ptr());
         let Some(event) = self.events.pointer(name) else { return fatal() };

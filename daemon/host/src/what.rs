@@ -1,4 +1,4 @@
-//! What C++ exceptions say of themselves.
+//! Messages of C++ exceptions.
 
-/// Bytes kept of it, its NUL included: as in `genom_unkex_detail`.
+/// Bytes kept of a message, its NUL included: as in `genom_unkex_detail`.
 pub(crate) const WHAT: usize = 128;

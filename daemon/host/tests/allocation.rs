@@ -1,4 +1,4 @@
-//! A codel call allocates nothing: neither its arguments, nor its ports, nor its event.
+//! Calling a codel allocates nothing: neither for arguments, nor for ports, nor for the event.
 
 #![allow(clippy::unwrap_used)] // in fakes
 
@@ -13,7 +13,7 @@ use genom_runtime::body::{Body, Returned};
 use genom_types::Record;
 use support::Scratch;
 
-/// Writes down how often it was called.
+/// Counts how often it is called.
 struct Sink(std::sync::Arc<std::sync::atomic::AtomicUsize>);
 
 impl Publisher for Sink {
@@ -26,7 +26,7 @@ impl Publisher for Sink {
     }
 }
 
-/// Always has something new.
+/// Has a new value at each read.
 struct Source;
 
 impl Subscription for Source {

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use support::generator::Gen;
 use support::load::load;
 
-/// Runs `c`, a codel `f` with an `in` and an `out` parameter of this kind; gives the output.
+/// Runs `c`, a codel `f` with an `in` and an `out` parameter of this kind; returns the output.
 #[track_caller]
 fn through(kind: Kind, c: &str, input: Value) -> Value {
     let mut gen_ = Gen::new();
@@ -253,8 +253,8 @@ fn members_of_the_ids_are_passed_in_place() {
 
 #[test]
 fn inout_parameters_are_seen_among_the_outputs_and_locals_start_empty() {
-    // genom3.md 7.3.4, 7.5: `in` is seen in the inputs, `inout` and `out` in the outputs, which are
-    // filled from the inputs first; locals are made for each run, and all is zero (7.9).
+    // genom3.md 7.3.4, 7.5: codels see `in` in the inputs, `inout` and `out` in the outputs, into
+    // which `inout` was copied; locals are new for each run, and everything is zero (7.9).
     let mut gen_ = Gen::new();
     let long = gen_.ty(Kind::Long);
     let service = gen_.service(
@@ -294,8 +294,8 @@ fn inout_parameters_are_seen_among_the_outputs_and_locals_start_empty() {
 
 #[test]
 fn an_attribute_stores_into_the_ids_and_fetches_from_there() {
-    // genom3.md 7.3.6: `in` sets, `out` gets, `inout` sets then reads back; copies are deep. What
-    // validation makes of an `in` is stored, what it makes of an `inout` is lost.
+    // genom3.md 7.3.6: `in` sets, `out` gets, `inout` sets and then reads back; copies are deep.
+    // Changes by validation to an `in` are stored, those to an `inout` are lost.
     let mut gen_ = Gen::new();
     let text = gen_.string(None);
     let long = gen_.ty(Kind::Long);
@@ -328,7 +328,7 @@ fn an_attribute_stores_into_the_ids_and_fetches_from_there() {
     assert_eq!(frame.output().to_json(), json!({ "a": "text", "b": 3, "c": 7 }));
 }
 
-/// Component with a codel of `count` doubles, longs and texts in turn, and their sum.
+/// A component with a codel that adds `count` doubles, longs and string lengths; returns the sum.
 fn many(count: usize) -> f64 {
     let mut gen_ = Gen::new();
     let types =
@@ -361,7 +361,8 @@ fn many(count: usize) -> f64 {
 
 #[test]
 fn any_number_of_arguments_arrives_in_order() {
-    // In registers only, on the stack too, and more of either kind than the short way takes.
+    // In registers only, also on the stack, and more of each kind than the call without libffi
+    // supports.
     for count in [0, 1, 2, 5, 9, 13, 14, 17, 18, 24, 25, 26, 40] {
         let expected: f64 = (0..count)
             .map(|i| {

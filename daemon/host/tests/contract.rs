@@ -1,4 +1,4 @@
-//! A library and a description that disagree: refused before anything runs.
+//! A library that disagrees with its description is refused before any of its code runs.
 
 #![allow(clippy::expect_used)] // helpers are no test functions
 
@@ -17,7 +17,7 @@ use support::demo::{in_c, in_rust, root};
 
 const DEMO: &str = include_str!("../../../components/demo/demo.gen");
 
-/// Plan of the first component of a description, and where its lines are.
+/// Plan of the first component of a description, and the map of its lines.
 fn plan(text: &str) -> (Plan, SourceMap) {
     let analysis = genom_description::read_text("demo.gen", text, &Default::default());
     assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
@@ -25,7 +25,7 @@ fn plan(text: &str) -> (Plan, SourceMap) {
     (plan, analysis.sources)
 }
 
-/// What `path` and `text` disagree on.
+/// Expects these differences between `path` and `text`.
 #[track_caller]
 fn disagree(path: PathBuf, text: &str, expected: &Expect) {
     let (plan, sources) = plan(text);
@@ -39,7 +39,7 @@ fn disagree(path: PathBuf, text: &str, expected: &Expect) {
     expected.assert_eq(&shown);
 }
 
-/// The demo's description with `from` written `to`.
+/// The demo's description with `from` replaced by `to`.
 #[track_caller]
 fn altered(from: &str, to: &str) -> String {
     assert!(DEMO.contains(from), "the demo has {from:?}");
@@ -233,7 +233,7 @@ fn a_port_of_another_direction_and_an_exception_of_another_shape_are_told() {
     );
 }
 
-/// What `check` says of the demo in C, built with these options, against a description that
+/// The report of `check` for the demo in C, built with these options, and a description that
 /// differs in one type.
 fn checked(options: &[&str]) -> genom_host::contract::Report {
     let scratch = Scratch::new();

@@ -1,4 +1,4 @@
-//! Remotes as codels in C++ see them (genom3.md 5.8, 6), over a fake of the other component.
+//! Remotes as codels in C++ see them (genom3.md 5.8, 6), with a fake of the other component.
 
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)] // helpers are no test functions
 
@@ -49,7 +49,7 @@ genom::event ask_start(const std::string &first, demo::join &join, std::string &
 }
 "#;
 
-/// The other component: what it does is told by the first text.
+/// The other component: the first string decides what it does.
 struct Fake;
 
 impl RemoteCall for Fake {
@@ -88,7 +88,7 @@ fn a_remote_takes_arguments_gives_outputs_and_throws() {
         let event = demo.call(&mut *frame, "ask_start");
         (event, frame.detail().unwrap_or_default(), frame.output().to_json()["joined"].clone())
     };
-    // Callable only once a supervisor connected it.
+    // It can be called only once a supervisor has connected it.
     assert_eq!(ask("one").0, "::genom::no_such_service");
     demo.component.bind_remote(0, Some(Box::new(Fake)));
 
@@ -98,7 +98,7 @@ fn a_remote_takes_arguments_gives_outputs_and_throws() {
     assert_eq!(frame.output().to_json(), output);
 
     let what = "a text that no small string of the C++ library holds";
-    // Caught, rethrown, and not caught; the codels have no type for the last.
+    // Caught, rethrown, and not caught; the codels have no type for the last one.
     let (event, _, joined) = ask("long");
     assert_eq!(
         (event.as_str(), joined),
@@ -113,7 +113,7 @@ fn a_remote_takes_arguments_gives_outputs_and_throws() {
     let (event, _, joined) = ask("odd");
     assert_eq!((event.as_str(), joined), ("::demo::ether", json!("::foreign::EXCEPTION")));
 
-    // Many in turn: nothing of one is left for the next.
+    // Many in a row: nothing of one call affects the next.
     for _ in 0..100 {
         assert_eq!(ask("long").0, "::demo::ether");
         assert_eq!(ask("longer").0, "::other::TOO_LONG");

@@ -1,4 +1,4 @@
-//! The demo, its codels in C and in Rust, hosted and run by the runtime on a stepped clock.
+//! The demo, its codels in C and in Rust, loaded and run by the runtime on a stepped clock.
 
 #![allow(clippy::panic, clippy::unwrap_used)] // fakes and helpers are no test functions
 
@@ -50,7 +50,7 @@ struct Demo {
     published: Arc<Mutex<usize>>,
 }
 
-/// How a request ended, once it has.
+/// The outcome of a request, once it has ended.
 type Ended = Arc<Mutex<Option<Outcome>>>;
 
 impl Demo {
@@ -96,7 +96,7 @@ impl Demo {
     }
 }
 
-/// The story that both demos tell.
+/// The session that both demos have to pass.
 fn story(library: &std::path::Path) {
     let demo = Demo::start(library);
     assert_eq!(*demo.published.lock().unwrap(), 1, "the start codel publishes");

@@ -244,7 +244,7 @@ fn a_type_without_place_in_memory_names_who_has_it() {
 fn a_component_loads_and_unloads_200_times() {
     for round in 0..200 {
         let (gen_, service, codel) = one_function();
-        // Compiled once in the first round; each load is a copy of its own with its own static.
+        // Compiled once in the first round; each load makes a copy with its own static variables.
         let c = "#include <stdint.h>\n#include <genom3/c/context.h>
             static int calls;
             __attribute__((constructor)) static void made(void) { calls = 10; }

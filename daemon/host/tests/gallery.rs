@@ -1,4 +1,4 @@
-//! The SDK's example, one of each thing that codels in Rust can take, against its description.
+//! The SDK's example, with every kind of item that codels in Rust can use, and its description.
 
 #![allow(clippy::expect_used)] // helpers are no test functions
 
@@ -33,7 +33,7 @@ fn gallery() -> PathBuf {
     BUILT.get_or_init(build).clone()
 }
 
-/// What the host says of the library with this description: "" when it loads.
+/// The host's error for the library with this description; "" when it loads.
 fn said(text: &str) -> String {
     let analysis = genom_description::read_text("gallery.gen", text, &Default::default());
     assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
@@ -43,7 +43,7 @@ fn said(text: &str) -> String {
     loaded.map_or_else(|error| error.to_string(), |_| String::new())
 }
 
-/// The description with `from` written `to` is refused, and `why` is part of what is said.
+/// Expects that the description with `from` replaced by `to` is refused with `why` in the message.
 #[track_caller]
 fn refused(from: &str, to: &str, why: &str) {
     assert!(GALLERY.contains(from), "the gallery has {from:?}");

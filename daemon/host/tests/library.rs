@@ -1,4 +1,4 @@
-//! Libraries: what opens, what is refused and with which words.
+//! Libraries: which ones open, and how others are refused.
 
 mod support;
 
@@ -39,7 +39,7 @@ fn a_library_of_another_machine_names_both() {
     let mut header = [0_u8; 64];
     header[..6].copy_from_slice(b"\x7fELF\x02\x01");
     header[16] = 3; // ET_DYN
-    // EM_AARCH64, or EM_X86_64 when this is an aarch64.
+    // EM_AARCH64, or EM_X86_64 on an aarch64 machine.
     let (number, name) =
         if cfg!(target_arch = "aarch64") { (62, "x86_64") } else { (183, "aarch64") };
     header[18] = number;
@@ -82,16 +82,16 @@ fn a_library_with_damaged_headers_is_refused_before_the_linker_sees_it() {
         bytes[at..at + with.len()].copy_from_slice(with);
         refusal(&scratch, &scratch.file("damaged.so", &bytes))
     };
-    // The first entry of the program headers, which loads the tables of the dynamic linker.
+    // The first program header, which loads the tables of the dynamic linker.
     let said = damaged(64, &[0; 4]);
     assert!(said.starts_with("damaged.so: damaged: entry 0x"), "{said}");
     assert!(said.ends_with(", where nothing is"), "{said}");
-    // Its address, and what it takes in memory.
+    // Its address, and its size in memory.
     for (at, with) in [(64 + 16, [0xff; 8]), (64 + 40, [0; 8])] {
         let said = damaged(at, &with);
         assert!(said.starts_with("damaged.so: damaged: its segment at 0x"), "{said}");
     }
-    // Where they are.
+    // The offset of the program headers.
     assert!(damaged(32, &[0xff; 8]).starts_with("damaged.so: damaged: "));
 }
 
@@ -138,7 +138,7 @@ fn a_library_finds_another_by_origin() {
     assert_eq!(hidden.count(), 0, "the copy beside the original loses its name at once");
 }
 
-/// The library that another test names, opened in its own way.
+/// Environment variable with the library that a child of this test opens.
 const NAMED: &str = "GENOM_TEST_LIBRARY";
 
 #[test]
@@ -151,8 +151,8 @@ fn a_library_that_another_test_names_opens() {
 
 #[test]
 fn a_library_opens_where_the_temporary_directory_is_mounted_noexec() {
-    // In a namespace of its own, where the system lets us have one; what is done then is also
-    // tested without (`library::tests`).
+    // In a mount namespace, where the system allows one; the fallback is also tested without
+    // (`library::tests`).
     let scratch = Scratch::new();
     let path = scratch.library("demo.so", "int f(void) { return 1; }");
     let temporary = scratch.path().join("temporary");

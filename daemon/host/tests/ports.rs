@@ -1,4 +1,4 @@
-//! Ports and remotes as codels see them (genom3.md 5.7, 5.8, 7.8), over fakes.
+//! Ports and remotes as codels see them (genom3.md 5.7, 5.8, 7.8), with fakes.
 
 #![allow(clippy::unwrap_used)] // fakes and helpers are no test functions
 
@@ -19,7 +19,7 @@ use support::load::{Loaded, load};
 /// What was published, as JSON.
 type Sent = Arc<Mutex<Vec<Value>>>;
 
-/// Keeps what it is given; fails as told.
+/// Keeps what is published; fails with the given error.
 struct FakePublisher(Sent, Option<PublishError>);
 
 impl Publisher for FakePublisher {
@@ -33,7 +33,7 @@ impl Publisher for FakePublisher {
     }
 }
 
-/// Gives these readings, then `Same`.
+/// Returns these readings, then `Same`.
 struct FakeSubscription(Vec<Result<Value, ReadError>>);
 
 impl Subscription for FakeSubscription {
@@ -74,7 +74,7 @@ const HEADER: &str = r#"
       genom_event (*close)(const char *id, genom_context self); } demo_mout;
 "#;
 
-/// Component with a port `p` of struct `s { long a; string t; }` and an activity whose codel gets
+/// A component with a port `p` of struct `s { long a; string t; }` and an activity whose codel gets
 /// the port and a number.
 fn one_port(direction: PortDirection, multiple: bool, c: &str) -> (Loaded, Box<dyn Frame>, usize) {
     let mut gen_ = Gen::new();
@@ -101,7 +101,7 @@ fn only_port() -> PortIx {
     PortIx::new(0)
 }
 
-/// Calls `f(x, port, &y)`; gives its event, its detail and `y`.
+/// Calls `f(x, port, &y)`; returns its event, its detail and `y`.
 fn step(loaded: &Loaded, frame: &mut dyn Frame, codel: usize, x: i32) -> (String, Value) {
     let ty = loaded.specification.components[0].services[ServiceIx::new(0)].input;
     let input = support::generator::record(&loaded.specification, ty, json!({ "x": x }));
@@ -150,7 +150,7 @@ fn an_out_port_publishes_what_its_codel_put_in_the_buffer() {
 
 #[test]
 fn an_in_port_shows_nothing_until_a_value_was_read() {
-    // y: -1 without data, else its member.
+    // `y` is -1 without data, else the member.
     let c = r#"genom_event f(int32_t x, const demo_pin *p, int32_t *y, genom_context self) {
         genom_event last, e = x ? p->read(self) : NULL;
         demo_s *d = p->data(self);
@@ -186,7 +186,7 @@ fn an_in_port_shows_nothing_until_a_value_was_read() {
     assert_eq!(step(0), (String::new(), json!(-1)), "disconnected");
 }
 
-/// Opens publishers that write down their element.
+/// Opens publishers and records their elements.
 struct FakeOpener(Arc<Mutex<Vec<String>>>, Sent);
 
 impl Opener for FakeOpener {
@@ -327,7 +327,7 @@ fn the_runtime_writes_ports_that_no_codel_writes() {
     assert_eq!(loaded.component.port_value(only_port(), None), Some(value));
 }
 
-/// Multiplies, or fails when told 13.
+/// Multiplies, or fails for 13.
 struct FakeRemote(Arc<AtomicU32>);
 
 impl RemoteCall for FakeRemote {

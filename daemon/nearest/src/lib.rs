@@ -1,13 +1,14 @@
-//! Which name was probably meant: one measure for descriptions, inputs, configurations and command
-//! lines.
+//! Suggests the name that was probably meant, for unknown names in descriptions, inputs,
+//! configurations and command lines.
 
 #![forbid(unsafe_code)]
 
-/// The candidate nearest to what was typed, if one is near enough to be meant; the first of those
-/// that are equally near.
+/// The candidate nearest to `typed`, if it is near enough to be suggested; of several equally near
+/// ones, the first. A candidate equal to `typed` is ignored.
 ///
-/// Insertions, deletions, replacements and swaps of neighbours count as one each, and case does not
-/// count. One is allowed, and one more for each four letters of the shorter name.
+/// The distance is the number of insertions, deletions, replacements and swaps of adjacent
+/// characters, ignoring case. It may be 1, plus 1 for every four characters of the shorter name,
+/// and must be less than the length of `typed`.
 ///
 /// ```
 /// use genom_nearest::nearest;
@@ -32,8 +33,8 @@ pub fn nearest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -
         .map(|(_, candidate)| candidate)
 }
 
-/// The nearest of the keys that serde expects: its messages say ``unknown field `x`, expected one
-/// of `a`, `b` ``.
+/// The nearest key for an error message of serde about an unknown one: ``unknown field `x`,
+/// expected one of `a`, `b` ``. `None` for other messages.
 #[must_use]
 pub fn nearest_key(message: &str) -> Option<String> {
     let mut quoted = message.split('`').skip(1).step_by(2);
@@ -41,13 +42,13 @@ pub fn nearest_key(message: &str) -> Option<String> {
     nearest(unknown, quoted).map(str::to_owned)
 }
 
-/// ``did you mean `x`?``, when a candidate is near.
+/// ``did you mean `x`?`` with the [`nearest`] candidate, if there is one.
 #[must_use]
 pub fn meant<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     nearest(typed, candidates).map(|near| format!("did you mean `{near}`?"))
 }
 
-/// ``did you mean `x`?``, or all candidates when none is near.
+/// ``did you mean `x`?`` with the [`nearest`] candidate, or a list of all candidates.
 #[must_use]
 pub fn suggest<'a>(typed: &str, candidates: impl IntoIterator<Item = &'a str>) -> String {
     let candidates: Vec<&str> = candidates.into_iter().collect();

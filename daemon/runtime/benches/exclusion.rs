@@ -1,4 +1,4 @@
-//! Cost of the exclusion without contention, beside a mutex, in one run.
+//! Cost of the exclusion without contention, compared with a mutex in the same run.
 
 #![allow(missing_docs, clippy::print_stdout)]
 
@@ -12,7 +12,7 @@ use genom_runtime::plan::Nodes;
 const CALLS: u32 = 5_000_000;
 const ROUNDS: usize = 5;
 
-/// The best of a few rounds, in nanoseconds a call: the others were disturbed.
+/// The best of several rounds, in nanoseconds per call: the others were disturbed by other work.
 fn measure(name: &str, mut call: impl FnMut()) {
     let mut best = f64::INFINITY;
     for _ in 0..ROUNDS {

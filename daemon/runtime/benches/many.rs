@@ -1,5 +1,5 @@
-//! 64 tasks at 1 kHz in one instance beside 64 bare threads, in turns in one run: ticks missed
-//! for whatever reason, and lateness.
+//! 64 tasks at 1 kHz in one instance compared with 64 bare threads, alternately in one run: missed
+//! ticks and lateness.
 
 #![allow(missing_docs, clippy::print_stdout, clippy::unwrap_used)]
 
@@ -19,7 +19,8 @@ const TICKS: usize = 3000;
 const PERIOD: u64 = 1_000_000;
 const ROUNDS: usize = 3;
 
-/// Ticks that all of them missed, and lateness in nanoseconds: median of the p50, and of the p99.
+/// Ticks missed by all of them together, and lateness in nanoseconds: median of their p50, and of
+/// their p99.
 struct Figures {
     missed: u64,
     p50: u64,
@@ -41,7 +42,7 @@ fn now() -> u64 {
     now.tv_sec.unsigned_abs() * 1_000_000_000 + now.tv_nsec.unsigned_abs()
 }
 
-/// What somebody would write who has only threads.
+/// The same with bare threads.
 fn bare() -> Figures {
     let start = now() + 10 * PERIOD;
     let work = move || {
@@ -56,7 +57,7 @@ fn bare() -> Figures {
             let _ = clock_nanosleep_absolute(ClockId::Monotonic, &until);
             let woke = now();
             late.push(woke - date);
-            // As a task does: no burst for ticks that came meanwhile.
+            // As a task does: missed ticks are skipped, not caught up with.
             let over = (woke - date) / PERIOD;
             missed += over;
             date += (over + 1) * PERIOD;

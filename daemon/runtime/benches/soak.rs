@@ -1,5 +1,5 @@
-//! Ten million ticks of eight tasks as fast as they go, with requests and activities meanwhile:
-//! prints the memory of the process, and fails when it grows.
+//! Ten million ticks of eight tasks as fast as possible, with requests and activities at the same
+//! time: prints the memory of the process, and fails when it grows.
 //!
 //! `cargo bench -p genom-runtime --bench soak [-- MILLIONS]`
 
@@ -16,13 +16,13 @@ use std::time::Instant;
 use support::closures::{Closures, Codel, LONG, next, request};
 
 const TASKS: usize = 8;
-/// Pages that the system gives and takes on its own.
+/// Variation of the resident memory that is due to the system.
 const SLACK_KIB: u64 = 256;
 
 fn main() -> ExitCode {
     let millions = std::env::args().skip(1).find_map(|word| word.parse().ok()).unwrap_or(10);
     let wanted: u64 = millions * 1_000_000;
-    // Neighbours exclude one another; each task also runs an activity that comes and goes.
+    // Neighbours exclude each other; each task also runs activities that start and end.
     let ids: String = (0..TASKS).map(|n| format!("long v{n};")).collect();
     let tasks: String = (0..TASKS)
         .map(|n| {
@@ -61,7 +61,7 @@ fn main() -> ExitCode {
     while count.load(Ordering::Relaxed) < wanted {
         let at = usize::try_from(requests).unwrap_or(0) % TASKS;
         assert_eq!(next(&request(&instance, "set")), "done");
-        // The new one interrupts the old one, which ends, or never starts.
+        // The new one interrupts the old one, which ends or never starts.
         let new = request(&instance, &format!("a{at}"));
         let old = std::mem::replace(&mut running[at], new);
         while next(&old).starts_with("accepted") {}
@@ -69,7 +69,7 @@ fn main() -> ExitCode {
         if count.load(Ordering::Relaxed) * 10 / wanted > reports {
             reports += 1;
             let memory = memory_kib();
-            // The first tenth fills what is kept for later.
+            // The first tenth fills buffers that are kept for reuse.
             if reports == 1 {
                 first = memory;
             }
@@ -90,7 +90,7 @@ fn main() -> ExitCode {
     if growth > SLACK_KIB { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-/// Memory of the process that is really there.
+/// Resident memory of the process.
 fn memory_kib() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();

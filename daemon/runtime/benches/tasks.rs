@@ -1,4 +1,4 @@
-//! A task beside the bare thing, in one run: cost of running a codel, and lateness at 1 kHz.
+//! A task compared with bare code in one run: overhead of running a codel, and lateness at 1 kHz.
 
 #![allow(missing_docs, clippy::print_stdout, clippy::unwrap_used)]
 
@@ -22,7 +22,8 @@ fn main() {
     lateness();
 }
 
-/// Time from one codel to the next in a task that never pauses, beside the codel alone.
+/// Time from one codel to the next in a task that never pauses, compared with calling the codel
+/// directly.
 fn dispatch() {
     let count = Arc::new(AtomicU64::new(0));
     let (sender, ended) = channel();
@@ -58,8 +59,8 @@ fn dispatch() {
     println!("codel in a task, all included   {task:8.1} ns");
 }
 
-/// Lateness of wake-ups of a 1 kHz task, beside a thread that only sleeps; both at once, so that
-/// they see the same load.
+/// Lateness of wake-ups of a 1 kHz task, compared with a thread that only sleeps; both run at the
+/// same time, under the same load.
 fn lateness() {
     let bare = std::thread::spawn(|| {
         let _ = rustix::thread::set_current_timer_slack(std::num::NonZeroU64::new(1));

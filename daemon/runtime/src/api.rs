@@ -1,4 +1,4 @@
-//! What users of an instance give and get: requests, outcomes, wiring.
+//! Types in the interface of an instance: requests, outcomes, connections.
 
 use std::fmt;
 
@@ -8,30 +8,30 @@ use serde_json::{Map, Value};
 
 use crate::plan::Plan;
 
-/// How a request goes on. Called with [`Progress::Accepted`] at most once, for activities, then
-/// with [`Progress::Done`] once; never by a real-time thread, and never holding a lock.
+/// Receives the progress of a request: [`Progress::Accepted`] at most once, for activities, then
+/// [`Progress::Done`] once. Never called by a real-time thread, nor with a lock held.
 pub type Reply = Box<dyn FnMut(Progress) + Send>;
 
-/// Called once, by any thread, when a shutdown is complete: no codel of the instance runs any more.
+/// Called once, by any thread, when a shutdown is complete: no codel of the instance runs, or will.
 pub type OnShutdown = Box<dyn FnOnce() + Send>;
 
 /// A step of a request.
 #[derive(Debug)]
 pub enum Progress {
-    /// The activity was accepted; it starts when nothing it interrupts runs any more.
+    /// The activity was accepted; it starts once the activities that it interrupts have ended.
     Accepted {
         /// Its id, for [`Instance::abort`](crate::Instance::abort).
         activity: u32,
     },
-    /// The final answer.
+    /// The end of the request.
     Done(Outcome),
 }
 
-/// How a service ended: the one word for it on its whole way to the client.
+/// How a service ended.
 ///
-/// Tasks hand back a `RunOutcome`, which is numbers; control makes this of it, with the outputs as a
-/// record and the exception by its name. Middlewares carry `genom_middleware::Outcome`, which can
-/// also be `Lost` with the connection, and the control plane an outcome as JSON.
+/// Tasks return a `RunOutcome`, which consists of numbers; control turns it into this, with the
+/// outputs as a record and the exception by name. Middlewares carry `genom_middleware::Outcome`,
+/// which can also be `Lost` with the connection, and the control plane an outcome as JSON.
 #[derive(Debug)]
 pub enum Outcome {
     /// With its outputs.
@@ -60,18 +60,18 @@ impl fmt::Display for Exception {
 
 /// Inputs of a request.
 pub enum Inputs {
-    /// All of them: a record of the service's input struct.
+    /// All inputs: a record of the service's input struct.
     Whole(Record),
-    /// Some of them, of an attribute: what it leaves alone keeps its value.
+    /// Some inputs of an attribute: the others keep their values in the IDS.
     Partial(Partial),
-    /// None: an attribute is asked what the IDS hold where it stores its inputs. The outcome is a
-    /// record of these; nothing else happens.
+    /// No inputs: reads what the IDS hold where an attribute stores its inputs. The outcome is a
+    /// record of these; no codel runs.
     Look,
 }
 
-/// Changes what is given in a record that holds what the IDS hold; called again when codels
-/// changed the IDS before the request was done. Refused, it ends with that exception, and nothing
-/// was changed.
+/// Sets the inputs that are given in a record that holds the values of the IDS; called again when
+/// codels changed the IDS before the request was done. If it returns an exception, the request ends
+/// with that and nothing is changed.
 pub type Partial = Box<dyn FnMut(&mut Record) -> Result<(), Exception> + Send>;
 
 impl fmt::Debug for Inputs {
@@ -86,24 +86,25 @@ impl fmt::Debug for Inputs {
 
 /// What the supervisor does for the standard services (genom3.md 4.8).
 ///
-/// Called by a control worker that holds no exclusion; the connecting itself is done within
+/// Called by a control worker that holds no exclusion; connections are made within
 /// [`Instance::exclusively`](crate::Instance::exclusively).
 pub trait Wiring: Send + Sync {
     /// Connects in port `local` (`port` or `port/element`) to out port `remote`.
     ///
     /// # Errors
-    /// When one of them is not there, or the middleware fails.
+    /// One of them does not exist, or the middleware fails.
     fn connect_port(&self, local: &str, remote: &str) -> Result<(), WiringError>;
 
     /// Connects remote `local` to service `remote` of another component.
     ///
     /// # Errors
-    /// When one of them is not there, or the middleware fails.
+    /// One of them does not exist, or the middleware fails.
     fn connect_service(&self, local: &str, remote: &str) -> Result<(), WiringError>;
 
-    /// The instance asks to be shut down: service `kill`, or a permanent activity that failed.
+    /// Asks the supervisor to shut the instance down: for service `kill`, or because a permanent
+    /// activity failed.
     ///
-    /// Must not shut it down before it returns: the caller is one of the instance's threads.
+    /// The caller is a thread of the instance, so the shutdown must not be waited for here.
     fn kill(&self);
 }
 
@@ -131,7 +132,7 @@ pub enum WiringError {
 }
 
 impl WiringError {
-    /// The exception that stands for it (genom3.md 4.8).
+    /// Full name of the exception that reports it (genom3.md 4.8).
     #[must_use]
     pub fn exception(&self) -> &'static str {
         match self {
@@ -145,8 +146,8 @@ impl WiringError {
     }
 }
 
-/// The inputs of a service with the defaults of the `.gen` filled in (genom3.md 4.10); what has
-/// no default is zero.
+/// The inputs of a service with the defaults of the `.gen` filled in (genom3.md 4.10); inputs
+/// without a default are zero.
 ///
 /// # Errors
 /// A default value that does not fit its parameter.

@@ -1,21 +1,21 @@
-//! Which codel a context runs, and since when. The thread that calls codels writes it; any thread
-//! may read it.
+//! The codel that a context runs, and the date of its call. The thread that calls codels writes it;
+//! any thread may read it.
 //!
-//! A call costs two stores: the caller has read the date for its own figures.
+//! A call costs two stores: the date was already read for the statistics.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
 /// The codel that one context runs.
 #[derive(Debug, Default)]
 pub(crate) struct AtWork {
-    /// The codel, plus one; 0 between codels.
+    /// Index of the codel plus one; 0 between codels.
     codel: AtomicU32,
-    /// Monotonic date of its call.
+    /// Monotonic date of its call, in nanoseconds.
     since: AtomicU64,
 }
 
 impl AtWork {
-    /// A codel is called at this date.
+    /// Records that a codel is called at this date.
     #[inline]
     pub(crate) fn begins(&self, codel: usize, date: u64) {
         // The date first: a reader that sees the codel must not see the date of an earlier call.
@@ -24,13 +24,13 @@ impl AtWork {
         self.codel.store(number, Ordering::Release);
     }
 
-    /// It returned.
+    /// Records that it returned.
     #[inline]
     pub(crate) fn ends(&self) {
         self.codel.store(0, Ordering::Release);
     }
 
-    /// The codel that runs now, and the date of its call.
+    /// The running codel, and the date of its call.
     pub(crate) fn look(&self) -> Option<(usize, u64)> {
         let codel = (self.codel.load(Ordering::Acquire) as usize).checked_sub(1)?;
         Some((codel, self.since.load(Ordering::Relaxed)))

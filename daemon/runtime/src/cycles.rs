@@ -1,50 +1,50 @@
-//! Cycles of a task: a cycle lasts from a tick, or from waking up, until there is nothing left to
-//! do. Any thread may read, also while a cycle lasts.
+//! Cycles of a task: a cycle lasts from a tick, or from a wake-up, until there is nothing left to
+//! do. Any thread may read the figures, also during a cycle.
 //!
-//! The task writes with a few stores a cycle, under a version that is odd meanwhile (a sequence
-//! lock): a reader that sees an odd or changed version reads again.
+//! The task writes them with a few stores per cycle, under a sequence lock: the version is odd
+//! while it writes, and a reader that sees an odd or changed version reads again.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering, fence};
 use std::time::Duration;
 
 use crate::histogram::{Durations, Histogram};
 
-/// Stands in place of a date when no cycle lasts.
+/// In place of a date when no cycle is under way.
 const NONE: u64 = u64::MAX;
-/// How often a reader tries again: the task may have lost its processor between its stores.
+/// How often a reader retries: the task may have been preempted between its stores.
 const TRIES: usize = 4000;
-/// Tries without a rest between them.
+/// Retries before the first pause.
 const AT_ONCE: usize = 100;
-/// Rest between two later tries.
+/// Pause between later retries.
 const REST: Duration = Duration::from_micros(50);
 
-/// What a task did, and the cycle that lasts.
+/// Figures of completed cycles, and the one under way.
 #[derive(Debug)]
 pub(crate) struct Cycles {
-    /// Odd while the task changes what follows.
+    /// Odd while the task changes the fields below.
     version: AtomicU64,
     over: Histogram,
     began: AtomicU64,
-    /// Times a codel of the cycle yielded a state without pause.
+    /// How often a codel of this cycle yielded a state without pause.
     steps: AtomicU64,
-    /// The codel that did so last.
+    /// The last codel that did.
     codel: AtomicU32,
 }
 
-/// A cycle that lasts.
+/// A cycle under way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Lasting {
-    /// When it began.
+    /// Date of its begin, in nanoseconds.
     pub(crate) began: u64,
-    /// How long ago that was.
+    /// Duration so far, in nanoseconds.
     pub(crate) for_ns: u64,
-    /// Times a codel yielded a state without pause.
+    /// How often a codel yielded a state without pause.
     pub(crate) steps: u64,
-    /// The codel that did so last.
+    /// The last codel that did.
     pub(crate) codel: usize,
 }
 
-/// What was done until a moment, the cycle that lasts included.
+/// Totals up to a date, including the cycle under way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Done {
     pub(crate) cycles: u64,
@@ -73,7 +73,7 @@ impl Cycles {
         });
     }
 
-    /// It ends at this date.
+    /// The cycle ends at this date.
     #[inline]
     pub(crate) fn ends(&self, date: u64) {
         self.change(|| {
@@ -85,7 +85,7 @@ impl Cycles {
         });
     }
 
-    /// A codel of it yielded a state without pause.
+    /// A codel of the cycle yielded a state without pause.
     #[inline]
     pub(crate) fn goes_on(&self, codel: usize) {
         self.codel.store(u32::try_from(codel).unwrap_or(u32::MAX), Ordering::Relaxed);
@@ -116,7 +116,7 @@ impl Cycles {
         read()
     }
 
-    /// The cycle that lasts at this date, if one does.
+    /// The cycle under way at this date, if there is one.
     pub(crate) fn lasting(&self, now: u64) -> Option<Lasting> {
         self.consistent(|| {
             let began = self.began.load(Ordering::Relaxed);
@@ -129,7 +129,7 @@ impl Cycles {
         })
     }
 
-    /// How many cycles there were until this date, and how long they took.
+    /// Number of cycles until this date, and their total duration.
     pub(crate) fn done(&self, now: u64) -> Done {
         self.consistent(|| {
             let (cycles, busy_ns) = self.over.totals();
@@ -143,7 +143,8 @@ impl Cycles {
         })
     }
 
-    /// Figures at this date. Quantiles and the last cycle are of those that are over, if any are.
+    /// Figures at this date. Quantiles and the last duration are those of completed cycles, if
+    /// there are any.
     pub(crate) fn read(&self, now: u64) -> Durations {
         let (mut figures, done, lasting) =
             self.consistent(|| (self.over.read(), self.done(now), self.lasting(now)));
@@ -203,7 +204,7 @@ mod tests {
             });
             let mut last = Done::default();
             while !over.load(Ordering::Acquire) {
-                // A date that no cycle has reached adds nothing of its own.
+                // A date before the cycle's begin adds no time.
                 let done = cycles.done(0);
                 assert!(done.cycles >= last.cycles && done.busy_ns >= last.busy_ns, "{done:?}");
                 assert!(done.busy_ns.abs_diff(done.cycles * 10) <= 10, "{done:?}");

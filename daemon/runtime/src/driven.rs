@@ -48,10 +48,10 @@ impl Engine {
         busy
     }
 
-    /// Runs all tasks as if they ticked, until `done`; `false` when they do not get there, or
-    /// when whoever steps the clock is in a codel that does not return.
+    /// Runs all tasks as if they had ticks, until `done`; `false` when that does not happen, or
+    /// when the thread that steps the clock is in a codel that does not return.
     pub(crate) fn drive_until(&self, deadline: Instant, done: impl Fn(&Self) -> bool) -> bool {
-        /// Ticks of the slowest shutdown.
+        /// Most ticks that a shutdown may take.
         const MOST: usize = 100_000;
         let Some(driven) = &self.driven else { return false };
         for _ in 0..MOST {
@@ -66,9 +66,9 @@ impl Engine {
     }
 }
 
-/// Locks, unless the deadline comes first.
+/// Locks the mutex; `None` when the deadline passes first.
 fn lock_until<T>(mutex: &Mutex<T>, deadline: Instant) -> Option<Guard<'_, T>> {
-    /// Between two attempts: only somebody who does not return is waited for long.
+    /// Pause between two attempts; the lock is held for long only if a codel does not return.
     const LOOK: Duration = Duration::from_millis(1);
     loop {
         match mutex.try_lock() {

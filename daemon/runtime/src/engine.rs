@@ -1,4 +1,4 @@
-//! What the threads of an instance have in common.
+//! State that the threads of an instance share.
 
 use std::sync::atomic::AtomicU64;
 use std::sync::{Arc, Condvar, Mutex};
@@ -17,24 +17,24 @@ use crate::task::driven::DrivenTask;
 use crate::task::run::Status;
 use crate::watcher::Watcher;
 
-/// Frames kept for the next request of a service.
+/// Frames of a service kept for its next requests.
 const SPARE_FRAMES: usize = 2;
 
-/// An instance at work.
+/// State of a running instance.
 pub(crate) struct Engine {
     pub(crate) name: String,
     pub(crate) shared: Arc<Shared>,
     pub(crate) wiring: Arc<dyn Wiring>,
     pub(crate) watcher: Option<Arc<dyn Watcher>>,
     pub(crate) activity_limit: usize,
-    /// When a codel counts as stuck, of those that have no period.
+    /// A codel without period that runs longer counts as stuck.
     pub(crate) stuck_after: Duration,
-    /// When the component was built.
+    /// Build date of the component.
     pub(crate) date: String,
     control: Mutex<Control>,
-    /// A request is ready for a worker, or the workers are to end.
+    /// Notified when a request is ready for a worker, or when the workers have to end.
     pub(crate) work: Condvar,
-    /// A request, an activity or a thread ended.
+    /// Notified when a request, an activity or a thread ended.
     pub(crate) quiet: Condvar,
     /// Frames for reuse, by service.
     spare: Mutex<Indexed<ServiceIx, Vec<Box<dyn Frame>>>>,
@@ -42,20 +42,20 @@ pub(crate) struct Engine {
     pub(crate) driven: Option<Mutex<Vec<DrivenTask>>>,
     /// Date of the last value of the state port.
     pub(crate) state_written: AtomicU64,
-    /// By task: averages over about the last ten seconds. Locked while the state port is written.
+    /// Averages over about the last ten seconds, by task. Locked while the state port is written.
     pub(crate) recent: Mutex<Vec<Window>>,
-    /// Held while everything is excluded.
+    /// Held by the thread that excludes everything, so that only one does.
     pub(crate) everything: Mutex<()>,
     /// Held while a shutdown takes a step.
     pub(crate) advancing: Mutex<()>,
     pub(crate) threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
-/// There is no activity of this id.
+/// No activity has this id.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no activity {activity}: it has ended, or never was")]
 pub struct NoSuchActivity {
-    /// What was asked for.
+    /// The requested id.
     pub activity: u32,
 }
 
@@ -68,26 +68,26 @@ pub struct ActivityStatus {
     pub service: Option<String>,
     /// Name of the task that runs it.
     pub task: String,
-    /// Where it is in its life.
+    /// Phase of its life.
     pub phase: ActivityPhase,
-    /// Its state (the first one, if it is in several).
+    /// Its state (the first one, if several are active).
     pub state: String,
     /// Whether it waits for the next tick or event.
     pub paused: bool,
-    /// Who told it to stop, if anybody did.
+    /// Name of who asked it to stop, if anybody did.
     pub stopped_by: Option<String>,
 }
 
-/// Where an activity is in its life (genom3.md 7.4).
+/// Phases of an activity's life (genom3.md 7.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ActivityPhase {
     /// Accepted, not started.
     Init,
     /// Running.
     Run,
-    /// Told to stop, running its `stop` codel or what follows.
+    /// Asked to stop; runs its `stop` codel, or a later one.
     Stop,
-    /// Ended, its client is about to be told.
+    /// Ended; its client will be informed next.
     Ether,
 }
 

@@ -1,24 +1,24 @@
-//! What is counted of each codel and task while it runs.
+//! Figures that are recorded for each codel and task while it runs.
 
 use crate::cycles::Cycles;
 use crate::histogram::{Counter, Histogram};
 use crate::task::pace::Pace;
 
-/// Figures on one codel.
+/// Figures of one codel.
 #[derive(Debug, Default)]
 pub(crate) struct CodelFigures {
     pub(crate) durations: Histogram,
-    /// Calls longer than the codel's stated `wcet`.
+    /// Calls that took longer than the codel's declared `wcet`.
     pub(crate) above_wcet: Counter,
 }
 
-/// Figures on one task.
+/// Figures of one task.
 #[derive(Debug, Default)]
 pub(crate) struct TaskFigures {
-    /// From a tick, or from waking up, until there is nothing left to do.
+    /// Durations from a tick, or a wake-up, until there is nothing left to do.
     pub(crate) cycles: Cycles,
-    /// From the date of a tick to the task's start.
+    /// Durations from the date of a tick to the start of work.
     pub(crate) lateness: Histogram,
-    /// Ticks that came while the task was still at work, or slept beyond the one before.
+    /// Ticks missed because the task was still at work, or slept beyond the next one.
     pub(crate) overruns: Pace,
 }

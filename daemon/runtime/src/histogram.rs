@@ -1,41 +1,42 @@
-//! Counters and durations, written without locks by one thread and readable at any time.
+//! Counters and histograms of durations: one thread writes them without locks, any thread can read
+//! them.
 
 use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 
-/// Buckets in each power of two: 12 % resolution.
+/// Buckets per power of two: a resolution of 12 %.
 const STEPS: u64 = 8;
 /// Durations above 2^40 ns (18 minutes) share the last bucket.
 const BUCKETS: usize = (38 * STEPS) as usize;
 
-/// Durations in nanoseconds. One thread records at a time; any thread reads.
+/// Histogram of durations in nanoseconds. One thread records, any thread reads.
 #[derive(Debug)]
 pub(crate) struct Histogram {
     count: AtomicU64,
     sum: AtomicU64,
     last: AtomicU64,
     max: AtomicU64,
-    /// Log-linear counts.
+    /// Counts, in buckets that grow logarithmically.
     buckets: Box<[AtomicU32]>,
 }
 
-/// Figures on a duration, in nanoseconds.
+/// Summary of measured durations, in nanoseconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Durations {
-    /// How many were measured.
+    /// Number of measurements.
     pub count: u64,
-    /// The last one.
+    /// The last measurement.
     pub last_ns: u64,
-    /// Sum divided by `count`; 0 when nothing was measured.
+    /// Mean; 0 when there is no measurement.
     pub mean_ns: u64,
-    /// Half were no longer than this.
+    /// Median.
     pub p50_ns: u64,
-    /// 99 % were no longer than this.
+    /// 99th percentile.
     pub p99_ns: u64,
     /// Longest since the start.
     pub max_ns: u64,
 }
 
-/// Single writer: an addition needs no bus lock.
+/// With a single writer, no atomic read-modify-write is needed.
 fn add(cell: &AtomicU64, value: u64) {
     cell.store(cell.load(Ordering::Relaxed).wrapping_add(value), Ordering::Relaxed);
 }
@@ -81,7 +82,7 @@ impl Histogram {
             let mut seen = 0;
             for (bucket, &count) in counts.iter().enumerate() {
                 if seen + count >= rank {
-                    // As if those of a bucket were spread evenly.
+                    // The values in a bucket are taken as evenly spread.
                     let lower = bucket.checked_sub(1).map_or(0, |before| upper(before) + 1);
                     let width = upper(bucket) - lower;
                     return (lower + width * (rank - seen) / count).min(max);
@@ -110,7 +111,7 @@ fn bucket(ns: u64) -> usize {
     (((power - 2) * STEPS + step) as usize).min(BUCKETS - 1)
 }
 
-/// Longest duration that falls into a bucket.
+/// Longest duration in a bucket, in nanoseconds.
 fn upper(bucket: usize) -> u64 {
     let bucket = bucket as u64;
     if bucket < STEPS {
@@ -120,7 +121,7 @@ fn upper(bucket: usize) -> u64 {
     ((STEPS + step + 1) << (power - 3)) - 1
 }
 
-/// A counter that one thread advances.
+/// A counter with a single writer.
 #[derive(Debug, Default)]
 pub(crate) struct Counter(AtomicU64);
 

@@ -1,4 +1,4 @@
-//! A running instance of a component: what the daemon holds.
+//! A running instance of a component: the interface for the daemon.
 
 use std::fmt;
 use std::sync::Arc;
@@ -22,33 +22,34 @@ use crate::statistics::{CodelStatistics, Statistics, TaskStatistics};
 use crate::ticket::Ticket;
 use crate::unpaused::Unpaused;
 
-/// How long an instance that is dropped without shutdown has to end.
+/// Timeout of the shutdown when an instance is dropped without one.
 const LAST_CHANCE: Duration = Duration::from_secs(1);
 
-/// A component at work. Share it by `Arc`; every method may be called by any thread that is not
-/// one of its tasks.
+/// A running component. Share it by `Arc`; any thread may call any method, except the threads of
+/// the instance's own tasks.
 pub struct Instance {
     engine: Arc<Engine>,
 }
 
-/// The component has no event of this rank.
+/// The component has no external event with this index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no external event number {sink}: the component has {known}")]
 pub struct NoSuchEvent {
-    /// What was asked for.
+    /// The requested index.
     pub sink: usize,
-    /// How many there are.
+    /// How many the component has.
     pub known: usize,
 }
 
 impl Instance {
-    /// Starts an instance of the planned component (genom3.md 7.2).
+    /// Starts an instance of a component (genom3.md 7.2).
     ///
-    /// Ports are to be bound before, so that start codels find them. Blocks until the first
-    /// codel of every task was executed; from then on requests are served.
+    /// Bind ports before, so that start codels find them. Blocks until the first codel of every
+    /// task has run; then requests are served.
     ///
     /// # Errors
-    /// A start codel failed or hangs, or the system gives no thread. All is undone then.
+    /// A start codel failed or hangs, or the system provides no thread. What had been started is
+    /// undone.
     pub fn start(
         plan: Arc<Plan>,
         body: Arc<dyn Body>,
@@ -57,7 +58,7 @@ impl Instance {
         Engine::start(&plan, body, options).map(|engine| Self { engine })
     }
 
-    /// The component, compiled.
+    /// The compiled component.
     #[must_use]
     pub fn plan(&self) -> &Arc<Plan> {
         &self.engine.shared.plan
@@ -69,24 +70,24 @@ impl Instance {
         &self.engine.name
     }
 
-    /// Requests a service (genom3.md 7.3). `input` is a record of the service's input struct,
-    /// see [`input_record`](crate::input_record); `reply` is told how it goes, by a control
-    /// thread. On a virtual clock attributes and functions are served before this returns, and
-    /// activities run when the clock is stepped.
+    /// Requests a service (genom3.md 7.3). `input` is a record of the service's input struct, see
+    /// [`input_record`](crate::input_record); a control thread calls `reply` with the progress. On
+    /// a virtual clock, attributes and functions are served before this returns, and activities run
+    /// when the clock is stepped.
     pub fn request(&self, service: ServiceIx, input: Record, reply: Reply) -> Ticket {
         let ticket = Ticket::default();
         self.request_by(&ticket, service, Inputs::Whole(input), reply);
         ticket
     }
 
-    /// The same with a ticket at hand, since on a virtual clock the request may take its time, and
-    /// maybe with some inputs only.
+    /// As [`request`](Self::request), with a ticket that the caller has from the beginning, so that
+    /// another thread can give the request up even on a virtual clock; inputs may be partial.
     pub fn request_by(&self, ticket: &Ticket, service: ServiceIx, inputs: Inputs, reply: Reply) {
         self.engine.submit(service, inputs, reply, ticket.clone());
     }
 
-    /// Gives up a request that has not begun and that a stuck codel keeps from it: it never runs,
-    /// and its reply is dropped. `None` when nothing is stuck that is in its way, or it has begun.
+    /// Withdraws a request that has not begun because a stuck codel blocks it: it never runs, and
+    /// its reply is dropped. `None` when no stuck codel blocks it, or when it has begun.
     #[must_use]
     pub fn give_up(&self, service: ServiceIx, ticket: &Ticket) -> Option<HeldUp> {
         if ticket.has_begun() {
@@ -96,27 +97,28 @@ impl Instance {
         self.engine.withdraw(service, ticket).then_some(held_up)
     }
 
-    /// Asks an activity to stop, on behalf of its client (`interrupted { by: "client" }`).
+    /// Asks an activity to stop on behalf of its client; it ends with `interrupted { by: "client"
+    /// }`.
     ///
     /// # Errors
-    /// No such activity: it was reported as ended, or it is a task's permanent one.
+    /// There is no such activity: its end was reported, or it is the permanent one of a task.
     pub fn abort(&self, activity: u32) -> Result<(), NoSuchActivity> {
         self.engine.abort(activity, "client")?;
-        // 7.5: a paused activity wakes, as it does after `abort_activity`.
+        // genom3.md 7.5: a paused activity wakes up, as after `abort_activity`.
         self.engine.shared.wake_tasks();
         Ok(())
     }
 
-    /// Asks all activities of services to stop, as [`abort`](Self::abort) does one; returns ids
-    /// and services of those that have not ended, also of those that were asked before.
+    /// Asks all activities of services to stop, as [`abort`](Self::abort) does for one; returns ids
+    /// and services of those that have not ended, including those asked earlier.
     pub fn abort_all(&self) -> Vec<(u32, ServiceIx)> {
         let told = self.engine.abort_all("client");
         self.engine.shared.wake_tasks();
         told
     }
 
-    /// Fires an external event: activities that handle its state get a token there
-    /// (dialects.md A). Others do not notice.
+    /// Fires an external event: activities that handle its state get a token there (dialects.md A);
+    /// others are not affected.
     ///
     /// # Errors
     /// The component has no such event.
@@ -129,35 +131,37 @@ impl Instance {
         Ok(())
     }
 
-    /// Runs `work` while no codel runs that it could disturb: to bind ports and remotes
-    /// (genom3.md 7.8). Async codels without port or remote go on. Not to be called by a codel.
+    /// Runs `work` while all codels that it could disturb are excluded, to bind ports and remotes
+    /// (genom3.md 7.8). Async codels without port or remote are not excluded. Codels must not call
+    /// this.
     ///
     /// # Errors
-    /// A codel is stuck, or becomes so meanwhile; nothing was done.
+    /// A codel is stuck, or did not return in time; `work` was not run.
     pub fn exclusively<R>(&self, work: impl FnOnce(&dyn Body) -> R) -> Result<R, HeldUp> {
         self.engine.exclusively(work)
     }
 
-    /// Codels that run now, with how long they have.
+    /// Codels that run now, with the durations of their calls so far.
     #[must_use]
     pub fn running_codels(&self) -> Vec<RunningCodel> {
         self.engine.running_codels()
     }
 
-    /// The codel that counts as stuck for longest, if any does.
+    /// The codel that has been stuck for longest; `None` if none is.
     #[must_use]
     pub fn stuck(&self) -> Option<RunningCodel> {
         let all = self.running_codels().into_iter();
         all.filter(|codel| codel.stuck).max_by_key(|codel| codel.for_ns)
     }
 
-    /// Tasks that have been at work for long although none of their codels is stuck.
+    /// Tasks whose cycle has lasted for long although none of their codels is stuck.
     #[must_use]
     pub fn unpaused(&self) -> Vec<Unpaused> {
         self.engine.unpaused()
     }
 
-    /// Activities accepted and not ended, in order of acceptance, permanent ones included.
+    /// Activities that were accepted and have not ended, in order of acceptance, including
+    /// permanent ones.
     #[must_use]
     pub fn activities(&self) -> Vec<ActivityStatus> {
         self.engine.activities()
@@ -169,26 +173,26 @@ impl Instance {
         self.engine.shared.body.port_value(port, element)
     }
 
-    /// The same, bit by bit; `None` also when no copy of the last value was kept, as of large ones
-    /// that nobody looks at.
+    /// The last value as a record, bit by bit; `None` also when no copy was kept, as for large
+    /// values while nobody asks for them.
     #[must_use]
     pub fn last_value(&self, port: PortIx, element: Option<&str>) -> Option<Record> {
         self.engine.shared.body.last_value(port, element)
     }
 
-    /// The same as a CDR message.
+    /// The last value as a CDR message.
     #[must_use]
     pub fn port_message(&self, port: PortIx, element: Option<&str>) -> Option<Vec<u8>> {
         self.engine.shared.body.port_message(port, element)
     }
 
-    /// Where codels wrote past the memory they were given, once that was found.
+    /// A description of where codels wrote past their memory, if that was detected.
     #[must_use]
     pub fn damage(&self) -> Option<String> {
         self.engine.shared.body.damage()
     }
 
-    /// Figures on tasks and codels since the start.
+    /// Statistics of tasks and codels since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         let shared = &self.engine.shared;
@@ -230,36 +234,36 @@ impl Instance {
         }
     }
 
-    /// Shuts the instance down (genom3.md 7.7): activities are told to stop by "kill" and their
-    /// clients answered, then permanent activities stop in reverse order of tasks, then threads
+    /// Shuts the instance down (genom3.md 7.7): activities are asked to stop by "kill" and their
+    /// clients answered, then permanent activities stop in reverse order of tasks, then the threads
     /// end. A second call does nothing.
     ///
-    /// Not to be called by one of its own threads, so neither by a codel nor in a reply.
+    /// Threads of the instance must not call this, neither in a codel nor in a reply.
     ///
     /// # Errors
-    /// Something did not end within `timeout`; the error names the codels. Other instances are
-    /// not affected.
+    /// Something did not end within `timeout`; the error names the codels. Other instances are not
+    /// affected.
     pub fn shutdown(&self, timeout: Duration) -> Result<(), ShutdownError> {
         self.engine.shutdown(timeout)
     }
 
-    /// The first half of [`shutdown`](Self::shutdown): asks for the end and returns. `ended` is
-    /// told once, by any thread, when no codel runs any more. `false` when the end was asked for
-    /// before. On a virtual clock all codels that are to run do so before this returns.
+    /// Begins a [`shutdown`](Self::shutdown) and returns. `ended` is called once, by any thread,
+    /// when no codel runs any more. Returns `false` when a shutdown had begun before. On a virtual
+    /// clock all codels that have to run do so before this returns.
     pub fn begin_shutdown(&self, ended: OnShutdown, timeout: Duration) -> bool {
         self.engine.begin_shutdown(Some(ended), Instant::now() + timeout)
     }
 
-    /// The second half: waits for the end, until `deadline`.
+    /// Waits for the end of a shutdown that has begun, until `deadline`.
     ///
     /// # Errors
-    /// As of `shutdown`.
+    /// As for [`shutdown`](Self::shutdown).
     pub fn finish_shutdown(&self, deadline: Instant) -> Result<(), ShutdownError> {
         self.engine.finish_shutdown(deadline)
     }
 
-    /// Whether no codel runs any more, nor ever will. Of an instance that did not shut down in
-    /// time: whether what hung has returned.
+    /// Whether no codel runs any more, or ever will. After a shutdown that timed out: whether the
+    /// codels that hung have returned.
     #[must_use]
     pub fn is_over(&self) -> bool {
         self.engine.is_over()

@@ -1,12 +1,12 @@
-//! The component model at work: tasks, activities, requests, exclusion (genom3.md 7).
+//! Executes the component model: tasks, activities, requests, exclusion (genom3.md 7).
 //!
-//! A [`Plan`] is a component compiled into arrays. An [`Instance`] runs one on a
-//! [`Body`](body::Body), which is its code and memory. It calls codels and touches component
-//! memory only through [`body`], names no middleware and does no I/O of its own.
+//! A [`Plan`] is a component compiled into arrays. An [`Instance`] runs a plan on a
+//! [`Body`](body::Body), which is the component's code and memory: the runtime accesses both only
+//! through the traits of [`body`]. It knows no middleware and does no I/O of its own.
 //!
-//! Each task has a thread, which shares with the rest nothing but atomics, wait-free rings and
-//! the exclusion. Requests are served by control workers, order being kept per service. With a
-//! [`VirtualClock`] there are no threads: whoever steps it runs the tasks.
+//! Each task has a thread, which shares with the others only atomics, wait-free rings and the
+//! exclusion. Requests are served by control workers, in order for each service. With a
+//! [`VirtualClock`] there are no threads: the thread that steps the clock runs the tasks.
 
 #![forbid(unsafe_code)]
 
@@ -36,7 +36,7 @@ mod ticket;
 mod unpaused;
 mod watcher;
 
-/// Which port, service or task of a component is meant.
+/// Indices of the ports, services and tasks of a component.
 pub use genom_description::model::{Indexed, Ix, PortIx, ServiceIx, TaskIx};
 
 pub use api::{

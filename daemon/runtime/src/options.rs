@@ -1,4 +1,4 @@
-//! How an instance is to run.
+//! Options of an instance.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -9,56 +9,59 @@ use crate::api::Wiring;
 use crate::clock::Clock;
 use crate::watcher::Watcher;
 
-/// Activities of services that one task runs at once, unless told otherwise (genom3.md D).
+/// Default limit on the activities of services that one task runs at the same time (genom3.md D).
 pub const ACTIVITY_LIMIT: usize = 16;
 
-/// Whether to wait no longer for what is under way.
+/// Asked while waiting: true to stop waiting.
 pub type GiveUp = Arc<dyn Fn() -> bool + Send + Sync>;
 
-/// How an instance is to run. Not for cloning: it belongs to one instance.
+/// Options of an instance. Not `Clone`, since they belong to one instance.
 pub struct Options {
     /// Instance name, which prefixes its ports, services and threads.
     pub name: String,
-    /// The supervisor behind the standard services.
+    /// The supervisor, which implements the standard services.
     pub wiring: Arc<dyn Wiring>,
     /// Real time, or a clock that is stepped.
     pub clock: Clock,
-    /// Activities of services that one task runs at once; the permanent one is not counted.
+    /// Limit on the activities of services that one task runs at the same time; the permanent one
+    /// is not counted.
     pub activity_limit: usize,
-    /// Changes to what the `.gen` says of tasks, by task name.
+    /// Overrides of the `.gen` for tasks, by task name.
     pub tasks: HashMap<String, TaskOptions>,
-    /// Who wants to know what happens inside.
+    /// Receives changes inside the instance.
     pub watcher: Option<Arc<dyn Watcher>>,
-    /// When the component was built, as `genom_state` tells it (genom3.md 4.8); at most 30 bytes.
+    /// Build date of the component, as published in `genom_state` (genom3.md 4.8); at most 30
+    /// bytes.
     pub date: String,
-    /// How long a task's first codel may take; `None` is no limit, as in genom3.md 7.2.
+    /// Timeout for the first codel of a task; `None` for no limit, as in genom3.md 7.2.
     pub start_timeout: Option<Duration>,
-    /// Asked several times a second while a first codel runs: whether to wait for it no longer,
-    /// as if its time were over.
+    /// Called several times a second while a first codel runs: true ends the wait, as the timeout
+    /// does.
     pub give_up: Option<GiveUp>,
-    /// A codel that runs for longer counts as stuck; one of a periodic task does after a second,
-    /// or five periods when these are longer. Also how long control waits for codels at most.
+    /// A codel that runs longer counts as stuck; one of a periodic task after five periods, but not
+    /// before one second (or this time, if shorter). Also the longest time for which control waits
+    /// for codels.
     pub stuck_after: Duration,
 }
 
-/// When a codel counts as stuck, unless told otherwise.
+/// Default of [`Options::stuck_after`].
 pub const STUCK_AFTER: Duration = Duration::from_secs(5);
 
-/// What a configuration says of a task. What is `None` is as in the `.gen`.
+/// Overrides for a task; `None` keeps what the `.gen` says.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct TaskOptions {
-    /// Another period; an aperiodic task cannot be given one.
+    /// Another period; ignored for an aperiodic task.
     pub period: Option<Duration>,
-    /// 0, the highest, to 255.
+    /// Priority, from 0, the highest, to 255.
     pub priority: Option<u32>,
-    /// Whether to ask for real-time scheduling.
+    /// Whether to request real-time scheduling.
     pub real_time: Option<bool>,
-    /// Processors to run on; empty for any.
+    /// Processors that the thread may run on; empty for any.
     pub cpus: Vec<usize>,
 }
 
 impl Options {
-    /// Real time, default limits, nothing overridden.
+    /// Options with real time, default limits and no overrides.
     #[must_use]
     pub fn new(name: impl Into<String>, wiring: Arc<dyn Wiring>) -> Self {
         Self {

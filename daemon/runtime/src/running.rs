@@ -1,4 +1,4 @@
-//! Codels that run now: what clients are told of them.
+//! Codels that run now, as reported to clients.
 
 use std::fmt;
 
@@ -9,20 +9,20 @@ pub struct RunningCodel {
     pub codel: String,
     /// Task or service it belongs to.
     pub owner: String,
-    /// The task whose thread is in it; `None` when it serves a request.
+    /// The task whose thread runs it; `None` when it serves a request.
     pub task: Option<String>,
-    /// How long it has been running.
+    /// Duration of the call so far, in nanoseconds.
     pub for_ns: u64,
-    /// Whether that is so long that it counts as stuck.
+    /// Whether it counts as stuck because of that.
     pub stuck: bool,
-    /// Its rank in the model, and the context that it runs in.
+    /// Its index in the model, and the context that it runs in.
     pub(crate) place: (usize, usize),
-    /// Monotonic date of its call: with the context, the call's identity.
+    /// Monotonic date of its call; together with the context it identifies the call.
     pub(crate) since: u64,
 }
 
 impl RunningCodel {
-    /// What distinguishes this call from all others of the instance.
+    /// Identifies this call among all calls of the instance.
     #[must_use]
     pub fn call(&self) -> (usize, u64) {
         (self.place.1, self.since)
@@ -36,7 +36,7 @@ impl fmt::Display for RunningCodel {
     }
 }
 
-/// A time as people say it: `12 s`, `3.2 s`.
+/// A duration for people: `12 s`, `3.2 s`.
 #[must_use]
 #[allow(clippy::cast_precision_loss, reason = "two digits are shown")]
 pub fn seconds(ns: u64) -> String {
@@ -46,13 +46,13 @@ pub fn seconds(ns: u64) -> String {
     }
 }
 
-/// An operation needed codels to be excluded, and one does not return. Nothing was done.
+/// Codels had to be excluded, but one does not return. The operation was not carried out.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{instance} is held up{}", tell(.by.as_deref()))]
 pub struct HeldUp {
-    /// Instance whose codels were to be excluded.
+    /// The instance.
     pub instance: String,
-    /// The codel that holds it up; `None` when short codels left no moment between them.
+    /// The codel that does not return; `None` when many short codels left no gap.
     pub by: Option<Box<RunningCodel>>,
 }
 

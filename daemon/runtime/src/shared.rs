@@ -1,4 +1,5 @@
-//! What control and tasks of an instance share: atomics, the exclusion, figures. No lock.
+//! State shared by the control and task threads of an instance, without locks: atomics, the
+//! exclusion, figures.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -25,42 +26,42 @@ pub(crate) struct Shared {
     pub(crate) exclusion: Exclusion,
     pub(crate) tasks: Indexed<TaskIx, TaskShared>,
     pub(crate) codels: Box<[CodelFigures]>,
-    /// By codel: its `wcet` in nanoseconds, `u64::MAX` without.
+    /// `wcet` of each codel in nanoseconds, `u64::MAX` without one.
     wcet: Box<[u64]>,
-    /// By context: the codel that runs now.
+    /// The codel that each context runs.
     pub(crate) at_work: Box<[AtWork]>,
-    /// The control thread, once it runs; a virtual clock needs none.
+    /// The control thread, once it runs; there is none with a virtual clock.
     pub(crate) control: OnceLock<Thread>,
-    /// Whether control has something to look at.
+    /// Whether there is something for control to process.
     pub(crate) attention: AtomicBool,
-    /// Notices that did not fit.
+    /// Notices dropped because the ring was full.
     pub(crate) lost: Counter,
 }
 
-/// Shared between one task and the rest.
+/// State shared between one task and the other threads.
 #[derive(Debug)]
 pub(crate) struct TaskShared {
-    /// Ticks; `None` for an aperiodic task.
+    /// Dates of ticks; `None` for an aperiodic task.
     pub(crate) timing: Option<Timing>,
     pub(crate) figures: TaskFigures,
     /// Whether its thread got a real-time priority.
     pub(crate) real_time: AtomicBool,
     runnable: AtomicBool,
     quit: AtomicBool,
-    /// Where a periodic task sleeps; a shutdown does not wait for its ticks.
+    /// A periodic task sleeps on this, so that a shutdown can wake it before its next tick.
     pub(crate) hurry: Hurry,
-    /// Bits of external events not yet taken.
+    /// Bits of external events that the task has not taken yet.
     fired: Box<[AtomicU64]>,
-    /// Whether the permanent activity's first codel was executed.
+    /// Whether the first codel of the permanent activity has run.
     started: AtomicBool,
     thread: OnceLock<Thread>,
-    /// The system's number of the thread; 0 as long as there is none.
+    /// Thread id of the system; 0 while there is no thread.
     thread_number: AtomicU32,
-    /// Who waits for `started`.
+    /// The thread that waits for `started`.
     starter: OnceLock<Thread>,
 }
 
-/// What a task tells watchers, through control.
+/// What a task reports to watchers, through control.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Notice {
     Moved { activity: u32, state: usize, paused: bool },
@@ -76,7 +77,7 @@ impl Shared {
     ) -> Self {
         let model = plan.component();
         let sinks = model.sinks.len().div_ceil(64);
-        // One more context, for those who exclude everything.
+        // One more context, for excluding everything.
         let contexts = plan.contexts() + 1;
         Self {
             body,
@@ -93,12 +94,12 @@ impl Shared {
         }
     }
 
-    /// The context that excludes everything; its users take turns.
+    /// The context that excludes everything; one thread at a time uses it.
     pub(crate) fn outside_context(&self) -> usize {
         self.plan.contexts()
     }
 
-    /// A codel was called and took so long.
+    /// Records a call of a codel and its duration.
     #[inline]
     pub(crate) fn called(&self, codel: usize, ns: u64) {
         let figures = &self.codels[codel];
@@ -113,12 +114,12 @@ impl Shared {
         self.at_work[context].look().map(|(codel, _)| codel)
     }
 
-    /// genom3.md 7.3.8, 7.4: something happened in the component.
+    /// genom3.md 7.3.8, 7.4: something happened in the component, so paused tasks run again.
     pub(crate) fn wake_tasks(&self) {
         self.tasks.iter().for_each(TaskShared::wake);
     }
 
-    /// 7.4: something happened in this task, which knows it.
+    /// genom3.md 7.4: something happened in this task, which continues by itself.
     pub(crate) fn wake_others(&self, task: TaskIx) {
         let others = self.tasks.pairs().filter(|(other, _)| *other != task);
         others.for_each(|(_, other)| other.wake());
@@ -132,20 +133,20 @@ impl Shared {
         }
     }
 
-    /// The node under which outputs are read from the IDS when an activity ends.
+    /// The exclusion node under which outputs are read from the IDS when an activity ends.
     pub(crate) fn fetch_node(&self, owner: Owner) -> Option<usize> {
         let Owner::Service(service) = owner else { return None };
         let through = self.plan.services()[service].through_ids;
         through.then(|| self.plan.nodes().transfer(service))
     }
 
-    /// Tells watchers, or counts that it could not.
+    /// Sends a notice to watchers; counts it as lost when the ring is full.
     pub(crate) fn notify(&self, notices: &mut Option<Producer<Notice>>, notice: Notice) {
         let Some(notices) = notices else { return };
         if notices.push(notice).is_err() {
             self.lost.add(1);
         }
-        // Control looks from time to time: waking it is not worth a system call here.
+        // Control polls the ring; a system call to wake it would cost more than the delay.
     }
 }
 
@@ -169,7 +170,7 @@ impl TaskShared {
 
     pub(crate) fn wake(&self) {
         self.runnable.store(true, Ordering::Release);
-        // A periodic task is woken by its ticks alone.
+        // A periodic task is woken by its ticks only.
         if self.timing.is_none() {
             self.unpark();
         }
@@ -181,16 +182,16 @@ impl TaskShared {
         }
     }
 
-    /// The calling thread is its own from now on.
+    /// Records the calling thread as that of the task.
     pub(crate) fn set_thread(&self) {
         let number = rustix::thread::gettid().as_raw_nonzero().get().unsigned_abs();
         self.thread_number.store(number, Ordering::Relaxed);
         let _ = self.thread.set(std::thread::current());
-        // What happened before is not to be missed.
+        // Makes up for wake-ups from before there was a thread.
         self.unpark();
     }
 
-    /// The system's number of the thread, while there is one.
+    /// Thread id of the system, while there is a thread.
     pub(crate) fn thread_number(&self) -> Option<u32> {
         Some(self.thread_number.load(Ordering::Relaxed)).filter(|number| *number > 0)
     }
@@ -227,7 +228,7 @@ impl TaskShared {
         self.hurry();
     }
 
-    /// Wakes it, also before its next tick.
+    /// Wakes the task, also before its next tick.
     pub(crate) fn hurry(&self) {
         self.runnable.store(true, Ordering::Release);
         match self.timing {
@@ -236,17 +237,17 @@ impl TaskShared {
         }
     }
 
-    /// The same for those who would otherwise be waited for long: a control loop that brings an
-    /// axis to a stop has its passes at their dates.
+    /// Wakes the task early only if its next tick may be far away: a control loop that brings an
+    /// axis to a stop has to keep its period.
     pub(crate) fn hurry_if_slow(&self) {
-        /// A tick that comes within this is waited for.
+        /// A tick within this time, in nanoseconds, is waited for.
         const SOON: u64 = 100_000_000;
         if self.timing.is_none_or(|timing| timing.period > SOON) {
             self.hurry();
         }
     }
 
-    /// An external event, by rank of its sink.
+    /// Fires the external event with this index.
     pub(crate) fn fire(&self, sink: usize) {
         if let Some(word) = self.fired.get(sink / 64) {
             word.fetch_or(1 << (sink % 64), Ordering::AcqRel);
@@ -254,7 +255,7 @@ impl TaskShared {
         self.wake();
     }
 
-    /// Takes the states of the external events fired since the last time.
+    /// Takes the states of the external events fired since the last call.
     #[inline]
     pub(crate) fn take_fired(&self, plan: &Plan, into: &mut Vec<u16>) {
         into.clear();

@@ -11,12 +11,12 @@ use crate::engine::Engine;
 use crate::lock::lock;
 use crate::running::{RunningCodel, seconds};
 
-/// Why an instance did not shut down in time. It serves nothing any more; threads that hang are
-/// left behind with the memory they use, and other instances go on.
+/// An instance did not shut down in time. It serves no requests any more; threads that hang are
+/// left behind with the memory they use, and other instances are not affected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{instance} does not stop: {}", list(.codels, .activities))]
 pub struct ShutdownError {
-    /// Name of the instance that does not stop.
+    /// Name of the instance.
     pub instance: String,
     /// Codels that have not returned.
     pub codels: Vec<RunningCodel>,
@@ -36,7 +36,7 @@ fn list(codels: &[RunningCodel], activities: &[String]) -> String {
 }
 
 impl Engine {
-    /// Stops activities, then permanent ones, then threads, and waits for all that.
+    /// Stops activities, then permanent ones, then threads, and waits for the end of all.
     pub(crate) fn shutdown(&self, timeout: Duration) -> Result<(), ShutdownError> {
         let deadline = Instant::now() + timeout;
         if !self.begin_shutdown(None, deadline) {
@@ -45,8 +45,8 @@ impl Engine {
         self.finish_shutdown(deadline)
     }
 
-    /// Asks for the end and returns; the control thread does the rest. `false` when the end was
-    /// asked for before. On a virtual clock, all is done here: its codels run in this thread.
+    /// Begins a shutdown and returns; the control thread does the rest. `false` when a shutdown had
+    /// begun before. On a virtual clock everything is done here, since this thread runs the codels.
     pub(crate) fn begin_shutdown(&self, ended: Option<OnShutdown>, deadline: Instant) -> bool {
         if !self.stop_activities(ended) {
             return false;
@@ -58,7 +58,7 @@ impl Engine {
         true
     }
 
-    /// Waits for the end of what was asked to end; what hangs at the deadline is left behind.
+    /// Waits for the end of a shutdown; what hangs at the deadline is left behind.
     pub(crate) fn finish_shutdown(&self, deadline: Instant) -> Result<(), ShutdownError> {
         let over = |control: &Control| control.phase == Phase::Stopped && control.alive == 0;
         if self.wait(deadline, over) {
@@ -67,7 +67,7 @@ impl Engine {
         }
         let error = self.what_hangs();
         self.answer_all();
-        // Tasks that hang cannot run their `stop` codel; all others had the time to.
+        // Tasks that hang cannot run their `stop` codels; all others had the time to.
         self.end_threads();
         Err(error)
     }
@@ -78,10 +78,10 @@ impl Engine {
         control.phase == Phase::Stopped && control.alive == 0
     }
 
-    /// Takes the steps of a shutdown that can be taken now. Called by the control thread, which
-    /// collects results; before it runs, by the thread that waits for the end.
+    /// Takes the steps of a shutdown that are possible now. Called by the control thread, which
+    /// collects results; before that runs, by the thread that waits for the end.
     pub(crate) fn advance_shutdown(&self) {
-        // Two threads must not take one step.
+        // One step must not be taken by two threads.
         let _one = lock(&self.advancing);
         loop {
             let next = {
@@ -109,8 +109,8 @@ impl Engine {
         }
     }
 
-    /// Whether a step is done. Codels that hang are not waited for, so that the `stop` codels of other
-    /// tasks still run before the deadline.
+    /// Whether a step is complete. Codels that hang are not waited for, so that the `stop` codels
+    /// of other tasks still run before the deadline.
     fn is_done(&self, control: &Control, step: Step) -> bool {
         let hangs = |task| self.codel_of_task(task).is_some_and(|codel| codel.stuck);
         match step {
@@ -130,7 +130,7 @@ impl Engine {
         }
     }
 
-    /// 7.7.3: nothing is served or executed any more.
+    /// genom3.md 7.7.3: nothing is served or executed any more.
     fn end_threads(&self) {
         self.shared.tasks.iter().for_each(crate::shared::TaskShared::quit);
         self.lock().phase = Phase::Stopped;
@@ -139,7 +139,7 @@ impl Engine {
         self.tell_end();
     }
 
-    /// A thread ended that ran codels.
+    /// Records the end of a thread that ran codels.
     pub(crate) fn thread_ended(&self) {
         self.lock().alive -= 1;
         self.tell_end();
@@ -157,7 +157,7 @@ impl Engine {
         }
     }
 
-    /// All steps on a virtual clock, where this thread runs the codels.
+    /// Takes all steps on a virtual clock, where this thread runs the codels.
     fn drive_shutdown(&self, deadline: Instant) {
         let reached =
             |step: Step| self.drive_until(deadline, |engine| engine.is_done(&engine.lock(), step));
@@ -166,14 +166,14 @@ impl Engine {
             self.stop_permanent(task);
             reached(Step::Permanent(task));
         }
-        // Otherwise `finish_shutdown` says what hangs.
+        // Otherwise `finish_shutdown` reports what hangs.
         let over = self.is_done(&self.lock(), Step::Rest);
         if over {
             self.end_threads();
         }
     }
 
-    /// 7.7.1; `false` when somebody else shut it down before.
+    /// genom3.md 7.7.1; `false` when another thread has begun the shutdown before.
     fn stop_activities(&self, ended: Option<OnShutdown>) -> bool {
         let mut after = Afterwards::default();
         {
@@ -200,7 +200,8 @@ impl Engine {
         true
     }
 
-    /// Asks a permanent activity to stop. One that has ended is made again to run its `stop` codel.
+    /// Asks a permanent activity to stop. For one that has ended, a new run is made for its `stop`
+    /// codel.
     fn stop_permanent(&self, task: TaskIx) {
         let marker = {
             let control = self.lock();
@@ -223,9 +224,9 @@ impl Engine {
         self.shared.tasks[task].is_started()
     }
 
-    /// Waits until `done`; `false` at the deadline.
+    /// Waits until `done`; `false` when the deadline passes.
     fn wait(&self, deadline: Instant, done: impl Fn(&Control) -> bool) -> bool {
-        /// Between two looks as long as no control thread collects results.
+        /// Interval of polling while no control thread collects results.
         const LOOK: Duration = Duration::from_millis(10);
         let mut control = self.lock();
         while !done(&control) {
@@ -250,8 +251,7 @@ impl Engine {
         true
     }
 
-    /// Answers all requests that are still open with `interrupted`; results that come later are
-    /// dropped.
+    /// Answers all open requests with `interrupted`; later results are dropped.
     fn answer_all(&self) {
         let refused = || Progress::Done(Outcome::Exception(interrupted("kill")));
         let mut after = Afterwards::default();
@@ -287,7 +287,7 @@ impl Engine {
         let workers = std::mem::take(&mut self.lock().workers);
         let threads = std::mem::take(&mut *lock(&self.threads));
         for thread in threads.into_iter().chain(workers) {
-            // One of them may be the caller, through a reply.
+            // One of them may be the calling thread, if a reply calls this.
             if thread.thread().id() != std::thread::current().id() {
                 let _ = thread.join();
             }

@@ -21,25 +21,25 @@ use crate::task::runner::{Runner, TaskSide};
 use crate::task::timing::Timing;
 use crate::task::{scheduling, thread};
 
-/// Stack of a task that says nothing (genom3.md 7.4).
+/// Stack of a task that declares none, in bytes (genom3.md 7.4).
 const STACK: u64 = 8 << 20;
-/// Notices to watchers on their way.
+/// Capacity of the ring of notices to watchers.
 const NOTICES: usize = 4096;
-/// How long a failed start-up tries to undo what it did.
+/// Timeout of undoing a failed start-up.
 const UNDO: Duration = Duration::from_secs(5);
 
-/// Why an instance did not start. Everything was undone.
+/// An instance did not start. What had been started was undone.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StartError {
-    /// A task's first codel, or what it led to at once, ended with an exception.
+    /// A task's first codel, or one that followed without pause, ended with an exception.
     #[error("task {task} of {instance} failed at start: {exception}")]
     Failed {
-        /// Instance that was to start.
+        /// The instance.
         instance: String,
-        /// Task that was being started.
+        /// The task.
         task: String,
-        /// How it failed.
+        /// The exception.
         exception: Box<Exception>,
     },
     /// A task's first codel did not return in time. Its thread is left behind.
@@ -49,39 +49,39 @@ pub enum StartError {
         seconds(nanos(*.after))
     )]
     Hangs {
-        /// Instance that was to start.
+        /// The instance.
         instance: String,
-        /// Task that was being started.
+        /// The task.
         task: String,
-        /// Codel that has not returned.
+        /// The codel.
         codel: String,
-        /// How long it had.
+        /// The timeout that passed.
         after: Duration,
     },
-    /// The system gave no thread.
+    /// The system provides no thread.
     #[error(
         "task {task} of {instance} has no thread: {source} (the limits of threads are `ulimit -u`, \
          `TasksMax=` of a systemd unit and `pids.max` of a container; memory may be another)"
     )]
     NoThread {
-        /// Instance that was to start.
+        /// The instance.
         instance: String,
-        /// Task that got no thread.
+        /// The task.
         task: String,
-        /// What the system says.
+        /// The error of the system.
         #[source]
         source: std::io::Error,
     },
 }
 
-/// The ticks of a task: its period is the configuration's, or else that of the `.gen`.
+/// The ticks of a task: the period is that of the configuration, else that of the `.gen`.
 fn timing(task: &Task, options: &TaskOptions, epoch: u64) -> Option<Timing> {
     let period = options.period.filter(|_| task.period.is_some()).or(task.period)?;
     Some(Timing::new(epoch, nanos(period), nanos(task.delay)))
 }
 
 impl Engine {
-    /// Starts an instance; when this returns, requests are served.
+    /// Starts an instance; requests are served when this returns.
     pub(crate) fn start(
         plan: &Arc<Plan>,
         body: Arc<dyn Body>,
@@ -126,7 +126,8 @@ impl Engine {
         Ok(engine)
     }
 
-    /// 7.2.3: starts a task, and waits until its permanent activity's first codel was executed.
+    /// genom3.md 7.2.3: starts a task, and waits until the first codel of its permanent activity
+    /// has run.
     fn start_task(
         self: &Arc<Self>,
         runner: Runner,
@@ -166,9 +167,9 @@ impl Engine {
         Ok(())
     }
 
-    /// Makes the permanent activity of a task, and hands it over.
+    /// Creates the permanent activity of a task, and sends it to the task.
     pub(crate) fn send_permanent(&self, task: TaskIx, at_stop: bool) {
-        // Permanent activities come first among the machines, by task.
+        // The machines of permanent activities come first, in the order of tasks.
         let frame = self.shared.body.frame(Owner::Task(task));
         let mut control = self.lock();
         let mut run = self.new_run(control.new_id(), task.index(), frame);
@@ -208,7 +209,7 @@ impl Engine {
             Err(source) => {
                 let mut control = self.lock();
                 control.alive -= 1;
-                // No thread will run its permanent activity, so the shutdown must not wait for it.
+                // No thread will run the permanent activity, so the shutdown must not wait for it.
                 control.entries.retain(|entry| entry.task != rank);
                 drop(control);
                 Err(StartError::NoThread {
@@ -232,7 +233,7 @@ impl Engine {
         }
     }
 
-    /// 7.2.4: from here on requests are served.
+    /// genom3.md 7.2.4: from here on requests are served.
     fn open(self: &Arc<Self>, clock: &Clock) {
         self.lock().phase = Phase::Running;
         if let Clock::Virtual(clock) = clock {
@@ -253,7 +254,7 @@ impl Engine {
     }
 }
 
-/// How long a first codel is waited for.
+/// How long to wait for a first codel.
 struct Patience {
     timeout: Option<Duration>,
     give_up: Option<GiveUp>,
@@ -265,9 +266,9 @@ impl Patience {
         late || self.give_up.as_ref().is_some_and(|give_up| give_up())
     }
 
-    /// Until the next look; `None` when nothing but the codel's return ends the wait.
+    /// Time until the next check; `None` when only the codel's return ends the wait.
     fn slice(&self, spent: Duration) -> Option<Duration> {
-        /// Between two questions whether to give up.
+        /// Interval of asking whether to give up.
         const LOOK: Duration = Duration::from_millis(100);
         let left = self.timeout.map(|timeout| timeout.saturating_sub(spent));
         let look = self.give_up.as_ref().map(|_| LOOK);
@@ -275,9 +276,9 @@ impl Patience {
     }
 }
 
-/// The rings between control and one task.
+/// Creates the rings between control and one task.
 fn rings(limit: usize, watched: bool) -> (TaskLink, TaskSide) {
-    // Every slot, the permanent activity, and the one made again for the shutdown.
+    // Room for every slot, the permanent activity, and the one created again at shutdown.
     let (to, inbox) = RingBuffer::new(limit + 2);
     let (outbox, from) = RingBuffer::new(limit + 2);
     let (sender, receiver) = watched.then(|| RingBuffer::new(NOTICES)).unzip();

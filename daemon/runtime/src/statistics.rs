@@ -1,4 +1,4 @@
-//! What an instance tells of its tasks and codels.
+//! Statistics of an instance, its tasks and codels.
 
 use crate::histogram::Durations;
 use crate::running::RunningCodel;
@@ -7,11 +7,11 @@ use crate::unpaused::Unpaused;
 /// Statistics of an instance.
 #[derive(Clone, Debug)]
 pub struct Statistics {
-    /// By task, in order of declaration.
+    /// For each task, in order of declaration.
     pub tasks: Vec<TaskStatistics>,
-    /// By codel, those that ran at least once.
+    /// For each codel that ran at least once.
     pub codels: Vec<CodelStatistics>,
-    /// Changes that watchers missed because they came too fast.
+    /// Changes that watchers missed because they did not keep up.
     pub lost_changes: u64,
 }
 
@@ -22,18 +22,18 @@ pub struct TaskStatistics {
     pub name: String,
     /// Time between its ticks, in nanoseconds; `None` for an aperiodic task.
     pub period_ns: Option<u64>,
-    /// Whether its thread really has a real-time priority.
+    /// Whether its thread has a real-time priority.
     pub real_time: bool,
-    /// Time at work, per tick or wake-up; the one that it is at counts as long as it has lasted.
+    /// Duration of work per tick or wake-up, including the cycle under way.
     pub cycles: Durations,
-    /// Time from a tick's date to the start of work.
+    /// Delay from the date of a tick to the start of work.
     pub lateness: Durations,
-    /// Ticks that came while the task was still at work, or slept beyond the one before; those
-    /// that come while a codel does not return count as they come.
+    /// Ticks missed because the task was still at work, or slept beyond the next one. While a codel
+    /// does not return, they are counted as they pass.
     pub overruns: u64,
-    /// The codel that it is stuck in, if it is.
+    /// The stuck codel that it is in, if there is one.
     pub stuck: Option<RunningCodel>,
-    /// What it does instead of pausing, when it has been at work for long and is not stuck.
+    /// What keeps it from pausing, when it has been at work for long without being stuck.
     pub unpaused: Option<Unpaused>,
 }
 
@@ -44,10 +44,10 @@ pub struct CodelStatistics {
     pub name: String,
     /// Task or service it belongs to.
     pub owner: String,
-    /// Time in the codel.
+    /// Durations of calls.
     pub durations: Durations,
-    /// Its stated worst-case execution time.
+    /// Its declared worst-case execution time (`wcet`), in nanoseconds.
     pub wcet_ns: Option<u64>,
-    /// Calls that took longer.
+    /// Calls that took longer than that.
     pub above_wcet: u64,
 }

@@ -1,6 +1,6 @@
-//! Codels that run now, which of them count as stuck, and what they hold up.
+//! Codels that run now, which of them count as stuck, and what they block.
 //!
-//! All of it is read from outside, without help of the threads that run them.
+//! All of this is determined from outside, without help of the threads that run the codels.
 
 use std::time::{Duration, Instant};
 
@@ -13,24 +13,24 @@ use crate::lock::lock;
 use crate::plan::owner_name;
 use crate::running::{HeldUp, RunningCodel};
 
-/// Periods that a codel of a periodic task may take before it counts as stuck.
+/// Periods after which a codel of a periodic task counts as stuck.
 const PERIODS: u64 = 5;
-/// A codel of a periodic task is not stuck before this, however short its period.
+/// Nanoseconds before which no codel of a periodic task counts as stuck, however short its period.
 const PERIODIC: u64 = 1_000_000_000;
-/// How long a thread that wants to exclude everything may keep later ones waiting behind it.
+/// How long an attempt to exclude everything may keep later arrivals waiting.
 const TURN: Duration = Duration::from_millis(20);
-/// Between two looks at a codel that has run for longer than that: its return wakes nobody.
+/// Interval of polling while a codel runs longer than that: its return wakes nobody.
 const LOOK: Duration = Duration::from_millis(2);
 
 impl Engine {
-    /// Codels that run now, by context: tasks first.
+    /// Codels that run now, in the order of contexts: those of tasks first.
     pub(crate) fn running_codels(&self) -> Vec<RunningCodel> {
         let now = monotonic();
         let contexts = 0..self.shared.outside_context();
         contexts.filter_map(|context| self.running_codel(context, now)).collect()
     }
 
-    /// The one that a task's thread is in.
+    /// The codel that a task's thread runs.
     pub(crate) fn codel_of_task(&self, task: TaskIx) -> Option<RunningCodel> {
         self.running_codel(task.index(), monotonic())
     }
@@ -51,14 +51,14 @@ impl Engine {
         })
     }
 
-    /// How long a codel may run in a context before it counts as stuck.
+    /// Nanoseconds after which a codel in a context counts as stuck.
     fn stuck_limit(&self, codel: usize, context: usize) -> u64 {
-        // A codel with a stated `wcet` is stuck only beyond it.
+        // A codel with a `wcet` counts as stuck only beyond it.
         let stated = self.shared.plan.component().codels[codel].wcet.map_or(0, nanos);
         self.patience_with(context).max(stated)
     }
 
-    /// How long a context may be at work before it counts as stuck: `stuck_after`; for a periodic
+    /// Nanoseconds after which work of a context counts as stuck: `stuck_after`; for a periodic
     /// task five periods, but at least the shorter of one second and `stuck_after`.
     pub(crate) fn patience_with(&self, context: usize) -> u64 {
         let others = nanos(self.stuck_after);
@@ -68,21 +68,22 @@ impl Engine {
         })
     }
 
-    /// The codel that has run for longest of those that `concerns` picks.
+    /// The codel that has run for longest among those selected by `concerns`.
     fn longest(&self, concerns: impl Fn(&RunningCodel) -> bool) -> Option<RunningCodel> {
         let all = self.running_codels().into_iter();
         all.filter(concerns).max_by_key(|codel| codel.for_ns)
     }
 
-    /// Does `work` while no codel runs; gives up when a codel does not return in time.
+    /// Runs `work` while no codel runs; gives up when a codel does not return in time.
     ///
-    /// It asks for the exclusion only when no long codel runs: who asks keeps all others waiting.
+    /// It asks for the exclusion only when no codel has been running for long: while it waits, all
+    /// others have to wait too.
     pub(crate) fn exclusively<R>(&self, work: impl FnOnce(&dyn Body) -> R) -> Result<R, HeldUp> {
         let (shared, context) = (&self.shared, self.shared.outside_context());
         let node = |codel: &RunningCodel| shared.plan.nodes().codel(codel.place.0);
         let held_up =
             |by: Option<RunningCodel>| HeldUp { instance: self.name.clone(), by: by.map(Box::new) };
-        // Waits at most as long as each holder before it, and each gives up in time.
+        // Bounded: each holder before this one gives up in time.
         let _turn = lock(&self.everything);
         let end = Instant::now() + self.stuck_after;
         loop {
@@ -90,7 +91,7 @@ impl Engine {
             let late = Instant::now() >= end;
             match by {
                 Some(by) if by.stuck || late => return Err(held_up(Some(by))),
-                // Its return wakes nobody: look again.
+                // Its return wakes nobody, so poll.
                 Some(by) if u128::from(by.for_ns) > TURN.as_nanos() => {
                     std::thread::park_timeout(LOOK);
                 }
@@ -103,13 +104,13 @@ impl Engine {
         }
     }
 
-    /// What keeps requests of a service from being served, if it is a codel that is stuck.
+    /// The stuck codel that keeps requests of a service from being served, if there is one.
     pub(crate) fn holds_up_service(&self, service: ServiceIx) -> Option<HeldUp> {
         let plan = &self.shared.plan;
         let (nodes, model) = (plan.nodes(), &plan.component().services[service]);
         let ours = model.validates.iter().chain(&model.codels).map(|&codel| nodes.codel(codel));
         let ours: Vec<usize> = ours.chain([nodes.transfer(service)]).collect();
-        // All workers are taken.
+        // All workers are busy.
         let full = self.lock().contexts.is_empty();
         let by = self.longest(|running| {
             let (codel, context) = running.place;

@@ -1,4 +1,4 @@
-//! What the sender of a request keeps of it: whether it has begun, and the means to give it up.
+//! Ticket of a request: says whether it has begun, and can withdraw it before.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
@@ -7,7 +7,7 @@ const WAITS: u8 = 0;
 const BEGUN: u8 = 1;
 const GIVEN_UP: u8 = 2;
 
-/// A request on its way. Its sender may give it up until it begins; it never runs then.
+/// A request under way. Its sender may give it up until it begins; then it never runs.
 #[derive(Clone, Debug, Default)]
 pub struct Ticket(Arc<AtomicU8>);
 
@@ -18,12 +18,12 @@ impl Ticket {
         self.0.load(Ordering::Acquire) == BEGUN
     }
 
-    /// It begins, and cannot be given up any more; `false` when it was before.
+    /// Marks the request as begun; `false` when it was given up before.
     pub(crate) fn begin(&self) -> bool {
         self.change(BEGUN) != GIVEN_UP
     }
 
-    /// Gives it up; `false` when it has begun.
+    /// Gives the request up; `false` when it has begun.
     pub(crate) fn give_up(&self) -> bool {
         self.change(GIVEN_UP) != BEGUN
     }
@@ -32,7 +32,7 @@ impl Ticket {
         Arc::ptr_eq(&self.0, &other.0)
     }
 
-    /// What it was.
+    /// Changes the state if the request still waits; returns the state before.
     fn change(&self, to: u8) -> u8 {
         match self.0.compare_exchange(WAITS, to, Ordering::AcqRel, Ordering::Acquire) {
             Ok(was) | Err(was) => was,

@@ -1,36 +1,37 @@
-//! Tasks that are at work for long although their codels return: one yields states without pause
-//! again and again.
+//! Tasks whose cycles last for long although their codels return: one yields states without pause
+//! over and over.
 //!
-//! Whether that keeps a processor or waits for data within its codels is not known here.
+//! Whether that uses a processor or waits for data inside the codels is not known here.
 
 use genom_description::model::{Component, Ix as _, TaskIx};
 
 use crate::engine::Engine;
 use crate::plan::owner_name;
 
-/// A task whose cycle lasts although codels return.
+/// A task whose cycle goes on although codels return.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unpaused {
     /// Name of the task at work.
     pub task: String,
-    /// Whether it misses ticks by that.
+    /// Whether it is periodic, and so misses ticks.
     pub periodic: bool,
-    /// The codel that yielded a state without pause last.
+    /// The last codel that yielded a state without pause.
     pub codel: String,
     /// Task or service it belongs to.
     pub owner: String,
-    /// How long the cycle has lasted.
+    /// Duration of the cycle so far, in nanoseconds.
     pub for_ns: u64,
-    /// Times a codel yielded a state without pause in it.
+    /// How often a codel yielded a state without pause in this cycle.
     pub steps: u64,
-    /// The system's number of the task's thread; `None` where it is not known.
+    /// Thread id of the task; `None` if unknown.
     pub thread: Option<u32>,
-    /// Rank of the task, and the date at which the cycle began: with the instance, its identity.
+    /// Index of the task, and date of the cycle's begin: together they identify the cycle in the
+    /// instance.
     pub cycle: (TaskIx, u64),
 }
 
 impl Engine {
-    /// Tasks whose cycle lasts for longer than a codel may take, and that are stuck in none.
+    /// Tasks whose cycle has lasted longer than a codel may take, and that are not stuck in one.
     pub(crate) fn unpaused(&self) -> Vec<Unpaused> {
         let now = self.shared.clock.now();
         self.shared.tasks.places().filter_map(|task| self.unpaused_task(task, now)).collect()

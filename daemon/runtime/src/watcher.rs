@@ -1,55 +1,55 @@
-//! What happens inside an instance, for those who watch.
+//! Changes inside an instance, for watchers.
 
 use genom_description::model::{ServiceIx, TaskIx};
-/// Something that happened.
+/// A change inside an instance.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
     /// An activity was accepted.
     Accepted {
-        /// Number that the client was told.
+        /// Id of the activity.
         activity: u32,
-        /// Service that was requested.
+        /// The service.
         service: ServiceIx,
     },
-    /// A place of an activity's marking moved, or paused. Told within a fraction of a second.
+    /// A token of an activity moved to a state, or paused. Reported within a fraction of a second.
     Moved {
-        /// Number of the activity that moved.
+        /// Id of the activity.
         activity: u32,
-        /// The state it is in now, by rank in the component's states.
+        /// The new state, by index in the component's states.
         state: usize,
-        /// Whether it pauses before it runs.
+        /// Whether it pauses before its codel runs.
         paused: bool,
     },
     /// An activity ended.
     Ended {
-        /// Number that the client was told.
+        /// Id of the activity.
         activity: u32,
-        /// Service that was requested.
+        /// The service.
         service: ServiceIx,
-        /// Name of the exception it ended with; `None` for success.
+        /// Name of the exception; `None` for success.
         exception: Option<String>,
     },
-    /// Ticks came while a task was still at work, or slept beyond the one before.
+    /// A task missed ticks because it was still at work, or slept beyond the next one.
     Overrun {
-        /// Task that was late.
+        /// The task.
         task: TaskIx,
-        /// How many.
+        /// Number of ticks missed.
         ticks: u64,
     },
-    /// A permanent activity ended with an exception: the component is to be shut down.
+    /// A permanent activity ended with an exception: the component will be shut down.
     Failed {
-        /// Task whose permanent activity failed.
+        /// The task of the permanent activity.
         task: TaskIx,
         /// Name of the exception.
         exception: String,
     },
 }
 
-/// Watches an instance.
+/// Receives the changes inside an instance.
 pub trait Watcher: Send + Sync {
     /// Called by control threads, never by a task's thread; in order for each activity.
     ///
-    /// When it does not keep up, [`Change::Moved`] and [`Change::Overrun`] are dropped and
+    /// If the watcher does not keep up, [`Change::Moved`] and [`Change::Overrun`] are dropped and
     /// counted in [`Statistics::lost_changes`](crate::Statistics::lost_changes).
     fn changed(&self, change: &Change);
 }

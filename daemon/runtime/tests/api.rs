@@ -1,4 +1,4 @@
-//! What the daemon sees of an instance: refusals, watching, overrides.
+//! An instance as the daemon uses it: refusals, watching, overrides.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -60,7 +60,7 @@ fn inputs_of_another_service_are_refused_as_serialization() {
 
 #[test]
 fn inputs_start_from_the_defaults_of_the_gen() {
-    // genom3.md 4.10: what has no default is zero.
+    // genom3.md 4.10: an input without default is zero.
     let plan = support::plan(GEN);
     let shown = |name| {
         let rank = plan.service(name).unwrap();
@@ -141,7 +141,7 @@ fn a_watcher_sees_each_activity_from_acceptance_to_end_in_order() {
     assert_eq!(instance.statistics().lost_changes, 0);
 }
 
-/// States that an activity was seen to move to, on a clock of its own; `stop` tells it to stop.
+/// States that an activity was reported to move to, on a clock of its own; `stop` asks it to stop.
 fn moves_when_stopped(stop: impl FnOnce(&Instance)) -> Vec<String> {
     let codels = [
         ("first", codel("main")),
@@ -209,7 +209,7 @@ fn a_configuration_changes_the_period_of_a_task() {
     assert_eq!(instance.statistics().tasks[0].period_ns, Some(7_000_000));
     let job = request(&instance, "job");
     assert_eq!(next(&job), "accepted 2");
-    // Activities are seen as they are: by id, state and phase.
+    // Activities are listed by id, state and phase.
     loop {
         let activities = instance.activities();
         let activity = activities.iter().find(|activity| activity.id == 2).unwrap();
@@ -230,15 +230,15 @@ fn an_instance_that_is_dropped_ends_its_threads() {
     let job = request(&instance, "job");
     assert_eq!(next(&job), "accepted 2");
     drop(instance);
-    // No stop codel is given here, so what it returns is no transition.
+    // There is no stop codel, so the returned event is no transition.
     assert!(next(&job).starts_with("::genom::"), "the client is told");
-    // The threads held the body; they have ended.
+    // The threads, which held the body, have ended.
     assert_eq!(Arc::strong_count(&body), 1);
 }
 
 #[test]
 fn a_task_has_the_stack_that_its_description_gives_it() {
-    // genom3.md 7.4: 8 MB unless it says otherwise, which the codel here would overflow.
+    // genom3.md 7.4: the default stack is 8 MB, which the codel here would overflow.
     let body = Closures::new(
         "component test {
            task t { stack 64 M; };
@@ -259,7 +259,7 @@ fn a_task_has_the_stack_that_its_description_gives_it() {
 
 #[test]
 fn a_task_that_gets_no_thread_undoes_the_start() {
-    // genom3.md 7.2.3: no machine has such a stack. What was started before is stopped.
+    // genom3.md 7.2.3: no machine provides such a stack. What was started before is stopped.
     let (stopped, stops) = std::sync::mpsc::channel();
     let stopped = std::sync::Mutex::new(stopped);
     let body = Closures::new(

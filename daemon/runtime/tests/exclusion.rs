@@ -1,4 +1,4 @@
-//! genom3.md 4.5 and 7.10: nothing that conflicts overlaps, and everything gets its turn.
+//! genom3.md 4.5 and 7.10: conflicting nodes never overlap, and every node gets its turn.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -13,7 +13,7 @@ use genom_runtime::exclusion::Exclusion;
 use genom_runtime::plan::Nodes;
 use proptest::prelude::*;
 
-/// Fails the test, rather than hang, when `work` does not end.
+/// Fails the test when `work` does not end in time.
 #[track_caller]
 fn within<R: Send + 'static>(seconds: u64, work: impl FnOnce() -> R + Send + 'static) -> R {
     let (done, ended) = mpsc::channel();
@@ -28,7 +28,7 @@ fn within<R: Send + 'static>(seconds: u64, work: impl FnOnce() -> R + Send + 'st
     }
 }
 
-/// What runs now, as each thread says of itself; counts overlaps of what conflicts.
+/// The nodes that run now, as reported by each thread; counts overlaps of conflicting ones.
 struct Checker {
     nodes: Nodes,
     inside: Vec<AtomicBool>,
@@ -48,7 +48,7 @@ impl Checker {
         }
     }
 
-    /// To be called while the node is held.
+    /// Called while the node is held.
     fn run(&self, node: usize, spin: u32) {
         if self.inside[node].swap(true, Ordering::SeqCst) {
             self.overlaps.fetch_add(1, Ordering::SeqCst);
@@ -62,7 +62,7 @@ impl Checker {
         look();
         (0..spin).for_each(|_| std::hint::spin_loop());
         if spin.is_multiple_of(3) {
-            // Gives up the processor inside, as a preempted thread does.
+            // Yields the processor inside, as a preempted thread does.
             std::thread::yield_now();
         }
         look();
@@ -81,7 +81,7 @@ impl Checker {
     }
 }
 
-/// Contexts that own the nodes in turn, each running its own again and again.
+/// Contexts that each enter their own nodes over and over.
 fn exercise(nodes: Nodes, contexts: usize, rounds: u32, with_all: bool) -> Arc<Checker> {
     let exclusion = Arc::new(Exclusion::new(&nodes, contexts + 1));
     let checker = Arc::new(Checker::new(nodes));
@@ -124,7 +124,8 @@ fn check(nodes: Nodes, contexts: usize, rounds: u32, with_all: bool) {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..Default::default() })]
 
-    // genom3.md 7.10. Each case is thousands of entries in orders of the scheduler's making.
+    // genom3.md 7.10. Each case has thousands of entries, in an order that the scheduler
+    // determines.
     #[test]
     fn conflicting_nodes_never_overlap_and_every_node_gets_its_turns(
         count in 2usize..24,
@@ -133,7 +134,7 @@ proptest! {
         with_all: bool,
         many: bool,
     ) {
-        // With many more nodes, contexts announce instead of setting bits.
+        // With many more nodes, contexts announce nodes instead of setting bits.
         let count = if many { count + 70 } else { count };
         let chain = (24..count.max(25) - 1).map(|node| (node, node + 1));
         let pairs: Vec<(usize, usize)> =
@@ -151,7 +152,7 @@ fn more_nodes_than_bits_of_a_word_exclude_each_other_as_well() {
 
 #[test]
 fn a_context_that_never_pauses_does_not_starve_another() {
-    // Two nodes in conflict; one thread holds its own nearly all the time.
+    // Two conflicting nodes; one thread holds its own nearly all the time.
     let nodes = Nodes::of_pairs(2, &[(0, 1)]);
     within(60, move || {
         let exclusion = Arc::new(Exclusion::new(&nodes, 2));
@@ -178,7 +179,7 @@ fn a_context_that_never_pauses_does_not_starve_another() {
 
 #[test]
 fn those_that_conflict_are_served_in_order_of_arrival() {
-    // Everything conflicts with everything; 0 holds while 1, 2, 3 arrive one after the other.
+    // All nodes conflict; 0 is held while 1, 2 and 3 arrive one after the other.
     let pairs = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
     let nodes = Nodes::of_pairs(4, &pairs);
     let order = within(60, move || {
@@ -250,7 +251,7 @@ fn the_example_of_4_5_gives_the_table_printed_there() {
         ("set_a", "c3 c6 c7"),
         ("get_a", "c7"),
     ];
-    // The table knows one control context, so what it runs does not exclude each other there.
+    // The model assumes one control context, whose nodes do not exclude each other.
     let control = ["c1", "c2", "set_a", "get_a"];
     for (node, with) in expected {
         let both_control = |other: &str| control.contains(&node) && control.contains(&other);
@@ -261,15 +262,15 @@ fn the_example_of_4_5_gives_the_table_printed_there() {
         wanted.sort_unstable();
         assert_eq!(found, wanted, "{node}");
     }
-    // Requests are served side by side here (issue C, point 1), so these are excluded as well.
+    // Requests are served in parallel here, so these are excluded as well.
     assert!(with_names(&plan, "c1").contains(&"c2".to_owned()));
     assert!(with_names(&plan, "set_a").contains(&"get_a".to_owned()));
     assert!(with_names(&plan, "c1").contains(&"set_a".to_owned()));
-    // f1 reads what get_a reads.
+    // No conflict: `f1` reads what `get_a` reads.
     assert!(!with_names(&plan, "c1").contains(&"get_a".to_owned()));
 }
 
-/// Names of what conflicts with a codel or an attribute, but for itself.
+/// Names of the nodes that conflict with a codel or an attribute, except itself.
 fn with_names(plan: &Plan, node: &str) -> Vec<String> {
     let model = plan.component();
     let name = |rank: usize| match model.transferred_by(rank) {

@@ -1,8 +1,9 @@
-//! genom3.md 7.9, 7.10: what a codel leaves in memory, the next one that conflicts with it finds.
+//! genom3.md 7.9, 7.10: what a codel writes to memory is visible to the next one that conflicts
+//! with it.
 //!
-//! The memory is plain, and nothing but the exclusion orders those who touch it: a wrong order of
-//! memory accesses in the lock is a data race here, which ThreadSanitizer and Miri report
-//! (`docs/proofs.md`). What they do not see, the counts tell.
+//! The memory is not atomic, and only the exclusion orders the accesses: a wrong memory order in
+//! the lock is a data race here, which ThreadSanitizer and Miri report (`docs/proofs.md`). Other
+//! errors show in the counts.
 
 #![allow(clippy::unwrap_used)]
 
@@ -12,10 +13,10 @@ use std::sync::Arc;
 use genom_runtime::exclusion::Exclusion;
 use genom_runtime::plan::Nodes;
 
-/// Rounds of each context; Miri is some thousand times slower.
+/// Rounds of each context; Miri is about a thousand times slower.
 const ROUNDS: u64 = if cfg!(miri) { 2 } else { 400 };
 
-/// Memory that a pair of nodes shares: words that are equal whenever nobody is at work.
+/// Memory that a pair of nodes shares: words that are equal whenever no node is running.
 struct Cell {
     pair: (usize, usize),
     words: UnsafeCell<[u64; 4]>,
@@ -23,12 +24,12 @@ struct Cell {
 
 struct Memory(Vec<Cell>);
 
-// SAFETY: a cell is touched under a permit of one of its nodes, or of everything, only, and these
-// exclude each other: what is tested here.
+// SAFETY: a cell is accessed only under a permit of one of its nodes, or of everything, and these
+// exclude each other, which is what is tested here.
 unsafe impl Sync for Memory {}
 
 impl Memory {
-    /// A cell for each node, and one for each pair that conflicts.
+    /// A cell for each node, and one for each pair of conflicting nodes.
     fn new(nodes: &Nodes) -> Self {
         let pairs = (0..nodes.len())
             .flat_map(|a| nodes.conflicts(a).iter().map(move |b| (a, *b)))
@@ -36,7 +37,7 @@ impl Memory {
         Self(pairs.map(|pair| Cell { pair, words: UnsafeCell::new([0; 4]) }).collect())
     }
 
-    /// Counts in the cells that `touches` says. The permit for them is held by the caller.
+    /// Counts in the cells selected by `touches`. The caller holds the permit for them.
     fn count(&self, touches: impl Fn((usize, usize)) -> bool) {
         for cell in self.0.iter().filter(|cell| touches(cell.pair)) {
             // SAFETY: as above; the reference does not leave this loop.
@@ -47,7 +48,7 @@ impl Memory {
     }
 }
 
-/// Contexts that run their nodes in turn, and one that excludes everything.
+/// Runs contexts that enter their nodes in turn, and one that excludes everything.
 #[track_caller]
 fn check(nodes: &Nodes, contexts: usize) {
     let exclusion = Exclusion::new(nodes, contexts + 1);
@@ -84,16 +85,16 @@ fn check(nodes: &Nodes, contexts: usize) {
 
 #[test]
 fn what_a_codel_writes_is_seen_by_the_next_that_conflicts() {
-    // One word of bits: 0 and 1 conflict with 2 and 3, and everybody with the last.
+    // One word of bits: 0 and 1 conflict with 2 and 3, and all with the last.
     let pairs = [(0, 2), (0, 3), (1, 2), (1, 3), (0, 4), (1, 4), (2, 4), (3, 4)];
     check(&Nodes::of_pairs(5, &pairs), 3);
 }
 
 #[test]
 fn what_a_codel_writes_is_seen_in_components_of_many_codels() {
-    // More nodes than a word has bits, so that contexts announce what they run.
+    // More nodes than a word has bits, so that contexts announce their nodes.
     let pairs = (0..70).step_by(2).map(|a| (a, a + 1));
-    // Miri takes long to compile a relation.
+    // Miri takes long to build a relation.
     let more = (0..70).filter(|_| !cfg!(miri)).map(|a| (a, (a + 35) % 70));
     let pairs: Vec<(usize, usize)> = pairs.chain(more).collect();
     check(&Nodes::of_pairs(70, &pairs), 3);
@@ -101,9 +102,9 @@ fn what_a_codel_writes_is_seen_in_components_of_many_codels() {
 
 #[test]
 fn memory_handed_on_by_the_exclusion_alone_outlives_its_writers() {
-    // Values that own memory: the next one frees what the last one allocated.
+    // Values that own memory: each node frees what the previous one allocated.
     struct Text(UnsafeCell<String>);
-    // SAFETY: both contexts touch it under permits of nodes that conflict, only.
+    // SAFETY: both contexts access it only under permits of conflicting nodes.
     unsafe impl Sync for Text {}
     let nodes = Nodes::of_pairs(2, &[(0, 1)]);
     let exclusion = Exclusion::new(&nodes, 2);

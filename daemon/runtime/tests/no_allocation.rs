@@ -65,7 +65,7 @@ fn ten_thousand_ticks_allocate_nothing() {
     let instance = body.start_with(|options| options.watcher = Some(Arc::new(Blind)));
     let _busy = [request(&instance, "busy"), request(&instance, "busy")];
     let _aside = request(&instance, "aside");
-    // Activities come and go, and requests contend, while the ticks are counted.
+    // Activities start and end, and requests contend, while the ticks are counted.
     let allocated = loop {
         if let Ok(allocated) = counted.try_recv() {
             break allocated;

@@ -1,4 +1,4 @@
-//! Whatever codels return and whoever asks for what: answers come once, and all ends.
+//! For any results of codels and any requests: each request is answered once, and everything ends.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -85,12 +85,12 @@ impl Wiring for Nobody {
     fn kill(&self) {}
 }
 
-/// Plays the steps and shuts down; what was answered, by request, and what was called.
+/// Plays the steps and shuts down; returns the answers by request, and the calls.
 fn play(answers: &[(usize, Vec<usize>)], steps: &[Step]) -> (Vec<Vec<String>>, Vec<String>) {
     let script = Shared::new(Mutex::new(Script::default()));
     for (codel, events) in answers {
         let answer = |event: &usize| Answer { event: EVENTS[*event].into(), detail: None };
-        // The last one is repeated: it is one that lets activities end.
+        // The last answer is repeated: it is one that lets activities end.
         let mut list: Vec<Answer> = events.iter().map(answer).collect();
         list.push(Answer { event: "ether".into(), detail: None });
         script.lock().unwrap().answers.insert(CODELS[*codel].into(), list);
@@ -145,7 +145,7 @@ fn play(answers: &[(usize, Vec<usize>)], steps: &[Step]) -> (Vec<Vec<String>>, V
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..Default::default() })]
 
-    // genom3.md 7.3, 7.5, 7.7; issue C point 8: the same inputs give the same calls.
+    // genom3.md 7.3, 7.5, 7.7: equal inputs give equal calls.
     #[test]
     fn every_request_is_answered_once_and_a_replay_is_the_same(
         answers in proptest::collection::vec(

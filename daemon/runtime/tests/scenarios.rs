@@ -1,4 +1,4 @@
-//! Rules of genom3.md 7 and dialects.md as sessions: see `scenarios/README.md`.
+//! Rules of genom3.md 7 and dialects.md as recorded sessions: see `scenarios/README.md`.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 

@@ -1,4 +1,4 @@
-//! Steps of the virtual clock beside requests of other threads.
+//! Steps of the virtual clock with requests of other threads at the same time.
 
 #![allow(clippy::unwrap_used)]
 
@@ -37,7 +37,7 @@ fn a_step_after_an_activity_was_accepted_runs_it_at_its_first_tick() {
     let others = Arc::clone(&clock);
     let reply = Box::new(move |progress| {
         if let Progress::Accepted { .. } = progress {
-            // Whoever was told so steps the clock, while this thread is slow to come back.
+            // The client steps the clock as soon as it is informed, while this thread returns late.
             let (clock, (over, is_over)) = (Arc::clone(&others), channel());
             let step = thread::spawn(move || {
                 clock.step(Duration::from_millis(1));

@@ -1,4 +1,4 @@
-//! Codels that do not return: what is told of them while they last, and what goes on without them.
+//! Codels that do not return: what is reported while they run, and what continues without them.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use genom_runtime::{Clock, VirtualClock};
 use support::closures::{Closures, Codel, Keeper, LONG, codel, gate, next, request, until};
 
-/// A codel that waits at a gate, then says this.
+/// A codel that waits at a gate, then returns `event`.
 fn waits(event: &'static str) -> (Codel, Keeper) {
     let (gate, keeper) = gate();
     let codel = codel(move || {
@@ -34,7 +34,7 @@ fn ticks_are_missed_while_a_codel_does_not_return_and_none_is_counted_twice() {
     let instance = body.start();
     let missed = || instance.statistics().tasks[0].overruns;
     keeper.wait();
-    // The thread is in the codel: it can have told nobody.
+    // The thread is in the codel, so it cannot have reported anything.
     let mut last = missed();
     until("a hundred ticks are missed", || missed() >= last + 100);
     for _ in 0..1000 {
@@ -52,13 +52,13 @@ fn ticks_are_missed_while_a_codel_does_not_return_and_none_is_counted_twice() {
     assert!(u128::from(total) <= u128::from(at_least) + after + 1, "{at_least}, then {total}");
     drop(keeper);
     instance.shutdown(LONG).unwrap();
-    // It ticks no more: nothing is missed.
+    // It does not tick any more: nothing is missed.
     let last = missed();
     std::thread::park_timeout(Duration::from_millis(20));
     assert_eq!(missed(), last);
 }
 
-/// One task that hangs in an activity, one that ticks, one that is quick, and functions.
+/// A task that hangs in an activity, one that ticks, one that is quick, and functions.
 fn hanging() -> (genom_runtime::Instance, Keeper, Arc<AtomicU64>) {
     let (hang, keeper) = waits("ether");
     let ticks = Arc::new(AtomicU64::new(0));
@@ -141,7 +141,8 @@ fn to_exclude_everything_fails_when_a_codel_is_stuck_and_holds_up_nobody_else() 
 
 #[test]
 fn while_one_waits_to_exclude_everything_the_others_go_on() {
-    // Not stuck yet, and never: it is waited for, but nobody waits behind who waits.
+    // It never counts as stuck: it is waited for, but other requests do not queue behind the
+    // waiter.
     let (hang, keeper) = waits("ether");
     let ticks = Arc::new(AtomicU64::new(0));
     let counted = Arc::clone(&ticks);
@@ -218,7 +219,7 @@ fn a_request_behind_a_stuck_codel_can_be_given_up_and_never_runs() {
     let (_, free, answer) = ask("free");
     answer.recv_timeout(LONG).unwrap();
     assert!(free.has_begun());
-    // One is being served and waits for its turn, the other waits behind it.
+    // One is being served and waits for the exclusion, the other one is queued behind it.
     let both = [ask("same"), ask("same")];
     for (rank, ticket, _) in &both {
         let held_up = instance.give_up(*rank, ticket).unwrap();
@@ -233,7 +234,7 @@ fn a_request_behind_a_stuck_codel_can_be_given_up_and_never_runs() {
 
 #[test]
 fn stop_codels_of_other_tasks_run_although_one_hangs() {
-    // genom3.md 7.7: the others are not to pay for it.
+    // genom3.md 7.7: other tasks still stop properly.
     let (hang, keeper) = waits("ether");
     let stopped = Arc::new(AtomicU64::new(0));
     let noted = Arc::clone(&stopped);
@@ -270,7 +271,7 @@ fn stop_codels_of_other_tasks_run_although_one_hangs() {
     assert_eq!(error.codels[0].codel, "hang");
     assert!(!instance.is_over());
     assert_eq!(ended.load(Ordering::SeqCst), 0);
-    // What was left behind ends when its codel returns, and says so.
+    // What was left behind ends when its codel returns, and this is reported.
     drop(keeper);
     until("it is over", || instance.is_over());
     until("that is told", || ended.load(Ordering::SeqCst) == 1);
@@ -278,7 +279,7 @@ fn stop_codels_of_other_tasks_run_although_one_hangs() {
 
 #[test]
 fn a_shutdown_does_not_wait_for_ticks() {
-    // Hours, if it did; in each of three steps.
+    // Waiting for ticks would take hours, in each of three steps.
     let body = Closures::new(
         "component test {
            task t { period 10000 s; codel<start> c() yield pause::start;
@@ -308,7 +309,7 @@ fn a_clock_whose_step_does_not_return_does_not_hang_a_shutdown() {
     let _job = request(&instance, "job");
     let stepping = std::thread::spawn(move || clock.step(Duration::from_millis(10)));
     keeper.wait();
-    // Its time stands still; that of whoever waits does not.
+    // Its virtual time stands still; the real time of the waiting thread does not.
     until("the codel is stuck", || instance.stuck().is_some());
     let error = instance.shutdown(Duration::from_millis(50)).unwrap_err();
     assert_eq!(error.codels[0].codel, "hang");

@@ -1,4 +1,4 @@
-//! Activities that never pause: what is told of them while they last.
+//! Activities that never pause: what is reported while they run.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 

@@ -1,8 +1,8 @@
-//! The text of `.gen` files: from files to tokens, and what there is to say about them.
+//! The text of `.gen` files: from files to tokens, with diagnostics.
 //!
-//! [`source`] holds the files and tells where a byte stands, [`preprocess`] makes [`token`]s of
-//! them, and [`diagnostic`] holds what is found wrong, here and by the crates above. Every token
-//! knows its place in the files, over includes and macros.
+//! [`source`] holds the files and converts byte offsets to lines and columns, [`preprocess`] makes
+//! [`token`]s of them, and [`diagnostic`] holds errors and warnings, of this crate and of the
+//! crates above. Every token knows its position in the files, also through includes and macros.
 //!
 //! ```
 //! use genom_text::preprocess::tokenize_text;
@@ -14,12 +14,12 @@
 //!     tokenize_text("axis.gen", "#define AXES 3\nlong x[AXES];", &mut sources);
 //! assert!(diagnostics.is_empty());
 //! assert!(tokens.iter().any(|token| token.kind == TokenKind::Integer(3)));
-//! // A macro's tokens stand where the macro is used.
+//! // A macro's tokens have the position where the macro is used.
 //! assert_eq!(sources.location(tokens[3].span).line, 2);
 //! ```
 //!
-//! Nothing is resolved here: what the tokens mean, `genom-description` says. The only I/O is
-//! reading the files that a description includes, and running pkg-config for `#pragma requires`.
+//! No name is resolved here; `genom-description` does that. The only I/O is reading the files that
+//! a description includes, and running pkg-config for `#pragma requires`.
 
 #![forbid(unsafe_code)]
 

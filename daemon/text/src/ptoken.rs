@@ -1,12 +1,12 @@
-//! What the preprocessor cuts, expands and hands to the lexer.
+//! Preprocessing tokens: made by the scanner, expanded by the preprocessor, taken by the lexer.
 
 use crate::source::Span;
 
-/// What a preprocessing token is.
+/// Kinds of preprocessing tokens.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Identifier,
-    /// Anything that begins like a number, such as `5ms` or `0x1F`; cut further by the lexer.
+    /// Anything that begins like a number, such as `5ms` or `0x1F`; the lexer splits it.
     Number,
     /// With its quotes.
     String,
@@ -35,7 +35,7 @@ pub(crate) struct PToken {
     pub(crate) kind: Kind,
     pub(crate) text: Text,
     pub(crate) span: Span,
-    /// Blanks, a comment or a line end come before it.
+    /// Blanks, a comment or a line end precede it.
     pub(crate) space: bool,
     /// It is the first of its line, where `#` begins a directive.
     pub(crate) first: bool,

@@ -1,15 +1,15 @@
-//! What the lexer hands to the parser.
+//! Tokens, as the lexer makes them for the parser.
 
 use std::rc::Rc;
 
 use crate::source::Span;
 
-/// A token and where it stands in the source.
+/// A token and its position in the source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Token {
-    /// What it is.
+    /// Kind and value of the token.
     pub kind: TokenKind,
-    /// Where it stands; for a macro's expansion, where the macro is used.
+    /// Position; a token made by a macro has the position where the macro is used.
     pub span: Span,
 }
 
@@ -17,7 +17,7 @@ pub struct Token {
 #[derive(Clone, Debug, PartialEq)]
 pub enum TokenKind {
     /// Identifier or contextual keyword, also `clock-rate`, `codels-require(s)`, `real-time`.
-    /// A name is held once, however often it is written: descriptions are mostly names.
+    /// Equal names share one string, since descriptions consist mostly of names.
     Identifier(Rc<str>),
     /// Reserved keyword, as spelled in genom3.md 2.2 (`module`, `TRUE`, ...), but not the word
     /// operators, which come as [`TokenKind::Punctuation`].
@@ -32,16 +32,16 @@ pub enum TokenKind {
     Char(u8),
     /// One string literal, `\"` unescaped. Adjacent ones are joined by the parser.
     String(Box<str>),
-    /// Punctuation in its main spelling: digraphs and word operators are already replaced
-    /// (`<%` is `{`, `xor` is `^`). `::`, `<<` and `>>` are single tokens.
+    /// Punctuation in its main spelling: digraphs and word operators are replaced (`<%` by `{`,
+    /// `xor` by `^`). `::`, `<<` and `>>` are single tokens.
     Punctuation(&'static str),
-    /// A `#pragma` line that the parser acts on; boxed, for it is rare and large.
+    /// A `#pragma` line that the parser handles; boxed because it is rare and large.
     Pragma(Box<Pragma>),
-    /// End of the input files. Always the last token, once.
+    /// End of the input files: always the last token, exactly once.
     End,
 }
 
-/// Pragmas that concern the parser (genom3.md 1.3); each argument with its place.
+/// Pragmas that the parser handles (genom3.md 1.3); each argument with its position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pragma {
     /// `#pragma requires "pkg" ...`

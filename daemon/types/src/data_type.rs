@@ -55,43 +55,44 @@ impl DataType {
         &self.node().name
     }
 
-    /// Its id in [`table`](DataType::table), typedefs not followed.
+    /// Its id in [`table`](DataType::table); a typedef keeps its own id.
     #[must_use]
     pub fn id(&self) -> TypeId {
         self.node().id
     }
 
-    /// The table it comes from.
+    /// The table that holds the type.
     #[must_use]
     pub fn table(&self) -> &Arc<TypeTable> {
         &self.graph.table
     }
 
-    /// What it is, typedefs followed.
+    /// Kind of the type, typedefs resolved.
     #[must_use]
     pub fn kind(&self) -> &Kind {
         self.graph.table.resolved(self.id())
     }
 
-    /// Size, alignment and places of members.
+    /// Size, alignment and offsets of members, in bytes.
     #[must_use]
     pub fn layout(&self) -> &Layout {
         &self.node().layout
     }
 
-    /// `sizeof`.
+    /// Size in bytes, as C's `sizeof`.
     #[must_use]
     pub fn size(&self) -> usize {
         self.layout().size
     }
 
-    /// `_Alignof`.
+    /// Alignment in bytes, as C's `_Alignof`.
     #[must_use]
     pub fn align(&self) -> usize {
         self.layout().align
     }
 
-    /// Whether plain bytes say all: no unbounded string or sequence, no native inside.
+    /// Whether a value lies completely within its [`size`](DataType::size) bytes: no unbounded
+    /// string or sequence and no native inside (genom3.md 4.3).
     #[must_use]
     pub fn is_fixed_size(&self) -> bool {
         self.layout().fixed
@@ -103,8 +104,8 @@ impl DataType {
         self.node().digest.get_or_init(|| self.graph.table.digest(self.id()))
     }
 
-    /// Makes now what is otherwise made when first needed (digest, plans of the codec), so that
-    /// the first real-time use allocates nothing either.
+    /// Computes what is otherwise computed on first use (digest, CDR plans), so that the first use
+    /// on a real-time thread does not allocate.
     pub fn prepare(&self) {
         _ = (self.digest(), self.fingerprint());
         plan::prepare(&self.graph);
@@ -128,7 +129,7 @@ impl DataType {
         self.parts().get(index).map(|part| part.name.as_str())
     }
 
-    /// Where a member lies from the start of the struct, exception or union.
+    /// Offset of a member from the start of the struct, exception or union, in bytes.
     #[must_use]
     pub fn member_offset(&self, index: usize) -> Option<usize> {
         self.parts().get(index).map(|part| part.offset)
@@ -152,7 +153,8 @@ impl DataType {
     }
 
     /// Whether values of one can be copied into the other (genom3.md 4.3), also across tables.
-    /// After the first call it neither allocates nor looks into the types again.
+    /// The first call caches a digest of each type; later ones compare the digests and do not
+    /// allocate, except for recursive and very large types, which are compared anew.
     #[must_use]
     pub fn same_as(&self, other: &DataType) -> bool {
         if Arc::ptr_eq(&self.graph, &other.graph) && self.ix == other.ix {

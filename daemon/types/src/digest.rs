@@ -1,7 +1,7 @@
 //! Digests of types and of what is made of them (genom3.md 4.9).
 //!
-//! A digest is the MD5 of a list of strings, each followed by `|`. It identifies; it protects
-//! against mistakes, not against malice.
+//! A digest is the MD5 of a list of strings, each followed by `|`. It detects types that differ by
+//! mistake; it is no protection against deliberate collisions.
 
 use std::fmt::Write as _;
 
@@ -10,11 +10,11 @@ use md5::{Digest as _, Md5};
 use crate::kind::{Kind, TypeId};
 use crate::table::TypeTable;
 
-/// Types met while following one type. Structs that double at each level of nesting would
-/// otherwise take for ever; what comes after contributes the names of its kinds only.
+/// Most types visited for one digest. Structs that double at each level of nesting would otherwise
+/// take exponential time; beyond the limit, types contribute only the names of their kinds.
 const MOST: u32 = 1 << 18;
 
-/// Nesting followed into a type.
+/// Deepest nesting of types that is followed.
 const DEEPEST: usize = 256;
 
 /// A digest being computed.
@@ -78,9 +78,9 @@ impl TypeTable {
 
 struct Walk<'a> {
     table: &'a TypeTable,
-    /// Types that may still be met.
+    /// Types that may still be visited.
     left: u32,
-    /// Types being expanded: one met again inside itself contributes its kind only.
+    /// Types being expanded: a recursive use of one contributes only the name of its kind.
     open: Vec<TypeId>,
 }
 

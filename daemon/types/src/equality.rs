@@ -18,8 +18,8 @@ impl TypeTable {
     /// [`equal`](TypeTable::equal) for a type `b` of another table.
     #[must_use]
     pub fn equal_to(&self, a: TypeId, other: &TypeTable, b: TypeId) -> bool {
-        // Pairs assumed equal: recursive types come back to them. Types are compared from a
-        // list, not by recursion, so that depth costs no stack.
+        // Pairs already assumed equal, so that recursive types terminate. An explicit work list
+        // replaces recursion: deep nesting costs no stack.
         let mut seen = HashSet::new();
         let mut todo = vec![(a, b)];
         while let Some((a, b)) = todo.pop() {
@@ -51,8 +51,8 @@ impl TypeTable {
                     Kind::Union { members: a, discriminant: d, .. },
                     Kind::Union { members: b, discriminant: e, .. },
                 ) if a.len() == b.len() => {
-                    // Labels are not named by the rule, but two unions that select otherwise
-                    // cannot be copied one into the other.
+                    // genom3.md 4.3 does not mention labels, but values of unions with different
+                    // labels cannot be copied into each other.
                     if a.iter().zip(b).any(|(a, b)| a.labels != b.labels) {
                         return false;
                     }
@@ -161,7 +161,7 @@ fn print(
     Some(())
 }
 
-/// Whether the kind alone says all: no name, no element.
+/// Whether the kind alone identifies the type: it has no name and no element type.
 fn is_basic(kind: &Kind) -> bool {
     matches!(
         kind,

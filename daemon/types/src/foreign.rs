@@ -1,6 +1,6 @@
-//! Values at addresses that others own: IDS members, arguments of codels, buffers of ports.
+//! Operations on values in memory that others own: IDS members, arguments of codels, port buffers.
 //!
-//! Everything here is `unsafe` for one reason: the caller vouches for the address.
+//! Every function is `unsafe` for the same reason: the caller guarantees what lies at the address.
 
 use serde_json::Value;
 
@@ -48,11 +48,10 @@ pub unsafe fn json_of(ty: &DataType, at: *const u8) -> Value {
     json::write(unsafe { View::new(ty.graph(), ty.ix(), at) })
 }
 
-/// Sets what `json` gives in the value at `at`, as [`Record::merge_json`]: on error nothing
-/// changes.
+/// Merges `json` into the value at `at`, as [`Record::merge_json`] does: on error nothing changes.
 ///
 /// # Errors
-/// A member, type, range or bound is wrong; the error says where and what would do.
+/// A member, type, range or bound is wrong; the error gives its path and what is accepted.
 ///
 /// # Safety
 /// `at` holds a value of the type that nobody uses meanwhile.
@@ -62,7 +61,7 @@ pub unsafe fn merge_json_at(ty: &DataType, at: *mut u8, json: &Value) -> Result<
     unsafe {
         copy_value(ty, at, new.as_mut_ptr());
         new.merge_json(json)?;
-        // What both own goes along with the bytes; the record then drops the old value.
+        // The swap also exchanges owned memory; the record then drops the old value.
         std::ptr::swap_nonoverlapping(at, new.as_mut_ptr(), ty.size());
     }
     Ok(())
@@ -94,7 +93,7 @@ pub unsafe fn text_at<'a>(at: *const u8) -> &'a [u8] {
     unsafe { memory::text(at, None) }
 }
 
-/// Makes the `string` at `at` a copy of `bytes`, in its own memory where there is room.
+/// Makes the `string` at `at` a copy of `bytes`, reusing its memory if it is large enough.
 ///
 /// # Safety
 /// `at` holds an unbounded string that nobody uses meanwhile; `bytes` lie elsewhere.
@@ -103,8 +102,8 @@ pub unsafe fn set_text_at(at: *mut u8, bytes: &[u8]) {
     unsafe { memory::set_text(at, None, bytes) }
 }
 
-/// The readable elements of the sequence at `at`: first address and number. None when `ty` is no
-/// sequence.
+/// The readable elements of the sequence at `at`: address of the first, and their number, which is
+/// 0 when `ty` is no sequence.
 ///
 /// # Safety
 /// `at` holds a value of the type that nobody changes meanwhile.
@@ -118,8 +117,8 @@ pub unsafe fn elements_at(ty: &DataType, at: *const u8) -> (*const u8, usize) {
     (buffer, length)
 }
 
-/// Gives the sequence at `at` that many elements, new ones empty, and tells where they begin.
-/// `None` beyond the bound, without memory, or when `ty` is no sequence.
+/// Resizes the sequence at `at` to `length` elements, new ones empty; returns the address of the
+/// first. `None` beyond the bound, without memory, or when `ty` is no sequence.
 ///
 /// # Safety
 /// `at` holds a value of the type that nobody uses meanwhile.

@@ -1,6 +1,7 @@
-//! A type and all it is made of, laid out, as an array of nodes that refer to each other.
+//! A type and all types it is made of, laid out, as an array of nodes that refer to each other by
+//! index.
 //!
-//! Built once per [`DataType`](crate::DataType); afterwards nothing looks into the table.
+//! Built once per [`DataType`](crate::DataType); the table is not consulted afterwards.
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
@@ -26,19 +27,20 @@ pub(crate) struct Node {
     /// What it is made of, typedefs followed.
     pub(crate) shape: Shape,
     pub(crate) layout: Layout,
-    /// Bounded sequences lie inside by value: fresh memory needs their `_maximum`.
+    /// Contains bounded sequences by value: `_maximum` must be set in new memory.
     pub(crate) bounded: bool,
-    /// Plain bytes can be wrong: booleans, enums, lengths or unions lie inside by value.
+    /// Not all bytes are valid values: contains booleans, enums, lengths or unions by value.
     pub(crate) checked: bool,
-    /// Values held by value: keeps loops over elements without size within limits.
+    /// Number of values contained by value. Limited, because [`MAX_SIZE`](crate::MAX_SIZE) does not
+    /// limit loops over elements of size 0.
     count: usize,
-    /// Fewest bytes of a value in CDR, without padding.
+    /// Least size of a value in CDR in bytes, without padding.
     pub(crate) least_wire: usize,
     pub(crate) digest: OnceLock<String>,
     pub(crate) fingerprint: OnceLock<Option<String>>,
-    /// How it goes to and from CDR.
+    /// Plan for CDR in native byte order; made on first use.
     pub(crate) plan: OnceLock<CdrPlan>,
-    /// The same for messages in the other byte order.
+    /// Plan for reading CDR in the other byte order; made on first use.
     pub(crate) swapped: OnceLock<CdrPlan>,
 }
 
@@ -56,7 +58,7 @@ pub(crate) enum Shape {
     Native,
 }
 
-/// A member and its place.
+/// A member and its offset.
 #[derive(Clone, Debug)]
 pub(crate) struct Part {
     pub(crate) name: String,
@@ -92,7 +94,7 @@ impl Scalar {
 }
 
 impl Shape {
-    /// The union member that a discriminant selects.
+    /// The union member selected by a discriminant.
     pub(crate) fn selected(&self, switch: i128) -> Option<usize> {
         match self {
             Shape::Union { cases, default, .. } => cases
@@ -105,7 +107,7 @@ impl Shape {
 }
 
 impl Graph {
-    /// Lays out a type and all it needs; the type itself is [`Graph::ROOT`].
+    /// Lays out a type and all types it refers to; the type itself is [`Graph::ROOT`].
     pub(crate) fn new(table: &Arc<TypeTable>, id: TypeId) -> Result<Self, LayoutError> {
         let mut builder =
             Builder { table, slots: Vec::new(), known: HashMap::new(), todo: Vec::new() };
@@ -144,9 +146,9 @@ impl Graph {
 }
 
 enum Slot {
-    /// Referred to, not begun.
+    /// Referred to; its layout has not begun.
     Waiting(TypeId),
-    /// Being laid out: met again, it contains itself.
+    /// Being laid out: when it is met again, the type contains itself.
     Open(TypeId),
     Done(Box<Node>),
 }
@@ -155,11 +157,12 @@ struct Builder<'a> {
     table: &'a TypeTable,
     slots: Vec<Slot>,
     known: HashMap<TypeId, Ix>,
-    /// Elements of unbounded sequences: their layout is not needed for that of the sequence.
+    /// Elements of unbounded sequences, laid out last: the layout of a sequence does not need
+    /// theirs.
     todo: Vec<Ix>,
 }
 
-/// What the parts of a type add up to.
+/// Properties of a type, accumulated over its members.
 struct Sum {
     bounded: bool,
     checked: bool,
@@ -243,7 +246,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Shape, layout (`None`: too large) and sums of a type.
+    /// Shape, layout (`None`: too large) and accumulated properties of a type.
     fn lay_out(
         &mut self,
         id: TypeId,
@@ -384,7 +387,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Members of a struct or union, without their places.
+    /// Members of a struct or union, their offsets not yet known.
     fn parts(
         &mut self,
         members: &[Member],

@@ -1,4 +1,4 @@
-//! How the nodes of a graph name one another.
+//! Index by which the nodes of a graph refer to each other.
 
 /// Index of a node in its graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

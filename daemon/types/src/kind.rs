@@ -57,7 +57,7 @@ impl fmt::Display for ScopedName {
     }
 }
 
-/// What a type is, and what it is made of.
+/// The kind of a type, with the types it is made of.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Kind {
     /// `boolean`, C `bool`.

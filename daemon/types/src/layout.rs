@@ -1,20 +1,21 @@
-//! Where the C compiler puts things (genom3.md 5.2): sizes, alignments, offsets.
+//! Sizes, alignments and offsets as the C compiler computes them (genom3.md 5.2).
 //!
-//! Only sizes here; which type is made of which is the business of `graph`.
+//! A layout is computed from those of the members; `graph` walks the types.
 
 use thiserror::Error;
 
-/// Largest datum that is laid out, in bytes; also the greatest number of elements a datum may
-/// hold when these have no size.
+/// Largest value that is laid out, in bytes; also the greatest number of elements of size 0 that a
+/// value may contain.
 pub const MAX_SIZE: usize = 1 << 30;
 
 /// Deepest nesting of types by value.
 pub const MAX_NESTING: usize = 128;
 
-/// Size, alignment and places of members of a type, as gcc has them on x86-64 and aarch64.
+/// Size, alignment and offsets of members of a type, in bytes, as gcc computes them on x86-64 and
+/// aarch64.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Layout {
-    /// `sizeof`; 0 for a record without members and for an array of nothing.
+    /// `sizeof`; 0 for a record without members and for an array of such records.
     pub size: usize,
     /// `_Alignof`.
     pub align: usize,
@@ -22,7 +23,8 @@ pub struct Layout {
     /// Unbounded sequence: of `_maximum`, `_length`, `_buffer`, `_release`. Bounded sequence: of
     /// `_maximum`, `_length`, `_buffer`. Empty for others.
     pub offsets: Vec<usize>,
-    /// No pointer inside (unbounded string or sequence, native): plain bytes say all.
+    /// No pointer inside (unbounded string or sequence, native): the value can be copied byte by
+    /// byte.
     pub fixed: bool,
 }
 
@@ -36,19 +38,19 @@ pub enum LayoutError {
     /// A forward declaration that was never completed.
     #[error("{name} is only announced, never defined; add its definition")]
     Incomplete {
-        /// Its full name.
+        /// Full name of the announced type.
         name: String,
     },
     /// An exception without members is no data type.
     #[error("exception {name} has no members, so it is no data type; use it in `throw` only")]
     Void {
-        /// Its full name.
+        /// Full name of the exception.
         name: String,
     },
     /// A type that contains itself by value.
     #[error("{name} contains itself; use an unbounded sequence for the inner one")]
     Recursive {
-        /// Its full name.
+        /// Full name of the type.
         name: String,
     },
     /// Larger than [`MAX_SIZE`].
@@ -63,18 +65,18 @@ pub enum LayoutError {
         /// Spelling of the type.
         name: String,
     },
-    /// A sequence whose elements take no room: any length would fit in no message.
+    /// A sequence whose elements have size 0: the shortest message could announce any length.
     #[error("{name} is a sequence of elements without size; give the element a member")]
     EmptyElement {
         /// Spelling of the type.
         name: String,
     },
-    /// A union switched by something that is no boolean, char, integer or enum.
+    /// A union whose discriminant is not a boolean, char, integer or enum.
     #[error("union {name} is switched by {found}; use a boolean, char, integer or enum type")]
     Discriminant {
         /// Full name of the union.
         name: String,
-        /// Spelling of the type it is switched by.
+        /// Spelling of the discriminant's type.
         found: String,
     },
 }
@@ -85,7 +87,7 @@ impl Layout {
         Self { size, align: size, offsets: Vec::new(), fixed: true }
     }
 
-    /// A pointer to something that is not plain bytes.
+    /// A pointer to memory outside the value.
     pub(crate) fn pointer() -> Self {
         Self { fixed: false, ..Self::scalar(8) }
     }
@@ -109,7 +111,7 @@ impl Layout {
         Some(whole)
     }
 
-    /// Members all at the same place.
+    /// Members all at offset 0, as in a C union.
     pub(crate) fn overlaid<'a>(members: impl IntoIterator<Item = &'a Layout>) -> Self {
         let mut whole = Self { size: 0, align: 1, offsets: Vec::new(), fixed: true };
         for member in members {
@@ -143,7 +145,7 @@ impl Layout {
     }
 }
 
-/// The size itself, unless it is over the limit.
+/// `size`, unless it exceeds [`MAX_SIZE`].
 fn limited(size: usize) -> Option<usize> {
     (size <= MAX_SIZE).then_some(size)
 }

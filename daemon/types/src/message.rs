@@ -1,8 +1,8 @@
 //! Types as ROS 2 messages: their names, and their definitions as text.
 //!
-//! What CDR carries (see [`cdr`](crate::cdr)) is what a reader of this text expects: the two state
-//! one mapping. Where ROS has no such field, a sequence of sequences for instance, a message of
-//! one member `data` stands in, which takes no room of its own.
+//! The text describes exactly what [`cdr`](crate::cdr) encodes: a ROS 2 reader decodes one by the
+//! other. Where ROS has no such field type, a sequence of sequences for instance, it is wrapped in
+//! a message with one member `data`, which adds no bytes in CDR.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -14,7 +14,7 @@ use crate::table::TypeTable;
 /// Package of types that belong to no component: anonymous ones.
 pub const ANONYMOUS: &str = "genom_types";
 
-/// Between the definitions of a text, the first of which is the message itself.
+/// Separates the definitions of a text; the first one is the message itself.
 const RULE: &str =
     "================================================================================";
 
@@ -33,7 +33,7 @@ impl std::fmt::Display for MessageName {
     }
 }
 
-/// The message of a type.
+/// Name of the message that stands for a type.
 #[must_use]
 pub fn message_name(ty: &DataType) -> MessageName {
     name_in(ty.table(), ty.id())
@@ -58,7 +58,7 @@ pub fn message_definition(ty: &DataType) -> Option<String> {
     Some(out)
 }
 
-/// The message of a type of a table.
+/// Name of the message that stands for a type of a table.
 #[must_use]
 pub fn name_in(table: &TypeTable, id: TypeId) -> MessageName {
     let standard = match table.resolved(id) {
@@ -74,7 +74,7 @@ pub fn name_in(table: &TypeTable, id: TypeId) -> MessageName {
         Kind::Float => "Float32",
         Kind::Double => "Float64",
         Kind::String { .. } => "String",
-        // A struct is its own message, under whatever typedef.
+        // A struct keeps its own message name also when used through a typedef.
         Kind::Struct { name, .. } | Kind::Union { name, .. } | Kind::Exception { name, .. } => {
             return scoped(name);
         }
@@ -148,11 +148,11 @@ pub fn camel<'a>(segments: impl IntoIterator<Item = &'a str>) -> String {
 struct Writer<'a> {
     table: &'a TypeTable,
     known: BTreeMap<MessageName, TypeId>,
-    /// What is to be defined, in order of first mention.
+    /// Messages still to be defined, in order of first mention.
     queue: Vec<(MessageName, TypeId)>,
 }
 
-/// The type of a field: a name, and what stands behind it in brackets.
+/// Type of a field: its base name, and the brackets of an array or sequence.
 struct Field {
     base: String,
     brackets: String,
@@ -197,7 +197,7 @@ impl Writer<'_> {
         Some(fields.text)
     }
 
-    /// The names of an enum's values, before the field they are of.
+    /// Writes the values of an enum as constants, before the field that uses it.
     fn constants(&self, id: TypeId, fields: &mut Fields) {
         if let Kind::Enum { enumerators, .. } = self.table.resolved(id) {
             for (value, name) in enumerators.iter().enumerate() {
@@ -220,7 +220,7 @@ impl Writer<'_> {
             Kind::Float => "float32".to_owned(),
             Kind::Double => "float64".to_owned(),
             Kind::String { bound: None } => "string".to_owned(),
-            // The bound counts the NUL.
+            // The IDL bound includes the NUL, that of ROS does not.
             Kind::String { bound: Some(bound) } => {
                 format!("string<={}", bound.saturating_sub(1).max(1))
             }
@@ -229,7 +229,7 @@ impl Writer<'_> {
                 format!("{package}/{name}")
             }
             Kind::Array { .. } => {
-                // Dimensions are flattened, row by row: CDR knows no borders between them.
+                // Dimensions are flattened, row by row: CDR writes the elements only.
                 let (mut element, mut count) = (id, 1_u64);
                 while let Kind::Array { element: inner, length } = self.table.resolved(element) {
                     (element, count) = (*inner, count.saturating_mul(u64::from(*length)));
@@ -248,7 +248,8 @@ impl Writer<'_> {
         Some(Field { base, brackets: String::new() })
     }
 
-    /// Several of a type; those that are several themselves stand in a message.
+    /// An array or sequence of a type; elements that are arrays or sequences are wrapped in a
+    /// message.
     fn of_several(&mut self, element: TypeId, brackets: &str) -> Option<Field> {
         let one = self.field(element)?;
         let base = if one.brackets.is_empty() {
@@ -283,7 +284,8 @@ impl Fields {
         }
     }
 
-    /// The name, or the name with a number: what differs in IDL may not differ in ROS.
+    /// The name, with a number appended when it is taken: names that differ in IDL may become equal
+    /// by ROS's rules.
     fn free(&self, name: String) -> String {
         let numbered = (2_u32..).map(|number| format!("{name}{number}"));
         let mut all = std::iter::once(name.clone()).chain(numbered);

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::kind::{Kind, TypeId};
 use crate::table::TypeTable;
 
-/// Nesting of anonymous templates that is spelled out; deeper ones end in `...`.
+/// Deepest nesting of anonymous templates that is spelled out; deeper ones end in `...`.
 const DEEPEST: usize = 128;
 
 impl TypeTable {

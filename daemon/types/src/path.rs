@@ -1,4 +1,4 @@
-//! The way from a value to a datum inside it, resolved once.
+//! A path from a value to a datum inside it, resolved once to offsets.
 
 use thiserror::Error;
 
@@ -6,7 +6,7 @@ use crate::data_type::DataType;
 use crate::graph::Shape;
 use crate::memory::SequenceHeader;
 
-/// One step into a value. Optionals met on the way are looked through.
+/// One step of a path. An optional on the way takes no step: the path leads into its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PathStep {
     /// Member of a struct, union or exception, by index.
@@ -15,7 +15,7 @@ pub enum PathStep {
     Index(u32),
 }
 
-/// Why a way leads nowhere.
+/// Why a path cannot be resolved.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum PathError {
@@ -27,7 +27,7 @@ pub enum PathError {
         /// The member asked for.
         index: usize,
     },
-    /// An element beyond the end of an array or the bound of a sequence.
+    /// An index beyond the length of an array or the bound of a sequence.
     #[error("{ty} has no element [{index}]; the last one is before [{length}]")]
     Element {
         /// Spelling of the type.
@@ -37,7 +37,7 @@ pub enum PathError {
         /// Length of the array or bound of the sequence.
         length: usize,
     },
-    /// An element of something that has none.
+    /// An index into something that is neither array nor sequence.
     #[error("{ty} is no array and no sequence; it has no element [{index}]")]
     NotIndexed {
         /// Spelling of the type.
@@ -47,32 +47,34 @@ pub enum PathError {
     },
 }
 
-/// The way from a root type to a datum: additions, and checks where a sequence is on the way.
+/// A resolved path from a root type to a datum: offsets to add, and a check of the length at each
+/// sequence on the way.
 #[derive(Clone, Debug)]
 pub struct CompiledPath {
     root: DataType,
     target: DataType,
     hops: Vec<Hop>,
-    /// Bytes after the last hop.
+    /// Offset of the datum from where the last hop ended, in bytes.
     offset: usize,
 }
 
-/// Passing through a sequence.
+/// A sequence on the path.
 #[derive(Clone, Copy, Debug)]
 struct Hop {
-    /// Bytes to the sequence from where the hop before ended.
+    /// Offset of the sequence from where the previous hop ended, in bytes.
     offset: usize,
     index: usize,
-    /// Bytes of an element.
+    /// Size of an element in bytes.
     size: usize,
-    /// Where the buffer lies in a bounded sequence; `None`: behind a pointer.
+    /// Offset of the buffer in a bounded sequence; `None` for an unbounded one, whose buffer is
+    /// behind a pointer.
     buffer: Option<usize>,
     bound: usize,
 }
 
 impl CompiledPath {
-    /// Resolves a way. Optionals are looked through whether they are present or not, and members
-    /// of unions whether they are selected or not: codels are given their places too.
+    /// Resolves a path. It leads through optionals whether or not they are present, and through
+    /// union members whether or not they are selected: codels are given addresses of those too.
     ///
     /// # Errors
     /// A step does not exist in the type it starts from.
@@ -141,13 +143,13 @@ impl CompiledPath {
         &self.target
     }
 
-    /// Where the datum lies from the root, when no sequence is on the way.
+    /// Offset of the datum from the root in bytes, when no sequence is on the path.
     #[must_use]
     pub fn constant_offset(&self) -> Option<usize> {
         self.hops.is_empty().then_some(self.offset)
     }
 
-    /// Address of the datum; `None` when a sequence on the way is too short.
+    /// Address of the datum; `None` when a sequence on the path is too short.
     ///
     /// # Safety
     /// `root` holds a value of the root type that nobody changes meanwhile.

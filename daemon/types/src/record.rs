@@ -22,17 +22,17 @@ pub struct TypeMismatch {
     pub found: String,
 }
 
-/// Bytes that are no value of a type.
+/// Bytes that are not a value of a type.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum BytesError {
-    /// The type owns memory elsewhere, so bytes cannot say its value.
+    /// The value has parts outside its own bytes: unbounded strings or sequences, or natives.
     #[error("{ty} has strings or sequences without bound; plain bytes cannot hold it, use CDR")]
     NotFixed {
         /// Spelling of the type.
         ty: String,
     },
-    /// Another number of bytes than the type has.
+    /// The number of bytes is not the size of the type.
     #[error("{ty} takes {expected} bytes, not {found}")]
     Size {
         /// Spelling of the type.
@@ -69,7 +69,7 @@ unsafe impl Send for Record {}
 unsafe impl Sync for Record {}
 
 impl Record {
-    /// An empty value.
+    /// A new record, all zero but `_maximum` of bounded sequences.
     #[must_use]
     pub fn new(ty: &DataType) -> Self {
         let room = Room::new(ty.size());
@@ -78,7 +78,7 @@ impl Record {
         Self { ty: ty.clone(), room }
     }
 
-    /// Type that its bytes are laid out by.
+    /// Type of the value.
     #[must_use]
     pub fn ty(&self) -> &DataType {
         &self.ty
@@ -96,13 +96,13 @@ impl Record {
         self.room.at()
     }
 
-    /// Where the zones are that tell whether somebody wrote past the value.
+    /// The guard zones around the value, which show whether something was written past it.
     #[must_use]
     pub fn zones(&self) -> Zones {
         self.room.zones()
     }
 
-    /// The value as plain bytes, for fixed-size types.
+    /// The bytes of the value in C layout; `None` when the type is not of fixed size.
     #[must_use]
     pub fn bytes(&self) -> Option<&[u8]> {
         // SAFETY: the record has that many bytes, all of them written since it was zeroed.
@@ -121,10 +121,11 @@ impl Record {
         unsafe { Edit::new(self.ty.graph(), self.ty.ix(), self.room.at()) }
     }
 
-    /// Gives up the strings and buffers whose addresses are in `seen`, and adds its others.
+    /// Sets strings and sequences to null whose buffers are in `seen`, and adds the other buffers
+    /// to `seen`.
     ///
-    /// Before records are dropped that codels may have assigned to one another in C, as
-    /// `ids->image = *port->data(self)` does: what two of them point to is released once.
+    /// To be called before dropping records that codels may have assigned to each other in C, as in
+    /// `ids->image = *port->data(self)`: memory that two of them point to is then released once.
     pub fn give_up_shared(&mut self, seen: &mut HashSet<usize>) {
         // SAFETY: the record holds a value of its type, borrowed while it is changed.
         unsafe { memory::give_up(self.ty.graph(), self.ty.ix(), self.room.at(), seen, 0) }
@@ -147,9 +148,8 @@ impl Record {
         Ok(())
     }
 
-    /// Takes the value of a fixed-size type from bytes in C layout that came from elsewhere.
-    /// Booleans become 0 or 1 and `_maximum` as declared; on error nothing changes. Nothing is
-    /// allocated.
+    /// Sets the value of a fixed-size type from bytes in C layout. Booleans become 0 or 1 and
+    /// `_maximum` as declared; on error nothing changes. Nothing is allocated.
     ///
     /// # Errors
     /// The type is not of fixed size, the size is wrong, an enum is out of range or a sequence
@@ -174,7 +174,7 @@ impl Record {
             std::ptr::copy_nonoverlapping(bytes.as_ptr(), self.room.at(), bytes.len());
             memory::repair(graph, ix, self.room.at(), true)
         };
-        // Only bytes that another process changes meanwhile get here.
+        // Reached only when another process changes the bytes while they are copied.
         repaired.map_err(|inner| {
             // SAFETY: the type owns nothing; zeros are a value.
             unsafe { memory::release(graph, ix, self.room.at(), 0) };
@@ -192,7 +192,7 @@ impl Record {
     /// and sequences (genom3.md appendix A). On error nothing changes.
     ///
     /// # Errors
-    /// A member, type, range or bound is wrong; the error says where and what would do.
+    /// A member, type, range or bound is wrong; the error gives its path and what is accepted.
     pub fn merge_json(&mut self, json: &Value) -> Result<(), JsonError> {
         let mut copy = self.clone();
         json::merge(&mut copy.edit(), json)?;
@@ -200,15 +200,15 @@ impl Record {
         Ok(())
     }
 
-    /// Where the first datum is that none of the JSON values gives that this value was merged
-    /// from, as `goal.x[2]`; the one merged last comes first. `None` when they give everything:
-    /// what is optional may be left out.
+    /// Path of the first datum that none of `given` sets, as `goal.x[2]`; `None` when all are set.
+    /// `given` are the JSON values that were merged into this value, the last merged first.
+    /// Optionals may be left out.
     #[must_use]
     pub fn missing(&self, given: &[&Value]) -> Option<String> {
         json::missing(self.view(), given)
     }
 
-    /// Whether two records of one type hold the same value, as far as JSON tells.
+    /// Whether two records of one type hold the same value, compared as JSON.
     #[must_use]
     pub fn holds_same(&self, other: &Record) -> bool {
         match (self.bytes(), other.bytes()) {
@@ -226,8 +226,8 @@ impl Record {
         self.encode_cdr_within(out.len(), out)
     }
 
-    /// Appends the value to a CDR payload that starts at `start` in `out` and holds other things
-    /// before: alignment counts from there. On error `out` is as before.
+    /// Appends the value to a CDR payload that begins at `start` in `out` and already holds other
+    /// data: alignment counts from `start`. On error `out` is as before.
     ///
     /// # Errors
     /// As [`encode_cdr`](Record::encode_cdr).
@@ -237,7 +237,7 @@ impl Record {
     }
 
     /// Reads a little endian CDR payload; buffers that are large enough are reused. On error the
-    /// record is empty.
+    /// record becomes empty.
     ///
     /// # Errors
     /// The bytes are no value of the type.
@@ -245,8 +245,8 @@ impl Record {
         self.decode(payload, 0, false)
     }
 
-    /// Reads the value that starts at byte `from` of a CDR payload, after other things. On error
-    /// the record is empty.
+    /// Reads the value at byte `from` of a CDR payload, after other data. On error the record
+    /// becomes empty.
     ///
     /// # Errors
     /// The bytes are no value of the type.
@@ -259,7 +259,7 @@ impl Record {
         self.decode(payload, from, big_endian)
     }
 
-    /// Appends the encapsulation header and the payload: a whole DDS or ROS 2 message.
+    /// Appends the 4-byte encapsulation header and the payload: a whole DDS or ROS 2 message.
     ///
     /// # Errors
     /// As [`encode_cdr`](Record::encode_cdr).
@@ -269,7 +269,7 @@ impl Record {
         self.encode_cdr(out).inspect_err(|_| out.truncate(start))
     }
 
-    /// Bytes of the message that [`encode_message`](Record::encode_message) appends.
+    /// Size in bytes of the message that [`encode_message`](Record::encode_message) appends.
     #[must_use]
     pub fn message_size(&self) -> usize {
         // SAFETY: the record holds a value of its type, borrowed here.
@@ -277,9 +277,9 @@ impl Record {
         cdr::HEADER.len() + payload
     }
 
-    /// Writes the message at the beginning of `room`, and something into the
-    /// [`SLACK`](cdr::SLACK) bytes that `room` must have beyond
-    /// [`message_size`](Record::message_size); the bytes of the message.
+    /// Writes the message at the beginning of `room`; returns its size. `room` must be
+    /// [`SLACK`](cdr::SLACK) bytes larger than [`message_size`](Record::message_size); the bytes
+    /// after the message may be overwritten.
     ///
     /// # Errors
     /// As [`encode_cdr`](Record::encode_cdr), and when there is too little room.
@@ -297,7 +297,7 @@ impl Record {
     }
 
     /// Reads a message with its encapsulation header, in either byte order. On error the record
-    /// is empty.
+    /// becomes empty.
     ///
     /// # Errors
     /// The message is no plain CDR, or no value of the type.
@@ -308,9 +308,10 @@ impl Record {
     }
 
     /// Reads a message as [`decode_message`](Record::decode_message), but on error the record keeps
-    /// its value. `scratch` should be of the same type; it holds anything afterwards.
+    /// its value. `scratch` should be of the same type; its value afterwards is unspecified.
     ///
-    /// Values without booleans, enums, strings and the like are copied once, from the message.
+    /// When all bytes are valid values of the type (no boolean, enum, string and the like), they
+    /// are copied once, directly from the message.
     ///
     /// # Errors
     /// The message is no plain CDR, or no value of the type.
@@ -332,7 +333,7 @@ impl Record {
         }
         scratch.decode_message(message)?;
         if self.ty.is_fixed_size() {
-            // Of one type: it cannot fail.
+            // Both are of one type: it cannot fail.
             let _ = self.copy_from(scratch);
         } else {
             self.swap_values(scratch);
@@ -352,8 +353,8 @@ impl Record {
         self.edit().clear();
     }
 
-    /// Exchanges the values of two records; both keep their addresses. Costs the copy of the C
-    /// struct, whatever it owns.
+    /// Exchanges the values of two records; both keep their addresses. Costs a copy of the C struct
+    /// only: owned memory is not copied.
     ///
     /// # Errors
     /// The types differ by structure (genom3.md 4.3).

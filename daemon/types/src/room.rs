@@ -1,15 +1,15 @@
-//! Memory that is lent to foreign code, between two zones of a known pattern: what is written past
-//! the end or before the beginning shows there, and harms nothing else.
+//! Memory that is lent to foreign code, between two guard zones filled with a known pattern: a
+//! write past the end or before the beginning changes the pattern and damages nothing else.
 
 use std::alloc::{self, Layout};
 use std::ptr::NonNull;
 
 /// Bytes of each zone.
 const ZONE: usize = 64;
-/// What they hold: no address, no number that programs use, no text.
+/// Content of the zones: unlikely as an address, a number or a text.
 const PATTERN: u64 = 0x8d3f_a5c9_71e6_b24b;
 
-/// Zeroed memory of some size, at an address that never changes.
+/// Zeroed memory of a fixed size, at an address that never changes.
 #[derive(Debug)]
 pub struct Room {
     at: NonNull<u8>,
@@ -21,7 +21,7 @@ unsafe impl Send for Room {}
 // SAFETY: as above; with a shared reference its zones are only read.
 unsafe impl Sync for Room {}
 
-/// The side on which somebody wrote.
+/// The side on which a zone was overwritten.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// Before the beginning.
@@ -30,7 +30,7 @@ pub enum Side {
     Past,
 }
 
-/// Where the zones of a room are, for those who look at them often.
+/// Addresses of the guard zones of a room, for frequent checks.
 #[derive(Clone, Copy, Debug)]
 pub struct Zones {
     begin: usize,
@@ -38,7 +38,7 @@ pub struct Zones {
 }
 
 impl Room {
-    /// Memory for `size` bytes, aligned to 16.
+    /// Allocates `size` bytes, aligned to 16.
     #[must_use]
     pub fn new(size: usize) -> Self {
         let layout = layout(size);
@@ -61,7 +61,7 @@ impl Room {
         self.at.as_ptr()
     }
 
-    /// Where its zones are.
+    /// Addresses of its guard zones.
     #[must_use]
     pub fn zones(&self) -> Zones {
         let begin = self.at.as_ptr() as usize;
@@ -82,10 +82,10 @@ fn layout(size: usize) -> Layout {
 }
 
 impl Zones {
-    /// Whether the 16 bytes next to the room are as they were made. Costs a nanosecond.
+    /// Whether the 16 bytes on either side of the room hold the pattern. Costs a nanosecond.
     ///
     /// # Safety
-    /// The room lives.
+    /// The room has not been dropped.
     #[inline]
     #[must_use]
     pub unsafe fn are_whole_nearby(&self) -> bool {
@@ -100,10 +100,10 @@ impl Zones {
             == 0
     }
 
-    /// On which side somebody wrote, wherever in the zones.
+    /// The side on which the zones were overwritten; checks all their bytes.
     ///
     /// # Safety
-    /// The room lives.
+    /// The room has not been dropped.
     #[must_use]
     pub unsafe fn written(&self) -> Option<Side> {
         let whole = |from: usize| {
@@ -118,10 +118,10 @@ impl Zones {
         (!whole(self.begin - ZONE)).then_some(Side::Before)
     }
 
-    /// Makes the zones as they were.
+    /// Restores the pattern.
     ///
     /// # Safety
-    /// The room lives.
+    /// The room has not been dropped.
     pub unsafe fn mend(&self) {
         for from in [self.begin - ZONE, self.end] {
             for at in (0..ZONE).step_by(8) {
@@ -157,7 +157,7 @@ mod tests {
                 assert_eq!(zones.written(), Some(Side::Before));
                 zones.mend();
                 assert!(zones.are_whole_nearby());
-                // Further out it takes the longer look.
+                // Bytes further away are seen by the full check only.
                 room.at().add(size + 40).write(0);
                 assert!(zones.are_whole_nearby());
                 assert_eq!(zones.written(), Some(Side::Past));

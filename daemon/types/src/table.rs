@@ -30,7 +30,8 @@ impl TypeTable {
         id
     }
 
-    /// Completes a forward declaration in place: ids already handed out now mean `kind`.
+    /// Completes a forward declaration in place: ids that were already handed out now refer to
+    /// `kind`.
     pub fn complete(&mut self, id: TypeId, kind: Kind) {
         if let Some(slot) = self.kinds.get_mut(id.index()) {
             *slot = kind;
@@ -44,7 +45,7 @@ impl TypeTable {
         }
     }
 
-    /// What the type is, typedefs not followed.
+    /// Kind of the type; a typedef is not resolved.
     ///
     /// `id` comes from this table or from one it was cloned from.
     #[must_use]

@@ -1,4 +1,5 @@
-//! What runs at each tick allocates nothing, and buffers that fit are reused.
+//! Copying and encoding at each tick allocate nothing, and buffers that are large enough are
+//! reused.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // also in helpers, where clippy.toml does not reach
 

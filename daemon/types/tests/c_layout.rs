@@ -20,7 +20,7 @@ struct Header<'a> {
 }
 
 impl Header<'_> {
-    /// The C declaration of `name` with that type, declaring what it needs.
+    /// The C declaration of `name` with that type; types it needs are declared first.
     fn declare(&mut self, id: TypeId, name: &str) -> String {
         match self.table.kind(id) {
             Kind::Array { element, length } => self.declare(*element, &format!("{name}[{length}]")),
@@ -41,7 +41,7 @@ impl Header<'_> {
         match kind {
             Kind::Sequence { element, bound: None } => {
                 let buffer = self.declare(*element, "_element");
-                // A pointer to an array or string element: by way of a typedef.
+                // A pointer to an array or string element needs a typedef of the element.
                 format!(
                     "typedef {};\ntypedef struct {{ uint32_t _maximum, _length; {tag}_element \
                      *_buffer; void (*_release)(void *); }} {tag};\n",
@@ -77,7 +77,7 @@ impl Header<'_> {
     }
 }
 
-/// What C calls the places that `Layout::offsets` holds.
+/// C names of the members whose offsets `Layout::offsets` holds.
 fn places(kind: &Kind) -> Vec<String> {
     let names: &[&str] = match kind {
         Kind::Sequence { bound: None, .. } => &["_maximum", "_length", "_buffer", "_release"],

@@ -74,7 +74,7 @@ fn reading() -> DataType {
     DataType::new(&Arc::new(t), id).unwrap()
 }
 
-/// The same value for both sides.
+/// The same value for both implementations.
 fn both(maybe: Vec<f32>) -> (Reading, Value) {
     let point = |x| Point { x, y: 2.0 * x, z: -x };
     let reading = Reading {
@@ -172,7 +172,7 @@ fn a_full_bounded_string_without_nul_is_read_to_its_end() {
     let mut record = Record::new(&ty);
     record.set_bytes(b"ab\xc3\xa9").unwrap();
     assert_eq!(record.to_json(), json!("abé"));
-    // The wire takes one byte less, and no half character.
+    // One byte less than the array is encoded, and no half character.
     let mut payload = Vec::new();
     record.encode_cdr(&mut payload).unwrap();
     assert_eq!(payload, b"\x03\0\0\0ab\0");
@@ -232,7 +232,7 @@ fn values_may_stand_after_others_in_a_payload() {
     let mut alone = Vec::new();
     record.encode_cdr(&mut alone).unwrap();
     for before in 0..17 {
-        // Something else, then a payload that begins with other things.
+        // Other data, then a payload that begins with other data.
         let mut out = vec![0xaa; 3];
         out.extend(vec![0xbb; before]);
         record.encode_cdr_within(3, &mut out).unwrap();
@@ -254,7 +254,7 @@ fn a_message_is_not_written_beyond_the_room_it_is_given() {
     for room in 0..whole {
         let mut memory = vec![std::mem::MaybeUninit::new(0xaau8); whole];
         let written = record.encode_message_to(&mut memory[..room]);
-        // Within the slack it may fit all the same; without, it never does.
+        // Where less than the slack is missing, it may still fit; where more is, it never does.
         assert!(written.is_err() || room >= record.message_size(), "{room} of {whole}");
         // SAFETY: all bytes were written when it was made.
         let beyond = memory[room..].iter().map(|byte| unsafe { byte.assume_init() });

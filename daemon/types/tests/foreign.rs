@@ -1,4 +1,5 @@
-//! Values that codels made: their memory is released their way, and their mistakes do no harm.
+//! Values made by codels: memory is released by the function they chose, and their mistakes do no
+//! harm.
 
 #![allow(clippy::unwrap_used)] // also in helpers, where clippy.toml does not reach
 
@@ -86,7 +87,7 @@ fn static_buffers_are_never_freed() {
 
 #[test]
 fn a_buffer_lent_without_its_maximum_counts_as_long_as_it_says() {
-    // Codels that show an image do so: the memory is the image's, nothing was reserved.
+    // As codels do to show an image without copying it: they set no `_maximum`.
     let mut numbers = [4, 5, 6];
     let mut record = Record::new(&state());
     codel(&mut record).numbers =

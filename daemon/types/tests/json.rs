@@ -1,4 +1,4 @@
-//! JSON of values: how they look, what is refused and in which words.
+//! JSON of values: its form, and the messages for what is refused.
 
 #![allow(clippy::unwrap_used)] // also in helpers, where clippy.toml does not reach
 
@@ -188,7 +188,7 @@ fn indices_beyond_the_ends_make_no_memory_without_bound() {
     let far = json!({"1000000": 1.0});
     record.merge_json(&json!([far, far])).unwrap();
     record.merge_json(&json!([{}, {"1000001": 1.0}])).unwrap();
-    // Each is within bounds, all together are not.
+    // Each one alone is within the limits; together they are not.
     let error = Record::new(record.ty()).merge_json(&json!([far, far, far])).unwrap_err();
     assert!(error.to_string().starts_with("[2]: `1000000` is no index of "), "{error}");
 }

@@ -1,4 +1,4 @@
-//! Records: zero at first, copied deep, released, refused when they are no values.
+//! Records are zero at first, copied deep and released, and refuse bytes that are no values.
 
 #![allow(clippy::unwrap_used)] // also in helpers, where clippy.toml does not reach
 
@@ -130,7 +130,7 @@ fn unions_switched_by_reals_and_bottomless_nesting_are_refused() {
     let error = |id| DataType::new(&t, id).unwrap_err();
     assert!(matches!(error(union), LayoutError::Discriminant { .. }));
     assert!(matches!(error(deep), LayoutError::TooDeep { .. }));
-    // Names, digests and comparisons of such a type end too.
+    // Names, digests and comparisons of such a type terminate too.
     assert!(!t.digest(deep).is_empty() && t.equal(deep, deep) && t.is_fixed_size(deep));
 }
 
@@ -180,7 +180,7 @@ fn a_path_goes_through_optionals_arrays_and_sequences() {
         assert!(few.locate(base).is_none() && list.locate(base).is_none());
         base.add(few_at + 4).cast::<u32>().write(2);
         assert_eq!(few.locate(base), Some(base.add(few_at + 8 + 8 + 4)));
-        // A length beyond the maximum, without a buffer: foreign code at fault, no crash.
+        // A length beyond the maximum, without a buffer: an error of foreign code must not crash.
         base.add(ty.member_offset(1).unwrap() + 4).cast::<u32>().write(9);
         assert!(list.locate(base).is_none());
     }

@@ -1,5 +1,4 @@
-//! Random types and values: what goes out as JSON, CDR or a copy comes back the same, and bytes
-//! from strangers do no harm.
+//! Random types and values survive JSON, CDR and copies unchanged, and random bytes do no harm.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // also in helpers, where clippy.toml does not reach
 
@@ -45,7 +44,7 @@ proptest! {
         record.encode_cdr(&mut payload).unwrap();
         prop_assert_eq!(&payload, &oracle(&ty, &json, false));
 
-        // In memory of the caller's, which is exactly as large as it is measured.
+        // Into memory of the caller that is exactly as large as `message_size` says.
         let mut room = vec![MaybeUninit::new(0xaa); record.message_size() + SLACK];
         prop_assert_eq!(record.encode_message_to(&mut room).unwrap(), payload.len() + 4);
         // SAFETY: all bytes were written when it was made.
@@ -53,7 +52,7 @@ proptest! {
         prop_assert_eq!(&room[4..payload.len() + 4], &payload[..]);
         prop_assert_eq!(room.len(), payload.len() + 4 + SLACK);
 
-        // Over another value, so that old content would show.
+        // Into a record with another value, so that leftovers would show.
         let mut other = Record::new(&ty);
         other.merge_json(&value(ty.table(), ty.id(), &mut Rng::new(!seed))).unwrap();
         other.decode_cdr(&payload).unwrap();
@@ -64,7 +63,7 @@ proptest! {
         other.decode_message(&message).unwrap();
         prop_assert_eq!(&other.to_json(), &json);
 
-        // In place of another value, which stays where the message is cut.
+        // Replaces another value, which stays when the message is cut.
         let old = value(ty.table(), ty.id(), &mut Rng::new(seed ^ 7));
         let (mut replaced, mut scratch) = (Record::new(&ty), Record::new(&ty));
         replaced.merge_json(&old).unwrap();
@@ -92,7 +91,7 @@ proptest! {
         record.merge_json(&json).unwrap();
         other.set_bytes(record.bytes().unwrap()).unwrap();
         prop_assert_eq!(other.to_json(), json);
-        // Whatever bytes were accepted can be shown and sent.
+        // All bytes that were accepted can be shown and encoded.
         let mut noise = record.bytes().unwrap().to_vec();
         let mut rng = Rng::new(seed);
         for _ in 0..8.min(noise.len()) {
@@ -116,7 +115,7 @@ proptest! {
         let mut record = Record::new(&ty);
         match damage {
             0 if !message.is_empty() => {
-                // A cut message never passes: no value ends in padding.
+                // A cut message is never accepted: no encoded value ends in padding.
                 message.truncate(rng.below(message.len() as u64) as usize);
                 prop_assert!(record.decode_cdr(&message).is_err());
             }

@@ -1,6 +1,6 @@
-//! Why a text is left as it is.
+//! Why a text cannot be formatted.
 
-/// Why a text is left as it is.
+/// Why a text cannot be formatted; it is left as it is.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
@@ -12,21 +12,21 @@ pub enum FormatError {
         /// Comment, string or character.
         what: &'static str,
     },
-    /// A line is joined to the next outside a directive, or a trigraph is used.
+    /// A line is continued outside a directive, or a trigraph is used.
     #[error("line {line}: joined lines and trigraphs cannot be formatted; write them out")]
     Joined {
-        /// Where it is.
+        /// Its line, from 1.
         line: u32,
     },
-    /// A character that has no place outside strings, comments and directives.
+    /// A character that is not allowed outside strings, comments and directives.
     #[error("line {line}: stray `{what}`")]
     Stray {
-        /// Where it is.
+        /// Its line, from 1.
         line: u32,
-        /// Character that no token begins with.
+        /// The character.
         what: char,
     },
-    /// The result would not mean the same: a mistake of the formatter.
+    /// The result would not have the same meaning: a defect of the formatter.
     #[error("the formatter would change the meaning of this text; please report it")]
     Changed,
 }

@@ -5,21 +5,21 @@ use super::spacing::{Gap, spaced};
 
 /// Blanks for each level of braces.
 const INDENT: usize = 2;
-/// Blanks for the lines of a statement but its first.
+/// Blanks before the continuation lines of a statement.
 const CONTINUATION: usize = 4;
-/// Deeper nesting is not remembered over `#if` and `#else`.
+/// Braces nested deeper are not tracked across `#if` and `#else`.
 const REMEMBERED: usize = 64;
 
 /// An open brace.
 #[derive(Clone, Copy, Debug)]
 struct Group {
-    /// It goes over several lines.
+    /// It extends over several lines.
     broken: bool,
-    /// It holds values or names between commas, not statements.
+    /// It contains values or names separated by commas, not statements.
     list: bool,
-    /// It holds values of an initialiser.
+    /// It contains values of an initialiser.
     tight: bool,
-    /// Indentation of what opens it.
+    /// Indentation of the line that opens it.
     base: usize,
 }
 
@@ -73,12 +73,12 @@ struct Page {
     /// Indentation of the line where the current statement begins.
     statement: usize,
     open: Vec<Group>,
-    /// Open braces at each `#if`, to begin its other groups alike.
+    /// Open braces at each `#if`, with which its other groups begin too.
     saved: Vec<Vec<Group>>,
 }
 
 impl Page {
-    /// Whether a line ends before `piece`. `after` is the last token, `previous` may also be a
+    /// Whether a line ends before `piece`. `after` is the last token; `previous` may also be a
     /// comment or directive.
     fn breaks(
         &self,
@@ -95,7 +95,7 @@ impl Page {
         if piece.newlines > 0 && !matches!(piece.text, ";" | ",") {
             return true;
         }
-        // A comment stays on the line of what it speaks of.
+        // A comment stays on the line of what it describes.
         if piece.kind == PieceKind::Comment {
             return false;
         }
@@ -140,14 +140,14 @@ impl Page {
         self.out.extend(std::iter::repeat_n(' ', self.line));
     }
 
-    /// Statements are indented from the statement that holds them, values from their line.
+    /// Statements are indented relative to the enclosing statement, values relative to their line.
     fn open_group(&mut self, group: Option<Group>) {
         let group = group.unwrap_or(Group { broken: false, list: false, tight: false, base: 0 });
         let base = if group.list { self.line } else { self.statement };
         self.open.push(Group { base, ..group });
     }
 
-    /// Comments over several lines: stars are aligned under the first one.
+    /// Writes a piece. In comments of several lines, stars are aligned with the first one.
     fn write(&mut self, piece: &Piece<'_>) {
         if piece.kind != PieceKind::Comment || !piece.text.contains('\n') {
             self.out.push_str(piece.text);
@@ -168,7 +168,8 @@ impl Page {
         }
     }
 
-    /// Braces that open in one group of a condition also open in the other.
+    /// Tracks braces across conditional groups: those open at `#if` are open in its other groups
+    /// too.
     fn conditional(&mut self, directive: &str) {
         let word = directive.trim_start_matches(['#', ' ', '\t']);
         if word.starts_with("if") && self.open.len() <= REMEMBERED {
@@ -185,10 +186,10 @@ impl Page {
     }
 }
 
-/// What each opening brace holds, by rank of its piece.
+/// Properties of each opening brace, by index of its piece.
 fn groups(pieces: &[Piece<'_>]) -> Vec<Option<Group>> {
     let mut groups: Vec<Option<Group>> = vec![None; pieces.len()];
-    // Rank, lines seen before, and whether a statement ends in it.
+    // Index, lines seen before it, and whether a statement ends inside.
     let mut open: Vec<(usize, usize, bool)> = Vec::new();
     let mut lines = 0;
     for (rank, piece) in pieces.iter().enumerate() {

@@ -1,6 +1,7 @@
-//! The formatter: indentation, blanks and blank lines, never a token, comment or directive.
+//! The formatter: it changes indentation, blanks and blank lines, never a token, comment or
+//! directive.
 //!
-//! Like gofmt it keeps the author's lines: it breaks lines after statements, and joins none.
+//! Like gofmt it keeps the author's line breaks: it adds some after statements, and removes none.
 
 mod error;
 mod layout;
@@ -12,10 +13,10 @@ use genom_text::source::decode;
 pub use error::FormatError;
 use pieces::{Piece, PieceKind, pieces};
 
-/// The text with normal indentation and blanks; formatting it again changes nothing.
+/// The text with normal indentation and spacing; formatting the result again changes nothing.
 ///
 /// # Errors
-/// When the text cannot be cut into tokens. What the tokens mean does not matter.
+/// When the text cannot be split into tokens. Their meaning is not checked.
 pub fn format_text(text: &str) -> Result<String, FormatError> {
     let found = pieces(text)?;
     let out = layout::layout(&found);
@@ -31,7 +32,7 @@ pub fn format_text(text: &str) -> Result<String, FormatError> {
     if unchanged { Ok(out) } else { Err(FormatError::Changed) }
 }
 
-/// The bytes of a file with normal indentation and blanks, in the encoding they came in.
+/// The bytes of a file with normal indentation and spacing, in the encoding of the file.
 ///
 /// # Errors
 /// As [`format_text`].
@@ -40,7 +41,7 @@ pub fn format_bytes(bytes: &[u8]) -> Result<Vec<u8>, FormatError> {
     format_text(&text).map(|text| encoding.encode(&text))
 }
 
-/// A comment or directive whatever the blanks at the ends of its lines.
+/// The lines of a comment or directive without the blanks around them, for comparison.
 fn normal(text: &str) -> Vec<&str> {
     text.lines().map(str::trim).collect()
 }

@@ -1,4 +1,4 @@
-//! Cuts a text into tokens, comments and directives, all of them kept as written.
+//! Splits a text into tokens, comments and directives, each kept as written.
 
 use genom_text::preprocess::sign_length;
 
@@ -12,7 +12,7 @@ pub(super) enum PieceKind {
     Sign,
     /// `// ...` or `/* ... */`.
     Comment,
-    /// A whole directive with its joined lines.
+    /// A whole directive with its continuation lines.
     Directive,
 }
 
@@ -21,9 +21,9 @@ pub(super) enum PieceKind {
 pub(super) struct Piece<'t> {
     pub(super) kind: PieceKind,
     pub(super) text: &'t str,
-    /// Line ends before it.
+    /// Number of line ends before it.
     pub(super) newlines: usize,
-    /// Blanks or line ends come before it.
+    /// Whether blanks or line ends precede it.
     pub(super) space: bool,
 }
 
@@ -116,7 +116,7 @@ impl Cutter<'_> {
             }
             _ => self.sign(),
         };
-        // A name or number goes on after a joined line.
+        // A backslash would continue the name or number on the next line.
         if kind == PieceKind::Word && self.byte(0) == Some(b'\\') {
             return Err(FormatError::Joined { line: self.line });
         }
@@ -135,7 +135,7 @@ impl Cutter<'_> {
         PieceKind::Word
     }
 
-    /// Up to the end of its last line; comments in it may hold line ends.
+    /// Reads a directive up to the end of its last line; comments in it may contain line ends.
     fn directive(&mut self) -> Result<PieceKind, FormatError> {
         let start = self.at;
         while let Some(byte) = self.byte(0) {
@@ -158,8 +158,8 @@ impl Cutter<'_> {
         Ok(PieceKind::Directive)
     }
 
-    /// Passes over the lines that `#if 0` leaves out, up to the line that ends them: nobody reads
-    /// them, so they need not make sense, and are kept as they are.
+    /// Skips the lines that `#if 0` excludes, up to the directive that ends them. They need not be
+    /// valid, and are kept as they are.
     fn left_out(&mut self) {
         let mut depth = 0_usize;
         while self.byte(0) == Some(b'\n') {
@@ -175,11 +175,11 @@ impl Cutter<'_> {
                 _ => {}
             }
         }
-        // Never closed: the blanks at the end of the text are not part of it.
+        // Never closed: blanks at the end of the text are not part of it.
         self.at = self.text.get(..self.at).unwrap_or_default().trim_end().len();
     }
 
-    /// Passes over one line, with what joins it to the next; its directive, if it is one.
+    /// Skips one line with its continuation lines; returns its directive, if it is one.
     fn line_left_out(&mut self) -> String {
         let mut directive = String::new();
         let mut first = true;
@@ -222,7 +222,8 @@ impl Cutter<'_> {
         directive
     }
 
-    /// A string ends with its line at the latest; a quote without partner stands for itself.
+    /// Skips a string in excluded lines. It ends with its line at the latest; a quote without
+    /// partner is a token of its own.
     fn quoted_left_out(&mut self, quote: u8) {
         let start = self.at;
         self.at += 1;
@@ -260,8 +261,8 @@ impl Cutter<'_> {
         Ok(PieceKind::Comment)
     }
 
-    /// Blanks at the end of a line are not part of the piece. A backslash there would join the
-    /// next line, once it is the last character of its line.
+    /// Removes blanks at the end of a piece. A backslash before them is refused: it would become
+    /// the last character of its line and continue it.
     fn trim(&mut self) -> Result<(), FormatError> {
         let before = self.text.get(..self.at).unwrap_or_default();
         let kept = before.trim_end_matches([' ', '\t', '\r', '\x0b', '\x0c']);
@@ -290,7 +291,7 @@ impl Cutter<'_> {
         while let Some(byte) = self.byte(0) {
             self.at += 1;
             match byte {
-                // A joined line inside a string is kept, as are line ends.
+                // A line continued inside a string is kept, as line ends are.
                 b'\\' => self.at += usize::from(self.byte(0).is_some()),
                 b'\n' if quote == b'\'' => break,
                 _ if byte == quote => return Ok(PieceKind::Word),
@@ -307,7 +308,7 @@ impl Cutter<'_> {
     }
 }
 
-/// Whether a directive is `#if 0`, whatever blanks and comments are in it.
+/// Whether a directive is `#if 0`; blanks and comments in it are ignored.
 fn is_if_0(directive: &str) -> bool {
     let rest = directive.trim_start_matches('#').trim_start();
     let condition = rest.strip_prefix("if").unwrap_or_default();

@@ -1,17 +1,17 @@
-//! Whether a blank stands between two pieces of one line.
+//! Decides whether a blank separates two pieces of one line.
 
 use super::pieces::{Piece, PieceKind};
 
-/// What surrounds a gap.
+/// The pieces around a gap.
 pub(super) struct Gap<'p, 't> {
     pub(super) before: Option<&'p Piece<'t>>,
     pub(super) left: &'p Piece<'t>,
     pub(super) right: &'p Piece<'t>,
-    /// The innermost braces hold values: nothing stands between brace and value.
+    /// The innermost braces contain values: no blank between brace and value.
     pub(super) tight: bool,
 }
 
-/// Whether a blank stands in the gap.
+/// Whether the gap is a blank.
 pub(super) fn spaced(gap: &Gap<'_, '_>) -> bool {
     let (left, right) = (gap.left, gap.right);
     if left.kind == PieceKind::Comment || right.kind == PieceKind::Comment {
@@ -38,7 +38,7 @@ pub(super) fn spaced(gap: &Gap<'_, '_>) -> bool {
     }
 }
 
-/// Whether two pieces side by side would read as others: `< ::`, `> >`, `1 .`.
+/// Whether two pieces without a blank would be read as other tokens: `< ::`, `> >`, `1 .`.
 fn glues(left: &str, right: &str) -> bool {
     let (Some(end), Some(start)) = (left.bytes().last(), right.bytes().next()) else {
         return false;
@@ -56,7 +56,7 @@ fn glues(left: &str, right: &str) -> bool {
     }
 }
 
-/// Whether the sign at the left of the gap belongs to what follows it.
+/// Whether the operator left of the gap is unary, and belongs to what follows.
 fn unary(gap: &Gap<'_, '_>) -> bool {
     // Words after which a value begins.
     const BEFORE_VALUES: &[&str] =
@@ -64,7 +64,7 @@ fn unary(gap: &Gap<'_, '_>) -> bool {
     !gap.before.is_some_and(|piece| operand(piece) && !BEFORE_VALUES.contains(&piece.text))
 }
 
-/// Whether a value may end with this piece.
+/// Whether an operand may end with this piece.
 fn operand(piece: &Piece<'_>) -> bool {
     piece.kind == PieceKind::Word || matches!(piece.text, ")" | "]" | ":>")
 }

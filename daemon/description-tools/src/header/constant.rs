@@ -12,7 +12,7 @@ use super::types::enumerator;
 pub(super) fn define(out: &mut String, types: &TypeTable, constant: &Constant) {
     let name = constant.name.to_c();
     let declared = match types.resolved(constant.ty) {
-        // A pointer that cannot change, so that an unused one is no warning.
+        // A constant pointer, so that an unused one causes no warning.
         Kind::String { bound: None } => format!("char *const {name}"),
         _ => declare(types, constant.ty, &name),
     };
@@ -20,8 +20,8 @@ pub(super) fn define(out: &mut String, types: &TypeTable, constant: &Constant) {
     guarded(out, &name, &format!("static const {declared} = {value};"));
 }
 
-/// A value as a C expression of its type; out of range it is cut as the cast would.
-/// `enumerator` names those of an enum.
+/// A value as a C expression of its type; one out of range is truncated as by a cast. `enumerator`
+/// gives the C names of enumerators.
 pub(super) fn value_in(
     types: &TypeTable,
     ty: TypeId,
@@ -32,7 +32,7 @@ pub(super) fn value_in(
         let signed = value.as_i64().map(i128::from);
         signed.or(value.as_u64().map(i128::from)).unwrap_or_default()
     };
-    // Out-of-range constants pass in GenoM3 (genom3.md 2.6): the low bits stay.
+    // GenoM3 accepts constants out of range (genom3.md 2.6): the low bits remain.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     match types.resolved(ty) {
         Kind::Boolean => {
@@ -74,8 +74,8 @@ pub(super) fn value_in(
     }
 }
 
-/// A C string. Backslash sequences were kept as written (genom3.md 2.1): those that C knows
-/// stay, other backslashes stand for themselves.
+/// A C string literal. Backslash sequences were kept as written (genom3.md 2.1): those that C knows
+/// stay, other backslashes are escaped.
 pub(super) fn literal(text: &str) -> String {
     let mut out = String::from("\"");
     let mut chars = text.chars().peekable();
@@ -91,7 +91,7 @@ pub(super) fn literal(text: &str) -> String {
                 }
                 _ => out.push_str("\\\\"),
             },
-            // `??=` and its like would be trigraphs.
+            // `??=` and the like would be trigraphs.
             '?' => out.push_str("\\?"),
             _ => out.push(c),
         }

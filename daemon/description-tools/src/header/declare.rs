@@ -32,8 +32,8 @@ fn indexed(declarator: &str, length: u32) -> String {
     }
 }
 
-/// The declaration of a parameter. The final type decides how it is passed, the declared type
-/// how it is spelled.
+/// The declaration of a parameter. The type behind typedefs decides how it is passed, the declared
+/// type how it is spelled.
 pub(super) fn parameter(types: &TypeTable, id: TypeId, passing: Passing, name: &str) -> String {
     let pointer = format!("*{name}");
     match (types.resolved(id), passing) {
@@ -43,7 +43,7 @@ pub(super) fn parameter(types: &TypeTable, id: TypeId, passing: Passing, name: &
         (Kind::String { bound: Some(_) } | Kind::Array { .. }, Passing::Reference) => {
             declare(types, id, name)
         }
-        // These are pointers already, also behind a typedef.
+        // Strings and natives are pointers already, also behind a typedef.
         (Kind::String { bound: None } | Kind::Native { .. }, Passing::Value) => {
             format!("const {}", declare(types, id, name))
         }
@@ -64,13 +64,13 @@ pub(super) fn parameter(types: &TypeTable, id: TypeId, passing: Passing, name: &
 pub(super) fn data_method(types: &TypeTable, id: TypeId, arguments: &str) -> String {
     match types.resolved(id) {
         Kind::String { bound: Some(_) } => format!("char *(*data)({arguments})"),
-        // GenoM3 makes invalid C for several dimensions: a pointer to the inner array is meant.
+        // GenoM3 writes invalid C for several dimensions: a pointer to the inner array is meant.
         Kind::Array { element, .. } => declare(types, *element, &format!("*(*data)({arguments})")),
         _ => declare(types, id, &format!("*(*data)({arguments})")),
     }
 }
 
-/// A name that a prototype may use: words of C and C++ get a final `_`, and so does `self`.
+/// A valid name for a parameter: keywords of C and C++ get a final `_`, and so does `self`.
 pub(super) fn argument(name: &str) -> String {
     if is_taken(name) || name == "self" { format!("{name}_") } else { name.to_owned() }
 }

@@ -1,13 +1,13 @@
-//! Why there is no header.
+//! Why no header can be made.
 
-/// Why there is no header.
+/// Why no header can be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum HeaderError {
-    /// The name is not that of a component.
+    /// No component has this name.
     #[error("there is no component `{name}`; those described are: {known}")]
     NoComponent {
-        /// The name asked for.
+        /// The requested name.
         name: String,
         /// Names of the components, or "none".
         known: String,
@@ -18,14 +18,14 @@ pub enum HeaderError {
         /// The type that contains it.
         name: String,
     },
-    /// Two things have one name in C: one of them would be missing.
+    /// Two items have the same name in C.
     #[error("`{one}` and `{other}` have one name in C, `{name}`: rename one of them")]
     Clash {
         /// The C name.
         name: String,
-        /// What has it first.
+        /// IDL name of the first one.
         one: String,
-        /// What has it too.
+        /// IDL name of the second one.
         other: String,
     },
     /// A type has no mapping in C++ (genom3.md 6).
@@ -34,15 +34,15 @@ pub enum HeaderError {
         /// Which, why, and what to do, in a sentence.
         why: String,
     },
-    /// A header is for one interface or for the other.
+    /// A header has either the C or the C++ interface, not both.
     #[error(
         "component `{cxx}` has lang \"c++\" and component `{c}` has not: ask for one of them \
          (--component)"
     )]
     Mixed {
-        /// A component in C++.
+        /// A component with `lang "c++"`.
         cxx: String,
-        /// One that is not.
+        /// A component with another language.
         c: String,
     },
 }

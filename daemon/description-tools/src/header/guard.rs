@@ -1,8 +1,8 @@
-//! Pieces that several headers may bring.
+//! Parts that several headers may contain.
 
 use std::fmt::Write;
 
-/// Writes a piece that several headers may bring, once (genom3.md 5.9).
+/// Writes a part that several headers may contain, under a guard (genom3.md 5.9).
 pub(super) fn guarded(out: &mut String, name: &str, text: &str) {
     let _ = write!(
         out,

@@ -10,14 +10,14 @@ use genom_types::TypeTable;
 use super::declare::{Passing, argument, data_method, parameter};
 use super::guard::guarded;
 
-/// A weak definition for each state, and for each pause that a codel yields.
+/// Writes a weak definition for each state, and for each pause that a codel yields.
 pub(super) fn events(out: &mut String, component: &Component) {
     for (symbol, text) in event_names(component) {
         guarded(out, &symbol, &format!("GENOM_EVENT({symbol}, \"{text}\");"));
     }
 }
 
-/// The handle of each port: functions that the host supplies.
+/// Writes the handle of each port: a struct of functions that the host supplies.
 pub(super) fn ports(out: &mut String, types: &TypeTable, component: &Component) {
     for port in &component.ports {
         let tag = format!("{}_{}", component.name, port.name);
@@ -41,7 +41,7 @@ pub(super) fn ports(out: &mut String, types: &TypeTable, component: &Component) 
     }
 }
 
-/// The handle of each remote: a function that calls the service and waits for its end.
+/// Writes the handle of each remote: a function that calls the service and waits for its end.
 pub(super) fn remotes(out: &mut String, types: &TypeTable, component: &Component) {
     for remote in &component.remotes {
         let tag = format!("{}_{}", component.name, remote.name);
@@ -56,7 +56,7 @@ pub(super) fn remotes(out: &mut String, types: &TypeTable, component: &Component
     }
 }
 
-/// One prototype for each C function; those that the host supplies are left out.
+/// Writes one prototype for each C function, except those that the host supplies.
 pub(super) fn codels(out: &mut String, types: &TypeTable, chosen: &[&Component]) {
     let mut written = HashSet::new();
     for component in chosen {
@@ -98,8 +98,8 @@ fn arguments(types: &TypeTable, component: &Component, codel: &Codel) -> Vec<Str
     list
 }
 
-/// A C name for each parameter. In the papers' dialects a port and an IDS member may bear one
-/// name: the port's gets `_port` (dialects.md, C signatures).
+/// A C name for each parameter. In the papers' dialects a port and an IDS member may have the same
+/// name: the port gets the suffix `_port` (dialects.md, C signatures).
 pub(super) fn names(codel: &Codel) -> Vec<(String, &Source)> {
     let mut taken: HashSet<String> = HashSet::new();
     let ports = |source: &Source| matches!(source, Source::Port(_));

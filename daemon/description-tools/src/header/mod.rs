@@ -1,7 +1,7 @@
-//! The header that codels are compiled against (genom3.md 5): types, events, exceptions,
-//! ports, remotes and prototypes. Never needed at run time.
+//! The header that codels are compiled against (genom3.md 5): types, events, exceptions, ports,
+//! remotes and prototypes. It is not needed at run time.
 //!
-//! Component files by other people include these names and layouts: none may change.
+//! Existing component sources use these names and layouts, so none may change.
 
 mod constant;
 mod cxx;

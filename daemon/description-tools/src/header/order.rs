@@ -1,4 +1,4 @@
-//! The order in which types are written: what is contained first, as C wants it.
+//! The order in which types are written: contained types first, as C requires.
 //!
 //! A struct is contained in itself only through unbounded sequences; there a forward
 //! declaration is enough.
@@ -15,7 +15,7 @@ pub(super) enum Step {
     Define(TypeId),
 }
 
-/// All types but `without`, each after what it contains, otherwise as declared.
+/// All types but `without`, each after the types it contains, otherwise in order of declaration.
 pub(super) fn order(types: &TypeTable, without: &HashSet<TypeId>) -> Vec<Step> {
     let mut steps = Vec::new();
     let mut begun = vec![false; types.len()];
@@ -24,11 +24,12 @@ pub(super) fn order(types: &TypeTable, without: &HashSet<TypeId>) -> Vec<Step> {
         if without.contains(&root) || !is_written(types, root) {
             continue;
         }
-        // A stack of our own: a description may nest deeper than the thread's.
+        // An explicit stack: a description may nest deeper than the thread's stack allows.
         let mut stack = vec![(root, false)];
         while let Some((id, ready)) = stack.pop() {
             if ready {
-                // Arrays are spelled where they are used; C++ still asks what they hold.
+                // Arrays are spelled where they are used; C++ still needs the types of their
+                // elements.
                 if is_written(types, id) || matches!(types.kind(id), Kind::Array { .. }) {
                     steps.push(Step::Define(id));
                 }
@@ -53,7 +54,7 @@ pub(super) fn order(types: &TypeTable, without: &HashSet<TypeId>) -> Vec<Step> {
     steps
 }
 
-/// Whether the type is a piece of the header; others are spelled where they are used.
+/// Whether the type has a definition in the header; others are spelled where they are used.
 fn is_written(types: &TypeTable, id: TypeId) -> bool {
     let kind = types.kind(id);
     let template = matches!(kind, Kind::Sequence { .. } | Kind::Optional { .. });

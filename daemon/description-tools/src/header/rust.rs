@@ -1,6 +1,6 @@
 //! The same interface in Rust: `#[repr(C)]` types, events, handles and codel prototypes.
 //!
-//! It links nothing. Components written for genomd use the `genom` crate instead, which is safe.
+//! It links no library. Components written for genomd use the `genom` crate instead, which is safe.
 
 use std::collections::HashSet;
 use std::fmt::Write;
@@ -138,7 +138,7 @@ fn field(name: &str, ty: &str) -> String {
     format!("    pub {}: {ty},\n", word(name))
 }
 
-/// A type as a datum.
+/// The Rust type of a datum.
 fn spell(types: &TypeTable, id: TypeId) -> String {
     match types.kind(id) {
         Kind::Boolean => "bool".to_owned(),
@@ -203,7 +203,7 @@ fn constant(types: &TypeTable, ty: TypeId, value: &Value) -> Option<(String, Str
             let short = short.rsplit("::").next().unwrap_or(short);
             (spelled, word(&super::types::enumerator(name, short)))
         }
-        // A value out of range is cut, as in C.
+        // A value out of range is truncated, as in C.
         _ => {
             let cut = format!("{}_i128 as {spelled}", number());
             (spelled, cut)
@@ -271,7 +271,7 @@ fn prototype(out: &mut String, types: &TypeTable, component: &Component, codel: 
     );
 }
 
-/// A name that Rust accepts.
+/// The name, as a raw identifier or with a suffix if it is a keyword of Rust.
 fn word(name: &str) -> String {
     const KEYWORDS: &[&str] = &[
         "abstract", "as", "async", "await", "become", "box", "break", "const", "continue", "do",

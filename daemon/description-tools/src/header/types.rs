@@ -8,14 +8,14 @@ use genom_types::{Kind, Member, ScopedName, TypeId, TypeTable};
 use super::declare::declare;
 use super::guard::guarded;
 
-/// Announces a struct that a sequence needs before it is complete.
+/// Forward declaration of a struct that a sequence needs before it is complete.
 pub(super) fn forward(out: &mut String, types: &TypeTable, id: TypeId) {
     let name = types.c_name(id);
     let text = format!("typedef struct {name} {name};");
     guarded(out, &format!("{name}_forward"), &text);
 }
 
-/// Defines a type under its own guard; `constructed` are those that C++ constructs.
+/// Defines a type under its own guard; `constructed` are the types with constructors in C++.
 pub(super) fn define(
     out: &mut String,
     types: &TypeTable,
@@ -39,8 +39,8 @@ pub(super) fn define(
         Kind::Exception { name, members } => exception(out, types, name, members),
         Kind::Union { discriminant, members, .. } => {
             let inner = format!("{tag}_members");
-            // Named only where C++ asks for it: members with constructors make the union lose
-            // its own.
+            // In C++, members with constructors delete those of the union; it needs a name so that
+            // new ones can be defined.
             let special = members.iter().any(|member| constructed.contains(&member.ty));
             let name = if special { format!("{inner} ") } else { String::new() };
             let mut body =
@@ -82,7 +82,7 @@ pub(super) fn define(
     }
 }
 
-/// The C name of an enumerator: enumerators live beside their enum (genom3.md 4.2).
+/// The C name of an enumerator, whose scope is that of its enum (genom3.md 4.2).
 pub(super) fn enumerator(name: &ScopedName, short: &str) -> String {
     let segments = name.segments();
     let scope = segments.get(..segments.len().saturating_sub(1)).unwrap_or_default();
@@ -93,8 +93,8 @@ fn lines(types: &TypeTable, members: &[Member]) -> String {
     members.iter().map(|m| format!("  {};\n", declare(types, m.ty, &m.name))).collect()
 }
 
-/// `struct X { ... }; typedef struct X X;`: may follow a forward declaration in C99 too, where
-/// a typedef may not be repeated.
+/// `struct X { ... }; typedef struct X X;`: valid after a forward declaration in C99 too, where a
+/// typedef may not be repeated.
 fn structure(out: &mut String, guard: &str, tag: &str, body: &str) {
     let text = format!(
         "struct {tag} {{\n{body}}};\n\
@@ -104,7 +104,8 @@ fn structure(out: &mut String, guard: &str, tag: &str, body: &str) {
     guarded(out, guard, &text);
 }
 
-/// Construction and copy of a union whose members have their own: all of it, as in C.
+/// Constructors and assignment of a union whose members have their own: they copy all bytes, as C
+/// does.
 fn bytewise(tag: &str) -> String {
     format!(
         "#ifdef __cplusplus\n\
@@ -131,10 +132,9 @@ fn has_constructor(types: &TypeTable, id: TypeId, constructed: &HashSet<TypeId>)
     }
 }
 
-/// Members of a bounded sequence. `_maximum` is not const: codels assign whole structs that
-/// contain one (genom3.md D), which const would forbid, and those written for a const one compile
-/// all the same. In C++ it is set by itself, in a way that leaves braces to codels where the
-/// standard allows both.
+/// Members of a bounded sequence. `_maximum` is not const, since codels assign whole structs that
+/// contain one (genom3.md D); code written for a const one compiles too. In C++ it is initialised
+/// in a way that keeps aggregate initialisation where the standard allows both.
 fn bounded(tag: &str, buffer: &str, bound: u32) -> String {
     format!(
         "#if defined(__cplusplus) && __cplusplus >= 201402L\n\

@@ -1,4 +1,4 @@
-//! Components and interfaces walked: IDS, ports, tasks, services and their codels.
+//! Collects symbols of components and interfaces: IDS, ports, tasks, services and their codels.
 
 use genom_description::syntax::{
     Body, Codel, CodelParameter, Export, PortDeclaration, Property, PropertyKind, Qualifier,
@@ -104,7 +104,7 @@ impl Walker<'_> {
                     let symbol = Self::listed(id, name, SymbolKind::Parameter, extent, doc);
                     let symbol = self.table.add(Some(Space::Parameter), symbol);
                     if parameter.rename.is_none() {
-                        // The name stands for the member: that is where to go from here.
+                        // The name refers to the member: that is the declaration to go to.
                         self.table.uses.pop();
                     }
                     let places = vec![(body, Space::Member)];
@@ -116,7 +116,7 @@ impl Walker<'_> {
                 }
             }
         }
-        // States are declared by triggers, which may come after what yields them.
+        // States are declared by triggers, which may come after the codels that yield them.
         for property in &service.properties {
             self.property(body, id, property);
         }
@@ -197,7 +197,7 @@ impl Walker<'_> {
         }
     }
 
-    // genom3.md 4.4: without a word before it, a name is looked for in this order.
+    // genom3.md 4.4: a name without qualifier is searched in this order.
     fn codel_parameter(&mut self, body: usize, owner: usize, parameter: &CodelParameter) {
         let Some(variable) = &parameter.variable else { return };
         let mut places = Vec::new();

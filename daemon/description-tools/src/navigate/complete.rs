@@ -1,4 +1,4 @@
-//! What may be written at a place: keywords of the context, and names that make sense there.
+//! Completion: keywords of the context, and names that are possible there.
 
 use genom_description::model::Span;
 use genom_description::syntax::{Name, Path};
@@ -7,25 +7,25 @@ use super::Navigator;
 use super::context::Context;
 use super::symbol::{Space, SymbolKind};
 
-/// Something that may be written.
+/// A possible completion.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Completion {
-    /// What to write.
+    /// The text to insert.
     pub label: String,
-    /// What it is.
+    /// Keyword, or kind of symbol.
     pub kind: CompletionKind,
-    /// Its declaration, for names.
+    /// Its declaration, for symbols; empty for keywords.
     pub detail: String,
-    /// Its documentation, if there is some.
+    /// Its documentation, if it has one.
     pub doc: Option<String>,
 }
 
-/// What a completion is.
+/// Kind of a completion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CompletionKind {
-    /// A word of the language.
+    /// A keyword.
     Keyword,
-    /// Something declared.
+    /// A declared name.
     Symbol(SymbolKind),
 }
 
@@ -92,7 +92,7 @@ const TYPES: &[&str] = &[
 ];
 const DIRECTIONS: &[&str] = &["in", "out", "inout"];
 
-/// Words that the tables above do not hold.
+/// Keywords that the tables above do not contain.
 const OTHERS: &[&str] = &[
     "all",
     "all-of",
@@ -126,13 +126,13 @@ const OTHERS: &[&str] = &[
     "service",
 ];
 
-/// Whether a word is one of the language, where it is no name.
+/// Whether a word is a keyword somewhere in the language.
 pub(super) fn is_word(word: &str) -> bool {
     let tables = [TOP, BODY, TASK, ATTRIBUTE, FUNCTION, ACTIVITY, TYPES, DIRECTIONS, OTHERS];
     tables.iter().any(|table| table.contains(&word))
 }
 
-/// Names that a place asks for.
+/// Kinds of names that a context accepts.
 #[derive(Clone, Copy)]
 enum Wanted {
     Types,
@@ -152,7 +152,7 @@ impl Wanted {
 }
 
 impl Navigator {
-    /// What may be written at a byte of a file. The word under way is not looked at.
+    /// What may be written at a byte offset of a file. The word that is being written is ignored.
     #[must_use]
     pub fn complete(&self, file: u32, offset: u32) -> Vec<Completion> {
         let Some(context) = self.context(file, offset) else { return Vec::new() };
@@ -202,7 +202,7 @@ impl Navigator {
         }
     }
 
-    /// `sequence<` and `optional<` take a type, an array a constant.
+    /// Completes `sequence<` and `optional<` with types, a dimension with constants.
     fn in_template(&self, scope: usize, last: &str) -> Vec<Completion> {
         match last {
             "<" | "switch" => self.types(scope),
@@ -226,7 +226,7 @@ impl Navigator {
         }
     }
 
-    /// Parameters of a service.
+    /// Completes the parameters of a service.
     fn parameters(&self, scope: usize, body: usize, kind: &str, words: &[&str]) -> Vec<Completion> {
         let Some(open) = words.iter().position(|word| *word == "(") else { return Vec::new() };
         if words.last() == Some(&")") {
@@ -250,7 +250,7 @@ impl Navigator {
         }
     }
 
-    /// `codel<state> name(parameters) yield states`.
+    /// Completes `codel<state> name(parameters) yield states`.
     fn codel(&self, scope: usize, body: usize, words: &[&str]) -> Vec<Completion> {
         let last = words.last().copied().unwrap_or_default();
         let Some(open) = words.iter().position(|word| *word == "(") else {
@@ -275,7 +275,7 @@ impl Navigator {
         }
     }
 
-    /// What a codel takes.
+    /// Completes the parameters of a codel.
     fn arguments(&self, scope: usize, body: usize, part: &[&str]) -> Vec<Completion> {
         let owner = self.service_of(scope);
         let qualifiers = ["ids", "local", "port", "remote"];
@@ -326,7 +326,7 @@ impl Navigator {
         found
     }
 
-    /// Behind `scope::`.
+    /// Completes after `scope::`.
     fn inside_path(&self, scope: usize, words: &[&str]) -> Vec<Completion> {
         let mut segments = Vec::new();
         let mut rest = words;
@@ -358,7 +358,7 @@ impl Navigator {
         found
     }
 
-    /// Names that mean something without `::`, inner scopes first; and scopes to look into.
+    /// Names that can be used without `::`, inner scopes first, and scopes.
     fn names(&self, scope: usize, wanted: Wanted) -> Vec<Completion> {
         use SymbolKind as K;
         let mut found = Vec::new();
@@ -393,7 +393,7 @@ impl Navigator {
         found
     }
 
-    /// What is declared in `parent`, in one space.
+    /// Names that `parent` declares in one name space.
     fn of(&self, parent: usize, space: Space) -> Vec<Completion> {
         use SymbolKind as K;
         let fits = |kind: SymbolKind| match space {
@@ -435,7 +435,7 @@ fn keywords(words: &[&str]) -> Vec<Completion> {
     words.iter().map(one).collect()
 }
 
-/// The parameter under way, of the list opened at `open`.
+/// The parameter being written, of the list opened at `open`.
 fn part<'w, 'a>(words: &'w [&'a str], open: usize) -> &'w [&'a str] {
     let inside = words.get(open + 1..).unwrap_or_default();
     let mut depth = 0_usize;
@@ -451,7 +451,7 @@ fn part<'w, 'a>(words: &'w [&'a str], open: usize) -> &'w [&'a str] {
     inside.get(start..).unwrap_or_default()
 }
 
-/// `a [ 2 ] . b` as `a` and the members after it.
+/// Splits `a [ 2 ] . b` into `a` and the members after it.
 fn variable<'a>(words: &[&'a str]) -> (&'a str, Vec<&'a str>) {
     let is_name = |word: &&&str| word.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
     let mut names = words.iter().filter(is_name).copied();

@@ -1,17 +1,17 @@
-//! Where in the grammar a place is, told by the tokens in front of it.
+//! The grammatical context of a position, derived from the tokens before it.
 //!
-//! The parser cannot tell: what is being written is not a statement yet.
+//! The parser cannot give it, since the statement being written is incomplete.
 
 use genom_description::token::{Token, TokenKind};
 
 use super::Navigator;
 use super::symbol::{Space, SymbolKind};
 
-/// What stands in front of a place.
+/// The tokens before a position.
 pub(super) struct Context<'a> {
-    /// First words of the blocks around it, outermost first.
+    /// Statements that open the blocks around it, outermost first.
     pub(super) blocks: Vec<&'a [Token]>,
-    /// The statement so far, without the word that is being written.
+    /// The current statement, without the word that is being written.
     pub(super) statement: &'a [Token],
 }
 
@@ -37,7 +37,7 @@ impl Context<'_> {
 }
 
 impl Navigator {
-    /// The context of a byte of a file; `None` in comments and strings.
+    /// The context of a byte offset of a file; `None` in comments and strings.
     pub(super) fn context(&self, file: u32, offset: u32) -> Option<Context<'_>> {
         let text = self.analysis.sources.file(file)?.text();
         let first = self.tokens.iter().position(|token| token.span.file == file);
@@ -46,7 +46,7 @@ impl Navigator {
         let (mut start, mut parentheses, mut braces) = (0, 0_u32, 0_u32);
         let mut count = 0;
         for (rank, token) in tokens.iter().enumerate() {
-            // What an include brings stands in one statement of its own.
+            // Tokens of an included file belong to no statement of this one.
             if token.span.file != file {
                 start = rank + 1;
                 count = rank + 1;
@@ -95,7 +95,7 @@ impl Navigator {
         Some(Context { blocks, statement: tokens.get(start..count).unwrap_or_default() })
     }
 
-    /// The symbol of the innermost block that has one.
+    /// The symbol of the innermost block that declares one.
     pub(super) fn scope_of(&self, context: &Context<'_>) -> usize {
         let mut scope = 0;
         for head in &context.blocks {
@@ -111,14 +111,14 @@ impl Navigator {
             if let Some(found) = self.table.local(scope, space, name) {
                 scope = found;
             } else if space == Space::Service || space == Space::Task {
-                // Not read yet, because of what is being written: its component will do.
+                // Its statement failed to parse because it is incomplete: use the component.
                 scope = self.table.body_of(scope);
             }
         }
         scope
     }
 
-    /// The service that a statement belongs to, 0 if to none.
+    /// The service or task that a statement belongs to, 0 if there is none.
     pub(super) fn service_of(&self, scope: usize) -> usize {
         self.table.around(scope, |kind| kind.is_service() || kind == SymbolKind::Task)
     }

@@ -1,11 +1,11 @@
-//! How far a declaration reaches, told by its tokens.
+//! Extents of declarations, derived from tokens.
 
 use std::collections::HashMap;
 
 use genom_description::model::Span;
 use genom_description::token::{Token, TokenKind};
 
-/// The tokens, by place.
+/// Tokens with an index by position.
 pub(super) struct Extents<'a> {
     tokens: &'a [Token],
     ranks: HashMap<(u32, u32), usize>,
@@ -32,7 +32,7 @@ impl<'a> Extents<'a> {
         }
     }
 
-    /// The statement that `name` stands in, with its `;`.
+    /// The statement that contains `name`, with its `;`.
     pub(super) fn statement(&self, name: Span) -> Span {
         let Some(&rank) = self.ranks.get(&(name.file, name.start)) else { return name };
         let mut first = rank;
@@ -84,7 +84,7 @@ impl<'a> Extents<'a> {
         first.to(name)
     }
 
-    /// From `first` to what separates it from the next of a list.
+    /// From `first` to the separator of the next list element.
     pub(super) fn element(&self, first: Span) -> Span {
         let Some(&rank) = self.ranks.get(&(first.file, first.start)) else { return first };
         let (mut depth, mut last) = (0_u32, rank);

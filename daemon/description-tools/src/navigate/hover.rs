@@ -1,4 +1,4 @@
-//! What there is to say about a name: declaration, documentation, size.
+//! Hover texts of names: declaration, documentation, size.
 
 use genom_description::model::{Component, Service, Span};
 use genom_types::{DataType, Kind, TypeId, TypeTable};
@@ -6,11 +6,11 @@ use genom_types::{DataType, Kind, TypeId, TypeTable};
 use super::Navigator;
 use super::symbol::{Symbol, SymbolKind};
 
-/// Lines shown of a declaration.
+/// Most lines shown of a declaration.
 const LINES: usize = 20;
 
 impl Navigator {
-    /// What stands at a byte of a file, in Markdown, and the name it is about.
+    /// The hover text at a byte offset of a file, in Markdown, and the name it describes.
     #[must_use]
     pub fn hover(&self, file: u32, offset: u32) -> Option<(Span, String)> {
         let (span, symbol) = self.symbol_at(file, offset)?;
@@ -24,7 +24,7 @@ impl Navigator {
         Some((span, text))
     }
 
-    /// The declaration as written, from its own indentation on.
+    /// The declaration as written, with its outer indentation removed.
     pub(super) fn signature(&self, symbol: &Symbol) -> String {
         let sources = &self.analysis.sources;
         let text = sources.text(symbol.signature).trim_end_matches(';');
@@ -38,7 +38,8 @@ impl Navigator {
             _ if text.is_empty() => symbol.name.to_string(),
             _ => text.to_owned(),
         };
-        // Lines keep their place relative to the last one, which closes the declaration.
+        // The smallest indentation after the first line, usually that of the closing brace, is
+        // removed.
         let indent = text.lines().skip(1).filter(|line| !line.trim().is_empty());
         let indent = indent.map(|line| line.len() - line.trim_start().len()).min().unwrap_or(0);
         let lines = text.lines().enumerate().map(|(rank, line)| {
@@ -51,7 +52,7 @@ impl Navigator {
         shown.join("\n")
     }
 
-    /// `doc`, else the comment in front of the declaration or behind it on its line.
+    /// The `doc` of a symbol, else the comment before its declaration or after it on the same line.
     pub(super) fn doc(&self, symbol: &Symbol) -> Option<String> {
         if symbol.doc.is_some() {
             return symbol.doc.clone();
@@ -71,7 +72,7 @@ impl Navigator {
         }
         if before.ends_with("*/") {
             let start = before.rfind("/*")?;
-            // Behind something else on its line, it is about that.
+            // A comment after something else on its line describes that.
             let line = before.get(..start)?.rsplit('\n').next().unwrap_or_default();
             return if line.trim().is_empty() { comment(before.get(start..)?) } else { None };
         }
@@ -168,7 +169,7 @@ fn member(types: &TypeTable, record: TypeId, name: &str) -> Option<TypeId> {
     types.members(record).iter().find(|member| member.name == name).map(|member| member.ty)
 }
 
-/// The text of a comment, without its signs; `None` for what is none.
+/// The text of a comment without delimiters; `None` if it is not a comment.
 fn comment(text: &str) -> Option<String> {
     if let Some(line) = text.strip_prefix("//") {
         return Some(line.trim().to_owned());

@@ -1,6 +1,6 @@
-//! Where names are declared and used, what they stand for, and what may be written: for editors.
+//! For editors: declarations and uses of names, their meaning, and completion.
 //!
-//! It works on texts with mistakes in them, and says nothing about the mistakes: `check` does.
+//! It works on texts with errors, and does not report them: `check` does.
 
 mod body;
 mod complete;
@@ -31,10 +31,10 @@ use self::extent::Extents;
 use self::symbol::{Space, Table};
 use self::walk::Walker;
 
-/// A specification that can be asked about places in its text.
+/// A specification that answers questions about positions in its text.
 #[derive(Debug)]
 pub struct Navigator {
-    /// What the description means and what is wrong with it.
+    /// Model, diagnostics and sources of the specification.
     pub analysis: Analysis,
     table: Table,
     tokens: Vec<Token>,
@@ -55,14 +55,14 @@ impl Navigator {
         Self { analysis: parsed.check(), table, tokens }
     }
 
-    /// Rank of a file, by the path it was reached by; the first time it was.
+    /// Index of a file by the path it was reached by; of several inclusions, the first.
     #[must_use]
     pub fn file(&self, path: &Path) -> Option<u32> {
         let mut files = self.analysis.sources.files();
         files.find(|(_, file)| file.path() == path).map(|(rank, _)| rank)
     }
 
-    /// The name at a byte of a file (its end counts), and what it stands for.
+    /// The name at a byte offset of a file (or ending there), and its symbol.
     #[must_use]
     pub fn symbol_at(&self, file: u32, offset: u32) -> Option<(Span, &Symbol)> {
         let (span, id) = self.use_at(file, offset)?;
@@ -73,7 +73,7 @@ impl Navigator {
         let uses = &self.table.uses;
         let after = uses.partition_point(|(span, _)| (span.file, span.start) <= (file, offset));
         let before = uses.get(..after)?.iter().rev();
-        // What a macro made stands in one place: the first of it is as good as another.
+        // All names made by a macro have one position: the first is taken.
         before
             .take_while(|(span, _)| span.file == file)
             .take(8)
@@ -81,7 +81,7 @@ impl Navigator {
             .find(|(span, _)| span.end >= offset)
     }
 
-    /// Where something is declared: a type, or a member of one, by its full name.
+    /// Position of the declaration of a type, or of a member of one, by full name.
     #[must_use]
     pub fn declared(&self, name: &ScopedName, member: Option<&str>) -> Option<Span> {
         let mut at = 0;
@@ -94,7 +94,7 @@ impl Navigator {
         self.table.get(at).map(|symbol| symbol.span)
     }
 
-    /// Where what stands at a byte is declared, or the file that is included there.
+    /// Position of the declaration of the name at a byte offset, or the file included there.
     #[must_use]
     pub fn definition(&self, file: u32, offset: u32) -> Option<Span> {
         let sources = &self.analysis.sources;
@@ -110,8 +110,8 @@ impl Navigator {
         real.then_some(symbol.span)
     }
 
-    /// Every place that names what stands at a byte, its declaration included. A codel is one
-    /// function wherever it is used.
+    /// Every position that refers to the symbol at a byte offset, its declaration included. A codel
+    /// is one function wherever it is used.
     #[must_use]
     pub fn references(&self, file: u32, offset: u32) -> Vec<Span> {
         let Some((_, wanted)) = self.use_at(file, offset) else { return Vec::new() };

@@ -1,21 +1,21 @@
-//! What a file declares, as a tree.
+//! The declarations of a file, as a tree.
 
 use std::collections::HashMap;
 
 use super::Navigator;
 use super::symbol::{Symbol, SymbolKind};
 
-/// Something declared, and what is declared in it.
+/// A declaration, and those inside it.
 #[derive(Clone, Debug)]
 pub struct Outline<'a> {
-    /// What it is.
+    /// The symbol that it declares.
     pub symbol: &'a Symbol,
-    /// What it holds, in order.
+    /// Declarations inside it, in order.
     pub children: Vec<Outline<'a>>,
 }
 
 impl Navigator {
-    /// What a file declares; parameters, locals and states are left out.
+    /// The declarations of a file, without parameters, locals and states.
     #[must_use]
     pub fn outline(&self, file: u32) -> Vec<Outline<'_>> {
         use SymbolKind as K;
@@ -25,7 +25,7 @@ impl Navigator {
         };
         let mut inside: HashMap<usize, Vec<usize>> = HashMap::new();
         for (id, symbol) in self.table.all.iter().enumerate().filter(|(_, symbol)| shown(symbol)) {
-            // What encloses it may be in another file, as for a reopened component.
+            // The enclosing declaration may be in another file, as for a reopened component.
             let parent = self.table.get(symbol.parent).filter(|parent| shown(parent));
             inside.entry(parent.map_or(0, |_| symbol.parent)).or_default().push(id);
         }

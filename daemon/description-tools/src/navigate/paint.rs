@@ -1,4 +1,4 @@
-//! What each word of a text is: for editors that colour by meaning.
+//! Semantic highlighting: the kind of each word of a text.
 
 use std::collections::HashMap;
 
@@ -8,27 +8,27 @@ use genom_description::token::TokenKind;
 use super::Navigator;
 use super::symbol::SymbolKind;
 
-/// What a word is.
+/// Kind of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Paint {
-    /// A word of the language.
+    /// A keyword.
     Keyword,
     /// A number.
     Number,
-    /// A text or a character.
+    /// A string or character.
     Text,
-    /// A name of something declared, here or elsewhere.
+    /// The name of a symbol.
     Name {
-        /// What it names.
+        /// Kind of the symbol.
         kind: SymbolKind,
-        /// Whether it is declared here.
+        /// Whether this is its declaration.
         declaration: bool,
     },
 }
 
 impl Navigator {
-    /// The words of a file that mean something, in order. Signs and comments are left out, and
-    /// what macros make has no place of its own.
+    /// The words of a file with their kinds, in order. Punctuation and comments are left out, and
+    /// so is what macros make, since it has no position of its own.
     #[must_use]
     pub fn paints(&self, file: u32) -> Vec<(Span, Paint)> {
         let uses = self.table.uses.iter().filter(|(span, _)| span.file == file);
@@ -47,7 +47,7 @@ impl Navigator {
                 TokenKind::String(_) | TokenKind::Char(_) => Paint::Text,
                 TokenKind::Identifier(word) => match named.get(&span.start) {
                     Some(id) => match self.table.get(*id) {
-                        // `ids` is a word that stands for what it declares.
+                        // `ids` is a keyword and the name of what it declares.
                         Some(symbol) if symbol.kind == SymbolKind::Ids => Paint::Keyword,
                         Some(symbol) => {
                             let declaration = symbol.span == span;

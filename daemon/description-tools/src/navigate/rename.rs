@@ -1,4 +1,4 @@
-//! Another name for something, everywhere it is named.
+//! Renames a symbol wherever it is used.
 
 use genom_description::model::Span;
 use genom_text::is_name;
@@ -6,38 +6,38 @@ use genom_text::is_name;
 use super::Navigator;
 use super::symbol::{Symbol, SymbolKind};
 
-/// Why something keeps its name.
+/// Why a symbol cannot be renamed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RenameError {
-    /// Nothing is named there.
+    /// There is no name at that position.
     #[error("nothing here has a name that can be changed")]
     Nothing,
-    /// It is declared by genomd itself.
+    /// The symbol is declared by genomd itself.
     #[error("`{name}` is part of every component and keeps its name")]
     Standard {
-        /// Name of the thing that has to keep it.
+        /// Name of the symbol.
         name: String,
     },
-    /// The name is reserved, or made of characters that names do not have.
+    /// The new name is reserved, or not an identifier.
     #[error("`{name}` cannot be a name: letters, digits and `_`, and no word of the language")]
     Name {
-        /// The name asked for.
+        /// The requested name.
         name: String,
     },
-    /// A macro makes the name.
+    /// A macro makes one of the uses.
     #[error("macro `{name}` makes one of the places; change it there")]
     Macro {
-        /// Macro whose expansion holds the name.
+        /// The macro.
         name: String,
     },
 }
 
 impl Navigator {
-    /// The name at a byte of a file, if it can be changed.
+    /// The name at a byte offset of a file, if it can be changed.
     ///
     /// # Errors
-    /// When it cannot, and why.
+    /// There is no name, or it cannot be changed.
     pub fn renamed_at(&self, file: u32, offset: u32) -> Result<Span, RenameError> {
         let (span, symbol) = self.symbol_at(file, offset).ok_or(RenameError::Nothing)?;
         self.is_ours(symbol)?;
@@ -45,10 +45,10 @@ impl Navigator {
         Ok(span)
     }
 
-    /// The places to write another name in.
+    /// All positions at which the new name has to be written.
     ///
     /// # Errors
-    /// When the name cannot be changed, or not to this one.
+    /// The name cannot be changed, or not to `to`.
     pub fn rename(&self, file: u32, offset: u32, to: &str) -> Result<Vec<Span>, RenameError> {
         let (_, symbol) = self.symbol_at(file, offset).ok_or(RenameError::Nothing)?;
         self.is_ours(symbol)?;
@@ -73,7 +73,7 @@ impl Navigator {
         Ok(())
     }
 
-    /// The name stands there as it is, and not what a macro makes of something else.
+    /// Checks that the name is in the text at that position, not made by a macro.
     fn is_written(&self, span: Span, symbol: &Symbol) -> Result<(), RenameError> {
         let sources = &self.analysis.sources;
         match sources.expansion(span) {

@@ -1,14 +1,14 @@
-//! What a description declares, and where each name is used.
+//! The symbols of a description, and the uses of each name.
 
 use std::collections::{HashMap, HashSet};
 
 use genom_description::model::Span;
 use genom_description::syntax::{Name, Path};
 
-/// Kinds of what can be declared.
+/// Kinds of symbols.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SymbolKind {
-    /// Everything else is in it.
+    /// Contains all others.
     Root,
     /// `module`
     Module,
@@ -22,7 +22,7 @@ pub enum SymbolKind {
     Union,
     /// `enum`
     Enum,
-    /// One of an enum.
+    /// A value of an enum.
     Enumerator,
     /// `typedef`
     Typedef,
@@ -32,7 +32,7 @@ pub enum SymbolKind {
     Exception,
     /// `const`
     Constant,
-    /// Of a struct, union, exception or the IDS.
+    /// Member of a struct, union, exception or the IDS.
     Member,
     /// `ids`
     Ids,
@@ -46,15 +46,15 @@ pub enum SymbolKind {
     Function,
     /// `activity`
     Activity,
-    /// `service`, as in the papers.
+    /// `service`, as in the papers' dialects.
     Service,
-    /// Of a service.
+    /// Parameter of a service.
     Parameter,
     /// `local` of a service.
     Local,
     /// `codel` or `validate`
     Codel,
-    /// Of a task or an activity.
+    /// State of a task or an activity.
     State,
     /// `event`
     Event,
@@ -76,28 +76,28 @@ impl SymbolKind {
     }
 }
 
-/// Something declared.
+/// Something that a description declares.
 #[derive(Clone, Debug)]
 pub struct Symbol {
     /// Name as declared, without scopes.
     pub name: Box<str>,
-    /// What it is.
+    /// Kind of symbol.
     pub kind: SymbolKind,
-    /// The name where it is declared.
+    /// Position of the name in the declaration.
     pub span: Span,
-    /// The whole of the declaration.
+    /// The whole declaration.
     pub extent: Span,
-    /// What to show of the declaration.
+    /// The part of the declaration to show.
     pub signature: Span,
     /// `doc`, lines joined.
     pub doc: Option<String>,
-    /// What it is declared in.
+    /// Index of the symbol that contains it.
     pub parent: usize,
-    /// The named type that its members are found in.
+    /// Index of its named type, in which its members are found.
     pub ty: Option<usize>,
 }
 
-/// Names that do not clash with those of another of these.
+/// Name spaces: names in different ones do not clash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Space {
     /// Types, constants, modules, components.
@@ -116,9 +116,9 @@ pub(super) enum Space {
 pub(super) struct Table {
     pub(super) all: Vec<Symbol>,
     names: HashMap<(usize, Space, Box<str>), usize>,
-    /// Interfaces whose contents are those of a component or interface as well.
+    /// Interfaces that a component or interface includes.
     pub(super) provided: HashMap<usize, Vec<usize>>,
-    /// Where names stand, declarations included.
+    /// Positions of names, with their symbols; declarations are included.
     pub(super) uses: Vec<(Span, usize)>,
 }
 
@@ -142,7 +142,7 @@ impl Table {
         self.all.get(id)
     }
 
-    /// Adds a symbol; one that is there already (reopened, or declared twice) stays as it was.
+    /// Adds a symbol; one that exists (reopened, or declared twice) is kept.
     pub(super) fn add(&mut self, space: Option<Space>, symbol: Symbol) -> usize {
         let id = self.all.len();
         if let Some(space) = space {
@@ -158,7 +158,7 @@ impl Table {
         id
     }
 
-    /// Makes a symbol known in another scope too.
+    /// Makes a symbol visible in another scope too.
     pub(super) fn alias(&mut self, scope: usize, name: &str, id: usize) {
         self.names.entry((scope, Space::Scope, name.into())).or_insert(id);
     }
@@ -167,12 +167,12 @@ impl Table {
         self.names.get(&(parent, space, name.into())).copied()
     }
 
-    /// In a body, or in the interfaces it has to do with.
+    /// Finds a name in a body, or in the interfaces that it includes.
     pub(super) fn in_body(&self, body: usize, space: Space, name: &str) -> Option<usize> {
         self.bodies(body).into_iter().find_map(|id| self.local(id, space, name))
     }
 
-    /// A body and the interfaces it has to do with.
+    /// A body and the interfaces that it includes.
     pub(super) fn bodies(&self, body: usize) -> Vec<usize> {
         let mut found = vec![body];
         let mut seen: HashSet<usize> = [body].into();
@@ -188,7 +188,7 @@ impl Table {
         found
     }
 
-    /// What each segment of a path stands for; empty if the whole means nothing.
+    /// The symbols of all segments of a path; empty if it cannot be resolved.
     // genom3.md 4.2: each scope outwards, the name tried as a whole.
     pub(super) fn path(&self, from: usize, path: &Path) -> Vec<usize> {
         let mut scope = if path.absolute { 0 } else { from };
@@ -215,7 +215,7 @@ impl Table {
 
     /// The struct, union, exception or IDS behind typedefs.
     pub(super) fn record(&self, mut id: usize) -> usize {
-        // Bounded: `typedef a b; typedef b a;` is an error, not a hang.
+        // The number of steps is limited: `typedef a b; typedef b a;` must not hang.
         for _ in 0..self.all.len() {
             match self.get(id) {
                 Some(Symbol { kind: SymbolKind::Typedef, ty: Some(ty), .. }) => id = *ty,
@@ -225,27 +225,28 @@ impl Table {
         id
     }
 
-    /// The member `name` of what a symbol holds.
+    /// The member `name` of a symbol's type.
     pub(super) fn member(&self, of: usize, name: &str) -> Option<usize> {
         let symbol = self.get(of)?;
         self.local(self.record(symbol.ty?), Space::Member, name)
     }
 
-    /// What holds the members of the IDS of a body: own, and those of its interfaces.
+    /// The symbols that contain the members of the IDS of a body: its own, and those of its
+    /// interfaces.
     pub(super) fn ids(&self, body: usize) -> impl Iterator<Item = usize> {
         self.bodies(body).into_iter().filter_map(|body| {
             let ids = self.local(body, Space::Member, "ids")?;
-            // 2010: the IDS is a struct declared apart.
+            // In the 2010 dialect, the IDS is a struct that is declared separately.
             Some(self.get(ids)?.ty.map_or(ids, |ty| self.record(ty)))
         })
     }
 
-    /// What is declared directly in `parent`.
+    /// The symbols declared directly in `parent`.
     pub(super) fn children(&self, parent: usize) -> impl Iterator<Item = (usize, &Symbol)> {
         self.all.iter().enumerate().skip(1).filter(move |(_, symbol)| symbol.parent == parent)
     }
 
-    /// The innermost symbol around `id`, itself included, of one of these kinds.
+    /// The innermost symbol of the wanted kinds that contains `id`, or `id` itself.
     pub(super) fn around(&self, mut id: usize, wanted: impl Fn(SymbolKind) -> bool) -> usize {
         while let Some(symbol) = self.get(id).filter(|_| id != 0) {
             if wanted(symbol.kind) {
@@ -256,7 +257,7 @@ impl Table {
         0
     }
 
-    /// The component or interface around a symbol; 0 outside of all.
+    /// The component or interface that contains a symbol; 0 if there is none.
     pub(super) fn body_of(&self, id: usize) -> usize {
         self.around(id, |kind| matches!(kind, SymbolKind::Component | SymbolKind::Interface))
     }

@@ -1,7 +1,7 @@
-//! The tree walked: everything declared becomes a symbol, everything named is noted.
+//! Walks the tree: declarations become symbols, uses of names are recorded.
 //!
-//! Names are resolved when all is declared, so that order does not matter: this index helps
-//! people who are in the middle of writing, it checks nothing.
+//! Names are resolved at the end, so the order of declarations does not matter: this index is for
+//! texts that are being written, it checks nothing.
 
 use genom_description::model::Span;
 use genom_description::syntax::{
@@ -13,16 +13,16 @@ use genom_description::syntax::{
 use super::extent::Extents;
 use super::symbol::{Space, Symbol, SymbolKind, Table};
 
-/// A name whose meaning is looked for in the end.
+/// A use of a name, to be resolved at the end.
 pub(super) enum Pending {
-    /// A type, constant or exception; the type of `typed`, if given.
+    /// A type, constant or exception; it becomes the type of symbol `typed`, if given.
     Path { scope: usize, path: Path, typed: Option<usize> },
-    /// Something in a space of a component.
+    /// A name in one name space of a component.
     Named { body: usize, space: Space, name: Name },
-    /// An interface, whose contents then belong to `body` too.
+    /// An interface that `body` includes.
     Interface { body: usize, name: Name },
-    /// What a codel or attribute takes, with the spaces to look in (members are those of the
-    /// IDS of the body given); `typed` is of its type.
+    /// The source of a codel's or attribute's parameter, with the name spaces to search (members
+    /// are those of the IDS of the body); `typed` gets its type.
     Variable { places: Vec<(usize, Space)>, variable: Variable, typed: Option<usize> },
     /// `.member =` in the initial value of a symbol.
     Initial { of: usize, value: Initializer },
@@ -36,7 +36,7 @@ pub(super) struct Walker<'a> {
 
 impl Walker<'_> {
     pub(super) fn tree(&mut self, tree: &Tree) {
-        // In the papers' files what stands outside belongs to the component of the file.
+        // In the papers' dialects, statements outside belong to the component of the file.
         let component = tree.statements.iter().find_map(|statement| match statement {
             Statement::Component(body) => Some(body),
             _ => None,
@@ -59,7 +59,7 @@ impl Walker<'_> {
         }
     }
 
-    /// A symbol named `name`, declared by the statement it stands in.
+    /// A symbol for `name`, with the statement around it as its extent.
     pub(super) fn symbol(&self, parent: usize, name: &Name, kind: SymbolKind) -> Symbol {
         let extent = self.extents.statement(name.span);
         Symbol {
@@ -74,7 +74,7 @@ impl Walker<'_> {
         }
     }
 
-    /// A symbol that is one of a list.
+    /// A symbol that is an element of a list.
     pub(super) fn listed(
         parent: usize,
         name: &Name,
@@ -125,7 +125,7 @@ impl Walker<'_> {
             Idl::Constructed(constructed) => {
                 self.constructed(scope, constructed);
             }
-            // The definition is the better place to go to.
+            // Going to the definition is preferred to going to the forward declaration.
             Idl::Forward { name, .. } => self.pending.push(Pending::Path {
                 scope,
                 path: Path { absolute: false, segments: vec![name.clone()], span: name.span },
@@ -182,7 +182,7 @@ impl Walker<'_> {
         self.typed(record, ty, declarator, id);
     }
 
-    /// Notes the type and dimensions of a symbol.
+    /// Records the type and dimensions of a symbol.
     pub(super) fn typed(&mut self, scope: usize, ty: &TypeSpec, d: &Declarator, id: usize) {
         self.spec(scope, ty, Some(id));
         for dimension in &d.dimensions {
@@ -229,7 +229,7 @@ impl Walker<'_> {
         }
     }
 
-    /// Constants named in an initial value, and its members.
+    /// Records constants in an initial value, and members it sets.
     pub(super) fn initial(&mut self, scope: usize, of: usize, value: &Initializer) {
         self.constants(scope, value);
         self.pending.push(Pending::Initial { of, value: value.clone() });
@@ -250,7 +250,7 @@ impl Walker<'_> {
         }
     }
 
-    /// Gives every noted name its meaning, as far as it has one.
+    /// Resolves all recorded names, as far as possible.
     pub(super) fn resolve(mut self) -> Table {
         let pending = std::mem::take(&mut self.pending);
         let mut later = Vec::new();
@@ -274,7 +274,7 @@ impl Walker<'_> {
                 other => later.push(other),
             }
         }
-        // Members need the types of what they are in; what services take, their interfaces.
+        // Members need the types of the symbols that contain them; variables need the interfaces.
         for one in later {
             match one {
                 Pending::Named { body, space, name } => {

@@ -1,4 +1,4 @@
-//! The formatter: same meaning, same comments, and once is enough.
+//! The formatter keeps meaning and comments, and is idempotent.
 
 use std::sync::LazyLock;
 
@@ -115,7 +115,7 @@ fn what_cannot_be_cut_into_tokens_is_left_alone() {
     assert_eq!(refused("a ??< b"), FormatError::Joined { line: 1 });
 }
 
-/// What a description means, without places.
+/// The meaning of a description, without positions.
 fn meaning(analysis: &Analysis) -> Vec<String> {
     let spec = &analysis.specification;
     let mut out: Vec<_> =
@@ -225,7 +225,7 @@ proptest! {
     }
 }
 
-/// Small descriptions whose blanks may be changed at will: no string, comment or directive.
+/// Small descriptions without strings, comments and directives: all blanks may be changed.
 static PLAIN: LazyLock<Vec<String>> = LazyLock::new(|| {
     let mut files: Vec<_> = std::fs::read_dir(path("../description/tests/cases"))
         .unwrap()
@@ -262,7 +262,7 @@ proptest! {
     }
 }
 
-/// What `check` does not read, `fmt` does not either.
+/// The formatter skips the same text as `check`.
 #[test]
 fn what_if_0_leaves_out_need_not_make_sense_and_is_kept() {
     check(
@@ -290,7 +290,7 @@ fn what_if_0_leaves_out_need_not_make_sense_and_is_kept() {
     let analysis =
         read_text("x.gen", "#if 0\ndon't \"\n#endif\ncomponent c;\n", &Options::default());
     assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
-    // Never closed: as `check` says.
+    // Never closed: `check` reports it.
     assert!(format_text("#if 0\n'\n").is_ok());
     assert!(format_text("#if 1\n'\n#endif\n").is_err());
 }

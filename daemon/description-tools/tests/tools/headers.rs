@@ -1,4 +1,4 @@
-//! Headers compile, and what they lay out is what genomd lays out.
+//! Headers compile, and have the layouts that genomd computes.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ fn include() -> PathBuf {
     path("../../plugin-api/include")
 }
 
-/// Runs a compiler, which must say nothing.
+/// Runs a compiler, which must not print anything.
 #[track_caller]
 fn compile(command: &mut Command, what: &str) {
     let output = command.output().unwrap();
@@ -38,7 +38,7 @@ fn gcc(program: &str, standard: &str, dir: &Path) -> Command {
 #[test]
 fn headers_compile_without_warning_in_c_and_cxx_and_rust() {
     let dir = tempfile::tempdir().unwrap();
-    // All in one source each: every header is included twice, then all of them together.
+    // All in one source: every header is included twice, then all of them together.
     let mut modules = String::new();
     for (rank, (file, analysis)) in all_accepted().iter().enumerate() {
         let what = file.display().to_string();
@@ -71,7 +71,7 @@ fn several_components_are_included_together_in_any_order() {
     std::fs::write(&other, text.replace("component demo", "component other")).unwrap();
     write_header(&accepted(&other), Language::C, dir.path(), "b.h");
     let source = dir.path().join("x.c");
-    // The codels have other prototypes in the other component: only types may be shared.
+    // Codels have other prototypes in the other component: only types can be shared.
     for (first, second) in [("a.h", "b.h"), ("b.h", "a.h")] {
         let strip = |name: &str| {
             let text = std::fs::read_to_string(dir.path().join(name)).unwrap();
@@ -99,7 +99,7 @@ fn measuring_program(analysis: &Analysis, expected: &mut String) -> String {
     for (id, kind) in spec.types.iter() {
         let Ok(ty) = DataType::new(&spec.types, id) else { continue };
         let c = spec.types.c_name(id);
-        // Structs made of parameters are no types of the header.
+        // Structs made of parameters are not in the header.
         let record = match kind.name().map(|name| name.segments()) {
             Some([_, _, part]) => ["input", "output", "local"].contains(&part.as_str()),
             _ => false,
@@ -154,7 +154,7 @@ fn sizes_and_offsets_in_c_and_cxx_are_those_of_genomd() {
         let output = Command::new(&program).output().unwrap();
         assert_eq!(String::from_utf8_lossy(&output.stdout), expected, "{what}");
     }
-    // The rich description must be among them, and measured in depth.
+    // The rich description must be among them, with its inner types.
     let mut expected = String::new();
     measuring_program(&accepted(&path("tests/tools/rich.gen")), &mut expected);
     assert!(expected.contains("demo_holder ") && expected.lines().count() > 80);
@@ -203,7 +203,7 @@ fn the_header_is_that_of_the_reference_to_the_letter() {
         let found = text.lines().any(|found| found == line);
         assert!(found, "missing: {line}\nin:\n{text}");
     }
-    // In two files: what comes before the component's own types, and those.
+    // Split into what precedes the component's own types, and the rest.
     let middle = text.find("#ifndef _demo_opaque_c_type").expect("the component's first type");
     let (others, own) = text.split_at(middle);
     expect_file!["rich-others.h"].assert_eq(others);
@@ -289,7 +289,7 @@ fn an_unknown_component_is_refused_with_those_there_are() {
     assert_eq!(error.to_string(), "there is no component `nope`; those described are: `demo`");
 }
 
-/// Components of the project, with the name of their hand-written header.
+/// Components of the project that have a hand-written header.
 const COMPONENTS: [&str; 3] =
     ["components/demo", "components/demo/papers/2010", "components/demo/papers/2011"];
 
@@ -331,7 +331,7 @@ fn codels_in_cxx_can_use_every_type() {
     }
 }
 
-/// Sources of codels count on what GenoM3's headers included: errno above all.
+/// Sources of codels depend on what GenoM3's headers included, errno above all.
 #[test]
 fn codels_that_include_only_the_header_have_errno_memory_and_strings() {
     let dir = tempfile::tempdir().unwrap();
@@ -359,7 +359,7 @@ fn codels_that_include_only_the_header_have_errno_memory_and_strings() {
     }
 }
 
-/// genom3.md D: `_maximum` of bounded sequences is not const, so structs are assigned whole.
+/// genom3.md D: `_maximum` of bounded sequences is not const, so whole structs can be assigned.
 #[test]
 fn codels_assign_structs_with_bounded_sequences_whole() {
     let dir = tempfile::tempdir().unwrap();

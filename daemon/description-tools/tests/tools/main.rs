@@ -1,4 +1,4 @@
-//! What is made of a description: headers, formatted text, pictures, descriptions.
+//! What is generated from a description: headers, formatted text, diagrams, descriptions.
 
 #[cfg(test)]
 mod format;

@@ -1,4 +1,4 @@
-//! Pictures and descriptions of components.
+//! Diagrams and descriptions of components.
 
 use expect_test::expect_file;
 use genom_description_tools::{Graph, describe, describe_text, graph};

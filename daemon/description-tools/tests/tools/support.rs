@@ -1,4 +1,4 @@
-//! Descriptions to work on.
+//! Descriptions for these tests.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub(crate) fn accepted(path: &Path) -> Analysis {
     analysis
 }
 
-/// The descriptions of the tests that have no error, and there are many.
+/// The descriptions among the test data that have no error.
 pub(crate) fn all_accepted() -> Vec<(PathBuf, Analysis)> {
     let folders = ["../description/tests/cases", "../description/tests/papers", "tests/tools"];
     let mut found = Vec::new();

@@ -1,10 +1,11 @@
-//! A description of any length: one component with thousands of structs, attributes, activities.
+//! Generates descriptions of any length: one component with thousands of structs, attributes and
+//! activities.
 
 use std::fmt::Write as _;
 
 /// A legal description of about `lines` lines.
 pub(crate) fn description(lines: usize) -> String {
-    // Lines that one block takes: its structs, members, attribute, function and activity.
+    // Lines of one block: its structs, members, attribute, function and activity.
     const BLOCK: usize = 24;
     let blocks = (lines / BLOCK).max(1);
     let mut text = String::from("const long size = 4;\ncomponent big {\n  version \"1.0\";\n");

@@ -14,7 +14,7 @@ fn main() {
     for lines in [1_000, 10_000, 100_000] {
         let text = generate::description(lines);
         let count = text.lines().count();
-        // The best of a few runs: the others measure the machine's other work.
+        // The best of a few runs: the others were disturbed by other work of the machine.
         let mut best = Duration::MAX;
         let mut errors = 0;
         for _ in 0..5 {

@@ -1,4 +1,4 @@
-//! Descriptions that repeat one thing: none may take more than linear time.
+//! Descriptions that repeat one construct: checking each must take linear time.
 
 fn rep(n: usize, f: impl Fn(usize) -> String) -> String {
     (0..n).map(f).collect()

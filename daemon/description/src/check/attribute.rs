@@ -9,7 +9,7 @@ use crate::model::{Direction, PathStep, Span};
 use crate::syntax::{self, Name, Variable, VariableParameter, VariableStep};
 
 impl Checker {
-    /// The place of a variable in the IDS; `None` for the whole of it.
+    /// Path from the IDS to a variable; `None` for the whole IDS.
     // genom3.md 3.7 K14.
     pub(super) fn ids_path(
         &mut self,
@@ -118,7 +118,7 @@ impl Checker {
         })
     }
 
-    /// Names of the members of the IDS, for help.
+    /// Names of the members of the IDS, for suggestions.
     pub(super) fn ids_names(&self, id: BodyId) -> Vec<&str> {
         self.bodies[id].ids.map(|ids| self.member_names(ids)).unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! Components and interfaces, opened and closed.
+//! Opening and closing of components and interfaces.
 
 use std::collections::HashSet;
 
@@ -118,7 +118,7 @@ impl Checker {
         Some(id)
     }
 
-    /// The state of a name, made if new.
+    /// Index of the state with this name, added if new.
     // genom3.md 3.7 K6.
     pub(super) fn state(&mut self, id: BodyId, name: &Name) -> Option<usize> {
         if let Some(rank) = self.bodies[id].states.get_index_of(&name.text) {
@@ -176,7 +176,7 @@ impl Checker {
         self.scope = outer;
     }
 
-    /// Makes the struct of the IDS, empty, if there is none.
+    /// Adds an empty struct for the IDS, if there is none.
     pub(super) fn open_ids(&mut self, id: BodyId, name: Option<&Name>, span: Span) {
         if self.bodies[id].ids.is_some() {
             return;
@@ -203,7 +203,7 @@ impl Checker {
         self.grow_type(ids, member, span);
     }
 
-    /// An interface by name, or a report with `unknown` as its code.
+    /// Finds an interface by name; reports code `unknown` if there is none.
     // genom3.md 3.4 I2, I3.
     pub(super) fn interface(
         &mut self,
@@ -236,7 +236,7 @@ impl Checker {
         }
     }
 
-    /// The checks made when a body closes (genom3.md 4.1).
+    /// Checks that are made when a body closes (genom3.md 4.1).
     fn close_body(&mut self, id: BodyId) {
         let mut tasks: Vec<_> =
             std::mem::take(&mut self.bodies[id].touched_tasks).into_iter().collect();

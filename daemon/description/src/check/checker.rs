@@ -1,4 +1,4 @@
-//! What is known while a tree is checked.
+//! State of checking a tree.
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -12,10 +12,10 @@ use super::value::Value;
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::model::{Constant, Dialect, Masquerade, Span};
 
-/// Errors that get a nearest name: finding it costs a look at all names.
+/// Errors that get a suggestion: finding the nearest name compares all names.
 const SUGGESTIONS: u32 = 50;
 
-/// Makes a model of trees; each file of this folder adds the rules of one subject.
+/// Makes a model from trees; each file of this folder adds the rules of one subject.
 pub(super) struct Checker {
     pub(super) types: TypeTable,
     pub(super) facts: Vec<Facts>,
@@ -25,35 +25,36 @@ pub(super) struct Checker {
     pub(super) scopes: Scopes,
     pub(super) scope: ScopeId,
     pub(super) constants: Vec<Constant>,
-    /// Values of the constants, `None` when they could not be computed.
+    /// Values of the constants; `None` for those that could not be computed.
     pub(super) constant_values: Vec<Option<Value>>,
     pub(super) forwards: Vec<(TypeId, Span)>,
     pub(super) masquerades: Vec<Masquerade>,
     pub(super) bodies: Vec<Body>,
     pub(super) body_index: HashMap<Rc<str>, BodyId>,
-    /// Prototype of each codel, by name (K1).
+    /// First use of each codel name, which fixes its prototype (K1).
     pub(super) prototypes: HashMap<Rc<str>, Prototype>,
-    /// Names of all codels: most are new, and need not be compared with their neighbours.
+    /// Names of all codels so far: for a new one no duplicate has to be searched.
     pub(super) codel_names: HashSet<Rc<str>>,
     /// `#pragma requires` so far.
     pub(super) requires: Vec<String>,
     /// `#pragma provides` so far.
     pub(super) provided: Vec<(BodyId, Span)>,
-    /// Names whose declaration was refused: their use is not reported as unknown.
+    /// Names whose declaration was refused; their use is not reported again.
     pub(super) lost: HashSet<Rc<str>>,
     pub(super) suggestions: u32,
     pub(super) taken: Taken,
-    /// Place of the statement being checked, for errors about things without a place of their own.
+    /// Position of the statement being checked, for errors about items without a position of their
+    /// own.
     pub(super) place: Span,
     pub(super) dialect: Dialect,
     pub(super) diagnostics: Diagnostics,
 }
 
-/// What was taken of the room so far.
+/// Memory counted so far, for the limit of `room`.
 #[derive(Debug, Default)]
 pub(super) struct Taken {
     pub(super) bytes: usize,
-    /// The limit is reached: nothing more is made, and one error says so.
+    /// The limit is reached: nothing more is made, and this was reported once.
     pub(super) full: bool,
 }
 

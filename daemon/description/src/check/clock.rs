@@ -6,7 +6,7 @@ use super::Checker;
 use super::state::BodyId;
 use crate::diagnostic::Diagnostic;
 
-/// How far from a whole number of clock ticks a period may be.
+/// Greatest difference between a period and a whole number of clock ticks, in ticks.
 const TOLERANCE: f64 = 1e-6;
 
 impl Checker {
@@ -85,7 +85,7 @@ fn gcd(mut a: u64, mut b: u64) -> u64 {
     a
 }
 
-/// Seconds of the text as a duration.
+/// Converts seconds to a duration; 0 when they are out of range.
 pub(super) fn duration(seconds: f64) -> Duration {
     Duration::try_from_secs_f64(seconds).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! Codels: where their arguments come from, what they yield (genom3.md 3.7, 4.4).
+//! Codels: sources of their arguments, and what they yield (genom3.md 3.7, 4.4).
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -14,7 +14,7 @@ use crate::model::{Dialect, Direction, Ix as _, PortIx, Source, Span, Yield};
 use crate::syntax::{self, Codel, Name, Qualifier, Variable};
 
 impl Checker {
-    /// Whether no codel of the same owner has this name.
+    /// Reports a second codel with this name in one owner; true when there is none.
     // genom3.md 3.7 K2.
     pub(super) fn is_new_codel<'s>(
         &mut self,
@@ -35,8 +35,8 @@ impl Checker {
         false
     }
 
-    /// Resolves a codel in a body. `fixed` gives the sources found in the interface it comes
-    /// from.
+    /// Resolves a codel in a body. `fixed` holds the sources that its parameters have in the
+    /// interface it comes from.
     pub(super) fn codel(
         &mut self,
         id: BodyId,
@@ -181,7 +181,7 @@ impl Checker {
             (Qualifier::Local, Some(variable)) => self.local_source(service, variable)?,
             (Qualifier::Port, Some(variable)) => {
                 let (port, ty) = self.port_source(id, codel, variable, direction, role)?;
-                // dialects.md, C signatures: a port and an IDS member may bear one name.
+                // dialects.md, C signatures: a port and an IDS member may have the same name.
                 if dcl.paper && dcl.rename.is_none() && self.ids_names(id).contains(&&*name) {
                     name = format!("{name}_port").into();
                 }
@@ -200,7 +200,7 @@ impl Checker {
         Some(CodelParameter { name, direction, ty, source, qualifier, span: dcl.span })
     }
 
-    /// Where an unqualified parameter comes from.
+    /// The source of a parameter without qualifier.
     // genom3.md 4.4, 3.7 K12, K13.
     fn implicit_source(
         &mut self,
@@ -329,7 +329,7 @@ impl Checker {
         Some((PortIx::new(rank), ty))
     }
 
-    /// Reports a port or remote that the component does not have.
+    /// Reports a port or remote that the component lacks.
     fn unknown(
         &mut self,
         id: BodyId,

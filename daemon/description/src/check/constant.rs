@@ -1,4 +1,4 @@
-//! Evaluating expressions and fitting values into types (genom3.md 2.6, 3.3).
+//! Evaluates constant expressions and converts values to types (genom3.md 2.6, 3.3).
 
 use genom_types::{Kind, Label, TypeId};
 use serde_json::Value as Json;
@@ -12,7 +12,7 @@ use crate::model::{Constant, Span};
 use crate::syntax::{Binary, Const, Expression, ExpressionKind, Literal, Quantity, Unary};
 
 impl Checker {
-    /// The value of an expression; `None` is reported already.
+    /// The value of an expression; `None` after an error that was reported.
     pub(super) fn evaluate(&mut self, expression: &Expression) -> Option<Value> {
         match &expression.kind {
             ExpressionKind::Error => None,
@@ -74,7 +74,7 @@ impl Checker {
         None
     }
 
-    /// A size, index, priority or stack.
+    /// Evaluates a size, index, priority or stack size.
     // genom3.md 3.3 C3.
     pub(super) fn positive(&mut self, expression: &Expression) -> Option<u64> {
         let value = self.evaluate(expression)?;
@@ -96,7 +96,7 @@ impl Checker {
         number
     }
 
-    /// A time in seconds.
+    /// Evaluates a time, in seconds.
     // genom3.md 3.3 C4, 3.5 P8.
     pub(super) fn seconds(&mut self, quantity: &Quantity, what: &str) -> Option<f64> {
         let value = self.evaluate(&quantity.value)?;
@@ -128,7 +128,7 @@ impl Checker {
         let Some(ty) = ty else { return };
         if self.declare(&dcl.name, Entity::Const(self.constants.len())) {
             let json = value.as_ref().map_or(Json::Null, |value| self.json(value, ty));
-            // A constant may be another one again, with the whole of its text.
+            // A constant may refer to another one, whose whole text is then copied.
             if !self.reserve(2 * of_json(&json), dcl.name.span) {
                 return;
             }
@@ -142,7 +142,7 @@ impl Checker {
         }
     }
 
-    /// The value as one of `ty`, or a report, with `refused` as its code.
+    /// Converts a value to type `ty`; if that is impossible, reports code `refused`.
     // genom3.md 3.3 C5, C6.
     pub(super) fn fit(
         &mut self,
@@ -152,7 +152,7 @@ impl Checker {
         refused: &'static str,
     ) -> Option<Value> {
         let resolved = self.types.resolve(ty);
-        // Enums are large and compared by type; the other kinds that matter are small.
+        // Enums are large and compared by type; of other kinds a copy is cheap.
         let kind = match self.types.kind(resolved) {
             Kind::Enum { .. } => None,
             Kind::Struct { .. } | Kind::Exception { .. } | Kind::Union { .. } => Some(Kind::Any),
@@ -229,7 +229,7 @@ impl Checker {
         }
     }
 
-    /// genom3.md 3.10: GenoM3 checks no range; we warn.
+    /// genom3.md 3.10: GenoM3 checks no ranges; here it is a warning.
     fn check_range(&mut self, value: &Value, kind: &Kind, span: Span) {
         let range = match kind {
             Kind::Octet => 0..=i128::from(u8::MAX),
@@ -260,7 +260,7 @@ impl Checker {
         }
     }
 
-    /// The JSON of a fitted value (genom3.md appendix A, booleans as `true` and `false`).
+    /// JSON of a converted value (genom3.md appendix A, booleans as `true` and `false`).
     pub(super) fn json(&self, value: &Value, ty: TypeId) -> Json {
         match value {
             Value::Boolean(v) => Json::from(*v),
@@ -279,7 +279,7 @@ impl Checker {
         }
     }
 
-    /// A fitted value as the label of a union.
+    /// A converted value as the label of a union.
     pub(super) fn label(value: &Value) -> Option<Label> {
         match value {
             Value::Boolean(v) => Some(Label::Value((*v).into())),

@@ -45,7 +45,7 @@ impl Checker {
         }
     }
 
-    /// Adds a named type unless its name is taken.
+    /// Adds a named type unless the name is in use.
     fn declare_type(&mut self, name: &Name, kind: Kind) -> Option<TypeId> {
         // Checked before adding, so that the table holds no type without a name.
         if !self.is_free(self.scope, name, Sort::Type, "E0201") {
@@ -73,7 +73,8 @@ impl Checker {
         }
     }
 
-    /// A typedef may name a type that is only announced, because it does not need its size.
+    /// The target of a typedef. It may be a type that is only announced, since its size is not
+    /// needed.
     fn typedef_target(&mut self, dcl: &Typedef) -> Option<TypeId> {
         if let TypeSpecKind::Named(path) = &dcl.ty.kind
             && let Some((Entity::Type(ty), _)) = self.scopes.find(self.scope, path)
@@ -86,7 +87,7 @@ impl Checker {
     }
 
     fn forward(&mut self, union: bool, name: &Name) {
-        // Announcing again, or after the definition, changes nothing.
+        // A forward declaration of a type that exists already changes nothing.
         if let Some((Entity::Type(ty), _)) = self.scopes.local(self.scope, &name.text) {
             match self.types.kind(ty) {
                 Kind::Forward { union: u, .. } if *u == union => return,
@@ -325,7 +326,7 @@ impl Checker {
                 None => Some(Label::Default),
                 Some(expression) => {
                     let value = self.evaluate(expression);
-                    // C8 in place of C5, not behind it.
+                    // Error C8 replaces C5.
                     value
                         .and_then(|value| self.fit(value, discriminant, expression.span, "E0308"))
                         .and_then(|value| Self::label(&value))

@@ -1,7 +1,7 @@
-//! Which codels may not run at the same time (genom3.md 4.5), and what that forbids (K24).
+//! Computes which codels may not run at the same time (genom3.md 4.5), and checks rule K24.
 //!
-//! Accesses are sorted by what they touch, the port or the first member of the IDS, and by who
-//! runs them: only those that may conflict are compared.
+//! Accesses are grouped by what they touch (a port, or the first member of an IDS path) and by the
+//! task that makes them: only accesses that may conflict are compared.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -12,7 +12,7 @@ use crate::model::{
     ServiceKind, Source, TaskIx,
 };
 
-/// Who runs a codel: the control task, or a task by rank.
+/// The task that runs a codel; `None` for the control task.
 type Context = Option<TaskIx>;
 
 /// What an access touches.
@@ -22,7 +22,7 @@ enum Key {
     Ids(usize),
 }
 
-/// One codel parameter, or one member moved by an attribute.
+/// One parameter of a codel, or one member that an attribute transfers.
 struct Access<'m> {
     node: usize,
     path: &'m [PathStep],
@@ -36,32 +36,32 @@ struct Sharers<'m> {
     writers: Vec<Access<'m>>,
 }
 
-/// Pairs of codels that exclude each other, and comparisons to find them: both grow with the
-/// square of the codels that touch one thing.
+/// Limit on pairs of codels that exclude each other, and on comparisons to find them: both grow
+/// with the square of the number of codels that touch one item.
 const MOST_PAIRS: usize = 1 << 22;
 const MOST_COMPARISONS: usize = 1 << 26;
 
-/// The services that one interrupts.
+/// The services that a service interrupts.
 enum Interrupted {
     All,
     Some(HashSet<ServiceIx>),
 }
 
-/// How much was compared and found so far.
+/// Number of comparisons made and pairs found so far.
 #[derive(Default)]
 struct Effort {
     pairs: usize,
     comparisons: usize,
 }
 
-/// Everything of one component that touches shared data.
+/// All accesses of one component to shared data.
 pub(super) struct Sharing<'m> {
     component: &'m Component,
     contexts: Vec<Context>,
     keys: HashMap<Key, BTreeMap<Context, Sharers<'m>>>,
-    /// Accesses to the whole IDS touch every member.
+    /// Accesses to the whole IDS, which conflict with every member.
     whole: BTreeMap<Context, Sharers<'m>>,
-    /// All accesses to the IDS, for those to the whole of it.
+    /// All accesses to the IDS, to be compared with those to the whole of it.
     any: BTreeMap<Context, Sharers<'m>>,
 }
 
@@ -97,7 +97,7 @@ impl<'m> Sharing<'m> {
             let node = component.transfer_node(ix);
             for parameter in &service.parameters {
                 if let Some(target) = &parameter.target {
-                    // Inverted: an attribute's `in` writes the member.
+                    // The other way round than for codels: an attribute's `in` writes the member.
                     let writes = parameter.direction != Direction::Out;
                     sharing.add(ids_key(&target.path), Access { node, path: &target.path, writes });
                 }
@@ -126,8 +126,8 @@ impl<'m> Sharing<'m> {
         }
     }
 
-    /// The nodes of other contexts whose data conflict with those of `node`; `None` when there is
-    /// too much to compare.
+    /// The nodes of other contexts whose accesses conflict with those of `node`; `None` when the
+    /// limit is exceeded.
     fn conflicts(&self, node: usize, same: bool, effort: &mut Effort) -> Option<Vec<usize>> {
         let context = self.contexts.get(node).copied().flatten();
         let mut found = HashSet::new();
@@ -156,7 +156,7 @@ impl<'m> Sharing<'m> {
         (effort.pairs <= MOST_PAIRS).then_some(found)
     }
 
-    /// What a node touches, each way once.
+    /// The accesses of a node, without repetitions.
     fn accesses(&self, node: usize) -> HashSet<(Option<Key>, &'m [PathStep], bool)> {
         let component = self.component;
         if let Some(codel) = component.codels.get(node) {
@@ -175,7 +175,7 @@ impl<'m> Sharing<'m> {
         moved.map(|(p, t)| (ids_key(&t.path), &t.path[..], p.direction != Direction::Out)).collect()
     }
 
-    /// The whole relation; `None` when it is too large.
+    /// The whole relation; `None` when the limit is exceeded.
     pub(super) fn table(&self) -> Option<Vec<Vec<usize>>> {
         let codels = self.component.codels.len();
         let services = &self.component.services;
@@ -198,8 +198,8 @@ impl<'m> Sharing<'m> {
             .collect()
     }
 
-    /// Whether `other` is a codel of a service that interrupts that of `node`: then they cannot
-    /// run at the same time anyway.
+    /// Whether `other` is a codel of a service that interrupts the service of `node`: these two
+    /// never run at the same time.
     fn is_interrupted_by(
         &self,
         node: usize,
@@ -260,7 +260,7 @@ fn ids_key(path: &[PathStep]) -> Option<Key> {
     }
 }
 
-/// Rule 4: the paths agree on their common prefix.
+/// Rule 4: two paths overlap when one is a prefix of the other.
 fn overlap(a: &[PathStep], b: &[PathStep]) -> bool {
     a.iter().zip(b).all(|(a, b)| a == b)
 }
@@ -276,7 +276,7 @@ fn context(component: &Component, codel: &Codel) -> Context {
 }
 
 impl Checker {
-    /// Async codels share nothing with other contexts.
+    /// Checks that async codels share no data with other contexts.
     // genom3.md 3.7 K24, 4.5.
     pub(super) fn check_async(&mut self, component: &Component) {
         if !component.codels.iter().any(|codel| codel.asynchronous) {
@@ -306,7 +306,7 @@ impl Checker {
     }
 }
 
-/// Permanent codels that run at start-up, and those that `start` does not lead to.
+/// Permanent codels that run at start-up, and those that cannot be reached from `start`.
 fn start_and_stop(component: &Component) -> HashSet<usize> {
     let mut exempt = HashSet::new();
     for task in &component.tasks {

@@ -1,10 +1,10 @@
-//! What is remembered of types.
+//! Properties of types that checks need often.
 
 use genom_types::TypeId;
 
 use crate::model::Span;
 
-/// What tells two anonymous types apart.
+/// Key by which anonymous types are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Shape {
     Basic(&'static str),
@@ -14,17 +14,17 @@ pub(super) enum Shape {
     Optional(TypeId),
 }
 
-/// What is remembered of each type, by id.
+/// Properties of a type, kept by its id.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Facts {
-    /// Types on the way to the deepest one inside.
+    /// Number of types on the path to the deepest one inside.
     pub(super) depth: u32,
-    /// A native is inside.
+    /// Contains a native.
     pub(super) native: bool,
-    /// A type not complete when this was made is inside: look again.
+    /// Contains a type that was incomplete when this was computed: compute again.
     pub(super) open: bool,
-    /// Began as a forward declaration.
+    /// Was first announced by a forward declaration.
     pub(super) forward: bool,
-    /// Where it is declared; nothing for anonymous types.
+    /// Where it is declared; `None` for anonymous types.
     pub(super) span: Option<Span>,
 }

@@ -12,18 +12,18 @@ use crate::diagnostic::Diagnostic;
 use crate::model::{Default as DefaultValue, Span};
 use crate::syntax::{InitialStep, InitialValue, Initializer};
 
-/// Docs found so far, and the JSON pointer to where we are.
+/// Docs found so far, and the JSON pointer to the current member.
 #[derive(Default)]
 struct Place {
     pointer: String,
     docs: Vec<(String, String)>,
 }
 
-/// The initialiser is refused; the report is made.
+/// The initialiser is refused, and this has been reported.
 struct Refused;
 
 impl Checker {
-    /// Reads an initialiser of a value of type `ty`. A bad one is dropped as a whole.
+    /// Evaluates an initialiser for a value of type `ty`. A wrong one is dropped as a whole.
     pub(super) fn initial(&mut self, init: &Initializer, ty: TypeId) -> Option<DefaultValue> {
         let mut place = Place::default();
         // `= [2] = 4` is a compound of one element.
@@ -183,7 +183,7 @@ impl Checker {
         Ok(Json::Object(result))
     }
 
-    /// The smallest value that no label of a union takes: it selects `default`.
+    /// The smallest value that is no label of the union: it selects `default`.
     fn free_label(&self, ty: TypeId) -> Option<i128> {
         let Kind::Union { members, .. } = self.types.kind(ty) else { return None };
         let labels = members.iter().flat_map(|m| &m.labels);
@@ -266,7 +266,7 @@ impl Checker {
         place.pointer.push('/');
         place.pointer.push_str(step);
         if let Some(doc) = &item.doc {
-            // Docs are told by their whole way, which may be longer than they are.
+            // A doc is stored with its JSON pointer, which may be longer than the doc itself.
             if !self.reserve(place.pointer.len() + doc.text.len(), item.span) {
                 return Err(Refused);
             }
@@ -277,7 +277,7 @@ impl Checker {
         value.transpose()
     }
 
-    /// Warns of a value that replaces one given before in the same braces.
+    /// Warns of a value that replaces an earlier one in the same braces.
     fn once<K: Eq + Hash>(
         &mut self,
         given: &mut HashMap<K, Span>,

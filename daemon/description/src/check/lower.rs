@@ -1,4 +1,4 @@
-//! Makes the model: indices instead of names, and everything that the text leaves implicit.
+//! Makes the model: names become indices, and implicit values become explicit.
 
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
@@ -19,7 +19,7 @@ use crate::model::{
 };
 use crate::syntax;
 
-/// The structs of a service's parameters.
+/// The structs made of a service's parameters.
 #[derive(Clone, Copy)]
 struct Records {
     input: TypeId,
@@ -27,7 +27,7 @@ struct Records {
     local: TypeId,
 }
 
-/// What the model takes over from a service.
+/// Parts of a service that are moved into the model.
 struct Moved {
     validates: Vec<CodelState>,
     codels: Vec<CodelState>,
@@ -35,13 +35,13 @@ struct Moved {
     locals: Vec<state::Parameter>,
 }
 
-/// Structs made so far, by body and rank of the service.
+/// Structs made so far, by body and index of the service.
 type Made = HashMap<(BodyId, usize), Records>;
 
 impl Checker {
     pub(super) fn finish(mut self) -> (Specification, Diagnostics) {
         self.check_forwards();
-        // All names are resolved: room for the model.
+        // All names are resolved: free the tables before the model is built.
         self.prototypes = HashMap::new();
         self.codel_names = HashSet::new();
         self.scopes.forget_names();
@@ -87,7 +87,7 @@ impl Checker {
         }
     }
 
-    /// `None` when it would take too much memory, which is reported.
+    /// `None` when it would exceed the memory limit, which is reported.
     fn lower_component(&mut self, id: BodyId, made: &mut Made) -> Option<Component> {
         let clock_rate = self.clock_rate(id);
         self.place = self.bodies[id].span;
@@ -104,7 +104,7 @@ impl Checker {
         let remotes = self.lower_remotes(id, made);
         let mut codels = Vec::new();
         let mut tasks = Vec::new();
-        // Moved out, not copied: large components are mostly this.
+        // Moved, not copied: services are most of a large component.
         let mut taken = std::mem::take(&mut self.bodies[id].services);
         let mut task_codels: Vec<Vec<CodelState>> = Vec::new();
         for task in self.bodies[id].tasks.values_mut() {
@@ -361,8 +361,8 @@ impl Checker {
     }
 }
 
-/// What follows from codels and services: exclusion, and the papers' interruptions. False when
-/// there is too much of it.
+/// Adds what is computed from codels and services: exclusion, and the interruptions of the papers'
+/// dialects. False when the limit is exceeded.
 fn complete(component: &mut Component) -> bool {
     if component.dialect != Dialect::Current {
         // dialects.md A: a service interrupts those it is incompatible with, unless it says.

@@ -1,4 +1,5 @@
-//! State machines: every state has its codel, every codel is reached (genom3.md 3.7 K7 to K11).
+//! State machines: every state that is yielded has a codel, every codel can be reached (genom3.md
+//! 3.7 K7 to K11).
 
 use std::collections::{HashMap, HashSet};
 
@@ -9,7 +10,7 @@ use crate::model::{Dialect, Span};
 use crate::syntax::ServiceKind;
 
 impl Checker {
-    /// The checks of an activity of a component.
+    /// Checks an activity of a component.
     // genom3.md 3.6 S13, S14.
     pub(super) fn check_activity(&mut self, id: BodyId, rank: usize) {
         let Some((_, service)) = self.bodies[id].services.get_index_mut(rank) else { return };
@@ -51,7 +52,7 @@ impl Checker {
         }
     }
 
-    /// Whether a state needs no codel: the end, and `sleep` where there are external events.
+    /// Whether a state needs no codel: `ether`, and `sleep` where there are external events.
     fn is_final(&self, id: BodyId, state: usize) -> bool {
         let body = &self.bodies[id];
         match body.states.get_index(state).map(|(name, _)| &**name) {
@@ -97,11 +98,11 @@ impl Checker {
             start.into_iter().chain(stop).chain(sinks.iter().copied()).collect();
         let reached = reach(&roots, codels, &by_state);
         self.check_yields(id, codels, &by_state, &reached);
-        // A misspelt state also leaves its codel unreached: only the misspelling is reported.
+        // A misspelt state also makes its codel unreachable: only the misspelling is reported.
         if self.diagnostics.found() == count && (activity.is_none() || start.is_some()) {
             self.check_reached(id, codels, &reached);
         }
-        // The states that a missing codel would lead to are unknown.
+        // Which states a missing codel would yield is unknown.
         let Some(ether) = ether.filter(|_| self.diagnostics.found() == count) else { return };
         // K10.
         if let Some(stop) = stop
@@ -126,7 +127,7 @@ impl Checker {
         }
     }
 
-    /// Whether some yield is of a state that a mistake took away.
+    /// Whether a yield, or the codel of a yielded state, was refused.
     fn dead_end(&self, id: BodyId, codels: &[CodelState]) -> bool {
         codels.iter().any(|codel| {
             let written = codel.syntax.machine.as_ref().map_or(0, |(_, yields)| yields.len());
@@ -176,8 +177,8 @@ impl Checker {
         }
     }
 
-    /// A codel that another of its states leads to is reached: one that nothing yields is no
-    /// mistake of its own.
+    /// Reports codels that cannot be reached. A codel with several states is reached if one of them
+    /// is.
     // genom3.md 3.7 K11.
     fn check_reached(&mut self, id: BodyId, codels: &[CodelState], reached: &HashSet<usize>) {
         for codel in codels {
@@ -213,7 +214,7 @@ impl Checker {
         }
     }
 
-    /// In the 2011 paper a state that codels have and none yields is an external event.
+    /// In the 2011 dialect, a state that has a codel but is never yielded is an external event.
     // dialects.md B.
     pub(super) fn declare_sinks_by_use(&mut self, id: BodyId) {
         let body = &self.bodies[id];
@@ -244,7 +245,7 @@ impl Checker {
     }
 }
 
-/// States that `roots` lead to, themselves included.
+/// All states that can be reached from `roots`, including these.
 pub(super) fn reach(
     roots: &[usize],
     codels: &[CodelState],

@@ -1,5 +1,5 @@
-//! What becomes of a description in C and in memory: types without layout are refused, since no
-//! daemon can load them; names that C has otherwise are told.
+//! Checks how a description maps to C: types without a layout are refused, since no daemon can load
+//! them; names that are reserved in C, or clash there, are a warning.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -12,10 +12,10 @@ use crate::diagnostic::Diagnostic;
 use crate::model::{Component, Specification};
 
 impl Checker {
-    /// The first type of each component that has no layout, each with its place.
+    /// Reports the first type of each component that has no layout.
     pub(super) fn check_layouts(&mut self, types: &Arc<TypeTable>, component: &Component) {
         let mut seen: HashSet<TypeId> = HashSet::new();
-        // Members first, for their places; then the whole.
+        // Members first, since they have positions; then the whole struct.
         let members = component.ids.map_or(&[][..], |ids| types.members(ids));
         let spans = self.body_index.get(component.name.as_str());
         let spans = spans.map_or(&[][..], |id| &self.bodies[*id].ids_members);
@@ -36,7 +36,7 @@ impl Checker {
         }
     }
 
-    /// Names that the header of codels cannot have.
+    /// Warns of names that cannot be used in the header for codels.
     pub(super) fn warn_names(&mut self, specification: &Specification) {
         if self.diagnostics.errors() > 0 {
             return;

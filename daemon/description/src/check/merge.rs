@@ -1,4 +1,4 @@
-//! `provides`, `extends` and `uses`: an interface brought into another body (genom3.md 4.6).
+//! `provides`, `extends` and `uses`: merges an interface into another body (genom3.md 4.6).
 
 use indexmap::IndexSet;
 
@@ -13,7 +13,7 @@ use crate::model::Span;
 use crate::syntax::Name;
 
 impl Checker {
-    /// Merges interface `from` into `id`; with `flip` as `uses` does.
+    /// Merges interface `from` into `id`; with `flip`, as `uses` does.
     pub(super) fn merge(&mut self, id: BodyId, from: BodyId, flip: bool, place: Span) {
         if !self.reserve(self.handed_on(from), place) {
             return;
@@ -120,7 +120,7 @@ impl Checker {
         self.bodies[id].touched_tasks.insert(rank);
     }
 
-    /// Resolves again, in `id`, codels of an interface.
+    /// Resolves codels of an interface anew in `id`.
     fn merge_codels(
         &mut self,
         id: BodyId,
@@ -196,7 +196,7 @@ impl Checker {
                 service.locals.push(local);
             }
         }
-        // The tasks of the interface are already here (step 2 of 4.6).
+        // The tasks of the interface are already in `id` (step 2 of 4.6).
         if let Some((task, span)) = from.task {
             let clash = merge_given(&mut service.task, Some((task, span)), "task");
             self.diagnostics.extend(clash);
@@ -211,7 +211,7 @@ impl Checker {
         self.bodies[id].touched_services.insert(rank);
     }
 
-    /// Attributes follow their IDS members to where they are in `id`.
+    /// Adjusts the parameters of an attribute to the IDS members of `id`.
     fn merge_parameters(&mut self, id: BodyId, from: &[Parameter]) -> Vec<Parameter> {
         let mut parameters = Vec::new();
         for parameter in from {
@@ -229,7 +229,7 @@ impl Checker {
     }
 }
 
-/// Takes what a body brings where the other has nothing; both giving it is a mistake.
+/// Takes over the value of the merged body if there is none yet; two values are an error.
 fn merge_given<T>(known: &mut Given<T>, fresh: Given<T>, what: &str) -> Option<Diagnostic> {
     match (&known, fresh) {
         (_, None) => None,

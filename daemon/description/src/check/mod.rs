@@ -1,8 +1,8 @@
 //! Tree to model: every name resolved into an index, every rule of genom3.md section 3 checked.
 //!
-//! One pass in the order of the text (declare before use), a few checks when a component closes,
-//! the rest when all is read. A mistake is reported once: errors that only follow from it
-//! are left out (see [`Checker::lost`]).
+//! One pass in the order of the text (declaration before use), some checks when a component closes,
+//! the rest at the end. A mistake is reported once: errors that only follow from it are left out
+//! (see [`Checker::lost`]).
 
 mod attribute;
 mod body;
@@ -43,8 +43,8 @@ use crate::token::Pragma;
 
 /// Checks a whole specification.
 ///
-/// `standard` is the standard interface, declared before everything else. `root_of` gives the
-/// input file through which a file is read: a component of the papers is one input file.
+/// `standard` is the tree of interface `genom`, declared before everything else. `root_of` maps a
+/// file to the input file that includes it: in the papers' dialects a component is one input file.
 pub(crate) fn check(
     tree: Tree,
     standard: Option<Tree>,
@@ -75,7 +75,7 @@ impl Checker {
             Statement::Component(body) => self.body(body, false),
             Statement::Interface(body) => self.body(body, true),
             Statement::Pragma(pragma, span) => self.pragma(&pragma, span),
-            // `papers::gather` has put these into their component, or refused them.
+            // `papers::gather` has moved these into their component, or refused them.
             Statement::Outside(_) => {}
         }
     }
@@ -102,7 +102,7 @@ impl Checker {
         }
     }
 
-    /// Full name of the service that a path names.
+    /// Full name of the service that a path refers to.
     fn service_at(&self, path: &Path) -> Option<ScopedName> {
         let [component, service] = &path.segments[..] else { return None };
         let body = self.bodies.get(*self.body_index.get(&*component.text)?)?;
@@ -120,7 +120,7 @@ impl Checker {
             return;
         };
         let path = papers::path_of(ty, *ty_span);
-        // Ours: also a service, where the foreign type is one.
+        // An extension of genomd: the name may be that of a service, where the foreign type is one.
         let service = ["/srv/", "/action/"].iter().any(|folder| data.contains(folder));
         let (name, ty) = if service {
             let Some(name) = self.service_at(&path) else {

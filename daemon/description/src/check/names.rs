@@ -1,4 +1,4 @@
-//! Giving names a meaning, and finding what a name means (genom3.md 3.2, 4.2).
+//! Declaring names, and resolving them (genom3.md 3.2, 4.2).
 
 use super::Checker;
 use super::room;
@@ -8,7 +8,7 @@ use crate::model::Span;
 use crate::syntax::{Name, Path};
 
 impl Checker {
-    /// Gives `name` a meaning in the current scope; says why not otherwise.
+    /// Declares `name` in the current scope; reports why if it cannot.
     // genom3.md 3.2 N1, N2, N4, N13.
     pub(super) fn declare(&mut self, name: &Name, entity: Entity) -> bool {
         self.declare_in(self.scope, name, entity, "E0201")
@@ -28,7 +28,7 @@ impl Checker {
         free
     }
 
-    /// Whether `name` may be declared in a scope; says why not.
+    /// Whether `name` may be declared in a scope; reports why not.
     pub(super) fn is_free(
         &mut self,
         scope: ScopeId,
@@ -50,7 +50,7 @@ impl Checker {
             self.push(Diagnostic::error("E0202", name.span, message).note(span, "declared here"));
             return false;
         }
-        // Every component has a module `pause`; a state of that name clashes with nothing.
+        // Every component has a module `pause`, which a state of that name does not clash with.
         if sort != Sort::Member
             && !(sort == Sort::State && text == "pause")
             && let Some((_, ScopeKind::Module, span)) = self.scopes.child(scope, text)
@@ -62,7 +62,7 @@ impl Checker {
         true
     }
 
-    /// Enters a module, made if need be.
+    /// Enters a module, creating it if it is new.
     pub(super) fn open_module(&mut self, name: &Name) -> Option<ScopeId> {
         if self.scopes.own_name(self.scope) == Some(&*name.text) {
             let span = self.scopes.span(self.scope);
@@ -86,7 +86,7 @@ impl Checker {
         Some(self.scopes.add_child(self.scope, name, ScopeKind::Module))
     }
 
-    /// A scope for a struct, union or exception; not reachable by name if the name is refused.
+    /// A scope for a struct, union or exception; it cannot be found by name if the name is refused.
     pub(super) fn open_record(&mut self, name: &Name) -> (ScopeId, bool) {
         self.reserve(room::SCOPE, name.span);
         let own = self.scopes.own_name(self.scope) == Some(&*name.text);
@@ -108,7 +108,7 @@ impl Checker {
         self.push(Diagnostic::error("E0205", name.span, message).note(other, "declared here"));
     }
 
-    /// The meaning of a path; an unknown one is reported, and `None`.
+    /// Resolves a path; an unknown one is reported.
     // genom3.md 3.2 N6.
     pub(super) fn find(&mut self, path: &Path, what: &str) -> Option<(Entity, Span)> {
         let found = self.scopes.find(self.scope, path);
@@ -125,7 +125,7 @@ impl Checker {
         found
     }
 
-    /// Help with the nearest name. Limited in number: each looks at every name.
+    /// The nearest name as help. Limited in number, since each search compares all names.
     pub(super) fn suggest<'s>(
         &'s mut self,
         word: &str,
@@ -136,7 +136,7 @@ impl Checker {
         genom_nearest::meant(word, names(this))
     }
 
-    /// An entity in a message, with its article.
+    /// The kind of an entity for messages, with its article.
     pub(super) fn describe(&self, entity: Entity) -> &'static str {
         match entity {
             Entity::Type(ty) => self.article(ty),

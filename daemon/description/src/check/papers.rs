@@ -1,7 +1,7 @@
-//! The papers' files made into ordinary components (dialects.md A and B).
+//! Turns files in the papers' dialects into ordinary components (dialects.md A and B).
 //!
-//! What stands at top level there belongs to the one component of the file, in any order: it is
-//! put into its body in the order that declaring before using asks for.
+//! There, statements at top level belong to the one component of the file, in any order: they are
+//! moved into its body, sorted so that declarations precede uses.
 
 use std::collections::BTreeMap;
 
@@ -13,13 +13,13 @@ use crate::syntax::{Body, Export, Name, Path, PropertyKind, Statement};
 #[derive(Default)]
 struct File {
     outside: Vec<Export>,
-    /// Ranks of the components in the statements.
+    /// Indices of the components in the statements.
     components: Vec<usize>,
-    /// Rank of the last statement.
+    /// Index of the last statement.
     last: usize,
 }
 
-/// Statements with the generation of the language they are in, papers' components whole.
+/// Moves statements into the components that they belong to; each component gets its dialect.
 pub(super) fn gather(
     statements: Vec<Statement>,
     root_of: &dyn Fn(u32) -> u32,
@@ -53,7 +53,7 @@ pub(super) fn gather(
         fold(file, &mut kept, &mut moved, &mut diagnostics);
     }
     let mut result = Vec::with_capacity(kept.len());
-    // A papers' component comes after all statements: its types may stand anywhere.
+    // A paper's component goes after all statements, because its types may be declared anywhere.
     let mut papers = Vec::new();
     for (rank, statement) in kept.into_iter().enumerate() {
         if let Some(body) = moved.remove(&rank) {
@@ -106,7 +106,7 @@ fn fold(
     }
 }
 
-/// Whether a component is written as in the papers: properties with a colon, or things outside.
+/// Whether a component is in a paper's dialect: properties with a colon, or statements outside.
 fn is_paper(body: &Body, outside: bool) -> bool {
     let colon = |export: &Export| matches!(export, Export::Property(p) if p.colon.is_some());
     let plain = |export: &Export| {
@@ -130,7 +130,7 @@ fn dialect_of(body: &Body) -> Dialect {
     if of_2010 && !of_2011 { Dialect::Paper2010 } else { Dialect::Paper2011 }
 }
 
-/// Declaration before use.
+/// Sort key by which declarations precede uses.
 fn order(export: &Export) -> u8 {
     match export {
         Export::Pragma(..) => 0,
@@ -167,7 +167,7 @@ fn describe(export: &Export) -> String {
     }
 }
 
-/// A word of a pragma as a path.
+/// Parses a word of a pragma as a path.
 pub(super) fn path_of(text: &str, span: Span) -> Path {
     let absolute = text.starts_with("::");
     let segments = text

@@ -1,4 +1,4 @@
-//! Cycles without pause in periodic tasks: as long as one lasts, the task misses its ticks.
+//! Cycles without pause in periodic tasks: while one repeats, the task misses its ticks.
 //!
 //! A cycle is reported only when none of its codels may yield a pause.
 
@@ -9,9 +9,9 @@ use crate::diagnostic::{Diagnostic, Severity};
 use crate::model::{CodelKind, Component, Dialect, Task};
 
 impl Checker {
-    /// Warns of them, unless a mistake keeps something of the component from being known.
+    /// Warns of such cycles, unless errors leave the component partly unknown.
     pub(super) fn warn_unpaused(&mut self, component: &Component) {
-        // In the papers a state runs at each tick: nothing has to say that it pauses.
+        // In the papers' dialects each state runs at a tick of its own, so none needs a pause.
         let known = self.diagnostics.iter().all(|one| one.severity != Severity::Error);
         if !known || component.dialect != Dialect::Current {
             return;
@@ -62,9 +62,9 @@ fn warning(component: &Component, task: &Task, codels: &[usize]) -> Option<Diagn
     Some(Diagnostic::warning(code, first.span, message).help(help))
 }
 
-/// The states of a machine whose codels never pause, and what follows them.
+/// The states of a machine whose codels never pause, with their successors.
 struct Machine {
-    /// By state: its codel.
+    /// Codel of each state.
     codel: HashMap<usize, usize>,
     /// The same states, in the order of the text.
     states: Vec<usize>,
@@ -95,9 +95,9 @@ impl Machine {
         Self { codel, states, next }
     }
 
-    /// States that follow each other in a circle, if any do.
+    /// States that form a cycle, if there is one.
     fn cycle(&self) -> Option<Vec<usize>> {
-        // Those that nothing follows are in none, nor are then those that only they follow.
+        // Removes states without successors, repeatedly: they are in no cycle.
         let mut left: HashMap<usize, usize> =
             self.next.iter().map(|(state, follow)| (*state, follow.len())).collect();
         let mut before: HashMap<usize, Vec<usize>> = HashMap::new();
@@ -116,7 +116,7 @@ impl Machine {
                 }
             }
         }
-        // From each that is left one comes to another: in the end, to one seen before.
+        // Every remaining state has a successor: following them must repeat a state.
         let mut way: Vec<usize> = Vec::new();
         let mut place: HashMap<usize, usize> = HashMap::new();
         let mut state = *self.states.iter().find(|state| left.contains_key(*state))?;

@@ -81,7 +81,7 @@ impl Checker {
         made
     }
 
-    /// No service has the name.
+    /// Reports a service with this name; true when there is none.
     pub(super) fn is_service_free(&mut self, id: BodyId, name: &syntax::Name, what: &str) -> bool {
         let Some(service) = self.bodies[id].services.get(&name.text) else { return true };
         let message = format!("`{}` is a service, it cannot be a {what} too", name.text);

@@ -1,4 +1,4 @@
-//! Properties of components and interfaces, and what all properties share (genom3.md 3.5).
+//! Properties of components and interfaces, and what properties have in common (genom3.md 3.5).
 
 use std::collections::HashMap;
 
@@ -81,7 +81,7 @@ impl Checker {
         }
     }
 
-    /// The `:` behind a property belongs to the papers.
+    /// Refuses the `:` after a property, which only the papers' dialects have.
     pub(super) fn check_colon(&mut self, id: BodyId, property: &Property) {
         if let Some(span) = property.colon
             && self.bodies[id].dialect == Dialect::Current
@@ -91,7 +91,7 @@ impl Checker {
         }
     }
 
-    /// Sets a property that may be set once.
+    /// Sets a property that can be set only once.
     // genom3.md 3.5 P6.
     pub(super) fn give<T>(&mut self, slot: &mut Given<T>, value: T, keyword: &Name) {
         match slot {
@@ -138,7 +138,7 @@ impl Checker {
 
     fn exception_named(&mut self, id: BodyId, path: &Path) -> Option<TypeId> {
         let scope = self.bodies[id].scope;
-        // dialects.md A: in the papers, throwing declares.
+        // dialects.md A: in the papers' dialects, `throws` declares the exception.
         if self.bodies[id].dialect != Dialect::Current
             && self.scopes.find(scope, path).is_none()
             && let [name] = &*path.segments

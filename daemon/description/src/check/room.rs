@@ -1,8 +1,8 @@
-//! How much a description may take once it is understood.
+//! Limits the memory of a checked description.
 //!
-//! Few words may ask for much: interfaces that extend each other hand on all that they have,
-//! every service of a component throws what the component throws. What is made is counted, in
-//! bytes, before it is made.
+//! A short text may expand to much: an interface that extends another one inherits all its parts,
+//! and every service of a component throws all that the component throws. Bytes are counted before
+//! anything is made.
 
 use genom_types::{Kind, ScopedName};
 use serde_json::Value as Json;
@@ -12,19 +12,19 @@ use super::state::{BodyId, CodelState, Parameter, Service, Task};
 use crate::diagnostic::Diagnostic;
 use crate::model::{self, Default as DefaultValue, Source, Span};
 
-/// Bytes that types, values, services and codels may take.
+/// Bytes for types, values, services and codels.
 const ROOM: usize = 128 << 20;
 
-/// A component or interface with its scopes, states and tables, and nothing in them.
+/// Bytes of an empty component or interface with its scopes, states and tables.
 pub(super) const BODY: usize = 4096;
-/// A scope of names with nothing in it.
+/// Bytes of an empty scope.
 pub(super) const SCOPE: usize = 384;
-/// A text, list or table besides what it holds.
+/// Bytes of a string, list or table in addition to its content.
 const HEAP: usize = 32;
 
 impl Checker {
-    /// Takes room for what is about to be made because of the text at `span`; false when there is
-    /// not enough.
+    /// Counts bytes for what is about to be made for the text at `span`; false when the limit is
+    /// exceeded.
     pub(super) fn reserve(&mut self, bytes: usize, span: Span) -> bool {
         if self.taken.full {
             return false;
@@ -40,7 +40,7 @@ impl Checker {
         !self.taken.full
     }
 
-    /// What an interface hands on to a body that it is brought into.
+    /// Bytes of what an interface hands on to a body that it is merged into.
     pub(super) fn handed_on(&self, from: BodyId) -> usize {
         let body = &self.bodies[from];
         let texts = [&body.docs, &body.requires, &body.codels_requires].into_iter().flatten();
@@ -58,7 +58,7 @@ impl Checker {
             + list(body.services.values(), service)
     }
 
-    /// What a component takes when it is complete, besides what its types take.
+    /// Bytes of a complete component, without its types.
     pub(super) fn complete(&self, id: BodyId) -> usize {
         let body = &self.bodies[id];
         let all = body.services.len();
@@ -87,7 +87,7 @@ impl Checker {
     }
 }
 
-/// A type and its names.
+/// Bytes of a type and its names.
 pub(super) fn of_type(kind: &Kind) -> usize {
     let members = match kind {
         Kind::Struct { members, .. } | Kind::Exception { members, .. } => {
@@ -104,7 +104,7 @@ fn of_name(name: &ScopedName) -> usize {
     list(name.segments(), |segment| HEAP + segment.len())
 }
 
-/// A value of a constant or of a parameter.
+/// Bytes of the value of a constant or parameter.
 pub(super) fn of_json(value: &Json) -> usize {
     size_of::<Json>()
         + match value {
@@ -180,7 +180,7 @@ fn list<T>(items: impl IntoIterator<Item = T>, size: impl Fn(T) -> usize) -> usi
     items.into_iter().map(size).sum()
 }
 
-/// A table of so many types.
+/// Bytes of a table of `count` types.
 fn entries(count: usize) -> usize {
     count * HEAP
 }

@@ -1,4 +1,4 @@
-//! Scopes and what names mean in them (genom3.md 4.2).
+//! Scopes, and what names refer to in them (genom3.md 4.2).
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -8,25 +8,25 @@ use genom_types::{ScopedName, TypeId};
 use crate::model::Span;
 use crate::syntax::{Name, Path};
 
-/// Rank of a scope; 0 is the root.
+/// Index of a scope; 0 is the root.
 pub(super) type ScopeId = usize;
 
-/// What a name stands for.
+/// What a name refers to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Entity {
     Type(TypeId),
-    /// Rank among the constants.
+    /// Index among the constants.
     Const(usize),
-    /// Its enum and rank in it.
+    /// Its enum, and its index there.
     Enumerator(TypeId, u32),
-    /// Of a struct, union or exception: takes a name, is found by no look-up.
+    /// Member of a struct, union or exception: occupies the name, but look-ups ignore it.
     Member,
     Port,
     Remote,
     State,
 }
 
-/// What is about to be declared.
+/// Kind of a new declaration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sort {
     Type,
@@ -76,7 +76,7 @@ impl Scopes {
         scopes
     }
 
-    /// Drops what is declared in the scopes, to save memory; their own names remain.
+    /// Drops the declarations in all scopes, to save memory; the names of the scopes remain.
     pub(super) fn forget_names(&mut self) {
         for scope in &mut self.all {
             scope.names = HashMap::new();
@@ -84,7 +84,7 @@ impl Scopes {
         }
     }
 
-    /// A new scope, not yet reachable by name.
+    /// Adds a scope that cannot be found by name yet.
     pub(super) fn add(
         &mut self,
         parent: Option<ScopeId>,
@@ -150,7 +150,7 @@ impl Scopes {
         self.local(scope, &last.text).filter(|(entity, _)| *entity != Entity::Member)
     }
 
-    /// Look-up: each scope outwards, the name tried as a whole.
+    /// Resolves a path: each scope from the inside out, the path tried as a whole.
     // genom3.md 4.2.
     pub(super) fn find(&self, from: ScopeId, path: &Path) -> Option<(Entity, Span)> {
         if path.absolute {
@@ -166,7 +166,7 @@ impl Scopes {
         None
     }
 
-    /// Names that `path` could have been meant to be.
+    /// Names that `path` may have been meant to be, for suggestions.
     pub(super) fn candidates(&self, from: ScopeId, path: &Path) -> Vec<&str> {
         let mut names = Vec::new();
         let mut at = Some(from);

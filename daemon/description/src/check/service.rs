@@ -1,4 +1,4 @@
-//! Attributes, functions, activities and the services of the papers (genom3.md 3.6).
+//! Attributes, functions, activities, and services of the papers' dialects (genom3.md 3.6).
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -38,7 +38,7 @@ impl Checker {
         let refused = self.diagnostics.errors() > count;
         let mut service = match service.take() {
             Some(mut known) => {
-                // A reopened service repeats its parameters.
+                // A reopened service has to repeat its parameters.
                 if refused || !self.same_parameters(&mut known, &parameters, name.span) {
                     known.broken = true;
                     self.bodies[id].services.insert(known.name.clone(), known);
@@ -63,7 +63,7 @@ impl Checker {
         self.bodies[id].touched_services.insert(rank);
     }
 
-    /// The service to go on with: `Some(None)` for a new one, `None` if it is refused.
+    /// The service to continue with: `Some(None)` for a new one, `None` if it is refused.
     // genom3.md 3.6 S1 to S3.
     pub(super) fn start_service(
         &mut self,
@@ -414,7 +414,7 @@ impl Checker {
     }
 }
 
-/// The kind of a service; the papers say it by what it holds (dialects.md B).
+/// Kind of a service; in the papers' dialects it follows from its content (dialects.md B).
 fn kind_of(dcl: &syntax::Service) -> ServiceKind {
     if dcl.kind != ServiceKind::Service {
         return dcl.kind;
@@ -431,7 +431,7 @@ fn kind_of(dcl: &syntax::Service) -> ServiceKind {
     if simple { ServiceKind::Function } else { ServiceKind::Attribute }
 }
 
-/// `input:` and `output:` as parameters; what is in both goes both ways (dialects.md A).
+/// Makes parameters of `input:` and `output:`; those in both are `inout` (dialects.md A).
 fn paper_parameters(properties: &[Property]) -> Vec<VariableParameter> {
     let mut list: Vec<VariableParameter> = Vec::new();
     let mut add = |variable: &Variable, way: syntax::Direction| {

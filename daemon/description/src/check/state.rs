@@ -1,4 +1,4 @@
-//! Components and interfaces while they are being read: everything may still grow.
+//! Components and interfaces while they are read, before the model is made.
 
 use std::collections::HashSet;
 use std::rc::Rc;
@@ -12,10 +12,10 @@ use crate::model::{
 };
 use crate::syntax::{Codel, Name, Qualifier, ServiceKind, Variable};
 
-/// Rank among the bodies.
+/// Index of a body.
 pub(super) type BodyId = usize;
 
-/// A value and where it was given: a second one is a duplicate.
+/// A value and the position where it was given, to report a second one.
 pub(super) type Given<T> = Option<(T, Span)>;
 
 /// A component or an interface.
@@ -47,7 +47,7 @@ pub(super) struct Body {
     pub(super) states: IndexMap<Rc<str>, Span>,
     /// External events: states by rank, and where they are declared.
     pub(super) sinks: IndexMap<usize, Span>,
-    /// Tasks and services changed since the body was last closed.
+    /// Tasks and services that changed since the body was last closed.
     pub(super) touched_tasks: HashSet<usize>,
     pub(super) touched_services: HashSet<usize>,
 }
@@ -70,7 +70,7 @@ pub(super) struct Task {
 pub(super) struct PortState {
     pub(super) out: bool,
     pub(super) multiple: bool,
-    /// The interface that it comes from, when it was taken over unchanged.
+    /// The interface that it comes from, if it was taken over unchanged.
     pub(super) interface: Option<Rc<str>>,
     pub(super) ty: TypeId,
     pub(super) docs: Vec<String>,
@@ -80,12 +80,12 @@ pub(super) struct PortState {
 #[derive(Clone, Debug)]
 pub(super) struct Remote {
     pub(super) interface: BodyId,
-    /// The service, in that interface.
+    /// Index of the service in that interface.
     pub(super) service: usize,
     pub(super) span: Span,
 }
 
-/// A service as declared and reopened so far.
+/// A service as declared, and extended when reopened, so far.
 #[derive(Clone, Debug)]
 pub(super) struct Service {
     pub(super) kind: ServiceKind,
@@ -103,7 +103,7 @@ pub(super) struct Service {
     pub(super) throws: IndexSet<TypeId>,
     pub(super) standard: bool,
     pub(super) through_ids: bool,
-    /// A part of it was refused: errors that only follow from that are left out.
+    /// A part of it was refused: errors that follow from that are not reported.
     pub(super) broken: bool,
 }
 
@@ -121,11 +121,11 @@ pub(super) struct Parameter {
 #[derive(Clone, Debug)]
 pub(super) struct Target {
     pub(super) path: Vec<PathStep>,
-    /// As written, to be resolved again in a component that provides the interface.
+    /// As written, to be resolved anew in a component that provides the interface.
     pub(super) variable: Option<Variable>,
 }
 
-/// What a codel is to its owner.
+/// How the owner uses a codel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Role {
     Validate,
@@ -150,7 +150,7 @@ pub(super) struct CodelParameter {
     pub(super) direction: Direction,
     pub(super) ty: TypeId,
     pub(super) source: Source,
-    /// What the source turned out to be: kept when the codel is resolved again.
+    /// The resolved source, kept when the codel is resolved anew in another body.
     pub(super) qualifier: Qualifier,
     pub(super) span: Span,
 }
@@ -163,7 +163,7 @@ pub(super) struct Prototype {
     pub(super) span: Span,
 }
 
-/// What a codel gets for a parameter.
+/// What a codel is passed for a parameter.
 #[derive(Clone, Debug)]
 pub(super) enum Argument {
     Value(TypeId),
@@ -173,7 +173,7 @@ pub(super) enum Argument {
 }
 
 impl Service {
-    /// One of which only the name is known.
+    /// A service of which only kind and name are known.
     pub(super) fn new(kind: ServiceKind, name: &Name) -> Self {
         Self {
             kind,
@@ -196,13 +196,13 @@ impl Service {
     }
 }
 
-/// Unites two lists of exceptions.
+/// Adds exceptions to a list, without repetitions.
 pub(super) fn add_throws(known: &mut IndexSet<TypeId>, fresh: &IndexSet<TypeId>) {
     known.extend(fresh);
 }
 
-/// Joins lists of packages, or lines of documentation. An interface may come in twice, by two
-/// ways: its lines do not, or they would double with each level.
+/// Adds packages, or lines of documentation, without repetitions. An interface may be merged twice
+/// by two paths; its lines would otherwise double at each level.
 pub(super) fn add_new(known: &mut Vec<String>, fresh: Vec<String>) {
     let mut all: IndexSet<String> = std::mem::take(known).into_iter().collect();
     all.extend(fresh);

@@ -1,4 +1,4 @@
-//! Types where they are used: names to ids, sharing, what lies inside.
+//! Types where they are used: resolves names, shares equal types, records what types contain.
 
 use std::collections::HashSet;
 
@@ -81,7 +81,7 @@ impl Checker {
         facts
     }
 
-    /// Refuses types nested too deep, whatever way they were written.
+    /// Reports types nested too deep, however they are composed.
     pub(super) fn is_too_deep(&mut self, kind: &Kind, span: Span) -> bool {
         let deep = self.facts_of(kind).depth > MAX_DEPTH;
         if deep {
@@ -100,7 +100,7 @@ impl Checker {
         id
     }
 
-    /// Stands for a type that could not be made out.
+    /// A type that takes the place of one with an error.
     pub(super) fn error_type(&mut self) -> TypeId {
         if let Some(id) = self.error_type {
             return id;
@@ -114,7 +114,7 @@ impl Checker {
         self.error_type == Some(ty)
     }
 
-    /// A type used by value; `None` is reported already.
+    /// Resolves a type used by value; `None` after an error that was reported.
     pub(super) fn type_spec(&mut self, spec: &TypeSpec) -> Option<TypeId> {
         let ty = self.any_type(spec)?;
         self.by_value(ty, spec.span)
@@ -185,7 +185,7 @@ impl Checker {
             }
             T::Named(path) => match self.find(path, "type")?.0 {
                 Entity::Type(ty) => Some(ty),
-                // A constant stands for its type, as in GenoM3.
+                // A constant can be used as a type, and means its own type, as in GenoM3.
                 Entity::Const(rank) => self.constants.get(rank).map(|constant| constant.ty),
                 other => {
                     let what = self.describe(other);
@@ -198,7 +198,8 @@ impl Checker {
         }
     }
 
-    /// A sequence may hold a type that is only announced: that is how types become recursive.
+    /// Resolves the element of a sequence. It may be a type that is only announced: recursive types
+    /// are made in this way.
     fn element(&mut self, ty: TypeId, span: Span) -> Option<TypeId> {
         match self.types.resolved(ty) {
             Kind::Forward { .. } => Some(ty),
@@ -220,7 +221,7 @@ impl Checker {
         Some(ty)
     }
 
-    /// The way to a native inside, for S12 and S19.
+    /// Whether a native is inside, for rules S12 and S19.
     pub(super) fn contains_native(&self, ty: TypeId) -> bool {
         let facts = self.facts(ty);
         if facts.native || !facts.open {
@@ -248,7 +249,7 @@ impl Checker {
         false
     }
 
-    /// The type behind typedefs and optionals: what paths and initialisers walk.
+    /// The type behind typedefs and optionals, through which paths and initialisers lead.
     pub(super) fn walked(&self, mut ty: TypeId) -> TypeId {
         loop {
             ty = self.types.resolve(ty);
@@ -271,7 +272,7 @@ impl Checker {
             {
                 at(members)
             }
-            // Large records (the IDS of a large component) are looked up by name.
+            // Large structs (the IDS of a large component) have an index by name.
             Kind::Struct { members, .. } | Kind::Exception { members, .. } => {
                 let index = self.member_index.entry(ty).or_default();
                 for (rank, member) in members.iter().enumerate().skip(index.len()) {
@@ -287,7 +288,7 @@ impl Checker {
         }
     }
 
-    /// A type in a message.
+    /// A type as it is named in messages.
     pub(super) fn type_name(&self, ty: TypeId) -> String {
         match self.types.kind(ty) {
             Kind::Boolean => "boolean".to_owned(),
@@ -320,7 +321,7 @@ impl Checker {
         }
     }
 
-    /// The kind of a type, with its article.
+    /// The kind of a type for messages, with its article.
     pub(super) fn article(&self, ty: TypeId) -> &'static str {
         match self.types.kind(ty) {
             Kind::Enum { .. } => "an enum",

@@ -13,14 +13,14 @@ pub(super) enum Value {
     Float(f64),
     Char(u8),
     Text(String),
-    /// Its enum and rank in it.
+    /// Its enum, and its index there.
     Enumerator(TypeId, u32),
 }
 
-/// Why an operator gives nothing.
+/// Why an operator has no result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Refusal {
-    /// The operator is not for such values.
+    /// The operator does not accept such values.
     Kind,
     /// Division or remainder by zero.
     Zero,
@@ -50,7 +50,7 @@ impl Value {
         }
     }
 
-    /// As a signed integer of any size: the caller checks the range of its type.
+    /// As a signed integer; the caller checks the range of its type.
     pub(super) fn to_integer(&self) -> Option<i128> {
         match *self {
             Value::Unsigned(v) => Some(v.into()),

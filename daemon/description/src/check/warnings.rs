@@ -1,4 +1,4 @@
-//! What GenoM3 accepts in silence and is likely a mistake (genom3.md 3.10).
+//! Warnings of what GenoM3 accepts silently and is probably a mistake (genom3.md 3.10).
 
 use std::collections::{HashMap, HashSet};
 
@@ -10,7 +10,7 @@ use crate::model::{
 
 impl Checker {
     pub(super) fn warn(&mut self, component: &Component) {
-        // A mistake may be the reason why something seems unused: no warning then.
+        // An error may be the reason why something seems unused: no warnings then.
         if self.diagnostics.errors() > 0 {
             return;
         }
@@ -20,9 +20,9 @@ impl Checker {
     }
 }
 
-/// `out` on a parameter that the service only takes in, and that no codel reads afterwards:
-/// nobody sees what is written. Parameters keep their values from codel to codel, so that an
-/// activity may well count in one.
+/// Warns of `out` on a parameter that is only an input of the service when no codel reads it
+/// afterwards: what is written is lost. Parameters keep their values from codel to codel, so an
+/// activity may count in one.
 fn warn_directions(component: &Component, out: &mut Diagnostics) {
     for (node, codel) in component.codels.iter().enumerate() {
         // A validate codel may edit the value it checks (genom3.md 7.3).
@@ -54,7 +54,7 @@ fn warn_directions(component: &Component, out: &mut Diagnostics) {
     }
 }
 
-/// Codels of a service that may run after one of them has; itself too, if it may run again.
+/// Codels of a service that may run after another one, including itself if it can run again.
 fn run_later<'m>(component: &'m Component, service: &Service, node: usize) -> Vec<&'m Codel> {
     let all = || service.codels.iter().filter_map(|rank| component.codels.get(*rank));
     let Some(CodelKind::Fsm { yields, .. }) = component.codels.get(node).map(|codel| &codel.kind)
@@ -63,7 +63,7 @@ fn run_later<'m>(component: &'m Component, service: &Service, node: usize) -> Ve
         let after = service.codels.iter().skip_while(|rank| **rank != node).skip(1);
         return after.filter_map(|rank| component.codels.get(*rank)).collect();
     };
-    // It may be interrupted, or an event may come.
+    // Also the `stop` codel, after an interruption, and those of external events.
     let stop = component.states.iter().position(|state| state == "stop");
     let sinks = component.sinks.iter().map(|sink| sink.state);
     let mut todo: Vec<usize> = yields.iter().map(|y| y.state).chain(stop).chain(sinks).collect();
@@ -81,7 +81,7 @@ fn run_later<'m>(component: &'m Component, service: &Service, node: usize) -> Ve
     later
 }
 
-/// Whether a codel takes in what another one wrote in a parameter of the service.
+/// Whether a codel reads what another one wrote into a parameter of the service.
 fn reads(codel: &Codel, parameter: usize, written: &[PathStep]) -> bool {
     codel.parameters.iter().any(|read| {
         let Source::Parameter { index, path } = &read.source else { return false };
@@ -104,7 +104,7 @@ fn warn_unused(component: &Component, out: &mut Diagnostics) {
     }
     tasks.extend(component.services.iter().filter_map(|service| service.task));
     for (ix, port) in component.ports.pairs() {
-        // The runtime writes this one.
+        // The runtime writes this port.
         if port.name != "genom_state" && !ports.contains(&ix) {
             let message = format!("no codel uses port `{}`", port.name);
             out.push(Diagnostic::warning("W0903", port.span, message));
@@ -118,7 +118,8 @@ fn warn_unused(component: &Component, out: &mut Diagnostics) {
     }
 }
 
-/// An activity that may run for ever and has no `stop`: interrupting it ends it where it stands.
+/// Warns of an activity that may run endlessly without a `stop` codel: an interruption then ends it
+/// at once.
 fn warn_endless(component: &Component, out: &mut Diagnostics) {
     for service in component.services.iter().filter(|s| s.kind == ServiceKind::Activity) {
         let mut next: HashMap<usize, Vec<usize>> = HashMap::new();
@@ -144,10 +145,11 @@ fn warn_endless(component: &Component, out: &mut Diagnostics) {
     }
 }
 
-/// Whether a state that `start` leads to comes back to itself.
+/// Whether a cycle can be reached from `start`.
 fn has_cycle(next: &HashMap<usize, Vec<usize>>, start: Option<usize>) -> bool {
     let Some(start) = start else { return false };
-    // Depth first, without recursion: open states are on the way, done ones lead to no cycle.
+    // Depth first, without recursion. Open states are on the current path; finished ones lead to no
+    // cycle.
     let mut open = HashSet::from([start]);
     let mut done = HashSet::new();
     let mut way = vec![(start, 0)];

@@ -1,4 +1,4 @@
-//! Codels: plain C functions and where their arguments come from.
+//! Codels: C functions, and the sources of their arguments.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use genom_types::TypeId;
 
 use super::{Direction, PathStep, PortIx, ServiceIx, Span, TaskIx};
 
-/// Who runs a codel.
+/// What a codel belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Owner {
     /// The permanent activity of a task, by index.
@@ -15,20 +15,20 @@ pub enum Owner {
     Service(ServiceIx),
 }
 
-/// A codel in its place: one C function used twice makes two of these.
+/// One use of a C function: a function that is used twice makes two of these.
 #[derive(Clone, Debug)]
 pub struct Codel {
     /// Name of the C function.
     pub name: String,
-    /// Who runs it.
+    /// Task or service that it belongs to.
     pub owner: Owner,
     /// When it runs.
     pub kind: CodelKind,
-    /// `async`: may block for long, excludes nothing (genom3.md K24).
+    /// `async`: may block for long, and excludes no other codel (genom3.md K24).
     pub asynchronous: bool,
     /// Parameters in order; the context comes after them in C (genom3.md 5.6).
     pub parameters: Vec<CodelParameter>,
-    /// Stated worst-case execution time.
+    /// `wcet`: declared worst-case execution time.
     pub wcet: Option<Duration>,
     /// Where it is declared.
     pub span: Span,
@@ -64,9 +64,9 @@ pub struct Yield {
 pub struct CodelParameter {
     /// Its name in the C prototype.
     pub name: String,
-    /// Whether the codel reads, makes or changes the datum.
+    /// Whether the codel reads, writes or changes the datum.
     pub direction: Direction,
-    /// Type of the datum reached (for a port its data; for a remote its input struct).
+    /// Type of the datum (for a port, of its data; for a remote, its input struct).
     pub ty: TypeId,
     /// Where the argument comes from.
     pub source: Source,
@@ -77,7 +77,7 @@ pub struct CodelParameter {
 /// Where an argument comes from (genom3.md 4.4).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Source {
-    /// The IDS; an empty path is the whole of it.
+    /// The IDS; an empty path means the whole of it.
     Ids {
         /// From the IDS to the datum.
         path: Vec<PathStep>,

@@ -19,7 +19,7 @@ pub enum Dialect {
     Current,
 }
 
-/// A component, checked and complete.
+/// A component, with all names resolved and all implicit values filled in.
 #[derive(Clone, Debug)]
 pub struct Component {
     /// Word after `component`.
@@ -50,18 +50,19 @@ pub struct Component {
     pub remotes: Vec<Remote>,
     /// Services in order, those of interface `genom` first.
     pub services: Indexed<ServiceIx, Service>,
-    /// Codels of tasks and services; indices into it are used everywhere.
+    /// Codels of tasks and services; lists of `usize` elsewhere in the model index into it.
     pub codels: Vec<Codel>,
     /// State names in order of first use, without scope: `ether`, `start`, `stop`, then others.
-    /// An index into it is a state; `pause::x` is the state `x` with a pause. A state `sleep`
-    /// that no codel of the machine has leaves its place inactive (dialects.md A).
+    /// States are indices into it; `pause::x` is the state `x` with a pause. Where no codel of the
+    /// machine has the state `sleep`, yielding it waits for an external event or `stop`
+    /// (dialects.md A).
     pub states: Vec<String>,
-    /// Event sinks: states that an external event may activate (dialects.md A).
+    /// External events: states that an event may activate (dialects.md A).
     pub sinks: Vec<Sink>,
     /// Exceptions any of its services or tasks may throw (genom3.md 4.7).
     pub throws: Vec<TypeId>,
-    /// For each codel, then for each service (as attribute): what may not run at the same time
-    /// (genom3.md 4.5). Both are indices: see [`Exclusion`](crate::model::Component::exclusion).
+    /// For each codel, then for each service (its data transfer): indices of those that may not run
+    /// at the same time (genom3.md 4.5). See [`exclusion`](crate::model::Component::exclusion).
     pub exclusion: Vec<Vec<usize>>,
     /// Digest (genom3.md 4.9).
     pub digest: String,
@@ -76,19 +77,19 @@ impl Component {
         ScopedName::new([self.name.as_str()])
     }
 
-    /// The node that is the data transfer of a service, see [`exclusion`](Self::exclusion).
+    /// The node that stands for the data transfer of a service, see [`exclusion`](Self::exclusion).
     #[must_use]
     pub fn transfer_node(&self, service: ServiceIx) -> usize {
         self.codels.len() + service.index()
     }
 
-    /// The service whose data transfer a node is, unless it is a codel.
+    /// The service whose data transfer a node stands for; `None` for a codel.
     #[must_use]
     pub fn transferred_by(&self, node: usize) -> Option<ServiceIx> {
         node.checked_sub(self.codels.len()).map(ServiceIx::new)
     }
 
-    /// What may not run while node `node` runs.
+    /// The nodes that may not run while `node` runs.
     ///
     /// Nodes `0..codels.len()` are the codels; node `codels.len() + s` is the data transfer of
     /// attribute `s`, or of service `s` of the papers (`through_ids`). The relation is as genom3.md
@@ -149,7 +150,7 @@ pub enum PortDirection {
 }
 
 impl PortDirection {
-    /// Its word in a description: `in` or `out`.
+    /// Its keyword in a description: `in` or `out`.
     #[must_use]
     pub fn as_str(self) -> &'static str {
         match self {
@@ -162,14 +163,14 @@ impl PortDirection {
 /// A data port.
 #[derive(Clone, Debug)]
 pub struct Port {
-    /// Name without the component's: `position` of `demo/position`.
+    /// Name without that of the component: `position` of `demo/position`.
     pub name: String,
     /// Whether the component reads or writes it.
     pub direction: PortDirection,
     /// `port multiple`: a set of elements opened by id at run time.
     pub multiple: bool,
-    /// The interface that it comes from, unless `uses` turned it round: some headers of GenoM3
-    /// name its handle after that.
+    /// The interface that it comes from, unless `uses` reversed its direction: some headers of
+    /// GenoM3 name the port's handle after the interface.
     pub interface: Option<String>,
     /// Type of the data.
     pub ty: TypeId,
@@ -182,7 +183,7 @@ pub struct Port {
 /// A service of another component that codels call.
 #[derive(Clone, Debug)]
 pub struct Remote {
-    /// Its name: that of the service in the used interface.
+    /// Name of the service in the used interface.
     pub name: String,
     /// The interface it comes from.
     pub interface: String,
@@ -196,7 +197,7 @@ pub struct Remote {
     pub output: TypeId,
     /// Exceptions the service may throw.
     pub throws: Vec<TypeId>,
-    /// [`call_digest`](super::Service::call_digest) the provider's service must have.
+    /// [`call_digest`](super::Service::call_digest) that the provider's service must have.
     pub digest: String,
     /// Where it is declared.
     pub span: Span,

@@ -1,15 +1,15 @@
-//! Identity of ports, services and tasks: their places in the lists of a component, each with a
-//! type of its own, so that no one is taken for another.
+//! Typed indices of ports, services and tasks into the lists of a component: the compiler refuses
+//! one in place of another.
 
 use std::fmt;
 use std::iter::FromIterator;
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut, Index, IndexMut};
 
-/// A place in an [`Indexed`] list.
+/// An index into an [`Indexed`] list.
 pub trait Ix: Copy + Eq + fmt::Debug {
-    /// The place of the element at `index`: for those who make the list, or who read a number that
-    /// [`index`](Self::index) gave.
+    /// The index with this number: for code that makes the list, or that restores a number which
+    /// [`index`](Self::index) returned.
     fn new(index: usize) -> Self;
 
     /// Its number, counted from 0.
@@ -44,15 +44,15 @@ macro_rules! places {
 }
 
 places! {
-    /// A port of a component: its place in [`Component::ports`](super::Component::ports).
+    /// Index of a port in [`Component::ports`](super::Component::ports).
     PortIx;
-    /// A service of a component: its place in [`Component::services`](super::Component::services).
+    /// Index of a service in [`Component::services`](super::Component::services).
     ServiceIx;
-    /// A task of a component: its place in [`Component::tasks`](super::Component::tasks).
+    /// Index of a task in [`Component::tasks`](super::Component::tasks).
     TaskIx;
 }
 
-/// A list whose elements are found by one type of place only.
+/// A list that can be indexed with one type of index only.
 ///
 /// ```
 /// use genom_description::model::{Indexed, Ix as _, PortIx};
@@ -60,7 +60,7 @@ places! {
 /// let names: Indexed<PortIx, &str> = ["pose", "map"].into_iter().collect();
 /// let map = names.find(|name| *name == "map").unwrap();
 /// assert_eq!((map.index(), names[map]), (1, "map"));
-/// // Lists of what belongs to each port have the same places.
+/// // `map` makes a list with the same indices.
 /// let lengths = names.map(|_, name| name.len());
 /// assert_eq!(lengths[map], 3);
 /// ```
@@ -72,43 +72,43 @@ pub struct Indexed<I, T> {
 }
 
 impl<I: Ix, T> Indexed<I, T> {
-    /// The element at a place, if the list is that long.
+    /// The element at an index; `None` beyond the end.
     #[must_use]
     #[inline]
     pub fn get(&self, ix: I) -> Option<&T> {
         self.list.get(ix.index())
     }
 
-    /// The same, to be changed.
+    /// Mutable reference to the element at an index; `None` beyond the end.
     #[must_use]
     #[inline]
     pub fn get_mut(&mut self, ix: I) -> Option<&mut T> {
         self.list.get_mut(ix.index())
     }
 
-    /// Adds an element at the end; its place.
+    /// Adds an element at the end; returns its index.
     pub fn push(&mut self, element: T) -> I {
         self.list.push(element);
         I::new(self.list.len() - 1)
     }
 
-    /// The place of the first element that is wanted.
+    /// Index of the first element for which `wanted` returns true.
     #[must_use]
     pub fn find(&self, wanted: impl FnMut(&T) -> bool) -> Option<I> {
         self.list.iter().position(wanted).map(I::new)
     }
 
-    /// All places, in order.
+    /// All indices, in order.
     pub fn places(&self) -> impl DoubleEndedIterator<Item = I> + ExactSizeIterator + use<I, T> {
         (0..self.list.len()).map(I::new)
     }
 
-    /// All elements with their places, in order.
+    /// All elements with their indices, in order.
     pub fn pairs(&self) -> impl DoubleEndedIterator<Item = (I, &T)> + ExactSizeIterator {
         self.list.iter().enumerate().map(|(index, element)| (I::new(index), element))
     }
 
-    /// A list of the same places.
+    /// A list with the same indices, of elements made from these.
     #[must_use]
     pub fn map<U>(&self, mut make: impl FnMut(I, &T) -> U) -> Indexed<I, U> {
         self.pairs().map(|(ix, element)| make(ix, element)).collect()

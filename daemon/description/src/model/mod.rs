@@ -45,7 +45,7 @@ pub struct Constant {
     pub span: Span,
 }
 
-/// A type or service that a middleware shall show as one of its own.
+/// A type or service that a middleware represents as one of its own.
 #[derive(Clone, Debug)]
 pub struct Masquerade {
     /// The middleware, e.g. `ros2`.

@@ -1,6 +1,6 @@
-//! Ways into values.
+//! Paths into values.
 
-/// One step into a value. Optionals met on the way are looked through.
+/// One step of a path. An optional on the way takes no step: the path leads into its value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PathStep {
     /// Member of a struct, union or exception, by index.

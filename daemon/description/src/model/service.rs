@@ -46,29 +46,29 @@ pub struct Service {
     pub validates: Vec<usize>,
     /// Simple codels in order (function), or state-machine codels (activity).
     pub codels: Vec<usize>,
-    /// Exceptions it may throw: the component's, its task's and its own (genom3.md 4.7).
+    /// Exceptions it may throw: those of the component, of its task and its own (genom3.md 4.7).
     pub throws: Vec<TypeId>,
-    /// One of the services of interface `genom`, whose codels the runtime supplies.
+    /// Belongs to interface `genom`: the runtime implements it, not the library.
     pub standard: bool,
-    /// In the papers' dialects: inputs stored in the IDS at invocation and outputs read from
-    /// there at the end, also for activities.
+    /// In the papers' dialects: inputs are stored in the IDS when the service is called, and
+    /// outputs read from there at its end, also for activities.
     pub through_ids: bool,
     /// Digest (genom3.md 4.9).
     pub digest: String,
-    /// The same without local variables, which those who call it do not see.
+    /// The same without local variables, which callers do not see.
     pub call_digest: String,
     /// Where it is declared.
     pub span: Span,
 }
 
-/// Which way a parameter goes.
+/// Direction of a parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Direction {
-    /// Given to the service or codel.
+    /// Passed in.
     In,
-    /// Made by the service or codel.
+    /// Passed out.
     Out,
-    /// Given, changed and given back.
+    /// Passed in, and out again when changed.
     InOut,
 }
 
@@ -89,10 +89,10 @@ pub struct Parameter {
     pub span: Span,
 }
 
-/// A place in the IDS: empty path for the whole of it.
+/// A member of the IDS.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AttributeTarget {
-    /// From the IDS to the member.
+    /// Path from the IDS to the member; empty for the whole IDS.
     pub path: Vec<PathStep>,
 }
 

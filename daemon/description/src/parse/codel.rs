@@ -1,4 +1,4 @@
-//! Codels, of the current language and of the papers.
+//! Codels, in the current language and in the papers' dialects.
 
 use super::{Parsed, Parser};
 use crate::model::Span;

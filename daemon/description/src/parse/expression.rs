@@ -16,7 +16,7 @@ const LEVELS: [&[(&str, Binary)]; 6] = [
 ];
 
 impl Expression {
-    /// Whether it was read as `a >> b`, which a template's end often is meant to be.
+    /// Whether it ends in `a >> b`, which is often meant as the end of two templates.
     pub(crate) fn ends_in_right_shift(&self) -> bool {
         matches!(&self.kind, ExpressionKind::Chain(_, rest)
             if rest.last().is_some_and(|(op, _)| *op == Binary::ShiftRight))

@@ -4,7 +4,7 @@ use super::{Parsed, Parser};
 use crate::syntax::{InitialStep, InitialValue, Initializer};
 
 impl Parser<'_> {
-    /// `= initializer`, or nothing.
+    /// `= initializer`, if it is there.
     pub(super) fn initializer_opt(&mut self) -> Parsed<Option<Initializer>> {
         if self.eat("=") {
             return self.initializer().map(Some);

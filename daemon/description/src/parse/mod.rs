@@ -1,7 +1,7 @@
 //! Tokens to tree, by recursive descent.
 //!
-//! It never fails: after a mistake it skips to the end of the statement and goes on. It resolves
-//! no name; `check` does.
+//! It never fails: after an error it skips to the end of the statement and continues. No name is
+//! resolved; `check` does that.
 
 mod codel;
 mod expression;
@@ -19,7 +19,7 @@ use crate::model::Span;
 use crate::syntax::{Name, Tree};
 use crate::token::{Pragma, Token, TokenKind};
 
-/// How deep braces, parentheses and templates may nest.
+/// Deepest nesting of braces, parentheses and templates.
 pub const MAX_DEPTH: u32 = 100;
 
 /// Reads a whole specification.
@@ -30,7 +30,7 @@ pub fn parse(tokens: &[Token]) -> (Tree, Diagnostics) {
     (Tree { statements, lost: parser.lost }, parser.diagnostics)
 }
 
-/// The mistake is reported already: find the end of the statement.
+/// The error was reported: the caller skips to the end of the statement.
 #[derive(Debug)]
 pub(crate) struct Recover;
 
@@ -41,19 +41,19 @@ const END: &TokenKind = &TokenKind::End;
 pub(crate) struct Parser<'a> {
     tokens: &'a [Token],
     at: usize,
-    /// Open `{` before the current token: recovery stops at the level it started on.
+    /// Number of open `{` before the current token: recovery stops at the level where it started.
     braces: u32,
     depth: u32,
-    /// Code of a syntax error here: bodies of types, ids and parameters have their own.
+    /// Code of syntax errors here: bodies of types, IDS and parameters have their own.
     code: &'static str,
-    /// The text nests too deep: the rest is skipped without further errors.
+    /// The nesting is too deep: the rest is skipped without further errors.
     stopped: bool,
-    /// Token of the last error: one place, one message.
+    /// Index of the token with the last error: at most one error is reported for a token.
     last_error: Option<usize>,
-    /// Inner `>>` closed two templates (an error, already reported).
+    /// An inner `>>` closed two templates, which is an error and was reported.
     half_closed: bool,
     diagnostics: Diagnostics,
-    /// Pragmas met since the last statement.
+    /// Pragmas read since the last statement.
     pragmas: Vec<(Pragma, Span)>,
     lost: HashSet<Rc<str>>,
 }
@@ -81,7 +81,7 @@ impl<'a> Parser<'a> {
         self.tokens.get(self.at).map_or(END, |token| &token.kind)
     }
 
-    /// The token after the current one, pragmas not counted.
+    /// The token after the current one; pragmas are skipped.
     fn second(&self) -> &'a TokenKind {
         self.tokens
             .get(self.at + 1..)
@@ -201,12 +201,12 @@ impl<'a> Parser<'a> {
         while self.eat(",") {
             items.push(item(self)?);
         }
-        // The tree is held whole until it is checked, and most lists are short.
+        // The whole tree stays in memory until it is checked, and most lists are short.
         items.shrink_to_fit();
         Ok(items)
     }
 
-    /// None or more in parentheses.
+    /// A list in parentheses, which may be empty.
     fn in_parentheses<T>(&mut self, item: impl FnMut(&mut Self) -> Parsed<T>) -> Parsed<Vec<T>> {
         self.expect("(")?;
         if self.eat(")") {
@@ -219,7 +219,7 @@ impl<'a> Parser<'a> {
         Ok(items)
     }
 
-    /// Runs `f` one level deeper, or refuses.
+    /// Runs `f` one nesting level deeper, or refuses.
     fn nested<T>(&mut self, f: impl FnOnce(&mut Self) -> Parsed<T>) -> Parsed<T> {
         if self.depth >= MAX_DEPTH {
             let message = format!("nested deeper than {MAX_DEPTH} levels");
@@ -243,12 +243,12 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Syntax error at the current token.
+    /// Reports a syntax error at the current token.
     fn unexpected<T>(&mut self, wanted: &str) -> Parsed<T> {
         self.refuse(self.code, wanted, None)
     }
 
-    /// Runs `f` with another code for its syntax errors.
+    /// Runs `f` with another code for syntax errors.
     fn with_code<T>(&mut self, code: &'static str, f: impl FnOnce(&mut Self) -> T) -> T {
         let outer = std::mem::replace(&mut self.code, code);
         let result = f(self);
@@ -277,8 +277,8 @@ impl<'a> Parser<'a> {
         if self.is("}") || self.at_end() || self.starts_statement() { Ok(()) } else { Err(Recover) }
     }
 
-    /// Skips to the `;` that ends a statement of brace level `level`, remembering the names
-    /// from token `from` on.
+    /// Skips to the `;` that ends a statement at brace level `level`, and records the names from
+    /// token `from` on as lost.
     fn recover(&mut self, level: u32, from: usize) {
         while !self.at_end() {
             if self.braces <= level {
@@ -300,7 +300,7 @@ impl<'a> Parser<'a> {
     }
 }
 
-/// A token in a message.
+/// A token as it is named in messages.
 fn describe(kind: &TokenKind) -> String {
     match kind {
         TokenKind::Identifier(text) => format!("`{text}`"),

@@ -7,7 +7,7 @@ use genom_nearest::meant;
 use super::{Parsed, Parser};
 use crate::syntax::{Name, Property, PropertyKind, Quantity, TimeUnit};
 
-/// Every property, for the nearest-name help.
+/// Every property, for suggestions.
 const PROPERTIES: [&str; 26] = [
     "doc",
     "version",
@@ -38,7 +38,7 @@ const PROPERTIES: [&str; 26] = [
 ];
 
 impl Parser<'_> {
-    /// `{ property... }`, or nothing.
+    /// `{ property... }`, if it is there.
     pub(super) fn properties(&mut self, owner: &Name) -> Parsed<Vec<Property>> {
         let mut properties = Vec::new();
         if !self.eat("{") {
@@ -65,7 +65,7 @@ impl Parser<'_> {
         Ok(properties)
     }
 
-    /// A property, or `None` without having read anything.
+    /// A property; `None` if the current token begins none.
     pub(super) fn property(&mut self) -> Parsed<Option<Property>> {
         use PropertyKind as K;
         let Some(word) = self.word() else { return Ok(None) };
@@ -142,7 +142,7 @@ impl Parser<'_> {
         self.list(|p| p.name(what))
     }
 
-    /// A number and its unit. A name just before the unit is a constant.
+    /// A number and its unit. A name before the unit is a constant.
     pub(super) fn quantity(&mut self) -> Parsed<Quantity> {
         let value = self.expression()?;
         let unit = match self.word() {

@@ -67,7 +67,7 @@ impl Parser<'_> {
             ),
         };
         let properties = self.properties(&name)?;
-        // dialects.md B: optional behind the body of a service.
+        // dialects.md B: `;` is optional after the body of a service.
         if kind != ServiceKind::Service {
             self.semicolon(start)?;
         } else {
@@ -125,7 +125,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Says that a state machine codel lacks its yields.
+    /// Reports a codel of a state machine without `yield`.
     // genom3.md 3.1 L8.
     pub(super) fn missing_yield<T>(&mut self, codel: &str) -> Parsed<T> {
         let message = format!("codel `{codel}` of a state machine must say what it yields");

@@ -9,7 +9,7 @@ use crate::syntax::{
 };
 use crate::token::TokenKind;
 
-/// Words that may start a statement of a component, for the nearest-name help.
+/// Words that may start a statement of a component, for suggestions.
 const EXPORTS: [&str; 27] = [
     "ids",
     "task",
@@ -80,7 +80,7 @@ impl Parser<'_> {
         match self.word() {
             Some("component") => Ok(Statement::Component(self.body()?)),
             Some("interface") => Ok(Statement::Interface(self.body()?)),
-            // dialects.md A: these stand outside the component in the papers.
+            // dialects.md A: these stand outside the component in the papers' dialects.
             Some(
                 "inport" | "outport" | "event" | "service" | "ids" | "task" | "port" | "attribute"
                 | "function" | "activity",
@@ -127,7 +127,7 @@ impl Parser<'_> {
                 }
             }
         }
-        // Even with what follows lost, the body itself is whole.
+        // Although what follows is lost, the body itself is complete.
         let from = self.at;
         if self.semicolon(start).is_err() {
             self.recover(0, from);
@@ -187,7 +187,7 @@ impl Parser<'_> {
         Ok(IdsDeclaration { name, members, span })
     }
 
-    /// An IDL statement, or `None` without having read anything.
+    /// An IDL statement; `None` if the current token begins none.
     fn idl(&mut self) -> Parsed<Option<Idl>> {
         let start = self.span();
         let idl = match self.kind() {

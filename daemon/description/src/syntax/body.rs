@@ -1,4 +1,4 @@
-//! Components, interfaces and what they hold (genom3.md 2.4, dialects.md).
+//! Components, interfaces and their contents (genom3.md 2.4, dialects.md).
 
 use std::rc::Rc;
 
@@ -6,7 +6,7 @@ use super::{Declarator, Expression, Idl, Initializer, Name, Path, Text, TypeSpec
 use crate::model::Span;
 use crate::token::Pragma;
 
-/// A component or interface, or one more part of it.
+/// A component or interface, or one of the parts that it is written in.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// Word after `component` or `interface`.
@@ -63,7 +63,7 @@ pub struct PortDeclaration {
     pub out: bool,
     /// `multiple`
     pub multiple: bool,
-    /// `inport`, `outport`: written as in the papers.
+    /// Written `inport` or `outport`, as in the papers' dialects.
     pub paper: bool,
     /// Type of the data.
     pub ty: TypeSpec,
@@ -75,7 +75,7 @@ pub struct PortDeclaration {
     pub span: Span,
 }
 
-/// What keyword a service was declared with.
+/// Keyword that a service was declared with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ServiceKind {
     /// `attribute`
@@ -108,7 +108,7 @@ pub struct Service {
 pub enum ServiceParameters {
     /// Members of the IDS, for attributes and the services of the papers.
     Variables(Vec<VariableParameter>),
-    /// With their own types, for functions and activities.
+    /// With types of their own, for functions and activities.
     Typed(Vec<ServiceParameter>),
 }
 
@@ -136,7 +136,7 @@ pub struct VariableParameter {
     pub rename: Option<Name>,
     /// Default value and documentation.
     pub initializer: Option<Initializer>,
-    /// Where.
+    /// Position in the text.
     pub span: Span,
 }
 
@@ -187,11 +187,11 @@ pub enum VariableStep {
 /// A property, which the grammar accepts anywhere (genom3.md 2.4).
 #[derive(Clone, Debug)]
 pub struct Property {
-    /// Which.
+    /// Keyword and value.
     pub kind: PropertyKind,
     /// The keyword as written.
     pub keyword: Name,
-    /// The `:` behind the keyword, as in the papers.
+    /// The `:` after the keyword, as in the papers' dialects.
     pub colon: Option<Span>,
 }
 
@@ -273,7 +273,7 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// How many of it make a second.
+    /// How many of it make one second.
     #[must_use]
     pub fn per_second(self) -> f64 {
         match self {
@@ -297,7 +297,7 @@ pub struct Codel {
     pub machine: Option<(Vec<Event>, Vec<Event>)>,
     /// `wcet` (genom3.md appendix D).
     pub wcet: Option<Wcet>,
-    /// Triggers written `codel a, b:`, as in the papers: where.
+    /// Position of triggers written as labels, `codel a, b:`, as in the papers' dialects.
     pub labels: Option<Span>,
 }
 
@@ -313,7 +313,7 @@ pub struct Event {
     pub name: Name,
 }
 
-/// Where a codel parameter is said to come from.
+/// Qualifier of a codel parameter: its source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Qualifier {
     /// `ids`
@@ -339,6 +339,6 @@ pub struct CodelParameter {
     pub variable: Option<Variable>,
     /// `::name`
     pub rename: Option<Name>,
-    /// Where.
+    /// Position in the text.
     pub span: Span,
 }

@@ -31,7 +31,7 @@ pub enum Idl {
         /// Struct or union that is announced.
         name: Name,
     },
-    /// A pragma within a module, whose names are those of the module.
+    /// A pragma within a module; its names are resolved in that module.
     Pragma(Pragma, Span),
 }
 
@@ -64,12 +64,12 @@ pub struct Exception {
     pub members: Vec<Member>,
 }
 
-/// A type where a type is wanted.
+/// A type at a place where one is used.
 #[derive(Clone, Debug)]
 pub struct TypeSpec {
     /// What it is.
     pub kind: TypeSpecKind,
-    /// Where.
+    /// Position in the text.
     pub span: Span,
 }
 
@@ -110,7 +110,7 @@ pub enum TypeSpecKind {
     Named(Path),
     /// Defined in place.
     Constructed(Box<Constructed>),
-    /// Already reported: stands for any type.
+    /// After an error that was reported: compatible with any type.
     Error,
 }
 
@@ -170,7 +170,7 @@ pub struct Case {
 pub struct CaseLabel {
     /// `None` for `default`.
     pub value: Option<Expression>,
-    /// Where.
+    /// Position in the text.
     pub span: Span,
 }
 
@@ -195,9 +195,9 @@ pub struct Declarator {
 /// A constant expression.
 #[derive(Clone, Debug)]
 pub struct Expression {
-    /// What it is.
+    /// Operator and operands, or a literal.
     pub kind: ExpressionKind,
-    /// Where.
+    /// Position in the text.
     pub span: Span,
 }
 
@@ -210,10 +210,10 @@ pub enum ExpressionKind {
     Name(Path),
     /// `-x`
     Unary(Unary, Box<Expression>),
-    /// `a + b - c`: operators of one precedence, from left to right. Flat, so that a long sum
-    /// is no deep tree.
+    /// `a + b - c`: operators of one precedence, from left to right. A list, so that a long sum
+    /// does not make a deep tree.
     Chain(Box<Expression>, Vec<(Binary, Expression)>),
-    /// Already reported.
+    /// After an error that was reported.
     Error,
 }
 
@@ -268,16 +268,16 @@ pub enum Binary {
     Remainder,
 }
 
-/// `= {...} : "doc"` behind a parameter, or an element of a compound.
+/// `= {...} : "doc"` after a parameter, or an element of a compound.
 #[derive(Clone, Debug)]
 pub struct Initializer {
-    /// `[2] =` or `.x =` in front of the value.
+    /// `[2] =` or `.x =` before the value.
     pub step: Option<InitialStep>,
     /// The value; `None` when there is only documentation.
     pub value: Option<InitialValue>,
     /// `: "doc"`
     pub doc: Option<Text>,
-    /// Where.
+    /// Position in the text.
     pub span: Span,
 }
 

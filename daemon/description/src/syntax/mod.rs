@@ -1,7 +1,7 @@
-//! The tree of a description as written: spans everywhere, nothing resolved.
+//! The tree of a description as written: everything has a span, nothing is resolved.
 //!
-//! One tree serves the three generations of the language; what belongs to the papers only is
-//! marked, and `check` decides what is allowed where.
+//! One tree serves the three generations of the language; what occurs only in the papers' dialects
+//! is marked, and `check` decides what is allowed where.
 
 mod body;
 mod idl;
@@ -30,7 +30,7 @@ use crate::token::Pragma;
 pub struct Tree {
     /// Statements in order.
     pub statements: Vec<Statement>,
-    /// Identifiers of statements that could not be read: that they are unknown later is no news.
+    /// Identifiers in statements that failed to parse: their use is not reported as unknown.
     pub lost: HashSet<Rc<str>>,
 }
 
@@ -43,7 +43,7 @@ pub enum Statement {
     Component(Body),
     /// `interface X {...};`
     Interface(Body),
-    /// What stands inside components in the current language, outside in the papers'.
+    /// A statement that the papers' dialects have outside components.
     Outside(Export),
     /// A pragma that takes effect here.
     Pragma(Pragma, Span),

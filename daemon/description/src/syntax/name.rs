@@ -1,4 +1,4 @@
-//! Words of a description, with their places.
+//! Words of a description, with their positions.
 
 use std::rc::Rc;
 
@@ -9,18 +9,18 @@ use crate::model::Span;
 pub struct Name {
     /// As written.
     pub text: Rc<str>,
-    /// Where.
+    /// Position in the text.
     pub span: Span,
 }
 
 /// A name with its scopes, such as `::demo::state`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Path {
-    /// Starts with `::`.
+    /// Whether it starts with `::`.
     pub absolute: bool,
-    /// At least one.
+    /// The names between `::`, at least one.
     pub segments: Vec<Name>,
-    /// The whole of it.
+    /// Span of the whole path.
     pub span: Span,
 }
 
@@ -39,8 +39,8 @@ impl std::fmt::Display for Path {
 /// Adjacent string literals, joined.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Text {
-    /// Contents of the literals, one after the other, without quotes.
+    /// Contents of the literals without quotes, concatenated.
     pub text: String,
-    /// All of the literals.
+    /// Span of all literals.
     pub span: Span,
 }

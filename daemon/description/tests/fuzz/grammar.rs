@@ -1,4 +1,4 @@
-//! Descriptions that follow the grammar and little else.
+//! Descriptions that follow the grammar but not the rules.
 
 use proptest::prelude::*;
 

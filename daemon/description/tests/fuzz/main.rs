@@ -1,4 +1,4 @@
-//! Whatever is read, reading ends, without a panic.
+//! Reading ends for every text, without a panic.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -10,7 +10,7 @@ use std::time::Duration;
 use genom_description::{Options, read_text};
 use proptest::prelude::*;
 
-/// Runs `f` on a thread with the stack of a test, and fails if it does not come back.
+/// Runs `f` on a thread with the stack of a test, and fails if it does not return.
 fn bounded(f: impl FnOnce() + Send + 'static) {
     let (done, wait) = mpsc::channel();
     let worker = std::thread::spawn(move || {
@@ -28,7 +28,7 @@ fn read_whatever(text: &str) {
     for diagnostic in &analysis.diagnostics {
         assert!(!diagnostic.message.is_empty());
     }
-    // The model is whole, also when the text is refused: every index leads somewhere.
+    // The model is consistent, also when the text is refused: every index is valid.
     for c in &analysis.specification.components {
         assert_eq!(c.exclusion.len(), c.codels.len() + c.services.len());
         for service in &c.services {

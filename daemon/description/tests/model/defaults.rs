@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::{component, plain};
 
-/// The default of the parameter `p` of a function, behind `before`.
+/// The default of parameter `p` of a function, declared after `before`.
 #[track_caller]
 fn default(before: &str, parameter: &str) -> Value {
     let specification = plain(&format!("component c {{ {before} function f(in {parameter}); }};"));

@@ -53,7 +53,7 @@ fn local_variables_of_a_service_are_no_affair_of_those_who_call_it() {
 
 #[test]
 fn exceptions_count_for_those_who_call() {
-    // genom3.md 4.9: one more that the server's own `throw` adds makes it another service.
+    // genom3.md 4.9: an additional exception in the server's `throw` changes the service.
     let specification = whole(
         "interface i { function f(in long x); };
          component server { provides i; exception e { short q; }; function f(in long x) { throw e; }; };

@@ -1,4 +1,4 @@
-//! Whatever section 2 says is legal reads.
+//! Everything that genom3.md section 2 allows is accepted.
 
 use genom_description::model::{Ix as _, ServiceIx};
 use serde_json::json;
@@ -121,8 +121,8 @@ fn types_and_services_masquerade() {
         let [one] = &analysis.specification.masquerades[..] else { panic!("{pragma}") };
         assert_eq!((one.name.to_string().as_str(), one.ty.is_some()), (name, is_type));
     }
-    // genom3.md 1.3: the type must resolve where the pragma stands; components of others have it
-    // in the module, below the typedef that it means.
+    // genom3.md 1.3: the type must resolve where the pragma stands. Components of other
+    // laboratories have it in the module, after the typedef that it means.
     let text = "module sensor {\n  struct raw { octet byte; };\n  typedef raw Image;\n\
         #pragma masquerade ros Image sensor_msgs/Image\n  module more {\n\
         #pragma masquerade ros2 raw sensor_msgs/msg/Raw\n  };\n};\n";

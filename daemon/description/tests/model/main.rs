@@ -1,4 +1,4 @@
-//! What the model says of a description that is legal.
+//! The model of legal descriptions.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 

@@ -97,7 +97,7 @@ fn k11_a_codel_is_reached_by_any_of_its_states() {
         accepted(&machine(owner, "start, other"));
         accepted(&machine(owner, "other, start"));
     }
-    // Reached from `stop` alone, and by way of a state that it shares.
+    // Reached from `stop` only, through a state that it shares.
     accepted(
         "component c { task t; activity a() { task t; codel<start> x() yield ether;
          codel<stop> y() yield late; codel<early, late, later> z() yield ether; }; };",

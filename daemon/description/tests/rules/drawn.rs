@@ -1,4 +1,4 @@
-//! What people read: messages of the checks, drawn.
+//! Messages of the checks as they are drawn for people.
 
 use expect_test::{Expect, expect};
 use genom_description::diagnostic::render;

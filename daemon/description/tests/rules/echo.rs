@@ -1,4 +1,4 @@
-//! One mistake, one message: nothing is said of what follows from it.
+//! One mistake, one message: its consequences are not reported.
 
 use crate::{refused, rules};
 

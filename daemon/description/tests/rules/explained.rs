@@ -1,4 +1,4 @@
-//! The examples of `genomctl explain` show what they explain.
+//! The examples of `genomctl explain` cause what they explain.
 
 use genom_description::diagnostic::explanations;
 

@@ -1,6 +1,6 @@
 //! Every row of genom3.md section 3, one test each, named as its rule.
 //!
-//! A refused text has exactly one error: one mistake, one message.
+//! A refused text has exactly one error.
 
 #![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout)]
 
@@ -46,7 +46,7 @@ fn warned(code: &str, text: &str) {
     assert_eq!(found, [code], "{text}");
 }
 
-/// The text has nothing wrong with it, not even a warning.
+/// The text has no error and no warning.
 #[track_caller]
 fn accepted(text: &str) {
     let analysis = analyse(text);

@@ -57,7 +57,8 @@ fn what_has_no_place_in_memory_is_refused() {
         let codes: Vec<_> = analysis.diagnostics.iter().map(|said| said.code).collect();
         assert_eq!(codes, ["E0216"], "{text}");
     }
-    // Recursion through sequences without bound is fine, as is what no component holds.
+    // Recursion through unbounded sequences is fine, and so is a recursive type that no component
+    // uses.
     accepted("struct s; struct s { sequence<s> x; }; component c { ids { s y; }; };");
     accepted("struct s { octet a[65536][65536]; };");
 }

@@ -17,7 +17,7 @@ fn a_cycle_of_a_periodic_task_that_nothing_leads_out_of_is_told() {
     let text = activity(PERIODIC, "codel<start> x() yield start;");
     let codes: Vec<_> = analyse(&text).diagnostics.iter().map(|one| one.code).collect();
     assert_eq!(codes, ["W0901", "W0950"]);
-    // A task's own codels are looked at as well.
+    // The codels of a task are checked as well.
     warned("W0950", "component c { task t { period 5 ms; codel<start> x() yield start; }; };");
 }
 
@@ -40,7 +40,7 @@ fn a_cycle_that_may_pause_or_has_no_period_to_miss_is_no_mistake() {
     accepted(&activity(PERIODIC, "codel<start> x() yield start, pause::start, ether;"));
     let through = "codel<start> x() yield main; codel<main> y() yield pause::start, ether;";
     accepted(&activity(PERIODIC, through));
-    // A driver that waits for data in its codel.
+    // Not reported: a driver that waits for data in its codel.
     accepted(&activity("", "codel<start> x() yield start, ether;"));
     accepted(&activity(PERIODIC, "codel<start> x() yield main; codel<main> y() yield ether;"));
 }

@@ -40,7 +40,7 @@ rules! {
 fn chain(length: usize) -> String {
     let link = |n: usize| format!("struct s{n} {{ s{} x; }};", n - 1);
     let links: String = (1..length).map(link).collect();
-    // Only the first that is too deep is reported: it is not declared deeper any more.
+    // Only the first that is too deep is reported: later ones contain a refused type.
     let first = 101;
     let cut = links.find(&format!("struct s{first} ")).unwrap();
     format!("typedef long s0;{}", &links[..cut])

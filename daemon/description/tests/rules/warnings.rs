@@ -1,4 +1,4 @@
-//! 3.10: what GenoM3 accepts in silence.
+//! 3.10: what GenoM3 accepts silently.
 
 use crate::{accepted, warned};
 
@@ -25,20 +25,20 @@ fn an_activity_may_keep_something_in_an_in_parameter() {
              codel<stop> z() yield ether; }}; }};"
         )
     };
-    // By the codel itself, when it comes back.
+    // Read by the codel itself, when it runs again.
     accepted(&activity("codel<start> x(inout n) yield pause::start, ether;"));
-    // By one that follows, and by one that follows that.
+    // Read by the next codel, and by the one after that.
     accepted(&activity("codel<start> x(out n) yield main; codel<main> y(in n) yield ether;"));
     accepted(&activity(
         "codel<start> x(out n.a) yield main; codel<main> y() yield last; codel<last> w(in n.a) yield ether;",
     ));
-    // When it is interrupted.
+    // Read by `stop`, after an interruption.
     let stops =
         "component c { task t; activity f(in long n) { task t; codel<start> x(out n) yield ether;
          codel<stop> z(in n) yield ether; }; };";
     accepted(stops);
     accepted("component c { function f(in long a) { codel x(out a); codel y(in a); }; };");
-    // Nobody reads it: not later, not this member, not as a value.
+    // Nobody reads it: not later, not this member, not as an input.
     warned("W0902", &activity("codel<start> x(inout n) yield ether;"));
     warned(
         "W0902",

@@ -10,15 +10,15 @@ use crate::ffi::Class;
 /// A codel with its arguments.
 pub(super) struct Call {
     pub(super) codel: usize,
-    /// What libffi gets: for each argument, then for the context, the address of its value.
+    /// For libffi: the address of the value of each argument, and of the context.
     pub(super) arguments: Box<[*mut c_void]>,
-    /// Values of the arguments that are addresses; `arguments` leads here.
+    /// Values of arguments that are pointers; `arguments` points here.
     pub(super) pointers: Box<[*mut c_void]>,
-    /// Arguments behind sequences, to find before each call.
+    /// Index of each argument behind a sequence, whose address is found before each call.
     pub(super) dynamic: Box<[(usize, *mut u8)]>,
 }
 
-/// Where the ways of arguments begin.
+/// Values in which the paths of arguments begin.
 pub(super) struct Roots {
     pub(super) ids: *mut u8,
     pub(super) input: *mut u8,
@@ -27,7 +27,7 @@ pub(super) struct Roots {
 }
 
 impl Roots {
-    /// The way of an argument and its beginning; `None` for handles.
+    /// The path of an argument and the value it begins in; `None` for handles.
     fn way<'a>(&self, from: &'a From) -> Option<(&'a Way, *mut u8)> {
         match from {
             From::Ids(way) => Some((way, self.ids)),
@@ -67,7 +67,7 @@ impl Call {
             };
             call.set(rank, argument.class, at);
         }
-        // The context, told at each call.
+        // The context, which is set at each call.
         if prepared.context {
             call.set(count, Class::Address, std::ptr::null_mut());
         }
@@ -75,7 +75,7 @@ impl Call {
         call
     }
 
-    /// Puts the datum at `at` in the place of argument `rank` (genom3.md 5.5).
+    /// Sets argument `rank` to the datum at `at`, by value or by address (genom3.md 5.5).
     pub(super) fn set(&mut self, rank: usize, class: Class, at: *mut u8) {
         self.arguments[rank] = match class {
             Class::Value(_) | Class::Held => at.cast(),

@@ -1,4 +1,4 @@
-//! Codels ready to be called: address, call interface, ways to the arguments.
+//! Codels prepared for calls: address, call interface, paths to the arguments.
 
 use genom_description::model::{
     Codel, CodelParameter, Component as Model, Indexed, Owner, PortIx, ServiceIx, Source,
@@ -18,17 +18,17 @@ use crate::library::{FoundFunction, Library};
 #[derive(Debug)]
 pub(super) struct Prepared {
     pub(super) name: String,
-    /// What to say of it when it ends the process.
+    /// Description of the codel for the report if it ends the process.
     pub(super) words: String,
     /// Address of the C function.
     pub(super) function: usize,
     pub(super) interface: Interface,
     pub(super) arguments: Vec<Argument>,
-    /// Whether the context follows them: not in C++.
+    /// Whether the context is the last argument: not in C++.
     pub(super) context: bool,
 }
 
-/// An argument, without the context that ends every argument list in C.
+/// An argument other than the context.
 #[derive(Debug)]
 pub(super) struct Argument {
     pub(super) name: String,
@@ -36,16 +36,16 @@ pub(super) struct Argument {
     pub(super) from: From,
 }
 
-/// What an argument leads to.
+/// The source of an argument.
 #[derive(Debug)]
 pub(super) enum From {
     Ids(Way),
     Input(Way),
     Output(Way),
     Local(Way),
-    /// The handle of a port, by rank.
+    /// The handle of a port, by index.
     Port(PortIx),
-    /// The handle of a remote, by rank.
+    /// The handle of a remote, by index.
     Remote(usize),
 }
 
@@ -68,7 +68,7 @@ pub(super) enum ArgumentError {
     CxxPath(#[from] CxxPathError),
 }
 
-/// What codels of one component are prepared from.
+/// Data for preparing the codels of one component.
 pub(super) struct Workshop<'a> {
     pub(super) model: &'a Model,
     pub(super) library: &'a Library,
@@ -79,8 +79,8 @@ pub(super) struct Workshop<'a> {
 }
 
 impl Workshop<'_> {
-    /// The codel, ready; `None` for those the runtime supplies, and with the reason noted for
-    /// those that are wrong.
+    /// Prepares a codel; `None` for one that the runtime supplies, and, with an error recorded, for
+    /// one that is wrong.
     pub(super) fn prepare(&self, checker: &mut Checker<'_>, codel: &Codel) -> Option<Prepared> {
         if let Owner::Service(service) = codel.owner
             && self.model.services.get(service).is_none_or(|service| service.standard)
@@ -120,7 +120,7 @@ impl Workshop<'_> {
         Some(Prepared { name, words, function, interface, arguments, context })
     }
 
-    /// Address of the C function; notes why there is none.
+    /// Address of the C function; records an error if there is none.
     fn function(&self, checker: &mut Checker<'_>, codel: &Codel) -> Option<usize> {
         let found = self.library.function(&codel.name);
         if let FoundFunction::At(at) = found {
@@ -139,7 +139,8 @@ impl Workshop<'_> {
         None
     }
 
-    /// Address of the C++ function of the codel's name and parameters; notes why there is none.
+    /// Address of the C++ function with the codel's name and parameters; records an error if there
+    /// is none.
     fn function_in_cxx(&self, checker: &mut Checker<'_>, codel: &Codel) -> Option<usize> {
         let types = &checker.specification.types;
         let place = (checker.locate)(codel.span);
@@ -222,7 +223,7 @@ impl Workshop<'_> {
             }
         };
         let class = match from {
-            // genom3.md 5.5: ports and remotes by address, whatever the direction.
+            // genom3.md 5.5: ports and remotes are passed by address, whatever the direction.
             From::Port(_) | From::Remote(_) => Class::Address,
             _ => {
                 let kind = checker.specification.types.resolved(parameter.ty);
@@ -235,7 +236,7 @@ impl Workshop<'_> {
         Ok(Argument { name: parameter.name.clone(), class, from })
     }
 
-    /// A C++ function of that name, compiled without C linkage, is the usual reason.
+    /// The usual reason is a C++ function of that name without C linkage.
     fn hint(&self, codel: &str) -> String {
         match self.library.mangled(codel).first() {
             Some(mangled) => format!(
@@ -247,7 +248,7 @@ impl Workshop<'_> {
     }
 }
 
-/// The way from a root, in C and, for codels in C++, also there.
+/// The path from a root, in C layout, or in C++ layout for codels in C++.
 fn way(root: (&DataType, Option<&CxxType>), steps: &[PathStep]) -> Result<Way, ArgumentError> {
     let in_c = CompiledPath::new(root.0, steps)?;
     match root.1 {

@@ -1,5 +1,5 @@
-//! The memory of codels in C++ (genom3.md 6): objects beside the records that requests come and
-//! go in. One of the few unsafe modules.
+//! Memory of codels in C++ (genom3.md 6): objects that correspond to the records of requests. One
+//! of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::cell::{Cell, OnceCell};
@@ -13,20 +13,20 @@ use super::error::LoadError;
 use super::types::{Checker, ServiceTypes, steps};
 use crate::cxx::{CxxPath, CxxPathError, CxxType, Object, copy, to_cxx};
 
-/// Types of a component in C++; `None` where one is wrong, which is noted.
+/// Types of a component in C++; `None` for a wrong one, which was reported.
 pub(super) struct CxxTypes {
     pub(super) ids: Option<CxxType>,
     pub(super) services: Indexed<ServiceIx, Option<CxxService>>,
     pub(super) ports: Indexed<PortIx, Option<CxxType>>,
 }
 
-/// Objects of a service and what is copied between them, the request and the IDS.
+/// Objects of a service, and the copies between them, the request and the IDS.
 #[derive(Debug)]
 pub(super) struct CxxService {
     pub(super) input: CxxType,
     pub(super) output: CxxType,
     pub(super) local: CxxType,
-    /// As in [`ServiceTypes`].
+    /// The copies are those of [`ServiceTypes`].
     pub(super) inout: Vec<Transfer>,
     pub(super) store: Vec<Transfer>,
     pub(super) store_validated: Vec<Transfer>,
@@ -49,7 +49,7 @@ enum From {
 }
 
 impl CxxTypes {
-    /// The types of `model`, whose records are laid out already.
+    /// The C++ types of `model`, whose records are laid out already.
     pub(super) fn new(
         checker: &mut Checker<'_>,
         model: &Model,
@@ -78,7 +78,7 @@ impl CxxTypes {
     }
 }
 
-/// The type in C++; notes why there is none.
+/// The type in C++; records an error if there is none.
 fn in_cxx(
     checker: &mut Checker<'_>,
     c: &DataType,
@@ -131,7 +131,7 @@ impl CxxService {
         Some(new)
     }
 
-    /// The copies of a parameter, as [`ServiceTypes`] has them for records.
+    /// Adds the copies of a parameter, as [`ServiceTypes`] does for records.
     fn add(
         &mut self,
         types: &ServiceTypes,
@@ -178,14 +178,14 @@ pub(super) struct Objects {
     pub(super) input: Object,
     pub(super) output: Object,
     pub(super) local: Object,
-    /// The outputs as they were asked for since codels ran last.
+    /// The outputs in C layout, as computed since codels last ran.
     shown: OnceCell<Record>,
-    /// Memory for that.
+    /// Memory for that, kept for reuse.
     spare: Cell<Option<Record>>,
 }
 
 impl Objects {
-    /// Empty ones.
+    /// Empty objects.
     pub(super) fn new(types: &CxxService) -> Self {
         Self {
             input: Object::new(&types.input),
@@ -196,7 +196,7 @@ impl Objects {
         }
     }
 
-    /// Begins a run with these inputs.
+    /// Begins a run with the inputs of a request.
     pub(super) fn begin(&mut self, types: &CxxService, request: &Record) {
         self.changed();
         self.output.clear();
@@ -205,7 +205,7 @@ impl Objects {
         self.transfer(&types.inout, request, self.output.at(), self.output.at());
     }
 
-    /// Codels may have changed the outputs.
+    /// Codels may have changed the outputs: discards the computed ones.
     pub(super) fn changed(&mut self) {
         if let Some(shown) = self.shown.take() {
             self.spare.set(Some(shown));
@@ -222,7 +222,7 @@ impl Objects {
         })
     }
 
-    /// Copies from the request, or from the object at `from`, to that at `to`.
+    /// Makes the copies from the request, or the object at `from`, to the object at `to`.
     pub(super) fn transfer(
         &self,
         transfers: &[Transfer],
@@ -231,9 +231,9 @@ impl Objects {
         to: *mut u8,
     ) {
         for transfer in transfers {
-            // SAFETY: the roots hold values of the ways' root types; the runtime excludes every
-            // codel that may change them meanwhile (genom3.md 4.5). Source and target are
-            // different memory: the request, the inputs, the outputs and the IDS.
+            // SAFETY: the roots hold values of the paths' root types; the runtime excludes every
+            // codel that may change them meanwhile (genom3.md 4.5). Source and target are different
+            // memory: the request, the inputs, the outputs and the IDS.
             let done = unsafe {
                 match (&transfer.from, transfer.to.locate(to)) {
                     (From::Request(path), Some(to)) => {

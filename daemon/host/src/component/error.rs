@@ -3,10 +3,10 @@
 use std::fmt;
 use std::path::PathBuf;
 
-/// A component could not be loaded: everything that is wrong, at once.
+/// A component could not be loaded: all errors together.
 #[derive(Debug)]
 pub struct LoadErrors {
-    /// File that was to be loaded, as it was asked for.
+    /// The file, by the path it was requested with.
     pub library: PathBuf,
     /// What is wrong; never empty.
     pub errors: Vec<LoadError>,
@@ -22,7 +22,7 @@ impl fmt::Display for LoadErrors {
 
 impl std::error::Error for LoadErrors {}
 
-/// One thing that is wrong. `place` is where the `.gen` says it: file and line.
+/// A single error. `place` is the position in the `.gen`: file and line.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadError {
@@ -33,10 +33,10 @@ pub enum LoadError {
         codel: String,
         /// Where it is declared.
         place: String,
-        /// What looks like it, or empty.
+        /// A similar function, or empty.
         hint: String,
     },
-    /// The component's language is none that the host calls.
+    /// The host cannot call codels in the component's language.
     #[error(
         "component `{component}` ({place}) has lang \"{lang}\": codels are called by the C \
          interface (lang \"c\"; their sources may be C++ or Rust) or by that of C++ (lang \"c++\")"
@@ -49,7 +49,7 @@ pub enum LoadError {
         /// Its `lang`.
         lang: String,
     },
-    /// The codels' C++ library is not that of the host.
+    /// The codels are linked with another C++ library than the host.
     #[error(
         "component `{component}` is linked with libc++, this daemon with libstdc++: texts and \
          sequences would not fit (leave -stdlib=libc++ away, or give the codels the C interface)"
@@ -58,17 +58,17 @@ pub enum LoadError {
         /// Name of the component.
         component: String,
     },
-    /// A type has no place in memory.
+    /// A type has no layout.
     #[error("{what} ({place}): {why}")]
     Type {
-        /// What has that type.
+        /// The item with that type.
         what: String,
         /// Where it is declared.
         place: String,
-        /// Why it cannot be laid out.
+        /// The reason.
         why: String,
     },
-    /// An argument leads nowhere.
+    /// An argument has no address.
     #[error("argument `{parameter}` of codel `{codel}` ({place}): {why}")]
     Argument {
         /// Name of the C function.
@@ -77,13 +77,13 @@ pub enum LoadError {
         parameter: String,
         /// Where it is declared.
         place: String,
-        /// Why it has no address.
+        /// The reason.
         why: String,
     },
-    /// The library says something else of a codel or type than the description.
+    /// The library has another definition of a codel or type than the description.
     #[error("{0}")]
     Contract(crate::contract::Difference),
-    /// The machine gives no memory for the functions of ports and remotes.
+    /// The system provides no memory for the functions of ports and remotes.
     #[error("no memory for the C functions of ports and remotes")]
     NoClosures,
 }

@@ -1,5 +1,5 @@
-//! One run of a service or of a task's own activity: its records, and its codels with their
-//! arguments in place. One of the few unsafe modules.
+//! One run of a service or of a task's permanent activity: its records, and its codels with their
+//! arguments bound. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use crate::process;
 use crate::running;
 use crate::what::WHAT;
 
-/// Marks codels that another owner runs.
+/// In `ranks`: the codel belongs to another owner.
 const ABSENT: u16 = u16::MAX;
 
 /// The memory of one run, with codels bound to it.
@@ -33,30 +33,31 @@ pub(super) struct BoundFrame {
     pub(super) input: Record,
     pub(super) output: Record,
     pub(super) local: Record,
-    /// For codels in C++: what they see instead of the records.
+    /// Objects that codels in C++ use instead of the records.
     pub(super) objects: Option<Objects>,
     pub(super) calls: Box<[Call]>,
-    /// By codel of the component: its rank in `calls`.
+    /// For each codel of the component, its index in `calls`.
     pub(super) ranks: Box<[u16]>,
     pub(super) cache: EventCache,
-    /// What its codels may write to, and when to look whether they wrote past it.
+    /// Guard zones of the memory that its codels may write to, and when to check them.
     pub(super) watched: Watched,
     pub(super) check: MemoryCheck,
-    /// What the last C++ exception said.
+    /// Message of the last C++ exception.
     pub(super) what: [u8; WHAT],
     /// Detail of the last exception.
     pub(super) detail: Box<[u64]>,
     pub(super) last: Last,
-    // Dropped after the records: their buffers may be released by code of the library.
+    // Declared, so dropped, after the records: code of the library may have to release their
+    // buffers.
     pub(super) inner: Arc<Inner>,
 }
 
-// SAFETY: the pointers lead into the frame's own records and into the component that it holds;
-// one thread uses a frame at a time, as the runtime guarantees.
+// SAFETY: the pointers point into the frame's own records and into the component that it holds; one
+// thread uses a frame at a time, as the runtime guarantees.
 unsafe impl Send for BoundFrame {}
 
 impl BoundFrame {
-    /// Memory and calls for one run by `owner`.
+    /// Makes the memory and calls for one run of `owner`.
     pub(super) fn new(inner: &Arc<Inner>, owner: Owner) -> Self {
         let (service, codels) = match owner {
             Owner::Service(rank) => (Some(rank), inner.owned.services.get(rank)),
@@ -90,7 +91,7 @@ impl BoundFrame {
         };
         let described = service.and_then(|rank| inner.described.services.get(rank));
         for (zones, described) in around.into_iter().zip(described.into_iter().flatten()) {
-            // SAFETY: the frame holds the records and objects, and looks only while it lives.
+            // SAFETY: the frame owns the records and objects, and checks them only while it lives.
             unsafe { watched.add(zones, described) };
         }
         inner.watch(codels.map_or(&[], Vec::as_slice), &mut watched);
@@ -119,10 +120,10 @@ impl BoundFrame {
         }
     }
 
-    /// Copies values between records and IDS.
+    /// Copies values between records and the IDS.
     fn copy(&self, copies: &[Copy], from: *const u8, to: *mut u8) {
         for Copy { from: source, to: target } in copies {
-            // SAFETY: the roots hold values of the ways' root types; the runtime excludes every
+            // SAFETY: the roots hold values of the paths' root types; the runtime excludes every
             // codel that may change them meanwhile (genom3.md 4.5).
             let ends = unsafe { (source.locate(from.cast_mut()), target.locate(to)) };
             match ends {
@@ -227,8 +228,8 @@ impl Frame for BoundFrame {
             else {
                 continue;
             };
-            // SAFETY: the root holds a value of the way's root type; the runtime excludes who may
-            // change it (genom3.md 4.5).
+            // SAFETY: the root holds a value of the path's root type; the runtime excludes those
+            // who may change it (genom3.md 4.5).
             match unsafe { way.locate(root) } {
                 Some(at) => call.set(rank, argument.class, at),
                 None => {
@@ -250,9 +251,9 @@ impl Frame for BoundFrame {
             inner.cxx.as_ref().map(|cxx| Catcher::new(&cxx.exceptions, &inner.details));
         context.enter();
         let codel = running::running(&prepared.words);
-        // SAFETY: the function was found in the library under this name, which is loaded as long
-        // as the component lives; the arguments lead to data of the classes that the interface was
-        // made of, excluded from change by the runtime.
+        // SAFETY: the function was found under this name in the library, which stays loaded as long
+        // as the component lives; the arguments point to data of the interface's classes, which the
+        // runtime keeps from being changed.
         let returned = unsafe {
             let (function, arguments) = (prepared.function, &mut call.arguments);
             prepared.interface.call(function, arguments, &mut self.what, catcher.as_mut())

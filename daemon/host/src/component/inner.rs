@@ -19,36 +19,37 @@ use crate::ports::Ports;
 use crate::remotes::Remotes;
 use crate::shared::Shared;
 
-/// What frames hold on to. Fields are dropped in this order: memory before the code that made
-/// it, the library last.
+/// State that frames share. Fields are dropped in this order: memory before the code that made it,
+/// the library last.
 pub(super) struct Inner {
     pub(super) ids: Option<Ids>,
     pub(super) ports: Ports,
     pub(super) remotes: Remotes,
-    /// By codel of the model; `None` for those the runtime supplies.
+    /// Codels of the model; `None` for those that the runtime supplies.
     pub(super) codels: Vec<Option<Prepared>>,
     pub(super) services: Indexed<ServiceIx, ServiceTypes>,
-    /// Codels of each service and of each task.
+    /// Indices of the codels of each service and of each task.
     pub(super) owned: Owned,
     /// For codels in C++.
     pub(super) cxx: Option<InCpp>,
     pub(super) shared: Arc<Shared>,
     pub(super) details: Arc<Details>,
-    /// By event of the plan.
+    /// Properties of each event of the plan.
     pub(super) meant: Vec<Meant>,
     pub(super) described: AllDescribed,
-    /// Where codels wrote past what they were given, once they did.
+    /// Where codels wrote past their memory, once that was detected.
     pub(super) damage: OnceLock<String>,
-    /// Names of the plan's events, by rank.
+    /// Names of the plan's events, by index.
     pub(super) events: Vec<String>,
-    /// Type of records that hold nothing.
+    /// Type of the records of permanent activities: an empty struct.
     pub(super) nothing: DataType,
     pub(super) library: Library,
 }
 
 impl Drop for Inner {
-    /// Codels may copy pointers between IDS and ports, so memory that two of them hold is freed once.
-    /// When the library stays mapped for threads that codels left behind, the IDS stay as well.
+    /// Codels may copy pointers between IDS and ports, so memory that several of them point to is
+    /// freed once. When the library stays mapped because of threads that codels left behind, the
+    /// IDS are kept as well.
     fn drop(&mut self) {
         if let Some(written) = self.all_zones().take_written() {
             let path = self.library.path().display();
@@ -66,7 +67,7 @@ impl Drop for Inner {
 }
 
 impl Inner {
-    /// Watches what these codels may write to besides their own service's memory.
+    /// Adds the guard zones of what these codels may write to besides the memory of their own run.
     pub(super) fn watch(&self, codels: &[usize], watched: &mut Watched) {
         let prepared = codels.iter().filter_map(|codel| self.codels.get(*codel)?.as_ref());
         let arguments = prepared.flat_map(|codel| &codel.arguments);
@@ -79,7 +80,7 @@ impl Inner {
             }
         }
         if let (true, Some(own), Some(described)) = (ids, &self.ids, &self.described.ids) {
-            // SAFETY: frames hold the component, and look only while they live.
+            // SAFETY: frames hold the component, and check only while they live.
             unsafe { watched.add(own.zones(), described) };
         }
         for port in ports {
@@ -92,12 +93,12 @@ impl Inner {
         }
     }
 
-    /// What lies around its IDS and its simple ports.
+    /// The guard zones of the IDS and of the simple ports.
     pub(super) fn all_zones(&self) -> Watched {
         let mut watched = Watched::default();
         for (port, described) in self.described.ports.pairs() {
             if let Some(zones) = self.ports.zones(port) {
-                // SAFETY: the ports are asked only as long as they live.
+                // SAFETY: the zones are checked only while the ports live.
                 unsafe { watched.add(zones, described) };
             }
         }
@@ -109,19 +110,19 @@ impl Inner {
     }
 }
 
-/// What an event of the plan means to who calls codels.
+/// Properties of an event that matter when a codel returns it.
 #[derive(Clone, Copy)]
 pub(super) struct Meant {
-    /// It is an exception, which may have a detail.
+    /// Whether it is an exception, which may have a detail.
     pub(super) exception: bool,
-    /// The codel pauses or has ended: it is time to look at its memory.
+    /// Whether the codel pauses or ends with it, so that its memory is checked.
     pub(super) rests: bool,
 }
 
-/// Memory of a component in words.
+/// Descriptions of a component's memory for messages.
 pub(super) struct AllDescribed {
     pub(super) ids: Option<Described>,
-    /// By service: inputs, outputs, local variables.
+    /// For each service: inputs, outputs, local variables.
     pub(super) services: Indexed<ServiceIx, [Described; 3]>,
     pub(super) ports: Indexed<PortIx, Described>,
 }
@@ -168,13 +169,13 @@ impl Ids {
     }
 }
 
-/// What a component in C++ has besides.
+/// Additional state of a component in C++.
 pub(super) struct InCpp {
     pub(super) services: Indexed<ServiceIx, CxxService>,
     pub(super) exceptions: Arc<Exceptions>,
 }
 
-/// Codels by owner.
+/// Indices of codels by owner.
 pub(super) struct Owned {
     pub(super) services: Indexed<ServiceIx, Vec<usize>>,
     pub(super) tasks: Indexed<TaskIx, Vec<usize>>,

@@ -1,18 +1,19 @@
-//! What a call of a codel ended with.
+//! The result of the last call of a codel.
 
 use genom_runtime::body::EventId;
 use serde_json::Value;
 
-/// What the last call ended with.
+/// The result of the last call of a codel.
 pub(super) enum Last {
     /// A state, success, or an exception without detail.
     Plain,
     /// An exception of the plan, with that many bytes of detail.
     Detailed(EventId, usize),
-    /// An exception of the plan, with its detail.
+    /// An exception of the plan, with its detail as JSON.
     Told(Value),
-    /// Something the plan does not know; exceptions of the C run time have details all the same.
+    /// A string that is not an event of the plan; exceptions of the C run time have details all the
+    /// same.
     Unknown(String, Option<Value>),
-    /// No codel returned: a C++ exception, or an argument without a place.
+    /// The codel did not return: a C++ exception, or an argument without an address.
     Failed(String),
 }

@@ -1,4 +1,4 @@
-//! A component's code and memory: what the runtime calls a body.
+//! A component's code and memory: the runtime's `Body`.
 
 mod call;
 mod codel;
@@ -32,22 +32,23 @@ use inner::Inner;
 use parts::Parts;
 use types::Checker;
 
-/// One instance of a component: a library of its own, its IDS, ports and remotes.
+/// One instance of a component: its private copy of the library, its IDS, ports and remotes.
 ///
-/// The library is closed when the component and the last of its frames are dropped; threads that
-/// run codels must have ended by then.
+/// The library is closed when the component and its last frame are dropped; the threads that run
+/// codels must have ended by then.
 pub struct Component {
     inner: Arc<Inner>,
 }
 
 impl Component {
-    /// Checks the library against the component of `plan`, and makes the memory of one instance.
+    /// Checks the library against the component of `plan`, and allocates the memory of one
+    /// instance.
     ///
-    /// `locate` shows a place of the `.gen` in messages, as file and line.
+    /// `locate` formats a position in the `.gen` for messages, as file and line.
     ///
     /// # Errors
-    /// Everything that is wrong: codels missing in the library, types or arguments without a
-    /// place in memory, differences between the library's own types and the description's.
+    /// All that is wrong: codels missing in the library, types or arguments without a layout or
+    /// address, differences between the types in the library and in the description.
     pub fn load(
         library: Library,
         plan: &Plan,
@@ -56,11 +57,11 @@ impl Component {
         Self::make(library, plan, locate, true)
     }
 
-    /// As [`load`](Self::load), for a library whose contents were loaded with this plan before:
-    /// they are not compared again.
+    /// As [`load`](Self::load), for a library whose content was loaded with this plan before: types
+    /// are not compared again.
     ///
     /// # Errors
-    /// As `load`, differences apart.
+    /// As for `load`, without differences.
     pub fn load_again(
         library: Library,
         plan: &Plan,
@@ -93,14 +94,14 @@ impl Component {
         }
     }
 
-    /// The library file, as it was asked for.
+    /// The library file, by the path it was requested with.
     #[must_use]
     pub fn library(&self) -> PathBuf {
         self.inner.library.path().to_owned()
     }
 }
 
-/// What the library and the description see differently.
+/// Differences between the library and the description.
 fn differences(library: &Library, plan: &Plan, locate: &dyn Fn(Span) -> String) -> Vec<LoadError> {
     let report = contract::check(library, plan, locate);
     if let Some(why) = &report.unchecked {

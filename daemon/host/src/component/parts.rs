@@ -1,4 +1,4 @@
-//! What an instance is made of: laid out and prepared, with all that is wrong noted.
+//! The parts of an instance, laid out and prepared; records all errors.
 
 use std::sync::{Arc, OnceLock};
 
@@ -20,7 +20,7 @@ use crate::ports::{InCxx, Ports};
 use crate::remotes::{Remotes, Signature};
 use crate::shared::Shared;
 
-/// Events the host itself may hand to a library, besides declared exceptions.
+/// Events that the host itself may pass to a library, besides declared exceptions.
 const GIVEN: &[&str] = &[
     "::genom::fatal",
     UNKEX,
@@ -34,7 +34,7 @@ const GIVEN: &[&str] = &[
     "::genom::remote_io",
 ];
 
-/// What can be wrong, laid out and prepared.
+/// All parts whose preparation can fail.
 pub(super) struct Parts {
     pub(super) ids: Option<DataType>,
     pub(super) services: Indexed<ServiceIx, Option<ServiceTypes>>,
@@ -82,7 +82,7 @@ impl Parts {
                 (true, true) => {
                     checker.lay_out(id, &format!("exception {}", event.name), model.span)
                 }
-                // Another component's: known if it can be.
+                // An exception of another component, whose type may be incomplete here.
                 (true, false) => DataType::new(&checker.specification.types, id).ok(),
             };
             details.add(event.name.clone(), ty);
@@ -108,7 +108,7 @@ impl Parts {
         Some(Self { ids, services, codels, ports, remotes, details, nothing, cxx })
     }
 
-    /// The instance; `None` without memory for executable code. Nothing else is wrong any more.
+    /// Assembles the instance; `None` without memory for executable code, the only error left.
     pub(super) fn assemble(self, plan: &Plan, mut library: Library) -> Option<Inner> {
         library.forget_contents();
         let model = plan.component();

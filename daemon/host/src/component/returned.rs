@@ -1,4 +1,4 @@
-//! What comes back from a codel: an event, an exception, or nothing that was agreed on.
+//! Interprets the result of a codel: an event, an exception, or an error.
 
 use std::ffi::c_char;
 
@@ -15,7 +15,7 @@ use crate::events::text;
 use crate::ffi::Thrown;
 
 impl BoundFrame {
-    /// What a codel's pointer means.
+    /// Interprets the pointer that a codel returned.
     #[inline]
     pub(super) fn understand(
         &mut self,
@@ -31,7 +31,7 @@ impl BoundFrame {
         self.meant(id, event, codel, context)
     }
 
-    /// An event that is seen for the first time, or whose text may be overwritten.
+    /// Handles an event that is not cached, because it is new or its text may be overwritten.
     #[cold]
     fn read(&mut self, event: *const c_char, codel: &Prepared, context: &Context) -> Returned {
         let constant = self.inner.library.is_constant(event as usize);
@@ -49,7 +49,7 @@ impl BoundFrame {
         self.meant(id, event, codel, context)
     }
 
-    /// An event of the plan.
+    /// Handles an event of the plan.
     #[inline]
     fn meant(
         &mut self,
@@ -69,7 +69,7 @@ impl BoundFrame {
         Returned::Event(id)
     }
 
-    /// A codel paused or ended: what to say when somebody wrote past its memory.
+    /// After a codel paused or ended: an error if something wrote past its memory.
     #[inline]
     fn rested(&mut self, codel: &Prepared) -> Option<Returned> {
         match self.check {
@@ -91,7 +91,7 @@ impl BoundFrame {
         Some(self.fail(told))
     }
 
-    /// The detail of an exception of the plan, kept for later.
+    /// Keeps the detail of an exception of the plan.
     fn detailed(&mut self, event: *const c_char, id: EventId, context: &Context) -> Last {
         let name = self.inner.events.get(usize::from(id.0)).map_or("", String::as_str);
         let found = context.take_detail(event, name.as_bytes(), &mut self.detail);
@@ -99,7 +99,7 @@ impl BoundFrame {
         if self.inner.details.is_plain(name) {
             return Last::Detailed(id, size);
         }
-        // What its pointers lead to may be gone when the runtime asks.
+        // Converted now, since what it points to may be gone when the runtime asks.
         self.inner.details.to_json(name, &self.detail, size).map_or(Last::Plain, Last::Told)
     }
 
@@ -112,14 +112,14 @@ impl BoundFrame {
         Returned::Unknown
     }
 
-    /// No event came: this is `genom::unkex`, with what happened as its detail.
+    /// No event was returned: becomes `genom::unkex`, with a message as its detail.
     #[cold]
     pub(super) fn fail(&mut self, what: String) -> Returned {
         self.last = Last::Failed(what);
         Returned::Failed
     }
 
-    /// A codel in C++ threw an exception of the description, or of the run time.
+    /// A codel in C++ threw a declared exception, or one of the run time.
     #[cold]
     pub(super) fn thrown(&mut self, name: String, detail: Option<Value>) -> Returned {
         match self.inner.shared.events.id(name.as_bytes()) {

@@ -1,11 +1,11 @@
-//! Types and ways of one component, resolved once at load.
+//! Types of one component and paths to its data, resolved once at load.
 
 use genom_description::model::{self, Dialect, Direction, Parameter, Service, Span, Specification};
 use genom_types::{CompiledPath, DataType, PathError, PathStep, TypeId};
 
 use super::error::LoadError;
 
-/// Collects what is wrong while types are laid out.
+/// Records errors while types are laid out.
 pub(super) struct Checker<'a> {
     pub(super) specification: &'a Specification,
     pub(super) locate: &'a dyn Fn(Span) -> String,
@@ -13,7 +13,7 @@ pub(super) struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    /// The type laid out; notes why not.
+    /// Lays out a type; records an error if that fails.
     pub(super) fn lay_out(&mut self, ty: TypeId, what: &str, span: Span) -> Option<DataType> {
         match DataType::new(&self.specification.types, ty) {
             Ok(ty) => Some(ty),
@@ -27,32 +27,32 @@ impl Checker<'_> {
     }
 }
 
-/// Where a parameter of a service is kept.
+/// The record that holds a parameter of a service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kept {
-    /// In the record of inputs, as member of this rank.
+    /// The input record, in the member with this index.
     Input(usize),
-    /// In the record of outputs: also `inout` parameters (genom3.md 7.3.4).
+    /// The output record, also for `inout` parameters (genom3.md 7.3.4).
     Output(usize),
 }
 
-/// Records of a service and what is copied between them and the IDS.
+/// Records of a service, and the copies between them and the IDS.
 #[derive(Debug)]
 pub(super) struct ServiceTypes {
     pub(super) input: DataType,
     pub(super) output: DataType,
     pub(super) local: DataType,
-    /// Where codels find each parameter.
+    /// The record that codels use for each parameter.
     pub(super) kept: Vec<Kept>,
     /// From the inputs to the outputs, at the start.
     pub(super) inout: Vec<Copy>,
     /// From the inputs to the IDS.
     pub(super) store: Vec<Copy>,
-    /// From the outputs to the IDS: what a validate codel of the papers' dialects left.
+    /// From the outputs to the IDS: values set by a validate codel in the papers' dialects.
     pub(super) store_validated: Vec<Copy>,
     /// From the IDS to the outputs.
     pub(super) fetch: Vec<Copy>,
-    /// From the IDS to the inputs: what stands where they are stored.
+    /// From the IDS to the inputs: the current values of an attribute.
     pub(super) current: Vec<Copy>,
 }
 
@@ -123,12 +123,12 @@ impl ServiceTypes {
             self.current.push(Copy { from: place.clone(), to: member(&self.input, rank)? });
         }
         match (from, to) {
-            // dialects.md B: the validate codel is called with the new value, which is then set.
+            // dialects.md B: the validate codel gets the new value, which is then stored.
             (Some(_), Some(rank)) if dialect != Dialect::Current => {
                 let from = member(&self.output, rank)?;
                 self.store_validated.push(Copy { from, to: place.clone() });
             }
-            // genom3.md 7.3.6: the IDS get the request's value, also for `inout`.
+            // genom3.md 7.3.6: the IDS get the value of the request, also for `inout`.
             (Some(rank), _) => {
                 self.store.push(Copy { from: member(&self.input, rank)?, to: place.clone() });
             }
@@ -141,7 +141,7 @@ impl ServiceTypes {
     }
 }
 
-/// The model's steps, in the words of the types.
+/// Converts the steps of the model to those of the types.
 pub(super) fn steps(path: &[model::PathStep]) -> Vec<PathStep> {
     let step = |step: &model::PathStep| match *step {
         model::PathStep::Member(index) => PathStep::Member(index),

@@ -1,11 +1,11 @@
-//! Ways to arguments, in the layout of either language. One of the few unsafe modules.
+//! Paths to arguments, in the layout of C or C++. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use genom_types::CompiledPath;
 
 use crate::cxx::CxxPath;
 
-/// The way from a root to a datum.
+/// The path from a root to a datum.
 #[derive(Debug)]
 pub(super) enum Way {
     /// In a record.
@@ -15,7 +15,7 @@ pub(super) enum Way {
 }
 
 impl Way {
-    /// Where the datum lies from the root, when no sequence is on the way.
+    /// Offset of the datum from the root in bytes, when no sequence is on the path.
     pub(super) fn constant_offset(&self) -> Option<usize> {
         match self {
             Self::C(path) => path.constant_offset(),
@@ -23,10 +23,10 @@ impl Way {
         }
     }
 
-    /// Address of the datum; `None` when a sequence on the way is too short.
+    /// Address of the datum; `None` when a sequence on the path is too short.
     ///
     /// # Safety
-    /// `root` holds a value of the root type, in the way's language, that nobody changes
+    /// `root` holds a value of the root type, in the path's language, that nobody changes
     /// meanwhile.
     pub(super) unsafe fn locate(&self, root: *mut u8) -> Option<*mut u8> {
         // SAFETY: the caller's promise.

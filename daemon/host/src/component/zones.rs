@@ -1,7 +1,7 @@
-//! What codels may write to, and whether they wrote past it. One of the few unsafe modules.
+//! Detects writes past the memory that codels are given. One of the few unsafe modules.
 //!
-//! Around the IDS, the inputs, outputs and local variables of each run, and the data of simple
-//! ports lie zones of a known pattern. They are looked at when a codel pauses or ends, or after
+//! Guard zones with a known pattern surround the IDS, the inputs, outputs and local variables of
+//! each run, and the data of simple ports. They are checked when a codel pauses or ends, or after
 //! each codel ([`check_memory`]).
 #![allow(unsafe_code)]
 
@@ -9,13 +9,13 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use genom_types::{Side, TypeId, TypeTable, Zones};
 
-/// When to look whether codels wrote past what they were given.
+/// When guard zones are checked.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum MemoryCheck {
     /// Never.
     Off,
-    /// When a codel yields a pause, ends its activity or its service, 16 bytes on each side.
+    /// When a codel yields a pause or ends its activity or service: 16 bytes on each side.
     #[default]
     Pauses,
     /// After each codel, 64 bytes on each side.
@@ -24,12 +24,12 @@ pub enum MemoryCheck {
 
 static MODE: AtomicU8 = AtomicU8::new(MemoryCheck::Pauses as u8);
 
-/// Says when to look, for components that are loaded from now on.
+/// Sets when guard zones are checked, for components loaded from now on.
 pub fn check_memory(when: MemoryCheck) {
     MODE.store(when as u8, Ordering::Relaxed);
 }
 
-/// When to look.
+/// When guard zones are checked.
 pub(super) fn mode() -> MemoryCheck {
     match MODE.load(Ordering::Relaxed) {
         0 => MemoryCheck::Off,
@@ -38,18 +38,18 @@ pub(super) fn mode() -> MemoryCheck {
     }
 }
 
-/// A record or object in words.
+/// Description of a record or object, for messages.
 #[derive(Clone, Debug)]
 pub(super) struct Described {
     what: String,
-    /// No codel gets a part of it.
+    /// It has no members, so codels get no address in it.
     is_empty: bool,
     /// Names of the first and the last member.
     members: Option<(String, String)>,
 }
 
 impl Described {
-    /// A struct of that type, and what it is.
+    /// Describes a struct of that type.
     pub(super) fn new(what: String, types: &TypeTable, ty: TypeId) -> Self {
         let members = types.members(ty);
         let ends = members.first().zip(members.last());
@@ -57,7 +57,7 @@ impl Described {
         Self { what, is_empty: ends.is_none(), members: ends }
     }
 
-    /// Something without members of interest.
+    /// Describes something without naming members.
     pub(super) fn whole(what: String) -> Self {
         Self { what, is_empty: false, members: None }
     }
@@ -74,19 +74,19 @@ impl Described {
     }
 }
 
-/// Zones that one frame or component looks at.
+/// Guard zones that one frame or component checks.
 #[derive(Debug, Default)]
 pub(super) struct Watched {
-    /// Apart from the words: these are looked at on every pause.
+    /// Apart from the descriptions, since these are read at every pause.
     zones: Vec<Zones>,
     described: Vec<Described>,
 }
 
 impl Watched {
-    /// Watches memory too, unless it has no members to write to.
+    /// Adds zones, unless what they surround has no members to write to.
     ///
     /// # Safety
-    /// What the zones belong to lives as long as this is asked.
+    /// The memory that the zones surround lives as long as this is used.
     pub(super) unsafe fn add(&mut self, zones: Zones, described: &Described) {
         if described.is_empty {
             return;
@@ -95,18 +95,18 @@ impl Watched {
         self.described.push(described.clone());
     }
 
-    /// Whether nobody wrote to the bytes next to any of it.
+    /// Whether the bytes directly before and after all of it are unchanged.
     #[inline]
     pub(super) fn is_whole_nearby(&self) -> bool {
-        // SAFETY: the promise of `add`.
+        // SAFETY: guaranteed to `add`.
         self.zones.iter().all(|zones| unsafe { zones.are_whole_nearby() })
     }
 
-    /// Where somebody wrote, in words, if anywhere. The zones are then as they were.
+    /// Description of where something was written, if anywhere. Restores the zones.
     #[cold]
     pub(super) fn take_written(&self) -> Option<String> {
         let found = self.zones.iter().zip(&self.described).filter_map(|(zones, described)| {
-            // SAFETY: the promise of `add`.
+            // SAFETY: guaranteed to `add`.
             unsafe {
                 let side = zones.written()?;
                 zones.mend();

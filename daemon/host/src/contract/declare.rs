@@ -1,4 +1,4 @@
-//! C declarations that a description asks for, as an author would write them (genom3.md 5.5, 5.6).
+//! C declarations of a description's items, as an author would write them (genom3.md 5.5, 5.6).
 
 use genom_description::model::{Codel, CodelParameter, Component, Direction, Source};
 use genom_description_tools as tools;
@@ -20,7 +20,7 @@ pub(super) fn members(types: &TypeTable, ty: TypeId) -> String {
     format!("{{ {} }}", members.collect::<Vec<_>>().join(" "))
 }
 
-/// The same in C++: `{ double x; char what[64]; }`.
+/// The members in C++: `{ double x; char what[64]; }`.
 pub(super) fn members_in_cxx(types: &TypeTable, ty: TypeId) -> String {
     let member = |member: &genom_types::Member| {
         format!("{};", tools::declaration(types, member.ty, &member.name))

@@ -1,4 +1,4 @@
-//! Compares the table of the Rust SDK with a component: names, arguments, layouts.
+//! Compares the table that the Rust SDK exports with a component: names, arguments, layouts.
 
 use std::collections::{HashMap, HashSet};
 
@@ -15,7 +15,7 @@ use super::mismatch::{Agreement, Mismatch};
 use super::table::{Argument, Table, Type};
 use crate::ffi::Class;
 
-/// Compares every codel of the table that the component has; tells how many, and what differs.
+/// Compares every codel of the table that the component has; returns how many, and the differences.
 pub(super) fn compare(
     table: &Table,
     plan: &Plan,
@@ -76,7 +76,7 @@ pub(super) fn compare(
 struct Comparison<'a> {
     table: &'a Table,
     plan: &'a Plan,
-    /// Pairs that are equal, or being compared further up.
+    /// Pairs found equal, or being compared by a caller.
     seen: HashSet<(TypeId, usize)>,
 }
 
@@ -137,7 +137,7 @@ impl Comparison<'_> {
         }
     }
 
-    /// Compares the parameters of a remote: the type of its argument lists them.
+    /// Compares the parameters of a remote, which are the members of its argument's type.
     fn remote(&mut self, remote: &Remote, told: &Argument) -> Agreement {
         if told.passing != Passing::REMOTE {
             return Err(Mismatch::other(way(Passing::REMOTE), way(told.passing)));
@@ -154,7 +154,7 @@ impl Comparison<'_> {
         for (parameter, told) in remote.parameters.iter().zip(&told.members) {
             let place = |why: Mismatch| why.within(format!("parameter `{}`", parameter.name));
             let wanted = self.passing(parameter.ty, parameter.direction);
-            // For a parameter the offset is the number of its way of passing.
+            // For a parameter, `offset` holds the number of how it is passed.
             let found = u32::try_from(told.offset).map_or(Passing(u32::MAX), Passing);
             if wanted != found {
                 return Err(place(Mismatch::other(way(wanted), way(found))));
@@ -164,7 +164,7 @@ impl Comparison<'_> {
         Ok(())
     }
 
-    /// Compares a type and everything in it.
+    /// Compares two types and all types inside them.
     fn ty(&mut self, id: TypeId, told: Option<usize>) -> Agreement {
         let types = &self.plan.specification().types;
         let id = types.resolve(id);
@@ -240,7 +240,7 @@ impl Comparison<'_> {
     }
 }
 
-/// A kind in the table's words: number, bound, element.
+/// A kind as the table encodes it: number, bound, element.
 fn describe(kind: &Kind) -> (abi::Kind, usize, Option<TypeId>) {
     let plain = |kind| (kind, 0, None);
     match kind {
@@ -270,7 +270,7 @@ fn describe(kind: &Kind) -> (abi::Kind, usize, Option<TypeId>) {
     }
 }
 
-/// A way of passing, in words.
+/// How an argument is passed, in words.
 fn way(passing: Passing) -> &'static str {
     match passing {
         Passing::VALUE => "a value (`T`, or `&CStr`)",
@@ -301,14 +301,14 @@ fn show_argument(table: &Table, argument: &Argument) -> String {
     }
 }
 
-/// A type of the table, in IDL's words.
+/// A type of the table in IDL.
 fn show(table: &Table, rank: Option<usize>) -> String {
     let Some(ty) = rank.map(|rank| &table.types[rank]) else { return "?".to_owned() };
     if let Some(name) = &ty.name {
         return name.clone();
     }
     let element = || match ty.element {
-        // A type without name has a type with name, or a basic one, some way down.
+        // A type without a name leads, by its elements, to one with a name or a basic one.
         Some(element) if Some(element) != rank => show(table, Some(element)),
         _ => "?".to_owned(),
     };

@@ -1,6 +1,6 @@
-//! What a library and its description do not agree on.
+//! Differences between a library and its description.
 
-/// A codel or type that the library and the description see differently.
+/// A codel or type that is different in the library and in the description.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{subject} ({place}): {why}\n  .gen:    {description}\n  library: {library}")]
 pub struct Difference {
@@ -8,10 +8,10 @@ pub struct Difference {
     pub subject: String,
     /// Where the `.gen` declares it: file and line.
     pub place: String,
-    /// The difference in a few words.
+    /// The difference, in a few words.
     pub why: String,
-    /// What the description says.
+    /// The declaration in the description.
     pub description: String,
-    /// What the library says.
+    /// The declaration in the library.
     pub library: String,
 }

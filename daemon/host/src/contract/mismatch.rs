@@ -1,21 +1,21 @@
-//! In what a part of a library differs from its description.
+//! How a part of a library differs from its description.
 
 use genom_types::LayoutError;
 
 use crate::cxx::CxxTypeError;
 
-/// In what a codel's argument or a type differs.
+/// How a codel's argument or a type differs.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Mismatch {
     /// A part of it differs.
     #[error("{part}: {why}")]
     In {
-        /// The part: an argument, a member, a type.
+        /// The argument, member or type.
         part: String,
-        /// In what that differs.
+        /// The difference.
         why: Box<Mismatch>,
     },
-    /// Another one is there.
+    /// Another item (singular).
     #[error("{wanted} is wanted, not {found}")]
     Other {
         /// What the description asks for.
@@ -23,7 +23,7 @@ pub(super) enum Mismatch {
         /// What the library has.
         found: String,
     },
-    /// Others are there.
+    /// Other items (plural).
     #[error("{wanted} are wanted, not {found}")]
     Others {
         /// What the description asks for.
@@ -31,107 +31,107 @@ pub(super) enum Mismatch {
         /// What the library has.
         found: String,
     },
-    /// A size, an offset or a bound is another one.
+    /// A size, an offset or a bound differs.
     #[error("{what} {wanted} is wanted, not {found}")]
     Number {
-        /// Which number.
+        /// The name of the number.
         what: &'static str,
-        /// That of the description.
+        /// Value in the description.
         wanted: u64,
-        /// That of the library.
+        /// Value in the library.
         found: u64,
     },
-    /// There are more or fewer of them.
+    /// Their number differs.
     #[error("{wanted} {what} are wanted{and} it {takes} {found}")]
     Count {
-        /// Arguments or parameters.
+        /// `arguments` or `parameters`.
         what: &'static str,
-        /// Those of the description.
+        /// Number in the description.
         wanted: usize,
-        /// What joins the sentences.
+        /// Words between the two parts of the message.
         and: &'static str,
-        /// How the library has them.
+        /// Verb of the second part.
         takes: &'static str,
-        /// Those of the library.
+        /// Number in the library.
         found: usize,
     },
-    /// The function of a remote takes more or fewer arguments.
+    /// The function of a remote has another number of arguments.
     #[error("its call takes {wanted} arguments, not {found}")]
     Call {
-        /// Those of the description.
+        /// Number in the description.
         wanted: usize,
-        /// Those of the library.
+        /// Number in the library.
         found: usize,
     },
-    /// A struct has other members.
+    /// The members of a struct differ.
     #[error("`{ours}` has members {wanted}; `{theirs}` has {found}")]
     Members {
         /// Name of the type in the description.
         ours: String,
-        /// Its members.
+        /// Its members in the description.
         wanted: String,
         /// Name of the type in the library.
         theirs: String,
-        /// Its members.
+        /// Its members in the library.
         found: String,
     },
-    /// A port is multiple on one side only.
+    /// A port is multiple in only one of them.
     #[error("the port is {kind}: its methods take {arguments}")]
     Methods {
-        /// What it is in the description.
+        /// Its kind in the description.
         kind: &'static str,
-        /// What its methods take then.
+        /// The arguments that its methods then take.
         arguments: &'static str,
     },
-    /// A class of the C++ library has another size.
+    /// A class of the C++ library has different sizes.
     #[error(
         "`{class}` has {ours} bytes in this host's C++ library and {theirs} in that of the codels: \
          compile them with libstdc++ and its usual options"
     )]
     OtherLibrary {
-        /// The class.
+        /// Name of the class.
         class: String,
-        /// Its size here.
+        /// Its size in the host.
         ours: u64,
-        /// Its size there.
+        /// Its size in the codels.
         theirs: u64,
     },
-    /// The library does not say what is there.
+    /// The library has no information on the item.
     #[error("the library tells no {0}")]
     Untold(&'static str),
-    /// The model refers to what it does not have.
+    /// The model refers to something that it lacks.
     #[error("there is no such {0}")]
     Absent(&'static str),
-    /// Something else stands in place of an array.
+    /// The library has no array there.
     #[error("an array is wanted")]
     NoArray,
-    /// Something else stands in place of a union's members.
+    /// The library has no union there.
     #[error("`{0}._u` is no union")]
     NoUnion(String),
-    /// The type has no place in memory.
+    /// The type has no layout.
     #[error("{0}")]
     Layout(#[from] LayoutError),
-    /// The type has no place in C++.
+    /// The type does not exist in C++.
     #[error("{0}")]
     Cxx(#[from] CxxTypeError),
 }
 
 impl Mismatch {
-    /// Another one is there.
+    /// Another item (singular).
     pub(super) fn other(wanted: impl Into<String>, found: impl Into<String>) -> Self {
         Self::Other { wanted: wanted.into(), found: found.into() }
     }
 
-    /// Others are there.
+    /// Other items (plural).
     pub(super) fn others(wanted: impl Into<String>, found: impl Into<String>) -> Self {
         Self::Others { wanted: wanted.into(), found: found.into() }
     }
 
-    /// The same, of a part.
+    /// The same difference, as that of a part.
     pub(super) fn within(self, part: impl Into<String>) -> Self {
         Self::In { part: part.into(), why: Box::new(self) }
     }
 }
 
-/// Whether a part agrees, and in what not.
+/// Whether a part agrees; the error says how it differs.
 pub(super) type Agreement = Result<(), Mismatch>;

@@ -1,7 +1,7 @@
-//! Whether a library agrees with its description, as far as the library says.
+//! Compares a library with its description, as far as the library describes itself.
 //!
-//! A Rust library built with the SDK exports a table of its codels and types; one of C or C++ may
-//! carry debug information. Nothing of the library runs for this.
+//! A Rust library built with the SDK exports a table of its codels and types; a C or C++ library
+//! may have debug information. No code of the library runs for this.
 
 mod declare;
 mod descriptors;
@@ -19,33 +19,33 @@ use crate::library::Library;
 pub use difference::Difference;
 use table::TableError;
 
-/// What the library was compared by.
+/// The information that the library was compared by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Checked {
     /// The table that the Rust SDK exports.
     Descriptors,
     /// The debug information of C and C++.
     DebugInformation,
-    /// Nothing: the library says nothing of its types.
+    /// The library has no information on its types.
     Unchecked,
 }
 
-/// What a check found.
+/// Result of a comparison.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Report {
-    /// What it went by.
+    /// The information that was used.
     pub checked: Checked,
     /// Codels that were compared.
     pub codels: usize,
-    /// What differs.
+    /// The differences found.
     pub differences: Vec<Difference>,
-    /// Why nothing was compared, or which codels were not and why.
+    /// Why nothing was compared, or which codels were not compared and why.
     pub unchecked: Option<String>,
 }
 
-/// Compares every codel and type that the library tells about with the plan's component.
+/// Compares every codel and type of the plan's component on which the library has information.
 ///
-/// `locate` shows a place of the `.gen` as file and line.
+/// `locate` formats a position in the `.gen` as file and line.
 #[must_use]
 pub fn check(library: &Library, plan: &Plan, locate: &dyn Fn(Span) -> String) -> Report {
     match table::read(library) {

@@ -1,4 +1,4 @@
-//! Reads the table that the Rust SDK exports into values of our own. One of the few unsafe modules.
+//! Reads the table that the Rust SDK exports, as owned values. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::collections::HashMap;
@@ -8,7 +8,7 @@ use genom::abi;
 
 use crate::library::Library;
 
-/// Why a table is not read.
+/// Why a table is rejected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum TableError {
     /// Built with another major version of the SDK.
@@ -21,19 +21,19 @@ pub(super) enum TableError {
         /// Version of the library.
         found: u16,
     },
-    /// Shorter than its version says.
+    /// The table is smaller than its version requires.
     #[error("the table of codels has {found} bytes, {} needed", size_of::<abi::Component>())]
     Size {
-        /// Size the library tells.
+        /// Size in the table.
         found: u32,
     },
 }
 
-/// What the library tells of itself.
+/// The content of the table.
 #[derive(Debug)]
 pub(super) struct Table {
     pub(super) codels: Vec<Codel>,
-    /// Exceptions, by rank in `types`.
+    /// Exceptions, by index in `types`.
     pub(super) exceptions: Vec<usize>,
     pub(super) types: Vec<Type>,
 }
@@ -45,7 +45,7 @@ pub(super) struct Codel {
     pub(super) arguments: Vec<Argument>,
 }
 
-/// An argument of a codel, its type by rank in [`Table::types`].
+/// An argument of a codel; its type by index in [`Table::types`].
 #[derive(Debug)]
 pub(super) struct Argument {
     pub(super) name: String,
@@ -53,7 +53,7 @@ pub(super) struct Argument {
     pub(super) ty: Option<usize>,
 }
 
-/// A type of the table; other types by rank in [`Table::types`].
+/// A type of the table; other types by index in [`Table::types`].
 #[derive(Clone, Debug)]
 pub(super) struct Type {
     pub(super) kind: abi::Kind,
@@ -73,12 +73,12 @@ pub(super) struct Member {
     pub(super) ty: Option<usize>,
 }
 
-/// The table of `library`, if it has one.
+/// Reads the table of `library`, if it has one.
 pub(super) fn read(library: &Library) -> Result<Option<Table>, TableError> {
     let symbol = abi::COMPONENT_SYMBOL.to_str().unwrap_or_default();
     let Some(at) = library.own_symbol(symbol) else { return Ok(None) };
     let at = at as *const abi::Component;
-    // SAFETY: the symbol is the SDK's table; its first fields never move.
+    // SAFETY: the symbol is the SDK's table, whose first fields are the same in all versions.
     let (found, size) = unsafe { ((*at).abi_major, (*at).size) };
     if found != abi::ABI_MAJOR {
         return Err(TableError::Version { found });
@@ -86,8 +86,8 @@ pub(super) fn read(library: &Library) -> Result<Option<Table>, TableError> {
     if (size as usize) < size_of::<abi::Component>() {
         return Err(TableError::Size { found: size });
     }
-    // SAFETY: the version is known and the table as large as we read; it is constant data of the
-    // library, which is loaded.
+    // SAFETY: the version is known, and the table is at least as large as what is read; it is
+    // constant data of the library, which is loaded.
     let table = unsafe { &*at };
     let mut reader = Reader { types: Vec::new(), known: HashMap::new() };
     // SAFETY: as above, for all lists and pointers in it.
@@ -99,7 +99,7 @@ pub(super) fn read(library: &Library) -> Result<Option<Table>, TableError> {
     Ok(Some(Table { codels, exceptions, types: reader.types }))
 }
 
-/// Copies types once each: they may be recursive.
+/// Reads types, each once, since they may be recursive.
 struct Reader {
     types: Vec<Type>,
     known: HashMap<usize, usize>,
@@ -144,7 +144,7 @@ impl Reader {
             element: None,
             members: Vec::new(),
         });
-        // SAFETY: the caller's promise, for what the type leads to.
+        // SAFETY: the caller's promise, also for what the type points to.
         let (element, members) = unsafe {
             let members = descriptor.members.as_slice().iter().map(|member| Member {
                 name: text(member.name).unwrap_or_default(),

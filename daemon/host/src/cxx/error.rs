@@ -1,17 +1,17 @@
-//! Why a type or a place in a value does not exist in C++.
+//! Why a type, or a datum inside a value, does not exist in C++.
 
 use genom_types::PathError;
 
-/// Why C++ has no such type (genom3.md 6).
+/// Why a type does not exist in C++ (genom3.md 6).
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum CxxTypeError {
-    /// The daemon does not know how its C++ library keeps texts and sequences.
+    /// The layout of this C++ library's strings and vectors is unknown to the daemon.
     #[error(
         "the C++ library this daemon was built with keeps std::vector in a way it does not know: \
          lang \"c++\" needs libstdc++"
     )]
     OtherLibrary,
-    /// `any`, or a type that is only announced.
+    /// `any`, or a type that is only declared.
     #[error("{ty} has no C++ type")]
     None {
         /// Spelling of the type.
@@ -37,7 +37,7 @@ pub(crate) enum CxxTypeError {
         /// Spelling of its element.
         element: String,
     },
-    /// A sequence or array of nothing: the model is inconsistent.
+    /// A sequence or array without element type: the model is inconsistent.
     #[error("{ty} has no element")]
     NoElement {
         /// Spelling of the type.
@@ -45,28 +45,28 @@ pub(crate) enum CxxTypeError {
     },
 }
 
-/// Why there is no such place in a C++ value.
+/// Why a path has no equivalent in a C++ value.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum CxxPathError {
-    /// The struct has fewer members.
+    /// The struct has no such member.
     #[error("there is no such member")]
     Member,
-    /// Bits have no address.
+    /// Elements of `std::vector<bool>` have no address.
     #[error("an element of std::vector<bool> has no address: make it a sequence<octet>")]
     Bit,
-    /// The type has no parts of that kind.
+    /// The type has no such part.
     #[error("{ty} has no such part")]
     Part {
         /// Spelling of the type.
         ty: String,
     },
-    /// A sequence is within a type whose bytes are those of C: the layouts are inconsistent.
+    /// A sequence inside a type with the layout of C: the layouts are inconsistent.
     #[error("a sequence is no plain type")]
     Sequence,
-    /// There is no such place in C either.
+    /// The path is invalid in C as well.
     #[error("{0}")]
     InC(#[from] PathError),
-    /// What is there has no type in C++.
+    /// A type on the path does not exist in C++.
     #[error("{0}")]
     Type(#[from] CxxTypeError),
 }

@@ -1,5 +1,5 @@
-//! C++ exceptions: those that codels throw become events, and failures of ports become exceptions
-//! that codels can catch. One of the few unsafe modules.
+//! C++ exceptions: those thrown by codels become events, and failures of ports are thrown for
+//! codels to catch. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::cell::RefCell;
@@ -17,46 +17,47 @@ use super::spelling::type_info;
 use crate::detail::{Detail, Details, SYSERR, UNKEX};
 use crate::library::Library;
 
-/// Where `detail` lies in an exception: behind the vtable pointer.
+/// Offset of `detail` in an exception: after the vtable pointer.
 const DETAIL: usize = 8;
 
-/// The exceptions a component may throw or be given.
+/// The exceptions that a component may throw or get.
 pub(crate) struct Exceptions {
     by_type: HashMap<String, Known>,
     by_name: HashMap<String, Made>,
 }
 
-/// The detail of an exception has no C++ type.
+/// The detail of an exception has no type in C++.
 #[derive(Debug, thiserror::Error)]
 #[error("exception {exception}: {why}")]
 pub(crate) struct DetailError {
     /// Full name of the exception.
     pub(crate) exception: String,
-    /// What its type lacks.
+    /// The reason.
     #[source]
     pub(crate) why: CxxTypeError,
 }
 
-/// An exception of the codels.
+/// An exception that codels may throw.
 struct Known {
     name: String,
     detail: Option<CxxType>,
 }
 
-/// What exceptions that the host makes are made of.
+/// What the host needs to make an exception.
 struct Made {
-    /// Offset to top, type, `what()`, and what the shim finds behind: the name, the function that
-    /// drops the detail, its type.
+    /// Offset to top, type, `what()`, and then for the shim: the name, the function that drops the
+    /// detail, the detail's type.
     vtable: Box<[usize; 6]>,
     _name: CString,
     detail: Option<Box<CxxType>>,
 }
 
 impl Exceptions {
-    /// Those of `types`, with their details, and those in `given` that the host may throw.
+    /// The exceptions of `types`, with their details, and those in `given`, which the host may
+    /// throw.
     ///
     /// # Errors
-    /// The detail of an exception has no C++ type.
+    /// The detail of an exception has no type in C++.
     pub(crate) fn new<'a>(
         library: &Library,
         types: impl Iterator<Item = (&'a str, Option<&'a DataType>)>,
@@ -76,7 +77,7 @@ impl Exceptions {
         if self.by_name.contains_key(name) {
             return;
         }
-        // What `catch` compares with: the codels' own type where they have one.
+        // The type that `catch` compares with: that of the codels, if they have one.
         let ty = library.symbol(&format!("_ZTI{}", type_info(name)));
         let ty = ty.unwrap_or_else(shim::exception_type);
         let made = detail.clone().map(Box::new);
@@ -88,13 +89,13 @@ impl Exceptions {
         self.by_name.insert(name.to_owned(), Made { vtable, _name: text, detail: made });
     }
 
-    /// A type for the vtables that the host makes: `typeid` of such an object is the base's.
+    /// A type for the vtables that the host makes: `typeid` of such an object is that of the base.
     pub(crate) fn base_type() -> usize {
         shim::exception_type()
     }
 
-    /// The exception for the shim to throw. It is read at once: the next one on this thread takes
-    /// its place.
+    /// Makes the exception that the shim throws. The shim reads it at once: the next one on this
+    /// thread replaces it.
     pub(crate) fn raise(&self, name: &str, detail: Detail) -> *const Raise {
         thread_local! {
             static LAST: RefCell<Option<(Raise, Kept)>> = const { RefCell::new(None) };
@@ -135,26 +136,26 @@ impl Exceptions {
     }
 }
 
-/// What the detail of an exception is made of.
+/// Keeps the detail of an exception alive.
 enum Kept {
     Record(Box<Record>),
     Bytes(Vec<u8>),
 }
 
-/// Makes a detail where the shim wants it.
+/// Constructs a detail in memory of the shim.
 unsafe extern "C" fn construct(from: *const Record, ty: *const CxxType, to: *mut u8) {
-    // SAFETY: the record of this exception, whose type has that of the vtable for C++; the shim
-    // allocated its size.
+    // SAFETY: `from` is the record of this exception, whose type corresponds to the C++ type in the
+    // vtable; the shim allocated the size of that.
     unsafe { object::construct(&*ty, (*from).as_ptr(), to) }
 }
 
 /// Drops a detail that [`construct`] made.
 unsafe extern "C" fn destroy(ty: *const CxxType, at: *mut u8) {
-    // SAFETY: the shim passes what the vtable says and a detail that nobody uses any more.
+    // SAFETY: the shim passes the type in the vtable, and a detail that is not used any more.
     unsafe { object::destroy(&*ty, at) }
 }
 
-/// Told of exceptions that escape codels; the guard knows its first field.
+/// Receives exceptions that escape from codels; the guard knows the type of its first field.
 #[repr(C)]
 pub(crate) struct Catcher {
     caught: unsafe extern "C" fn(*mut Catcher, *const c_char, *const c_char, *const u8) -> c_int,
@@ -164,7 +165,7 @@ pub(crate) struct Catcher {
 }
 
 impl Catcher {
-    /// One that knows these exceptions.
+    /// A catcher that recognises these exceptions.
     pub(crate) fn new(exceptions: &Exceptions, details: &Details) -> Self {
         Self { caught, exceptions, found: None, details }
     }
@@ -175,20 +176,20 @@ impl Catcher {
     }
 }
 
-/// Notes an exception of type `ty`; not 0 when it is known.
+/// Receives an exception of type `ty`; returns 0 when that is unknown.
 unsafe extern "C" fn caught(
     this: *mut Catcher,
     ty: *const c_char,
     what: *const c_char,
     object: *const u8,
 ) -> c_int {
-    // SAFETY: the guard passes the catcher it was called with, the names of the exception's type
-    // and of itself, and the exception, which lives until this returns.
+    // SAFETY: the guard passes the catcher it was called with, the name of the exception's type,
+    // its message, and the exception, which lives until this returns.
     let (this, ty, what) = unsafe { (&mut *this, CStr::from_ptr(ty), CStr::from_ptr(what)) };
     // SAFETY: both outlive the call that this catcher was made for.
     let (exceptions, details) = unsafe { (&*this.exceptions, &*this.details) };
     let ty = ty.to_string_lossy();
-    // One that the host threw, and that the codels have no type for.
+    // An exception that the host threw, and for which the codels have no type.
     let own = || match ty.as_ref() {
         "N5genom9exceptionE" => {
             what.to_str().ok().and_then(|name| exceptions.by_type.get(&type_info(name)))
@@ -199,7 +200,7 @@ unsafe extern "C" fn caught(
     let detail = match (&known.detail, known.name.as_str()) {
         (Some(ty), _) => {
             let mut record = Record::new(ty.c());
-            // SAFETY: the exception has a detail of this type, behind its vtable pointer.
+            // SAFETY: the exception has a detail of this type after its vtable pointer.
             unsafe { object::to_c(ty, object.add(DETAIL), record.as_mut_ptr()) };
             Some(record.to_json())
         }

@@ -1,4 +1,5 @@
-//! What the shim knows of the C++ library's objects. One of the few unsafe modules.
+//! Sizes and layouts of C++ library objects, as determined by the shim. One of the few unsafe
+//! modules.
 #![allow(unsafe_code)]
 
 use std::ffi::c_int;
@@ -10,8 +11,8 @@ unsafe extern "C" {
     fn genom_host_flags_size() -> usize;
 }
 
-/// Bytes of `std::string` and of `std::vector<bool>`; `None` when the C++ library of this host
-/// keeps a `std::vector` otherwise than this code reads it.
+/// Bytes of `std::string` and of `std::vector<bool>`; `None` when the layout of `std::vector` in
+/// this host's C++ library is not the one that this code assumes.
 pub(super) fn sizes() -> Option<(usize, usize)> {
     static SIZES: OnceLock<Option<(usize, usize)>> = OnceLock::new();
     // SAFETY: these functions have no precondition.

@@ -1,4 +1,4 @@
-//! Finds the C++ function that is a codel, among those of its name.
+//! Finds the C++ function of a codel among those with its name.
 
 use genom_description::model::{Codel, Component};
 use genom_types::TypeTable;
@@ -17,10 +17,11 @@ pub(crate) enum Function {
     Missing,
 }
 
-/// Looks for the codel among the C++ functions that the library exports.
+/// Searches the codel among the C++ functions that the library exports.
 ///
-/// Mangled names are compared by what they mean: spelling them anew, with the substitutions of
-/// the C++ ABI, would only tell that a symbol is missing, and not what is there instead.
+/// Symbols are demangled and compared with the expected declaration. Mangling the expected name
+/// instead, with the substitutions of the C++ ABI, could only show that a symbol is missing, not
+/// what is there instead.
 pub(crate) fn find(
     library: &Library,
     component: &Component,

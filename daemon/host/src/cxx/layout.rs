@@ -1,4 +1,4 @@
-//! How the IDL's types lie in memory in C++ (genom3.md 6), beside how they lie in C.
+//! Memory layout of IDL types in C++ (genom3.md 6), with the corresponding layout in C.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -8,14 +8,14 @@ use genom_types::{DataType, Kind, TypeId};
 use super::error::CxxTypeError;
 use super::facts;
 
-/// A type and everything inside it, laid out both ways. Cloning costs one reference count.
+/// A type and all types inside it, in both layouts. Cloning costs one reference count.
 #[derive(Clone, Debug)]
 pub(crate) struct CxxType {
     pub(super) graph: Arc<Graph>,
     pub(super) node: usize,
 }
 
-/// Nodes refer to each other by rank.
+/// Nodes refer to each other by index.
 #[derive(Debug, Default)]
 pub(super) struct Graph {
     pub(super) nodes: Vec<Node>,
@@ -27,15 +27,15 @@ pub(super) struct Node {
     pub(super) c: DataType,
     pub(super) size: usize,
     pub(super) align: usize,
-    /// The bytes are those of C, and own nothing.
+    /// The layout is that of C, and values own no memory.
     pub(super) same: bool,
     pub(super) shape: Shape,
 }
 
-/// What is inside a type.
+/// The structure of a type.
 #[derive(Clone, Debug)]
 pub(super) enum Shape {
-    /// The bytes of C.
+    /// The layout of C.
     Plain,
     /// `std::string`.
     String,
@@ -43,12 +43,12 @@ pub(super) enum Shape {
     Flags,
     /// `std::vector<T>`.
     Vector { element: usize },
-    /// `genom::bounded_sequence<T, bound>`: all elements exist, the number of valid ones is at
-    /// `length_at`.
+    /// `genom::bounded_sequence<T, bound>`: all elements are constructed; the number of valid ones
+    /// is at offset `length_at`.
     Bounded { element: usize, bound: usize, length_at: usize },
     /// `T[length]`.
     Array { element: usize, length: usize },
-    /// `genom::optional<T>`: the value exists also while absent.
+    /// `genom::optional<T>`: the value is constructed also while absent.
     Optional { element: usize, at: usize, c_at: usize },
     /// A struct, or the detail of an exception.
     Struct { parts: Vec<Part> },
@@ -63,10 +63,10 @@ pub(super) struct Part {
 }
 
 impl CxxType {
-    /// The type in C++.
+    /// Lays out the C++ equivalent of a type.
     ///
     /// # Errors
-    /// C++ has no such type.
+    /// C++ has no equivalent.
     pub(crate) fn new(c: &DataType) -> Result<Self, CxxTypeError> {
         let (string, flags) = facts::sizes().ok_or(CxxTypeError::OtherLibrary)?;
         let mut builder = Builder { graph: Graph::default(), known: HashMap::new(), string, flags };
@@ -82,18 +82,18 @@ impl CxxType {
         &self.graph.nodes[self.node]
     }
 
-    /// The type in C.
+    /// The type in C layout.
     pub(crate) fn c(&self) -> &DataType {
         &self.node().c
     }
 
-    /// `sizeof`.
+    /// Size in bytes, as C++'s `sizeof`.
     pub(crate) fn size(&self) -> usize {
         self.node().size
     }
 
-    /// Offset of a member of a struct, of the value of an optional (0), of the length of a
-    /// bounded sequence (1).
+    /// Offset in bytes of a member of a struct, of the value of an optional (`rank` 0), or of the
+    /// length of a bounded sequence (`rank` 1).
     pub(crate) fn offset(&self, rank: usize) -> usize {
         match &self.node().shape {
             Shape::Struct { parts } => parts.get(rank).map_or(0, |part| part.at),
@@ -106,7 +106,7 @@ impl CxxType {
         }
     }
 
-    /// Whether its bytes are those of C, and own nothing.
+    /// Whether the layout is that of C, and values own no memory.
     pub(crate) fn is_plain(&self) -> bool {
         self.node().same
     }
@@ -130,7 +130,7 @@ impl Builder {
         self.push(c, c.size(), c.align(), Shape::Plain)
     }
 
-    /// What a `T[n]` or `T` member would be; its bytes are those of C when the inside's are.
+    /// Adds a node for a type that contains `inside`; it has the layout of C if all of these have.
     fn over(&mut self, c: &DataType, inside: &[usize], built: (usize, usize, Shape)) -> usize {
         if inside.iter().all(|node| self.graph.nodes[*node].same) {
             return self.plain(c);
@@ -150,7 +150,7 @@ impl Builder {
                 self.push(c, self.flags, 8, Shape::Flags)
             }
             Kind::Sequence { bound: None, .. } => {
-                // Known before what is inside: a struct may hold sequences of itself.
+                // Added before its element: a struct may contain sequences of itself.
                 let node = self.push(c, 24, 8, Shape::Vector { element: 0 });
                 self.known.insert(c.id(), node);
                 let element = self.element(c)?;
@@ -209,7 +209,7 @@ impl Builder {
         Ok(self.over(c, &inside, (end.next_multiple_of(align), align, shape)))
     }
 
-    /// genom3.md 6: members of a union have no constructors, which also makes it that of C.
+    /// genom3.md 6: members of a union have no constructors, so it has the layout of C.
     fn union(&mut self, c: &DataType) -> Result<usize, CxxTypeError> {
         for rank in 0..c.member_count() {
             let Some(member) = c.member(rank) else { continue };

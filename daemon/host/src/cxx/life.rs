@@ -1,10 +1,11 @@
-//! C++ values of types known at run time: made, resized and dropped. One of the few unsafe modules.
+//! Constructing, resizing and destroying C++ values of types known at run time. One of the few
+//! unsafe modules.
 #![allow(unsafe_code)]
 
 use super::layout::{Graph, Shape};
 use super::shim;
 
-/// `std::vector<T>`: the shim checks that it is kept so.
+/// Layout of `std::vector<T>`, which the shim verifies.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub(super) struct Vector {
@@ -31,7 +32,7 @@ pub(super) unsafe fn make(graph: &Graph, node: usize, at: *mut u8) {
     }
     // SAFETY (all below): places inside the memory that the caller vouches for.
     match &node.shape {
-        // Three null pointers are the empty vector.
+        // An empty vector is three null pointers.
         Shape::Plain | Shape::Vector { .. } => {}
         // SAFETY: as above.
         Shape::String => unsafe { shim::genom_host_string_make(at) },
@@ -103,7 +104,7 @@ unsafe fn drop_elements(graph: &Graph, element: usize, vector: Vector) {
     }
 }
 
-/// `resize(length)`, where elements may lose their value; gives their beginning.
+/// As `resize(length)`, but elements may lose their values; returns the address of the first.
 ///
 /// # Safety
 /// `at` holds a vector of such elements.

@@ -1,8 +1,8 @@
-//! Components with `lang "c++"` (genom3.md 6): names, types, ports and exceptions of C++ without
-//! any generated code.
+//! Components with `lang "c++"` (genom3.md 6): names, types, ports and exceptions of C++, without
+//! generated code.
 //!
-//! C++ objects are the codels' memory; records in C layout, which everything else of the host
-//! works on, are filled from them and fill them where requests and ports begin and end.
+//! Codels use C++ objects; the rest of the host uses records in C layout. Values are copied between
+//! them where requests and port operations begin and end.
 
 mod error;
 mod exceptions;

@@ -1,5 +1,5 @@
-//! C++ values of types known at run time: made, dropped, and exchanged with values in C layout.
-//! One of the few unsafe modules.
+//! C++ values of types known at run time: construction, destruction, and exchange with values in C
+//! layout. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::fmt;
@@ -16,9 +16,9 @@ pub(crate) struct Object {
     room: Room,
 }
 
-// SAFETY: the value is the object's own; nothing in it belongs to a thread.
+// SAFETY: the object owns the value, and nothing in it is bound to a thread.
 unsafe impl Send for Object {}
-// SAFETY: with a shared reference the value is only read.
+// SAFETY: through a shared reference the value is only read.
 unsafe impl Sync for Object {}
 
 impl fmt::Debug for Object {
@@ -28,7 +28,7 @@ impl fmt::Debug for Object {
 }
 
 impl Object {
-    /// An empty value: numbers are zero.
+    /// An empty value; numbers are zero.
     pub(crate) fn new(ty: &CxxType) -> Self {
         let room = Room::new(ty.size());
         // SAFETY: fresh, zeroed memory of the type's size and alignment.
@@ -41,19 +41,19 @@ impl Object {
         self.room.at()
     }
 
-    /// Where the zones are that tell whether somebody wrote past the value.
+    /// The guard zones around the value, which show whether something was written past it.
     pub(crate) fn zones(&self) -> Zones {
         self.room.zones()
     }
 
-    /// Type that the value was made by.
+    /// Type of the value.
     pub(crate) fn ty(&self) -> &CxxType {
         &self.ty
     }
 
-    /// Makes it the empty value.
+    /// Makes the value empty.
     pub(crate) fn clear(&mut self) {
-        // SAFETY: the value is ours, and made anew after it was dropped.
+        // SAFETY: the object owns the value, which is constructed again after it was destroyed.
         unsafe {
             drop_inside(&self.ty.graph, self.ty.node, self.room.at());
             self.room.at().write_bytes(0, self.ty.size());
@@ -61,13 +61,13 @@ impl Object {
         }
     }
 
-    /// Takes the value of `from`, of the same type.
+    /// Sets the value to that of `from`, which has the same type.
     pub(crate) fn set(&mut self, from: &Record) {
-        // SAFETY: both hold values of the type, which is the callers' only one for both.
+        // SAFETY: both hold values of the type; callers use the same type for both.
         unsafe { to_cxx(&self.ty, from.as_ptr(), self.room.at()) }
     }
 
-    /// Gives its value to `to`, of the same type.
+    /// Copies the value to `to`, which has the same type.
     pub(crate) fn get(&self, to: &mut Record) {
         // SAFETY: as above.
         unsafe { to_c(&self.ty, self.room.at(), to.as_mut_ptr()) }
@@ -76,7 +76,7 @@ impl Object {
 
 impl Drop for Object {
     fn drop(&mut self) {
-        // SAFETY: it holds a value since it was made.
+        // SAFETY: it has held a value since it was made.
         unsafe { drop_inside(&self.ty.graph, self.ty.node, self.room.at()) }
     }
 }
@@ -108,7 +108,7 @@ pub(crate) unsafe fn copy(ty: &CxxType, from: *const u8, to: *mut u8) {
     unsafe { assign(&ty.graph, ty.node, from, to, 0) }
 }
 
-/// Makes an empty C++ value of the memory at `to`, then that of the C value at `from`.
+/// Constructs a C++ value in the memory at `to`, equal to the C value at `from`.
 ///
 /// # Safety
 /// `to` is memory for the type, and `from` holds a value of it.

@@ -1,4 +1,4 @@
-//! Ways to data inside C++ values. One of the few unsafe modules.
+//! Paths to data inside C++ values. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use genom_types::{CompiledPath, PathStep};
@@ -8,32 +8,32 @@ use super::layout::{CxxType, Shape};
 use super::life::Vector;
 use super::transfer::bounded_length;
 
-/// The way from a root type to a datum, in C++: as `CompiledPath` is in C.
+/// The path from a root type to a datum in C++; corresponds to `CompiledPath` in C.
 #[derive(Clone, Debug)]
 pub(crate) struct CxxPath {
     target: CxxType,
     hops: Vec<Hop>,
-    /// Bytes after the last hop.
+    /// Offset of the datum from where the last hop ended, in bytes.
     offset: usize,
 }
 
-/// Passing through a sequence.
+/// A sequence on the path.
 #[derive(Clone, Copy, Debug)]
 struct Hop {
-    /// Bytes to the sequence from where the hop before ended.
+    /// Offset of the sequence from where the previous hop ended, in bytes.
     offset: usize,
     index: usize,
-    /// Bytes of an element.
+    /// Size of an element in bytes.
     size: usize,
-    /// Of a bounded sequence: where its length is, and the bound.
+    /// For a bounded sequence: offset of its length, and the bound.
     bounded: Option<(usize, usize)>,
 }
 
 impl CxxPath {
-    /// Resolves a way that was found right in C.
+    /// Resolves a path that is valid in C.
     ///
     /// # Errors
-    /// There is no such place in C++.
+    /// The path has no equivalent in C++.
     pub(crate) fn new(root: &CxxType, steps: &[PathStep]) -> Result<Self, CxxPathError> {
         let mut path = Self { target: root.clone(), hops: Vec::new(), offset: 0 };
         steps.iter().try_for_each(|step| path.step(*step))?;
@@ -59,7 +59,7 @@ impl CxxPath {
                 return Ok(());
             }
             (Shape::Plain, _) => {
-                // As in C, and so is all inside.
+                // From here on the layout is that of C.
                 let inside = CompiledPath::new(here.c(), &[step])?;
                 self.offset += inside.constant_offset().ok_or(CxxPathError::Sequence)?;
                 self.target = CxxType::new(inside.target())?;
@@ -88,12 +88,12 @@ impl CxxPath {
         &self.target
     }
 
-    /// Where the datum lies from the root, when no sequence is on the way.
+    /// Offset of the datum from the root in bytes, when no sequence is on the path.
     pub(crate) fn constant_offset(&self) -> Option<usize> {
         self.hops.is_empty().then_some(self.offset)
     }
 
-    /// Address of the datum; `None` when a sequence on the way is too short.
+    /// Address of the datum; `None` when a sequence on the path is too short.
     ///
     /// # Safety
     /// `root` holds a value of the root type that nobody changes meanwhile.

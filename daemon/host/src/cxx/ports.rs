@@ -1,4 +1,4 @@
-//! Ports as C++ codels see them: objects with virtual functions, which throw (genom3.md 6). One of
+//! Ports as C++ codels see them: objects with virtual functions that throw (genom3.md 6). One of
 //! the few unsafe modules.
 #![allow(unsafe_code)]
 
@@ -9,7 +9,7 @@ use super::exceptions::Exceptions;
 use super::shim::{self, Methods, Raise};
 use crate::detail::Detail;
 
-/// What a port does, whatever the language: `Err` names an exception, with its detail in C.
+/// Operations of a port, for any language: `Err` is an exception's name and its detail in C layout.
 pub(crate) trait CxxPort: Send + Sync {
     /// Address of the datum.
     fn data(&self, id: Option<&[u8]>) -> Result<usize, (&'static str, Vec<u8>)>;
@@ -17,7 +17,7 @@ pub(crate) trait CxxPort: Send + Sync {
     fn act(&self, action: Action, id: Option<&[u8]>) -> Result<(), (&'static str, Vec<u8>)>;
 }
 
-/// What a method does, by the numbers of the shim.
+/// Operations of methods; the numbers are those of the shim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Action {
     Read,
@@ -26,14 +26,14 @@ pub(crate) enum Action {
     Close,
 }
 
-/// The object that codels get a reference to.
+/// The object whose reference codels get.
 pub(crate) struct Handle {
-    /// Made by the shim; needs no destruction.
+    /// Constructed by the shim; needs no destruction.
     object: Box<[usize; 3]>,
     _bound: Box<Bound>,
 }
 
-/// What its methods work on.
+/// State of its methods.
 struct Bound {
     port: Box<dyn CxxPort>,
     exceptions: Arc<Exceptions>,
@@ -50,7 +50,7 @@ impl Handle {
     ) -> Self {
         let bound = Box::new(Bound { port, exceptions: Arc::clone(exceptions) });
         let mut object = Box::new([0; 3]);
-        // SAFETY: three words, as the shim wants; it keeps the address of the box's contents.
+        // SAFETY: the box holds three words, as the shim requires; its content does not move.
         unsafe {
             shim::genom_host_port_make(
                 object.as_mut_ptr(),
@@ -63,7 +63,7 @@ impl Handle {
         Self { object, _bound: bound }
     }
 
-    /// What codels get a reference to.
+    /// The address that codels get as a reference.
     pub(crate) fn address(&self) -> *const c_void {
         self.object.as_ptr().cast()
     }
@@ -83,12 +83,13 @@ unsafe extern "C" fn data(
     id: *const c_char,
     failed: *mut *const Raise,
 ) -> *const c_void {
-    // SAFETY: the shim passes what the handle was made with, which lives as long as the handle.
+    // SAFETY: the shim passes what the handle was constructed with, which lives as long as the
+    // handle.
     let (bound, id) = unsafe { (&*bound.cast::<Bound>(), name(id)) };
     match bound.port.data(id) {
         Ok(at) => at as *const c_void,
         Err((exception, detail)) => {
-            // SAFETY: the shim gives a place for it.
+            // SAFETY: the shim provides memory for it.
             unsafe { failed.write(bound.exceptions.raise(exception, Detail::Bytes(detail))) };
             std::ptr::null()
         }

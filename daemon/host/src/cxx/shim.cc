@@ -34,11 +34,11 @@ static_assert(std::is_standard_layout<maybe>::value && std::is_aggregate<maybe>:
 static_assert(offsetof(maybe, _present) == 0 && offsetof(maybe, _value) == 8, "");
 enum plain_enum { A = 0, genom_max_plain_enum = 0xffffffff };
 static_assert(sizeof(plain_enum) == 4, "enums are 32 bits wide");
-// A vtable pointer, then the detail.
+// A vtable pointer, followed by the detail.
 static_assert(sizeof(genom::exception) == 8 && std::is_polymorphic<genom::exception>::value, "");
 static_assert(sizeof(genom::unkex) == 8 + 128 && sizeof(genom::syserr) == 16, "");
 
-// Whether std::vector keeps begin, end and end of storage in this order: no member tells.
+// Whether std::vector consists of begin, end and end of storage, in this order.
 template <typename T> static bool keeps(const T &value)
 {
   std::vector<T> v;
@@ -81,7 +81,7 @@ extern "C" const char *genom_host_string_get(const void *at, std::size_t *length
   return text.data();
 }
 
-// std::vector<bool> packs bits: read and written here only.
+// std::vector<bool> packs bits, so it is accessed here only.
 typedef std::vector<bool> flags;
 
 extern "C" void genom_host_flags_make(void *at) noexcept { new (at) flags; }
@@ -105,19 +105,19 @@ extern "C" void genom_host_flags_get(const void *at, std::uint8_t *to) noexcept
   for (std::size_t i = 0; i < from.size(); i++) to[i] = from[i];
 }
 
-// What std::allocator does.
+// As std::allocator does.
 extern "C" void *genom_host_storage(std::size_t bytes) noexcept { return ::operator new(bytes); }
 extern "C" void genom_host_storage_free(void *at) noexcept { ::operator delete(at); }
 
-// The demangled name, for free(); null when it is none.
+// The demangled name, to be released with free(); null if it cannot be demangled.
 extern "C" char *genom_host_demangle(const char *name) noexcept
 {
   int status = 0;
   return abi::__cxa_demangle(name, nullptr, nullptr, &status);
 }
 
-// An exception for a codel: made of a vtable in the host's memory, and a detail: its bytes, or
-// with `construct` what that makes of it.
+// An exception to throw: a vtable in the host's memory, and a detail, which is copied byte by byte,
+// or constructed by `construct`.
 struct raise {
   const void *const *vtable;
   const std::type_info *type;
@@ -126,8 +126,8 @@ struct raise {
   void (*construct)(const void *detail, const void *type, void *to);
 };
 
-// The vtable of such an exception: what(), its name, and for a detail that owns something how
-// to drop it and its type.
+// Entries of the vtable of such an exception: what(), its name, and for a detail that owns memory
+// the function that destroys it and its type.
 enum { WHAT = 0, NAME = 1, DROP = 2, TYPE = 3 };
 
 static void drop_it(void *object)
@@ -151,17 +151,17 @@ static void throw_it(const raise *what)
                    what->construct ? drop_it : nullptr);
 }
 
-// what() of such an exception: its vtable has the name behind this function.
+// what() of such an exception: returns the name, which is in the vtable.
 extern "C" const char *genom_host_raised_what(const void *self) noexcept
 {
   const char *const *const *object = static_cast<const char *const *const *>(self);
   return (*object)[NAME];
 }
 
-// The type of exceptions that the codels have no type for.
+// The type for exceptions that the codels have no type for.
 extern "C" const void *genom_host_exception_type() noexcept { return &typeid(genom::exception); }
 
-// Ports, as genom3.md 6 declares them, for data of any type: a reference is an address.
+// Ports as declared in genom3.md 6, for data of any type: a reference is passed as an address.
 struct methods {
   const void *(*data)(void *port, const char *id, const raise **failed);
   const raise *(*act)(void *port, int action, const char *id);
@@ -215,7 +215,7 @@ struct multiple_out_port {
 
 static_assert(sizeof(in_port) == 24 && sizeof(multiple_out_port) == 24, "three words");
 
-// Makes a handle in three words at `at`: it needs no destruction.
+// Constructs a handle of three words at `at`, which needs no destruction.
 extern "C" void genom_host_port_make(
   void *at, int out, int multiple, const methods *m, void *port) noexcept
 {
@@ -233,7 +233,7 @@ extern "C" void genom_host_port_make(
   }
 }
 
-// A remote's function is made by libffi, which calls this: exceptions pass through it.
+// Called by a remote's function, which libffi makes; exceptions pass through that function.
 struct remote {
   const raise *(*call)(const void *data, void *const *arguments);
   const void *data;

@@ -1,4 +1,4 @@
-//! The C++ side: declarations, and the facts it checks. One of the few unsafe modules.
+//! Declarations of the C++ shim. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_void};
@@ -40,11 +40,11 @@ pub(crate) struct Raise {
     pub(super) ty: usize,
     pub(super) detail: *const u8,
     pub(super) size: usize,
-    /// Makes the detail in its place, of `detail` and the vtable's type.
+    /// Constructs the detail from `detail`, with the type in the vtable.
     pub(super) construct: Option<unsafe extern "C" fn(*const Record, *const CxxType, *mut u8)>,
 }
 
-/// What the methods of a port do (`struct methods`).
+/// Implementations of a port's methods (`struct methods`).
 #[repr(C)]
 pub(super) struct Methods {
     pub(super) data:
@@ -52,10 +52,10 @@ pub(super) struct Methods {
     pub(super) act: unsafe extern "C" fn(*const c_void, c_int, *const c_char) -> *const Raise,
 }
 
-/// The C++ declaration behind a mangled name.
+/// Demangles a C++ name.
 pub(super) fn demangled(name: &str) -> Option<String> {
     let name = CString::new(name).ok()?;
-    // SAFETY: the name is a C string; the result is one of malloc, or null.
+    // SAFETY: the name is a C string; the result is null or memory of malloc.
     unsafe {
         let text = genom_host_demangle(name.as_ptr());
         if text.is_null() {
@@ -67,7 +67,7 @@ pub(super) fn demangled(name: &str) -> Option<String> {
     }
 }
 
-/// Address of `what()` for exceptions that the host makes.
+/// Address of `what()` for exceptions made by the host.
 pub(super) fn what_function() -> usize {
     genom_host_raised_what as *const () as usize
 }

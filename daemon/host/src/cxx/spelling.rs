@@ -1,13 +1,13 @@
-//! C++ names as the demangler writes them: what tells whether a library's function is the codel
-//! that a description asks for (genom3.md 6).
+//! C++ declarations as the demangler writes them, by which the function of a codel is recognised in
+//! a library (genom3.md 6).
 
 use genom_description::model::{Codel, CodelParameter, Component, Direction, Source};
 use genom_types::{Kind, ScopedName, TypeId, TypeTable};
 
-/// Nesting that is spelled out: a type may contain itself.
+/// Deepest nesting that is spelled out: a type may contain itself.
 const DEEPEST: usize = 128;
 
-/// `f(int, demo::s const&)`, without blanks that mean nothing.
+/// `f(int, demo::s const&)`, without insignificant blanks.
 pub(crate) fn codel(component: &Component, types: &TypeTable, codel: &Codel) -> String {
     let parameters = codel.parameters.iter();
     let parameters: Vec<_> = parameters.map(|p| parameter(component, types, p)).collect();
@@ -64,7 +64,7 @@ fn dimensions(types: &TypeTable, ty: TypeId) -> (TypeId, String) {
     }
 }
 
-/// A type, as a template argument would be spelled.
+/// A type as it is spelled as a template argument.
 fn spell(types: &TypeTable, ty: TypeId, depth: usize) -> String {
     if depth == 0 {
         return "...".to_owned();
@@ -78,7 +78,7 @@ fn spell(types: &TypeTable, ty: TypeId, depth: usize) -> String {
         Kind::UnsignedShort => "unsigned short".to_owned(),
         Kind::Long => "int".to_owned(),
         Kind::UnsignedLong => "unsigned int".to_owned(),
-        // As int64_t is on 64-bit Linux.
+        // int64_t is `long` on 64-bit Linux.
         Kind::LongLong => "long".to_owned(),
         Kind::UnsignedLongLong => "unsigned long".to_owned(),
         Kind::Float => "float".to_owned(),
@@ -112,12 +112,12 @@ fn scoped(name: &ScopedName) -> String {
     name.segments().join("::")
 }
 
-/// The demangler's text without blanks that mean nothing and without suffixes of numbers.
+/// The demangler's text without insignificant blanks and without suffixes of numbers.
 pub(crate) fn compact(text: &str) -> String {
     let word = |c: char| c.is_alphanumeric() || c == '_';
     let mut out = String::new();
     let mut chars = text.chars().peekable();
-    // Whether the last characters are a number of their own.
+    // Whether the last characters form a number.
     let mut number = false;
     while let Some(c) = chars.next() {
         if c == ' ' {
@@ -137,7 +137,7 @@ pub(crate) fn compact(text: &str) -> String {
     out
 }
 
-/// The name of the type of exceptions `name`, as `std::type_info` tells it.
+/// The name of the type of exceptions `name`, as in `std::type_info`.
 pub(super) fn type_info(name: &str) -> String {
     let segments: Vec<&str> = name.split("::").filter(|segment| !segment.is_empty()).collect();
     let encoded: String =

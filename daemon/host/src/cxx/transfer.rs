@@ -1,5 +1,4 @@
-//! C++ values of types known at run time: filled from C values, and filling them. One of the few
-//! unsafe modules.
+//! Copies values of types known at run time between C and C++. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use genom_types::foreign;
@@ -8,20 +7,20 @@ use super::layout::{Graph, Part, Shape};
 use super::life::{Vector, resize};
 use super::shim;
 
-/// Sequences in sequences that are followed, as in C memory: losing memory is better than losing
-/// the stack.
+/// Sequences nested deeper are not followed, as in C memory: a leak is better than a stack
+/// overflow.
 const MAX_DEPTH: usize = 256;
 
-/// The valid elements of a bounded sequence.
+/// Number of valid elements of a bounded sequence.
 ///
 /// # Safety
-/// `at` holds one.
+/// `at` holds such a sequence.
 pub(super) unsafe fn bounded_length(at: *const u8, length_at: usize, bound: usize) -> usize {
     // SAFETY: the caller's promise.
     unsafe { at.add(length_at).cast::<usize>().read() }.min(bound)
 }
 
-/// From C to C++.
+/// Copies from C to C++.
 ///
 /// # Safety
 /// Both hold values of the node, in their languages, that nobody else uses meanwhile.
@@ -92,7 +91,7 @@ pub(super) unsafe fn read(graph: &Graph, ix: usize, from: *const u8, to: *mut u8
     }
 }
 
-/// From C++ to C.
+/// Copies from C++ to C.
 ///
 /// # Safety
 /// As for [`read`].
@@ -149,7 +148,7 @@ pub(super) unsafe fn write(graph: &Graph, ix: usize, from: *const u8, to: *mut u
             }
         },
         Shape::Array { element, length } => elements(*element, from, to, *length),
-        // SAFETY: as above. An absent value is empty in C, so that nothing of it leaks.
+        // SAFETY: as above. An absent value is made empty in C, so that nothing of it leaks.
         Shape::Optional { element, at, c_at } => unsafe {
             let present = from.read() != 0;
             if present {
@@ -168,7 +167,7 @@ pub(super) unsafe fn write(graph: &Graph, ix: usize, from: *const u8, to: *mut u
     }
 }
 
-/// From C++ to C++.
+/// Copies from C++ to C++.
 ///
 /// # Safety
 /// As for [`read`].
@@ -234,10 +233,10 @@ pub(super) unsafe fn assign(graph: &Graph, ix: usize, from: *const u8, to: *mut 
 /// The bytes of a `std::string`.
 ///
 /// # Safety
-/// `at` holds one, which nobody changes while the slice is used.
+/// `at` holds one that nobody changes while the slice is used.
 unsafe fn text<'a>(at: *const u8) -> &'a [u8] {
     let mut length = 0;
-    // SAFETY: the caller's promise; the shim gives the string's own buffer.
+    // SAFETY: the caller's promise; the shim returns the string's own buffer.
     unsafe {
         let first = shim::genom_host_string_get(at, &raw mut length);
         std::slice::from_raw_parts(first, length)

@@ -33,46 +33,46 @@ unsafe extern "C" {
     ) -> c_int;
 }
 
-/// No event came; why not is in the buffer given.
+/// No event was returned; the reason is in the buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Thrown {
     /// A C++ exception escaped.
     Exception,
-    /// The codel wanted to end its thread.
+    /// The codel tried to end its thread.
     Left,
 }
 
-/// How to call functions of one C type that return an event.
+/// How to call functions of one C type that returns an event.
 #[derive(Debug)]
 pub(crate) struct Interface {
     cif: Cif,
-    /// The way past libffi.
+    /// For calls without libffi, where possible.
     registers: Option<RegisterPlan>,
 }
 
-// SAFETY: after it is made, the interface is only read; what its pointers lead to is its own.
+// SAFETY: after construction the interface is only read; it owns what its pointers point to.
 unsafe impl Send for Interface {}
 // SAFETY: as above.
 unsafe impl Sync for Interface {}
 
 impl Interface {
-    /// The interface of `genom_event f(arguments)`; `None` when libffi cannot make it.
+    /// The interface of `genom_event f(arguments)`; `None` when libffi does not support it.
     pub(crate) fn new(arguments: &[Class]) -> Option<Self> {
         let types = arguments.iter().copied().map(ffi_type);
         let cif = Cif::try_new(types, Type::pointer()).ok()?;
         Some(Self { cif, registers: RegisterPlan::new(arguments) })
     }
 
-    /// Gives the interface away, for a function that is called from C.
+    /// Returns the libffi interface, for a function that C calls.
     pub(super) fn into_cif(self) -> Cif {
         self.cif
     }
 
-    /// Calls `function`; `arguments` lead to the values, one for each argument of the interface.
+    /// Calls `function`; `arguments` are addresses of the values, one for each argument.
     ///
     /// # Safety
-    /// `function` is a C function of this interface, in a library that stays loaded. Each
-    /// argument leads to a value of its class that nobody changes during the call.
+    /// `function` is a C function of this interface, in a library that stays loaded. Each argument
+    /// points to a value of its class that nobody changes during the call.
     pub(crate) unsafe fn call(
         &self,
         function: usize,

@@ -1,14 +1,14 @@
-//! How an argument of a codel travels (genom3.md 5.5).
+//! How arguments of codels are passed (genom3.md 5.5).
 
 use genom_description::model::Direction;
 use genom_types::Kind;
 
-/// An argument, as the C ABI sees it.
+/// How an argument is passed in the C ABI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Class {
-    /// The value itself, from its place in memory.
+    /// By value.
     Value(Scalar),
-    /// A pointer that the object holds (`in` strings and natives).
+    /// A pointer that is stored in the object (`in` strings and natives).
     Held,
     /// The address of the object.
     Address,
@@ -32,7 +32,7 @@ pub(crate) enum Scalar {
 }
 
 impl Class {
-    /// The class in C++ (genom3.md 6): a string is passed by reference, as objects are.
+    /// The class in C++ (genom3.md 6): strings are passed by reference, as objects are.
     pub(crate) fn of_cxx(kind: &Kind, direction: Direction) -> Self {
         match kind {
             Kind::String { .. } => Self::Address,
@@ -40,7 +40,7 @@ impl Class {
         }
     }
 
-    /// The class of an argument of this kind (typedefs followed) and direction.
+    /// The class of an argument of this kind (typedefs resolved) and direction.
     pub(crate) fn of(kind: &Kind, direction: Direction) -> Self {
         if direction != Direction::In {
             return Self::Address;

@@ -1,5 +1,5 @@
-//! C functions made at run time, each with its own data: the methods of ports and remotes, which
-//! get no handle when they are called (genom3.md 5.7). One of the few unsafe modules.
+//! C functions made at run time, each with its own data: the methods of ports and remotes, which do
+//! not get their handle as an argument (genom3.md 5.7). One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::ffi::{c_char, c_void};
@@ -12,22 +12,22 @@ use libffi::middle::Cif;
 use super::{Class, Interface};
 use crate::cxx::Raise;
 
-/// What a native function does: it gets its data and its arguments, and returns a pointer.
+/// Implementation of a native function: gets its data and its arguments, returns a pointer.
 pub(crate) type Callback<T> = fn(&T, Arguments<'_>) -> *const c_void;
 
-/// As [`Callback`], but what it returns is an exception that the function throws; null is none.
+/// As [`Callback`], but returns an exception that the function throws, or null.
 pub(crate) type Throwing<T> = fn(&T, Arguments<'_>) -> *const Raise;
 
 /// A C function that calls `callback` with `data`.
 pub(crate) struct NativeFunction {
-    // Libffi keeps the address of both.
+    // Libffi keeps the addresses of both.
     _cif: Box<Cif>,
     _data: Box<dyn std::any::Any + Send + Sync>,
     closure: *mut low::ffi_closure,
     code: usize,
 }
 
-// SAFETY: made once and then only called; the data it gives to the callback is `Sync`.
+// SAFETY: after construction it is only called; the data that it passes to the callback is `Sync`.
 unsafe impl Send for NativeFunction {}
 // SAFETY: as above.
 unsafe impl Sync for NativeFunction {}
@@ -38,7 +38,7 @@ impl fmt::Debug for NativeFunction {
     }
 }
 
-/// What libffi hands to [`enter`].
+/// Data that libffi passes to [`enter`].
 struct Bound<T> {
     callback: Callback<T>,
     data: T,
@@ -54,7 +54,7 @@ impl NativeFunction {
         let cif = Box::new(Interface::new(arguments)?.into_cif());
         let bound = Box::new(Bound { callback, data });
         let (closure, code) = low::try_closure_alloc()?;
-        // SAFETY: `closure` was allocated just now; `cif` and `bound` live in boxes that go only
+        // SAFETY: `closure` was allocated just now; `cif` and `bound` are in boxes that are dropped
         // with the function, after the closure.
         let made = unsafe {
             low::prep_closure(closure, cif.as_raw_ptr(), enter::<T>, &raw const *bound, code)
@@ -67,7 +67,7 @@ impl NativeFunction {
         Some(Self { _cif: cif, _data: bound, closure, code: code.as_ptr() as usize })
     }
 
-    /// Makes a function of C++ that may throw; its arguments begin with the object.
+    /// Makes a C++ function that may throw; its first argument is the object.
     pub(crate) fn throwing<T: Send + Sync + 'static>(
         arguments: &[Class],
         callback: Throwing<T>,
@@ -78,7 +78,7 @@ impl NativeFunction {
         let entry = Entry { call: throwing::<T>, data: (&raw const *thrower).cast() };
         let bound = Box::new((entry, thrower));
         let (closure, code) = low::try_closure_alloc()?;
-        // SAFETY: as in `new`; the shim reads the entry, which the box begins with.
+        // SAFETY: as in `new`; the shim reads the entry at the beginning of the box.
         let made = unsafe {
             low::prep_closure(
                 closure,
@@ -96,7 +96,7 @@ impl NativeFunction {
         Some(Self { _cif: cif, _data: bound, closure, code: code.as_ptr() as usize })
     }
 
-    /// Its address, to call from C.
+    /// Its address, for C code to call.
     pub(crate) fn address(&self) -> usize {
         self.code
     }
@@ -104,8 +104,8 @@ impl NativeFunction {
 
 impl Drop for NativeFunction {
     fn drop(&mut self) {
-        // SAFETY: allocated in `new`. The component drops its functions after its threads ended,
-        // so none is running.
+        // SAFETY: allocated in `new`. The component drops its functions after its threads have
+        // ended, so none is running.
         unsafe { low::closure_free(self.closure) };
     }
 }
@@ -118,26 +118,26 @@ unsafe extern "C" fn enter<T>(
 ) {
     let arguments = Arguments { at: arguments, _call: PhantomData };
     let run = || (bound.callback)(&bound.data, arguments);
-    // Unwinding into C would abort the daemon; a null event or datum is the mildest answer.
+    // Unwinding into C would abort the daemon; return a null event or datum instead.
     *result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).unwrap_or_else(|_| {
         tracing::error!("a method of a port or remote panicked");
         std::ptr::null()
     });
 }
 
-/// What the shim gets (`struct remote`): it calls, and throws what comes back.
+/// Data for the shim (`struct remote`), which calls and throws the result.
 #[repr(C)]
 struct Entry {
     call: unsafe extern "C" fn(*const c_void, *const *const c_void) -> *const Raise,
     data: *const c_void,
 }
 
-// SAFETY: `data` leads to a thrower, which is `Send` and `Sync` as its data is.
+// SAFETY: `data` points to a thrower, which is `Send` and `Sync` as its data is.
 unsafe impl Send for Entry {}
 // SAFETY: as above.
 unsafe impl Sync for Entry {}
 
-/// What libffi's closure leads to through the shim.
+/// Data of a throwing function, which the shim passes.
 struct Thrower<T> {
     callback: Throwing<T>,
     data: T,
@@ -156,7 +156,7 @@ unsafe extern "C" fn throwing<T>(
     thrower: *const c_void,
     arguments: *const *const c_void,
 ) -> *const Raise {
-    // SAFETY: the shim passes what the entry says, which lives as long as the function.
+    // SAFETY: the shim passes the pointer in the entry, which lives as long as the function.
     let thrower = unsafe { &*thrower.cast::<Thrower<T>>() };
     let arguments = Arguments { at: arguments, _call: PhantomData };
     let run = || (thrower.callback)(&thrower.data, arguments);
@@ -174,9 +174,9 @@ pub(crate) struct Arguments<'call> {
 }
 
 impl<'call> Arguments<'call> {
-    /// Where argument `index` is kept.
+    /// Address of the value of argument `index`.
     pub(crate) fn place(self, index: usize) -> *const u8 {
-        // SAFETY: the callback asks for arguments of its own interface only.
+        // SAFETY: callbacks use arguments of their own interface only.
         unsafe { self.at.add(index).read().cast() }
     }
 
@@ -193,7 +193,7 @@ impl<'call> Arguments<'call> {
             return None;
         }
         for length in 0..=limit {
-            // SAFETY: the codel gave a NUL-terminated string; no byte after the NUL is read.
+            // SAFETY: the codel passed a NUL-terminated string; no byte after the NUL is read.
             let (byte, bytes) = unsafe {
                 (text.add(length).read(), std::slice::from_raw_parts(text.cast::<u8>(), length))
             };

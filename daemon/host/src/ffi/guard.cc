@@ -1,5 +1,5 @@
-// Calls a codel and stops the C++ exceptions it lets escape: unwinding further,
-// into Rust, would abort the daemon. Costs nothing as long as nothing is thrown.
+// Calls a codel and catches the C++ exceptions that escape from it: unwinding into Rust would abort
+// the daemon. Costs nothing unless an exception is thrown.
 
 #include <cstddef>
 #include <cstdint>
@@ -15,7 +15,7 @@
 
 extern "C" void ffi_call(void *cif, void (*function)(void), void *result, void **arguments);
 
-// Says in which codel a thread is cancelled (last_words.rs).
+// Reports in which codel a thread is being cancelled (last_words.rs).
 extern "C" void genom_host_thread_ends(void);
 
 static void tell(char *what, std::size_t room, const char *text)
@@ -39,12 +39,13 @@ static void tell_type(char *what, std::size_t room)
   std::free(name);
 }
 
-// Who wants to know of exceptions of lang "c++" codels (genom3.md 6).
+// Receives exceptions of codels with lang "c++" (genom3.md 6).
 struct catcher {
   int (*caught)(catcher *self, const char *type, const char *what, const void *object);
 };
 
-// Shows the exception with its type, then as each of the types that one is derived from.
+// Passes the exception on with its own type, then with the types that it is derived from, until one
+// is known.
 static void show(catcher *who, const genom::exception &e)
 {
   const void *object = dynamic_cast<const void *>(&e);
@@ -56,8 +57,8 @@ static void show(catcher *who, const genom::exception &e)
   }
 }
 
-// Runs `call`. 1: it threw, what[0..room] says what, and `who` knows it too unless it is null.
-// 2: it wanted to end its thread, what[0..room] says how.
+// Runs `call`. Returns 1 if it threw: what[0..room] is the message, and `who`, unless null, is
+// informed. Returns 2 if it tried to end its thread: what[0..room] says how.
 template <typename F> static int guarded(F call, char *what, std::size_t room, catcher *who)
 {
   try {
@@ -82,7 +83,7 @@ template <typename F> static int guarded(F call, char *what, std::size_t room, c
   return 1;
 }
 
-// As in <dlfcn.h>, but not declared to throw nothing: constructors may.
+// As in <dlfcn.h>, but not declared noexcept, since constructors may throw.
 extern "C" void *genom_host_dlopen(const char *file, int mode) __asm__("dlopen");
 
 extern "C" int genom_host_guarded_open(
@@ -91,7 +92,7 @@ extern "C" int genom_host_guarded_open(
   return guarded([&] { *handle = genom_host_dlopen(file, mode); }, what, room, nullptr);
 }
 
-// Through libffi: any interface.
+// Through libffi, for any interface.
 extern "C" int genom_host_guarded_call(
   void *cif, void (*function)(void), void *result, void **arguments, char *what, std::size_t room,
   catcher *who)
@@ -99,9 +100,9 @@ extern "C" int genom_host_guarded_call(
   return guarded([&] { ffi_call(cif, function, result, arguments); }, what, room, who);
 }
 
-// Without libffi, where integers and floating-point numbers go to registers of their own, numbered
-// apart (x86-64 System V, AArch64): a function takes its arguments from the registers of its
-// prototype and from the stack in order, whatever else is passed.
+// Without libffi, on platforms that assign integer and floating-point arguments to separate banks
+// of registers (x86-64 System V, AArch64): a function reads the registers of its prototype, and the
+// stack in order, and ignores what else is passed.
 typedef std::uint64_t I;
 typedef const char *(*function8)(I, I, I, I, I, I, I, I, double, double, double, double, double,
                                  double, double, double);

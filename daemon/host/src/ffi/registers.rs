@@ -1,49 +1,49 @@
-//! Where the arguments of a call go on machines that number integer and floating-point registers
-//! apart: prepared at load, so that most codels are called without libffi, which works this out
-//! anew at each call. One of the few unsafe modules.
+//! Assigns the arguments of a call to registers, on platforms with separate banks for integers and
+//! floating-point numbers. Prepared at load, so that most codels are called without libffi, which
+//! computes the assignment at each call. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::ffi::c_void;
 
 use super::{Class, Scalar};
 
-/// Integer arguments passed at most: in registers, then on the stack.
+/// Most integer arguments: in registers, then on the stack.
 const INTEGERS: usize = 14;
-/// Floating-point arguments passed at most, all in registers.
+/// Most floating-point arguments, all in registers.
 const FLOATS: usize = 8;
 
-/// Whether this machine's C calls are of that kind.
+/// Whether the platform's calling convention is of this kind.
 const SUITED: bool = cfg!(all(
     target_os = "linux",
     target_endian = "little",
     any(target_arch = "x86_64", target_arch = "aarch64")
 ));
 
-/// Where each argument of a call goes.
+/// Register or stack slot of each argument of a call.
 #[derive(Debug)]
 pub(super) struct RegisterPlan {
     arguments: Box<[Argument]>,
     integers: usize,
 }
 
-/// How to read an argument, and its rank among those of its bank.
+/// How to read an argument, and its index among those of its bank.
 #[derive(Clone, Copy, Debug)]
 struct Argument {
-    /// `None`: a pointer.
+    /// `None` for a pointer.
     scalar: Option<Scalar>,
     slot: usize,
 }
 
 /// The arguments of one call.
 pub(super) struct Values {
-    /// Integers, extended to 64 bits.
+    /// Integers and pointers, extended to 64 bits.
     pub(super) integers: [u64; INTEGERS],
-    /// Bits of floating-point numbers, a `float` in the lower half.
+    /// Bits of floating-point numbers; a `float` is in the lower half.
     pub(super) floats: [u64; FLOATS],
 }
 
 impl RegisterPlan {
-    /// The plan for these arguments; `None` when libffi has to call.
+    /// The plan for these arguments; `None` when libffi has to be used.
     pub(super) fn new(classes: &[Class]) -> Option<Self> {
         let (mut integers, mut floats) = (0, 0);
         let mut next = |class: &Class| {
@@ -70,13 +70,13 @@ impl RegisterPlan {
     /// Reads the arguments.
     ///
     /// # Safety
-    /// `places` has one place for each argument, which leads to a value of its class.
+    /// `places` has an address for each argument, which points to a value of its class.
     #[inline]
     pub(super) unsafe fn read(&self, places: &[*mut c_void]) -> Values {
         let mut values = Values { integers: [0; INTEGERS], floats: [0; FLOATS] };
         for (argument, &at) in self.arguments.iter().zip(places) {
             let Argument { scalar, slot } = *argument;
-            // SAFETY: the place leads to a value of this type; slots are below the limits that
+            // SAFETY: the address points to a value of this type; slots are below the limits that
             // `new` checked.
             unsafe {
                 let word = match scalar {
@@ -112,7 +112,7 @@ mod tests {
             Class::Value(Scalar::F32),
             Class::Value(Scalar::U8),
         ];
-        // Other machines have no such plan, as the other test says.
+        // Other platforms have no such plan, as the other test shows.
         let Some(plan) = RegisterPlan::new(&classes) else { return };
         let (mut d, mut i, mut f, mut u) = (1.5_f64, -2_i8, 2.5_f32, 200_u8);
         let mut address = 0x1234_usize;
@@ -123,7 +123,7 @@ mod tests {
             (&raw mut f).cast(),
             (&raw mut u).cast(),
         ];
-        // SAFETY: the places lead to values of the classes.
+        // SAFETY: the addresses point to values of the classes.
         let values = unsafe { plan.read(&places) };
         assert_eq!(values.integers[..4], [u64::MAX - 1, 0x1234, 200, 0]);
         assert_eq!(values.floats[..3], [1.5_f64.to_bits(), 2.5_f32.to_bits().into(), 0]);

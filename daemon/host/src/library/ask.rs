@@ -1,8 +1,8 @@
-//! Finds out where a running thread is, by a signal. One of the few unsafe modules.
+//! Finds out where a running thread executes, by a signal. One of the few unsafe modules.
 //!
-//! The signal's handler stores where it interrupted the thread, and holds the thread there until the
-//! asker has looked. The signal is one whose default is to be ignored, so that it harms nothing if it comes
-//! late.
+//! The signal's handler stores where it interrupted the thread, and stops the thread there until
+//! the asking thread has inspected it. The signal is one that is ignored by default, so that a late
+//! delivery does no harm.
 #![allow(unsafe_code)]
 
 use std::ffi::{c_int, c_void};
@@ -14,12 +14,12 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 const SIGNAL: c_int = libc::SIGURG;
-/// A thread that does not answer within this time is given up.
+/// Timeout for the answer of a thread.
 const PATIENCE: Duration = Duration::from_millis(200);
-/// How long a thread is held at most, in nanoseconds.
+/// Longest time for which a thread is stopped, in nanoseconds.
 const HELD: i64 = 500_000_000;
 
-/// Where a thread is.
+/// Where a thread executes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// Its program counter.
@@ -28,14 +28,14 @@ pub(super) struct Place {
     pub(super) stack: usize,
 }
 
-/// The thread that is asked; 0 when none is, which lets a held thread go on.
+/// Id of the thread that is asked; 0 for none, which releases a stopped thread.
 static ASKED: AtomicI32 = AtomicI32::new(0);
 static COUNTER: AtomicUsize = AtomicUsize::new(0);
-/// Written last; 0 while there is no answer.
+/// Stored last; 0 while there is no answer.
 static STACK: AtomicUsize = AtomicUsize::new(0);
 
-/// Calls `look` with the place of that thread, which stands still meanwhile; `None` when it does not
-/// answer in time.
+/// Calls `look` with the position of that thread, which is stopped meanwhile; `None` when the
+/// thread does not answer in time.
 pub(super) fn where_is<T>(thread: i32, look: impl FnOnce(Place) -> T) -> Option<T> {
     static TURN: Mutex<()> = Mutex::new(());
     let _turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -44,7 +44,7 @@ pub(super) fn where_is<T>(thread: i32, look: impl FnOnce(Place) -> T) -> Option<
     }
     STACK.store(0, Ordering::Relaxed);
     ASKED.store(thread, Ordering::Release);
-    // SAFETY: to send a signal to a thread of this process, whose handler is ours.
+    // SAFETY: sends a signal to a thread of this process, whose handler is `on_signal`.
     let sent = unsafe { libc::syscall(libc::SYS_tgkill, libc::getpid(), thread, SIGNAL) } == 0;
     let end = Instant::now() + PATIENCE;
     let mut found = None;
@@ -59,7 +59,7 @@ pub(super) fn where_is<T>(thread: i32, look: impl FnOnce(Place) -> T) -> Option<
     seen
 }
 
-/// Whether the thread blocks the signal, which would then be handled at any later time.
+/// Whether the thread blocks the signal, which would then be handled at some later time.
 fn is_masked(thread: i32) -> bool {
     let status = std::fs::read_to_string(format!("/proc/self/task/{thread}/status"));
     let mask = status.ok().and_then(|status| {
@@ -69,12 +69,12 @@ fn is_masked(thread: i32) -> bool {
     mask.is_none_or(|mask| mask & (1 << (SIGNAL - 1)) != 0)
 }
 
-/// Makes sure that the signal is ours; `false` when somebody else handles it.
+/// Installs the handler; `false` when the signal has another one.
 fn handle() -> bool {
     let handler: extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void) = on_signal;
     // SAFETY: all zeroes is an action: an empty mask, no flags.
     let mut now: libc::sigaction = unsafe { MaybeUninit::zeroed().assume_init() };
-    // SAFETY: without a new action the system only writes the present one.
+    // SAFETY: without a new action, the system only writes the present one.
     if unsafe { libc::sigaction(SIGNAL, ptr::null(), &raw mut now) } != 0 {
         return false;
     }
@@ -86,13 +86,13 @@ fn handle() -> bool {
     }
     now.sa_sigaction = handler as usize;
     now.sa_flags = libc::SA_SIGINFO | libc::SA_RESTART | libc::SA_ONSTACK;
-    // SAFETY: the handler has the signature that SA_SIGINFO asks for, calls only what may be
-    // called in handlers, and is part of this program, which is never closed.
+    // SAFETY: the handler has the signature for SA_SIGINFO, calls only functions that are allowed
+    // in handlers, and is part of this program, which is never unloaded.
     unsafe { libc::sigaction(SIGNAL, &raw const now, ptr::null_mut()) == 0 }
 }
 
 extern "C" fn on_signal(_: c_int, _: *mut libc::siginfo_t, context: *mut c_void) {
-    // SAFETY: the system gives the context that SA_SIGINFO asks for; the rest has no
+    // SAFETY: the system passes the context, as SA_SIGINFO requests; the other calls have no
     // preconditions.
     unsafe {
         let errno = *libc::__errno_location();
@@ -110,13 +110,13 @@ extern "C" fn on_signal(_: c_int, _: *mut libc::siginfo_t, context: *mut c_void)
     }
 }
 
-/// Nanoseconds.
+/// The monotonic clock in nanoseconds.
 ///
 /// # Safety
-/// None is asked for: it calls what handlers may call.
+/// No requirement; it calls only functions that are allowed in handlers.
 unsafe fn now() -> i64 {
     let mut time = libc::timespec { tv_sec: 0, tv_nsec: 0 };
-    // SAFETY: the system writes where there is room.
+    // SAFETY: the system writes to a local variable.
     unsafe { libc::clock_gettime(libc::CLOCK_MONOTONIC, &raw mut time) };
     time.tv_sec * 1_000_000_000 + time.tv_nsec
 }
@@ -137,7 +137,7 @@ fn registers(context: &libc::ucontext_t) -> (usize, usize) {
     (context.uc_mcontext.pc as usize, context.uc_mcontext.sp as usize)
 }
 
-/// Program counter and stack pointer: not known here, so that nothing is excluded.
+/// Program counter and stack pointer: unknown on this platform, so that no use can be excluded.
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
 fn registers(_: &libc::ucontext_t) -> (usize, usize) {
     (0, 0)

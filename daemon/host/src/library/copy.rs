@@ -1,5 +1,5 @@
-//! Private copies of library files: one file a load, so that a rebuilt library loads anew and two
-//! components never share symbols or static variables.
+//! Private copies of library files: each load uses its own file, so that a rebuilt library is
+//! loaded anew and components never share symbols or static variables.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -9,9 +9,9 @@ use std::sync::{Arc, Mutex, PoisonError, Weak};
 
 use tempfile::TempDir;
 
-/// Directories of copies begin so, within the temporary directory.
+/// Prefix of the directories of copies in the temporary directory.
 const PREFIX: &str = "genomd-library-";
-/// Locked as long as the process that made the directory lives.
+/// File that is locked as long as the process that made the directory lives.
 const LOCK: &str = "lock";
 
 /// A copy of a library in this process's own directory; removed when it is dropped.
@@ -21,7 +21,7 @@ pub(super) struct PrivateCopy {
     _shelf: Arc<Shelf>,
 }
 
-/// The directory of this process's copies: there as long as one of them is.
+/// The directory of this process's copies, which exists as long as one of them does.
 #[derive(Debug)]
 struct Shelf {
     path: PathBuf,
@@ -30,7 +30,7 @@ struct Shelf {
 }
 
 impl Shelf {
-    /// The directory; one lock and one look at what others left serve all copies.
+    /// The directory; all copies share one lock, and one search for what dead processes left.
     fn get() -> io::Result<Arc<Self>> {
         static SHELF: Mutex<Weak<Shelf>> = Mutex::new(Weak::new());
         let mut known = SHELF.lock().unwrap_or_else(PoisonError::into_inner);
@@ -39,7 +39,8 @@ impl Shelf {
         }
         sweep(&std::env::temp_dir());
         let directory = tempfile::Builder::new().prefix(PREFIX).tempdir()?;
-        // The lock takes its name only once it is held, or a sweep could come in between.
+        // The lock gets its name only once it is held; otherwise another process's sweep could take
+        // it.
         let early = directory.path().join("lock.new");
         let lock = File::create(&early)?;
         lock.lock()?;
@@ -52,14 +53,14 @@ impl Shelf {
 }
 
 impl PrivateCopy {
-    /// Writes `bytes` to a new file that has the name of `original` in its own.
+    /// Writes `bytes` to a new file whose name contains that of `original`.
     pub(super) fn new(original: &Path, bytes: &[u8]) -> io::Result<Self> {
         static NUMBER: AtomicU64 = AtomicU64::new(0);
         let shelf = Shelf::get()?;
         let name = original.file_name().unwrap_or("library.so".as_ref()).to_string_lossy();
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
         let path = shelf.path.join(format!("{number}-{name}"));
-        // Known before it is written: half a copy goes as a whole one does.
+        // Made before the file is written, so that an incomplete copy is removed as well.
         let copy = Self { path, _shelf: shelf };
         fs::write(&copy.path, bytes)?;
         Ok(copy)
@@ -79,7 +80,7 @@ impl Drop for PrivateCopy {
     }
 }
 
-/// Removes the copies that a killed daemon left behind in `directory`.
+/// Removes the copies in `directory` whose process was killed.
 fn sweep(directory: &Path) {
     let Ok(entries) = fs::read_dir(directory) else { return };
     for entry in entries.flatten() {
@@ -91,10 +92,10 @@ fn sweep(directory: &Path) {
     }
 }
 
-/// Writes `bytes` beside `original`, hands the file's path to `load`, and removes the file.
+/// Writes `bytes` beside `original`, passes the file's path to `load`, and removes the file.
 ///
-/// For libraries that look for others relative to their own place (`$ORIGIN`). The mapped
-/// file lives on without its name.
+/// For libraries that look for others relative to their own directory (`$ORIGIN`). The mapping
+/// stays valid after the file is removed.
 pub(super) fn beside<T>(
     original: &Path,
     bytes: &[u8],
@@ -106,7 +107,7 @@ pub(super) fn beside<T>(
         .prefix(&format!(".{name}.genomd-"))
         .tempfile_in(directory.unwrap_or(Path::new(".")))?;
     file.write_all(bytes)?;
-    // Closed for writing, or the kernel may refuse to map it for execution.
+    // Closed for writing first: the kernel refuses to execute a file that is open for writing.
     let path = file.into_temp_path();
     let absolute = path.canonicalize()?;
     Ok(load(&absolute))

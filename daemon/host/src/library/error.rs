@@ -2,30 +2,30 @@
 
 use std::path::PathBuf;
 
-/// Opening a library of codels failed. Nothing of it stays loaded.
+/// Why a library of codels could not be opened. Nothing of it stays loaded.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenError {
-    /// There is no such file.
+    /// The file does not exist.
     #[error("{}: no such file: build the component, or give the path of its library", path.display())]
     NotFound {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
     },
-    /// The file is there but cannot be read.
+    /// The file exists but cannot be read.
     #[error("{}: cannot be read: {why}", path.display())]
     Unreadable {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
-        /// The system's words.
+        /// The error of the system.
         why: std::io::Error,
     },
-    /// The file is no ELF file at all.
+    /// The file is not an ELF file.
     #[error("{}: no library: it {looks}, a shared object (ELF) is needed", path.display())]
     NotElf {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
-        /// What it looks like instead.
+        /// What kind of file it seems to be.
         looks: &'static str,
     },
     /// The file was built for another machine.
@@ -35,81 +35,81 @@ pub enum OpenError {
         path.display()
     )]
     Architecture {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
         /// Machine the file was built for.
         theirs: String,
         /// Machine this daemon runs on.
         ours: String,
     },
-    /// An ELF file of another kind.
+    /// An ELF file of another kind than a shared object.
     #[error("{}: {kind}, not a shared object: link it with -shared", path.display())]
     NotShared {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
-        /// What it is.
+        /// Its kind.
         kind: &'static str,
     },
-    /// The file ends before its contents do: loading it would crash.
+    /// The file is shorter than its headers say: loading it would crash.
     #[error(
         "{}: truncated: {bytes} bytes, {wanted} needed (a build or a copy is not finished?)",
         path.display()
     )]
     Truncated {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
-        /// Bytes that the file has.
+        /// Size of the file in bytes.
         bytes: u64,
-        /// The size its headers announce.
+        /// Size according to its headers.
         wanted: u64,
     },
-    /// The ELF headers make no sense.
+    /// The ELF headers are inconsistent.
     #[error("{}: damaged: {why}", path.display())]
     Damaged {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
-        /// What is wrong.
+        /// The error.
         why: String,
     },
-    /// It calls a function that neither it nor its dependencies define.
+    /// It uses a function that neither it nor its dependencies define.
     #[error(
         "{}: undefined symbol `{symbol}`: link the library that defines it (codels-require)",
         path.display()
     )]
     UndefinedSymbol {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
-        /// Symbol that nothing defines.
+        /// The undefined symbol.
         symbol: String,
     },
-    /// A library it needs is not found.
+    /// A library that it depends on is not found.
     #[error(
         "{}: needs `{dependency}`, which is not found: install it, or link with an rpath",
         path.display()
     )]
     MissingDependency {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
         /// Name of the missing library.
         dependency: String,
     },
-    /// The dynamic linker refused for another reason.
+    /// The dynamic linker refused it for another reason.
     #[error("{}: the dynamic linker refuses it: {why}", path.display())]
     Refused {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
-        /// The linker's words.
+        /// The linker's message.
         why: String,
     },
-    /// The embedded description is no text.
+    /// The embedded description is not text.
     #[error("{}: symbol `genom_description` holds no UTF-8 text", path.display())]
     Description {
-        /// The file asked for.
+        /// The requested file.
         path: PathBuf,
     },
 }
 
-/// The dynamic linker did not open a file.
+/// The dynamic linker could not open a file.
 #[derive(Debug, thiserror::Error)]
 #[error("{said}")]
 pub(super) struct LinkError {
@@ -118,7 +118,7 @@ pub(super) struct LinkError {
 }
 
 impl OpenError {
-    /// Reads what the dynamic linker says of the copy of `path`.
+    /// Converts the dynamic linker's message about the copy of `path`.
     pub(super) fn from_linker(path: PathBuf, error: &LinkError) -> Self {
         let said = error.said.as_str();
         if let Some((_, symbol)) = said.split_once("undefined symbol: ") {

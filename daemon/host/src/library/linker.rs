@@ -15,7 +15,7 @@ use crate::running;
 use crate::what::WHAT;
 
 unsafe extern "C" {
-    /// `dlopen`, and 1 if a constructor threw: `what` then says what, with its NUL.
+    /// As `dlopen`; returns 1 if a constructor threw, with its message in `what`, NUL-terminated.
     fn genom_host_guarded_open(
         file: *const c_char,
         mode: c_int,
@@ -25,7 +25,7 @@ unsafe extern "C" {
     ) -> c_int;
 }
 
-/// An open library as the dynamic linker knows it; closed when dropped.
+/// A library opened by the dynamic linker; closed when dropped.
 #[derive(Debug)]
 pub(super) struct Handle {
     library: Option<unix::Library>,
@@ -33,16 +33,16 @@ pub(super) struct Handle {
 }
 
 impl Handle {
-    /// Opens `file`, a copy of `library`, with all symbols bound now and none of them visible to
-    /// others.
+    /// Opens `file`, a copy of `library`; all its symbols are bound now, and invisible to other
+    /// libraries.
     pub(super) fn open(file: &Path, library: &Path) -> Result<Self, LinkError> {
         let name = CString::new(file.as_os_str().as_bytes())
             .map_err(|error| LinkError { said: error.to_string() })?;
         let words = format!("a constructor of {}", library.display());
         let (mut handle, mut what) = (std::ptr::null_mut(), [0u8; WHAT]);
         let constructor = running::running(&words);
-        // SAFETY: the file was checked to be a complete shared object of this machine. Its
-        // constructors run foreign code: that is what hosting a component means.
+        // SAFETY: the file was checked to be a complete shared object for this machine. Its
+        // constructors run foreign code, which loading a component implies.
         let threw = unsafe {
             let mode = unix::RTLD_NOW | unix::RTLD_LOCAL;
             let what = what.as_mut_ptr().cast();
@@ -54,21 +54,21 @@ impl Handle {
         }
         drop(constructor);
         if handle.is_null() {
-            // SAFETY: what the dynamic linker says of the last call of this thread, if anything.
+            // SAFETY: the error message of this thread's last call, if there is one.
             let said = unsafe { libc::dlerror().as_ref() }
-                // SAFETY: it says it as a string, until the next call.
+                // SAFETY: it is a C string, valid until the next call.
                 .map(|said| unsafe { CStr::from_ptr(said) }.to_string_lossy().into_owned())
                 .unwrap_or_default();
             let own = format!("{}: ", file.display());
             return Err(LinkError { said: said.strip_prefix(&own).unwrap_or(&said).to_owned() });
         }
-        // SAFETY: the dynamic linker just gave this handle, to nobody else.
+        // SAFETY: the dynamic linker has just returned this handle, to nobody else.
         let library = Some(unsafe { unix::Library::from_raw(handle) });
         Ok(Self { library, bias: bias(handle) })
     }
 
-    /// Where these parts of the file lie. Asked of the linker: the list of all that is mapped
-    /// grows with each component.
+    /// Where these segments are mapped. Computed from the linker's data: the list of all mappings
+    /// of the process grows with each component.
     pub(super) fn place(&self, segments: &[Segment]) -> Vec<Mapping> {
         let at = |address: u64| {
             usize::try_from(address).ok().map(|address| self.bias.wrapping_add(address))
@@ -92,12 +92,12 @@ impl Handle {
     /// as called.
     ///
     /// # Safety
-    /// `first` is the first of `count` addresses of such functions (`DT_FINI_ARRAY`), and `size` the
-    /// word that tells the dynamic linker how many bytes they take (`DT_FINI_ARRAYSZ`).
+    /// `first` is the address of a table of `count` such functions (`DT_FINI_ARRAY`), and `size`
+    /// the address of its size in bytes, as the dynamic linker sees it (`DT_FINI_ARRAYSZ`).
     pub(super) unsafe fn finish(&self, first: usize, count: usize, size: usize) {
         type Finisher = Option<unsafe extern "C" fn()>;
         for rank in (0..count).rev() {
-            // SAFETY: the caller's promise: such a word leads to a function of this type.
+            // SAFETY: the caller's promise: the table contains functions of this type.
             let finish = unsafe { *(first as *const Finisher).add(rank) };
             if let Some(finish) = finish {
                 // SAFETY: closing would call it now.
@@ -115,50 +115,50 @@ impl Handle {
         }
     }
 
-    /// Leaves the library open for good.
+    /// Keeps the library open for the rest of the process.
     pub(super) fn keep(&mut self) {
         std::mem::forget(self.library.take());
     }
 }
 
-/// Part of a library in memory.
+/// A segment of a library in memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Mapping {
-    /// Where it lies.
+    /// Its addresses.
     pub(super) range: Range<usize>,
-    /// Whether the process may write there; what becomes constant once it is linked counts as
-    /// written.
+    /// Whether the process may write there; data that becomes read-only after relocation counts as
+    /// writable.
     pub(super) writable: bool,
-    /// Whether code lies there.
+    /// Whether it contains code.
     pub(super) executable: bool,
 }
 
-/// The file that holds `address`, as the dynamic linker opened it; empty when it did not.
+/// The file that contains `address`, by the path the dynamic linker opened; empty if there is none.
 pub(super) fn file_of(address: usize) -> String {
-    // SAFETY: zeros are such a record, and the call fills it.
+    // SAFETY: all zeros is a valid value, which the call overwrites.
     let mut found: libc::Dl_info = unsafe { std::mem::zeroed() };
-    // SAFETY: any address may be asked for.
+    // SAFETY: any address is allowed.
     if unsafe { libc::dladdr(address as *const c_void, &raw mut found) } == 0 {
         return String::new();
     }
-    // SAFETY: a name that is told is a string of the dynamic linker's, as long as the file is open.
+    // SAFETY: the name is a C string of the dynamic linker, valid as long as the file is open.
     let name = unsafe { found.dli_fname.as_ref() }.map(|name| unsafe { CStr::from_ptr(name) });
     name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// The beginning of `struct link_map`, which is the same in every C library.
+/// The first field of `struct link_map`, which is the same in every C library.
 #[repr(C)]
 struct LinkMap {
-    /// What the file's addresses are moved by.
+    /// Difference between addresses in memory and in the file.
     bias: usize,
 }
 
-/// What the addresses of an open library are moved by.
+/// Difference between addresses in memory and in the file, for an open library.
 fn bias(handle: *mut c_void) -> usize {
     let mut map: *const LinkMap = std::ptr::null();
     let place = (&raw mut map).cast();
     // SAFETY: the handle is open, and this request writes a pointer.
     let told = unsafe { libc::dlinfo(handle, libc::RTLD_DI_LINKMAP, place) };
-    // SAFETY: the pointer leads to the library's entry, which lives as long as it is open.
+    // SAFETY: the pointer points to the library's entry, which is valid while it is open.
     if told == 0 { unsafe { map.as_ref() }.map_or(0, |map| map.bias) } else { 0 }
 }

@@ -1,6 +1,6 @@
-//! Shared libraries of codels: opened as private copies, asked for symbols.
+//! Shared libraries of codels: opens private copies and finds symbols.
 //!
-//! It knows no component: which symbols to ask for is the caller's business.
+//! It knows nothing about components: the caller decides which symbols to look up.
 
 mod ask;
 mod contents;
@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 use copy::PrivateCopy;
 use linker::{Handle, Mapping};
 
-/// Libraries of the system, by the beginning of their file's name: a codel is none of theirs.
+/// Libraries of the system, by prefix of their file names: they contain no codels.
 const SYSTEM: &[&str] = &[
     "libc.",
     "libc-",
@@ -36,45 +36,47 @@ const SYSTEM: &[&str] = &[
     "ld-",
 ];
 
-/// Opens a file, or says as the dynamic linker does why not.
+/// Opens a file, or returns the dynamic linker's error.
 type Linker = fn(&Path, &Path) -> Result<Handle, LinkError>;
 
-/// Where a function of a library is.
+/// Where a function of a library is defined.
 pub(crate) enum FoundFunction {
     /// At this address.
     At(usize),
-    /// In this library of the system, which has another of the same name: not what is meant.
+    /// In this library of the system, as another function with the same name.
     InSystem(String),
     Nowhere,
 }
 
-/// An open library. Closing is dropping: no thread may still run its code then.
+/// An open library; closed when dropped, when no thread may be running its code.
 #[derive(Debug)]
 pub struct Library {
-    // Order matters: the library is unmapped before its copy is removed.
+    // Declared first: the library is unmapped before its copy is removed.
     handle: Handle,
     _copy: Option<PrivateCopy>,
     path: PathBuf,
     bytes: Vec<u8>,
-    /// Its own parts in memory, not those of libraries it needs.
+    /// Its own segments, without those of libraries that it needs.
     mappings: Vec<Mapping>,
-    /// Its functions for the end.
+    /// Functions to run when it is closed.
     finishers: Option<elf::Finishers>,
 }
 
 impl Library {
-    /// Loads a private copy of the library at `path`, all its symbols bound, none of them shared.
+    /// Loads a private copy of the library at `path`, with all its symbols bound and invisible to
+    /// others.
     ///
-    /// Constructors of the library run. A library that finds others relative to its own place
-    /// (`$ORIGIN`) is copied beside the original, or loaded itself where that is read-only.
+    /// Constructors of the library run. A library that finds others relative to its own directory
+    /// (`$ORIGIN`) is copied beside the original; if that directory is read-only, the original is
+    /// loaded.
     ///
     /// # Errors
-    /// When the file is missing, no shared object of this machine, truncated, or not linkable.
+    /// The file is missing, not a shared object for this machine, truncated, or cannot be linked.
     pub fn open(path: &Path) -> Result<Self, OpenError> {
         Contents::read(path)?.open()
     }
 
-    /// Loads a private copy of these contents, by this linker.
+    /// Loads a private copy of these contents with this linker.
     fn open_by(contents: Contents, link: Linker) -> Result<Self, OpenError> {
         if elf::uses_origin(&contents.bytes) {
             return Self::open_beside(contents, link);
@@ -89,7 +91,7 @@ impl Library {
         };
         match link(copy.path(), &contents.path) {
             Ok(handle) => Ok(Self::new(contents, handle, Some(copy))),
-            // A temporary directory mounted `noexec`.
+            // The temporary directory is mounted `noexec`.
             Err(error) if error.said.contains("failed to map segment") => {
                 Self::open_beside(contents, link)
             }
@@ -97,7 +99,7 @@ impl Library {
         }
     }
 
-    /// Loads a copy made beside the original, or else the original.
+    /// Loads a copy made beside the original, or else the original itself.
     fn open_beside(contents: Contents, link: Linker) -> Result<Self, OpenError> {
         let Contents { path, bytes } = &contents;
         let load = |file: &Path| link(file, path);
@@ -122,21 +124,21 @@ impl Library {
         Self { handle, _copy: copy, path, bytes, mappings, finishers }
     }
 
-    /// The file as it was asked for, not its copy.
+    /// The requested path, not that of the copy.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The description it carries.
+    /// The embedded description.
     ///
     /// # Errors
-    /// When the symbol is there but holds no text.
+    /// The symbol exists but is not text.
     pub fn description(&self) -> Result<Option<EmbeddedDescription>, OpenError> {
         elf::description_of(&self.path, &self.bytes)
     }
 
-    /// Gives back the memory that holds the contents of the file: nothing more is asked of them.
+    /// Frees the memory with the content of the file, which is not needed any more.
     pub(crate) fn forget_contents(&mut self) {
         self.bytes = Vec::new();
     }
@@ -151,12 +153,12 @@ impl Library {
         self.handle.symbol(name)
     }
 
-    /// Address of symbol `name` that this library itself exports.
+    /// Address of symbol `name` if this library itself exports it.
     pub(crate) fn own_symbol(&self, name: &str) -> Option<usize> {
         self.symbol(name).filter(|at| self.mappings.iter().any(|own| own.range.contains(at)))
     }
 
-    /// Where C function `name` is, in this library or in one made for it.
+    /// Finds C function `name` in this library, or in one that it is linked with.
     pub(crate) fn function(&self, name: &str) -> FoundFunction {
         let Some(at) = self.symbol(name) else { return FoundFunction::Nowhere };
         if self.own_symbol(name).is_some() {
@@ -170,12 +172,12 @@ impl Library {
         }
     }
 
-    /// Whether it is linked with a library whose name begins so.
+    /// Whether it is linked with a library whose name begins with `name`.
     pub(crate) fn needs(&self, name: &str) -> bool {
         elf::needs(&self.bytes, name)
     }
 
-    /// Symbols of the C++ functions of that name that it exports without C linkage.
+    /// Mangled symbols of the C++ functions with that name that it exports.
     pub(crate) fn mangled(&self, function: &str) -> Vec<String> {
         elf::mangled(&self.bytes, function)
     }
@@ -185,17 +187,17 @@ impl Library {
         self.mappings.iter().any(|own| own.range.contains(&address))
     }
 
-    /// Whether the byte at `address` lies in this library's memory that nothing writes.
+    /// Whether the byte at `address` lies in this library's memory and is read-only.
     pub(crate) fn is_constant(&self, address: usize) -> bool {
         self.mappings.iter().any(|own| !own.writable && own.range.contains(&address))
     }
 }
 
 impl Contents {
-    /// Loads it: see [`Library::open`].
+    /// Loads the library: see [`Library::open`].
     ///
     /// # Errors
-    /// When it is not linkable.
+    /// The library cannot be linked.
     pub fn open(self) -> Result<Library, OpenError> {
         Library::open_by(self, Handle::open)
     }
@@ -211,7 +213,7 @@ mod tests {
         LinkError { said: "failed to map segment from shared object".to_owned() }
     }
 
-    /// A temporary directory mounted `noexec`, as the linker of glibc tells it.
+    /// Simulates a temporary directory mounted `noexec`, with the message of glibc's linker.
     fn nothing_runs_in_temporary(file: &Path, library: &Path) -> Result<Handle, LinkError> {
         if file
             .parent()
@@ -242,14 +244,14 @@ mod tests {
         let library = open(nothing_runs_in_temporary).unwrap();
         let own = linker::file_of(library.own_symbol("f").unwrap());
         assert!(own.contains("/.demo.so.genomd-"), "{own:?}");
-        // A second load is of a file of its own as well.
+        // A second load uses a file of its own as well.
         let other = open(nothing_runs_in_temporary).unwrap();
         assert_ne!(library.own_symbol("f"), other.own_symbol("f"));
         let refused = open(nothing_runs_anywhere).unwrap_err().to_string();
         assert!(refused.contains("failed to map segment"), "{refused}");
     }
 
-    /// Lines of `/proc/self/maps` that are of a file: where, whether written, whether code.
+    /// Lines of `/proc/self/maps` for a file: addresses, whether writable, whether code.
     fn mapped(file: &str) -> Vec<(std::ops::Range<usize>, bool, bool)> {
         let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
         let of = maps.lines().filter(|line| line.ends_with(file));
@@ -279,7 +281,7 @@ mod tests {
             let line = mapped.iter().find(|(place, ..)| place.contains(&part.range.start));
             let (_, written, code) = line.unwrap_or_else(|| panic!("{part:?} in {mapped:?}"));
             assert_eq!(part.executable, *code, "{part:?}");
-            // A part of what is written becomes constant once it is linked.
+            // Some writable data becomes read-only after relocation.
             assert!(part.writable || !written, "{part:?}");
         }
         assert!(library.is_constant(library.own_symbol("constant").unwrap()));

@@ -1,7 +1,8 @@
-//! Libraries that something still uses when they are to be closed. One of the few unsafe modules.
+//! Libraries that are still in use when they are to be closed. One of the few unsafe modules.
 //!
-//! To unmap code that a thread, a timer or a thread's end is about to run ends the daemon. A library
-//! stays mapped unless that is excluded: what cannot be looked at counts as a use.
+//! Unmapping code that a thread, a timer or a thread's destructor is about to run crashes the
+//! daemon. A library stays mapped unless that is excluded: what cannot be inspected counts as a
+//! use.
 #![allow(unsafe_code)]
 
 use std::ops::Range;
@@ -10,11 +11,12 @@ use super::{Library, threads, timers};
 use crate::process;
 
 impl Library {
-    /// Whether threads, timers or thread-specific data that codels left behind still use its code,
-    /// after the last call. It then stays mapped for good, and so must the memory they may use.
+    /// Whether threads, timers or thread-specific data that codels left behind still use the
+    /// library's code after the last call. If so, it stays mapped for the rest of the process, and
+    /// so must the memory that they may use.
     ///
-    /// What it does on signals is undone. If there is a use, its own functions for the end run
-    /// first: they may end it.
+    /// Its signal handlers are removed. If there is a use, the library's finalisation functions run
+    /// first, because they may end it.
     pub(crate) fn is_outlived(&mut self) -> bool {
         let parts = self.mappings.iter().filter(|part| part.executable);
         let code: Vec<_> = parts.map(|part| part.range.clone()).collect();
@@ -34,7 +36,7 @@ impl Library {
         !uses.is_empty()
     }
 
-    /// What uses its code; signal handlers are taken away.
+    /// What still uses its code; removes signal handlers.
     fn uses(&self, code: &[Range<usize>]) -> Vec<String> {
         let (back, left) = process::take_signals_from(code);
         for name in back {
@@ -49,7 +51,7 @@ impl Library {
         if process::ends_threads(code) {
             uses.push("a destructor of it waits for the end of threads".to_owned());
         }
-        // Last: now nothing starts any more that was not there before.
+        // Last, when nothing else can start a thread in the library any more.
         let threads = threads::inside(code);
         if threads.inside > 0 {
             uses.push(format!("threads that it started run on ({})", threads.inside));
@@ -60,8 +62,8 @@ impl Library {
         uses
     }
 
-    /// Runs its functions for the end, as closing would: C++ objects are destroyed, and threads
-    /// may be theirs. Closing does not do so again. Whether there were any.
+    /// Runs the functions that closing would run: they destroy C++ objects, which may own threads.
+    /// Closing does not run them again. Returns whether there were any.
     fn finish(&mut self) -> bool {
         let Some(finishers) = self.finishers.take() else { return false };
         let base = self.mappings.iter().map(|part| part.range.start).min();
@@ -70,8 +72,8 @@ impl Library {
         let (Some(first), Some(size)) = (place(finishers.at), place(finishers.size_at)) else {
             return false;
         };
-        // SAFETY: the file says that its finishing functions are there, and the number of their
-        // bytes.
+        // SAFETY: the ELF file says that the table of these functions, and the word with its size,
+        // are there.
         unsafe { self.handle.finish(first, finishers.count, size) }
         true
     }

@@ -1,9 +1,9 @@
-//! Threads that are still in the code of a library: a codel may have started one and left it, and
-//! to unmap the code under it ends the daemon.
+//! Finds threads that are still in the code of a library: a codel may have started one and left it
+//! running, and unmapping the code would crash the daemon.
 //!
-//! A thread counts as being in a library when its stack holds an address of the library's code. A
-//! stale address can only keep a library that could have been unmapped. Threads that wait are read
-//! as they are; running ones are asked by a signal where they are ([`ask`](super::ask)).
+//! A thread counts as being in a library when its stack contains an address of the library's code.
+//! A stale address can only keep a library mapped unnecessarily. Waiting threads are inspected as
+//! they are; running ones are stopped by a signal ([`ask`](super::ask)).
 
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
@@ -19,32 +19,33 @@ use std::time::Duration;
 
 use super::ask::{self, Place};
 
-/// How often a thread is looked at that does not stand still.
+/// Attempts for a thread that does not wait.
 const LOOKS: usize = 20;
-/// Most of a stack that is read.
+/// Most bytes of a stack that are read.
 const DEEPEST: usize = 8 << 20;
 
-/// Threads that keep a library from being unmapped, the asking ones excluded.
+/// Threads that prevent a library from being unmapped, without those that ask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Threads {
-    /// With an address of its code on their stacks.
+    /// Threads with an address of its code on their stacks.
     pub(super) inside: usize,
-    /// That could not be looked at.
+    /// Threads that could not be inspected.
     pub(super) unseen: usize,
 }
 
-/// What is known of a thread.
+/// Result for one thread.
 #[derive(Debug, PartialEq, Eq)]
 enum Found {
-    /// In the code of these, by their places among those that ask; of none, most often.
+    /// It is in the code of these libraries, by index among those asked for; mostly of none.
     In(Vec<usize>),
     Unseen,
 }
 
-/// Looks for threads with addresses within `code`; threads that ask are left out.
+/// Finds threads with addresses within `code` on their stacks; threads that ask are ignored.
 ///
-/// A look reads all stacks, so it takes longer the more components there are. Callers that come
-/// while one is under way share the next one: to close 500 libraries side by side takes a few looks.
+/// One search reads all stacks, so it takes longer the more components there are. Callers that
+/// arrive during a search share the next one: closing 500 libraries in parallel takes a few
+/// searches.
 pub(super) fn inside(code: &[Range<usize>]) -> Threads {
     let (answer, found) = channel();
     let thread = own_number();
@@ -53,26 +54,27 @@ pub(super) fn inside(code: &[Range<usize>]) -> Threads {
     if let Ok(found) = found.try_recv() {
         return found;
     }
-    // What is asked from here on is for the next look: a thread may have been started before.
+    // Later callers wait for the next search, since a thread may have been started meanwhile.
     let asked = mem::take(&mut *lock(&ASKED));
     for (one, threads) in asked.iter().zip(look_for(&asked)) {
-        // It waits for the turn, or is this thread.
+        // The receiver waits for its turn, or is this thread.
         let _ = one.answer.send(threads);
     }
     drop(turn);
     found.recv().unwrap_or(Threads { inside: 0, unseen: 1 })
 }
 
-/// A caller that waits for a look.
+/// A caller that waits for a search.
 struct Asked {
     code: Vec<Range<usize>>,
-    /// It has no business in the code itself, but may have addresses of it on its stack.
+    /// Its own thread, which is not in the library's code but may have addresses of it on its
+    /// stack.
     thread: Option<OsString>,
     answer: Sender<Threads>,
 }
 
 static ASKED: Mutex<Vec<Asked>> = Mutex::new(Vec::new());
-/// Held while looking, for all callers that have asked by then.
+/// Held during a search for all callers that have arrived before.
 static TURN: Mutex<()> = Mutex::new(());
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -83,7 +85,7 @@ fn own_number() -> Option<OsString> {
     Some(fs::read_link("/proc/thread-self").ok()?.file_name()?.to_owned())
 }
 
-/// Looks at all threads for each of them.
+/// Searches all threads for all callers.
 fn look_for(asked: &[Asked]) -> Vec<Threads> {
     let (Ok(tasks), Ok(memory)) = (fs::read_dir("/proc/self/task"), File::open("/proc/self/mem"))
     else {
@@ -91,7 +93,7 @@ fn look_for(asked: &[Asked]) -> Vec<Threads> {
     };
     let mut threads = vec![Threads::default(); asked.len()];
     let code: Vec<&[Range<usize>]> = asked.iter().map(|one| one.code.as_slice()).collect();
-    // Read once: with hundreds of components loaded it is long.
+    // Read once: with hundreds of components loaded the list is long.
     let mut parts = parts().unwrap_or_default();
     let asks = |name: &OsStr| asked.iter().any(|one| one.thread.as_deref() == Some(name));
     for task in tasks.flatten().filter(|task| !asks(&task.file_name())) {
@@ -115,9 +117,9 @@ fn look(
                 Some(top) => return holds(memory, (top, None), code, parts),
                 None => thread::park_timeout(Duration::from_millis(1)),
             },
-            // It ended.
+            // The thread has ended.
             Err(error) if is_gone(&error) => return Found::In(Vec::new()),
-            // The kernel does not tell.
+            // The kernel does not say.
             Err(_) => break,
         }
     }
@@ -138,39 +140,40 @@ fn is_gone(error: &std::io::Error) -> bool {
     error.kind() == ErrorKind::NotFound || error.raw_os_error() == Some(libc::ESRCH)
 }
 
-/// `NUMBER ARGUMENTS... SP PC` of a thread that waits; `running` has none.
+/// Parses `NUMBER ARGUMENTS... SP PC` of a waiting thread; a running one has no such line.
 fn stack_pointer(line: &str) -> Option<usize> {
     let (_, sp) = line.rsplit_once(' ').and_then(|(rest, _)| rest.rsplit_once(' '))?;
     usize::from_str_radix(sp.strip_prefix("0x")?, 16).ok()
 }
 
-/// The parts of the memory of this process.
+/// The mappings of this process.
 fn parts() -> Option<Vec<Range<usize>>> {
     let maps = fs::read_to_string("/proc/self/maps").ok()?;
     Some(maps.lines().filter_map(range).collect())
 }
 
-/// Those that hold code.
+/// The mappings that contain code.
 pub(super) fn executable() -> Vec<Range<usize>> {
     let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
     let code = |line: &&str| line.split(' ').nth(1).is_some_and(|rights| rights.contains('x'));
     maps.lines().filter(code).filter_map(range).collect()
 }
 
-/// Where the part ends that holds an address.
+/// End of the mapping that contains an address.
 fn part_at(parts: &[Range<usize>], at: usize) -> Option<usize> {
     parts.iter().find(|part| part.contains(&at)).map(|part| part.end)
 }
 
-/// Addresses of a line of `/proc/self/maps`.
+/// Address range of a line of `/proc/self/maps`.
 fn range(line: &str) -> Option<Range<usize>> {
     let (from, to) = line.split_once(' ')?.0.split_once('-')?;
     let address = |text| usize::from_str_radix(text, 16).ok();
     Some(address(from)?..address(to)?)
 }
 
-/// Those of which the program counter, where it is known, or a word of the stack from `top` on is
-/// an address. Read through the kernel: the thread may end meanwhile, and its stack with it.
+/// The libraries for which the program counter, if known, or a word of the stack from `top` on is
+/// an address in their code. The stack is read through the kernel, since the thread and its stack
+/// may disappear meanwhile.
 fn holds(
     memory: &File,
     (top, counter): (usize, Option<usize>),
@@ -178,13 +181,13 @@ fn holds(
     known: &mut Vec<Range<usize>>,
 ) -> Found {
     let mut bytes = Vec::new();
-    // What is known was read a while ago: in doubt it is read again.
+    // The known mappings may be out of date: on failure they are read again.
     for again in [false, true] {
         if again || part_at(known, top).is_none() {
             let Some(now) = parts() else { return Found::Unseen };
             *known = now;
         }
-        // No memory there any more: the thread has ended.
+        // The stack is not mapped any more: the thread has ended.
         let Some(end) = part_at(known, top) else { return Found::In(Vec::new()) };
         bytes.resize((end.min(top + DEEPEST) - top) / 8 * 8, 0);
         match memory.read_exact_at(&mut bytes, top as u64) {

@@ -1,8 +1,8 @@
-//! Timers of the process that call code in a thread (`SIGEV_THREAD`).
+//! Timers of the process that call a function in a thread (`SIGEV_THREAD`).
 //!
-//! The C library makes them of a signal of its own, to a thread of its own, with the address of its
-//! note on the timer as the value. That note holds the function to call; where it is not found, the
-//! timer is taken for one that may call anything.
+//! The C library implements them with an internal signal to an internal thread, and the address of
+//! its own record of the timer as the value. The record contains the function; where that is not
+//! found, the timer counts as one that may call anything.
 
 use std::fs::{self, File};
 use std::ops::Range;
@@ -10,12 +10,12 @@ use std::os::unix::fs::FileExt as _;
 
 use super::threads;
 
-/// The signal by which the C library learns that such a timer is due (`SIGTIMER`).
+/// The internal signal for such timers (`SIGTIMER` in glibc).
 const DUE: &str = "32";
-/// Words of a note on a timer, at most.
+/// Most words of a timer's record that are searched.
 const NOTE: usize = 16;
 
-/// How many timers call code in one of these places, or may.
+/// Number of timers that call code in one of these ranges, or may.
 pub(super) fn into(code: &[Range<usize>]) -> usize {
     let told = fs::read_to_string("/proc/self/timers").unwrap_or_default();
     let notes: Vec<usize> = notes(&told).collect();
@@ -37,7 +37,7 @@ pub(super) fn into(code: &[Range<usize>]) -> usize {
     notes.iter().filter(calls).count()
 }
 
-/// Addresses of the C library's notes on its timers.
+/// Addresses of the C library's timer records.
 fn notes(told: &str) -> impl Iterator<Item = usize> {
     // signal: NUMBER/VALUE
     let signals = told.lines().filter_map(|line| line.strip_prefix("signal: ")?.split_once('/'));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::element::Element;
 use super::multiple::Elements;
 
-/// What the functions of a port work on.
+/// The buffers that the methods of a port use.
 #[derive(Clone)]
 pub(super) enum Buffers {
     Simple(Arc<Element>),

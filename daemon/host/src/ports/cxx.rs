@@ -1,4 +1,4 @@
-//! The methods of ports for codels in C++ (genom3.md 6): what fails is thrown.
+//! Methods of ports for codels in C++ (genom3.md 6): failures are thrown.
 
 use genom_description::model::PortDirection;
 
@@ -15,7 +15,7 @@ pub(super) struct PortInCxx {
 }
 
 impl PortInCxx {
-    /// What is missing when there is no such element, or no value yet.
+    /// The failure when there is no such element, or no value yet.
     fn absent(&self) -> Failure {
         match self.direction {
             PortDirection::In => Failure::NoSuchInport,
@@ -52,7 +52,7 @@ impl PortInCxx {
 impl CxxPort for PortInCxx {
     fn data(&self, id: Option<&[u8]>) -> Result<usize, (&'static str, Vec<u8>)> {
         let data = self.element(id).map(|element| element.data());
-        // C codels get NULL before the first value; a reference cannot be null.
+        // Codels in C get NULL before the first value, but a reference cannot be null.
         let data = data.and_then(|at| if at == 0 { Err(self.absent()) } else { Ok(at) });
         data.map_err(|failure| exception(&failure))
     }

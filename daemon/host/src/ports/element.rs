@@ -1,4 +1,4 @@
-//! One buffer of a port with what it is bound to. One of the few unsafe modules.
+//! One buffer of a port, and what it is bound to. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::cell::UnsafeCell;
@@ -19,37 +19,38 @@ pub(super) enum Failure {
     NoSuchOutport,
     PortIo,
     Serialization,
-    /// With a sentence.
+    /// With a message.
     Middleware(String),
-    /// With an `errno`.
+    /// With an `errno` value.
     System(i32),
 }
 
 /// A simple port, or one element of a multiple one.
 ///
-/// Codels that share a port exclude one another (genom3.md 4.5). Methods called against that rule,
-/// by threads of a library, fail instead of racing.
+/// Codels that share a port exclude each other (genom3.md 4.5). Methods called in violation of
+/// that, by threads of a library, fail instead of causing a data race.
 pub(super) struct Element {
     inner: UnsafeCell<Inner>,
-    /// Address of the buffer, the same for the element's life.
+    /// Address of the buffer, which never changes.
     address: usize,
-    /// What lies around it.
+    /// Guard zones around the buffer.
     zones: Zones,
-    /// Whether `data` shows the buffer.
+    /// Whether `data` returns the buffer (otherwise null).
     shown: AtomicBool,
-    /// Somebody is at `inner`.
+    /// Whether a thread is using `inner`.
     busy: AtomicBool,
     snapshot: Snapshot,
 }
 
 struct Inner {
     buffer: Record,
-    /// What codels in C++ see: filled from the buffer by `read`, and fills it before `write`.
+    /// The object that codels in C++ use: `read` fills it from the buffer, `write` copies it into
+    /// the buffer.
     object: Option<Object>,
     link: Link,
 }
 
-/// What the buffer is bound to.
+/// What an element is bound to.
 pub(super) enum Link {
     /// An in port.
     In(Option<Box<dyn Subscription>>),
@@ -58,7 +59,7 @@ pub(super) enum Link {
 }
 
 impl Link {
-    /// One to nothing yet.
+    /// An element without a connection.
     pub(super) fn unbound(direction: PortDirection) -> Self {
         match direction {
             PortDirection::In => Self::In(None),
@@ -67,13 +68,13 @@ impl Link {
     }
 }
 
-// SAFETY: `inner` is reached through `with`, which lets one thread in at a time.
+// SAFETY: `inner` is accessed through `with` only, which admits one thread at a time.
 unsafe impl Sync for Element {}
-// SAFETY: what is inside is `Send`.
+// SAFETY: all fields are `Send`.
 unsafe impl Send for Element {}
 
 impl Element {
-    /// An empty buffer; with a C++ object for codels in that language.
+    /// An empty buffer, with a C++ object for codels in that language.
     pub(super) fn new(ty: &DataType, cxx: Option<&CxxType>, link: Link) -> Self {
         let mut buffer = Record::new(ty);
         let object = cxx.map(Object::new);
@@ -90,34 +91,34 @@ impl Element {
         }
     }
 
-    /// Calls `work` unless somebody else is at it.
+    /// Runs `work`, unless another thread is using the element.
     fn with<R>(&self, work: impl FnOnce(&mut Inner) -> R) -> Option<R> {
         if self.busy.swap(true, Ordering::Acquire) {
             return None;
         }
         let release = Release(&self.busy);
-        // SAFETY: `busy` was clear and is set now: nobody else is here until it is released.
+        // SAFETY: `busy` was clear and is set now: no other thread is here until it is cleared.
         let result = work(unsafe { &mut *self.inner.get() });
         drop(release);
         Some(result)
     }
 
-    /// Address of the buffer, 0 while there is no value to see (genom3.md 7.8).
+    /// Address of the buffer; 0 while there is no value (genom3.md 7.8).
     pub(super) fn data(&self) -> usize {
         if self.shown.load(Ordering::Relaxed) { self.address } else { 0 }
     }
 
-    /// What lies around the buffer.
+    /// Guard zones around the buffer.
     pub(super) fn zones(&self) -> Zones {
         self.zones
     }
 
-    /// Gives up what other records, in `seen`, own too.
+    /// Drops ownership of buffers that are in `seen`, since other records own them too.
     pub(super) fn give_up_shared(&self, seen: &mut HashSet<usize>) {
         let _ = self.with(|inner| inner.buffer.give_up_shared(seen));
     }
 
-    /// Replaces the buffer by the next value.
+    /// Stores the next value in the buffer.
     pub(super) fn read(&self) -> Result<(), Failure> {
         let read = self.with(|inner| {
             let Link::In(Some(subscription)) = &mut inner.link else {
@@ -131,7 +132,7 @@ impl Element {
                     if let Some(object) = &mut inner.object {
                         object.set(&inner.buffer);
                     }
-                    // SAFETY: one caller at a time, as `with` sees to.
+                    // SAFETY: `with` admits one caller at a time.
                     unsafe { self.snapshot.offer(&inner.buffer) };
                     Ok(())
                 }
@@ -154,31 +155,31 @@ impl Element {
         written.unwrap_or(Err(Failure::PortIo))
     }
 
-    /// Publishes another value than the buffer's.
+    /// Publishes a value other than the buffer's.
     pub(super) fn write_value(&self, value: &Record) -> Result<(), Failure> {
         let written = self.with(|inner| Self::publish(&self.snapshot, &mut inner.link, value));
         written.unwrap_or(Err(Failure::PortIo))
     }
 
-    /// Called by who is `with` the element only.
+    /// Publishes a value. Called within `with` only.
     fn publish(snapshot: &Snapshot, link: &mut Link, value: &Record) -> Result<(), Failure> {
         let Link::Out(Some(publisher)) = link else { return Err(Failure::NoSuchOutport) };
         publisher.publish(value).map_err(|error| match error {
             PublishError::Serialization => Failure::Serialization,
             _ => Failure::PortIo,
         })?;
-        // SAFETY: one caller at a time, as `with` sees to.
+        // SAFETY: `with` admits one caller at a time.
         unsafe { snapshot.offer(value) };
         Ok(())
     }
 
-    /// Binds the element, and gives back what it was bound to. Not for codels: it waits.
+    /// Binds the element; returns what it was bound to. Not for codels, since it waits.
     pub(super) fn bind(&self, link: Link) -> Link {
         let mut link = Some(link);
         loop {
             let exchanged = self.with(|inner| {
                 let new = link.take()?;
-                // In ports show nothing until a value of the new connection was read.
+                // An in port has no value until one of the new connection was read.
                 self.shown.store(matches!(new, Link::Out(_)), Ordering::Relaxed);
                 Some(std::mem::replace(&mut inner.link, new))
             });
@@ -189,18 +190,18 @@ impl Element {
         }
     }
 
-    /// What `look` makes of the value last read or written.
+    /// Result of `look` for the last value read or written.
     pub(super) fn look<T>(&self, look: impl FnOnce(&Record) -> T) -> Option<T> {
         self.snapshot.look(look)
     }
 
-    /// The value last read or written, when a copy of that very one was kept.
+    /// The last value read or written, if it was copied.
     pub(super) fn last(&self) -> Option<Record> {
         self.snapshot.last()
     }
 }
 
-/// Clears the flag also when the middleware panics.
+/// Clears the flag, also when the middleware panics.
 struct Release<'a>(&'a AtomicBool);
 
 impl Drop for Release<'_> {

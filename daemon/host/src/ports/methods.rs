@@ -1,4 +1,4 @@
-//! The C functions of a port's handle (genom3.md 5.7): one of its own for each method of each port.
+//! The C functions of a port's handle (genom3.md 5.7): one for each method of each port.
 
 use std::ffi::{c_char, c_void};
 use std::sync::Arc;
@@ -12,14 +12,14 @@ use crate::detail::{MWERR, MWERR_WHAT, SYSERR, put_text};
 use crate::ffi::{Arguments, Callback, Class, NativeFunction};
 use crate::shared::Shared;
 
-/// What a method of a simple port works on.
+/// State of a simple port's methods.
 #[derive(Clone)]
 struct Simple {
     element: Arc<Element>,
     shared: Arc<Shared>,
 }
 
-/// What a method of a multiple port works on.
+/// State of a multiple port's methods.
 #[derive(Clone)]
 struct Multiple {
     elements: Arc<Elements>,
@@ -93,7 +93,7 @@ fn multiple_write(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
 
 fn multiple_open(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
     let opened = match arguments.text(0, LONGEST) {
-        // Codels shorten the name and try again.
+        // Codels can shorten the name and try again.
         None if !arguments.pointer(0).is_null() => Err(Failure::System(ENAMETOOLONG)),
         name => port.elements.open(name),
     };
@@ -105,13 +105,13 @@ fn multiple_close(port: &Multiple, arguments: Arguments<'_>) -> *const c_void {
     tell(&port.shared, closed, arguments.pointer(1))
 }
 
-/// The element named by the first argument.
+/// The element that the first argument names.
 fn named(port: &Multiple, arguments: Arguments<'_>) -> Option<Arc<Element>> {
     port.elements.get(arguments.text(0, LONGEST)?)
 }
 
-/// The event for a result: recorded in the context passed, and the library's own pointer
-/// (genom3.md 5.3, 7.8).
+/// The event for a result: an exception is recorded in the context that the codel passed, and the
+/// event is the library's own pointer (genom3.md 5.3, 7.8).
 fn tell(shared: &Shared, result: Result<(), Failure>, context: *mut u8) -> *const c_void {
     let Err(failure) = result else { return std::ptr::null() };
     let (name, detail) = exception(&failure);
@@ -119,7 +119,7 @@ fn tell(shared: &Shared, result: Result<(), Failure>, context: *mut u8) -> *cons
     event.cast()
 }
 
-/// The exception for a failure, and its detail in C.
+/// The exception for a failure, and its detail in C layout.
 pub(super) fn exception(failure: &Failure) -> (&'static str, Vec<u8>) {
     match failure {
         Failure::NoSuchInport => ("::genom::no_such_inport", Vec::new()),

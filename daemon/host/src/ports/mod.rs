@@ -1,6 +1,6 @@
 //! Ports as codels see them: a handle of C functions, a buffer, and what it is bound to.
 //!
-//! Which middleware carries the values is not known here.
+//! The middleware is not known here.
 
 mod buffers;
 mod cxx;
@@ -31,14 +31,14 @@ pub(crate) struct Ports {
     opener: Arc<OnceLock<Box<dyn Opener>>>,
 }
 
-/// A port: `comp_p` of genom3.md 5.7 or 6, and what its functions work on.
+/// A port: `comp_p` of genom3.md 5.7 or 6, and the buffers of its functions.
 struct Handle {
     name: String,
     buffers: Buffers,
     shown: Shown,
 }
 
-/// What codels get the address of.
+/// The handle whose address codels get.
 enum Shown {
     /// A struct of functions: `data`, then `read` or `write`, `open`, `close`.
     C { table: Box<[usize]>, _functions: Vec<NativeFunction> },
@@ -46,7 +46,7 @@ enum Shown {
     Cxx(crate::cxx::Handle),
 }
 
-/// What ports of a component in C++ need besides.
+/// Additional data for the ports of a component in C++.
 pub(crate) struct InCxx {
     /// Type of each port.
     pub(crate) types: Indexed<PortIx, CxxType>,
@@ -54,7 +54,7 @@ pub(crate) struct InCxx {
 }
 
 impl Ports {
-    /// Handles for `ports`; `None` when there is no memory for executable code.
+    /// Makes the handles of `ports`; `None` when there is no memory for executable code.
     pub(crate) fn new(
         ports: &Indexed<PortIx, Port>,
         types: &Indexed<PortIx, DataType>,
@@ -91,7 +91,7 @@ impl Ports {
         Some(Self { ports, opener })
     }
 
-    /// What codels get for the port.
+    /// The address that codels get for the port.
     pub(crate) fn handle(&self, port: PortIx) -> *const c_void {
         match &self.ports[port].shown {
             Shown::C { table, .. } => table.as_ptr().cast(),
@@ -136,7 +136,7 @@ impl Ports {
         }
     }
 
-    /// What lies around the buffer of a simple port.
+    /// Guard zones around the buffer of a simple port.
     pub(crate) fn zones(&self, port: PortIx) -> Option<Zones> {
         match &self.ports.get(port)?.buffers {
             Buffers::Simple(buffer) => Some(buffer.zones()),
@@ -144,14 +144,14 @@ impl Ports {
         }
     }
 
-    /// How `open` of multiple ports gets its publishers. The first one given stays.
+    /// Sets how `open` of multiple ports gets its publishers. The first one that is set stays.
     pub(crate) fn set_opener(&self, opener: Box<dyn Opener>) {
         if self.opener.set(opener).is_err() {
             tracing::error!("the opener of a component's ports was set twice; the first stays");
         }
     }
 
-    /// Gives up what other records, in `seen`, own too.
+    /// Drops ownership of buffers that are in `seen`, since other records own them too.
     pub(crate) fn give_up_shared(&self, seen: &mut HashSet<usize>) {
         for port in &self.ports {
             match &port.buffers {
@@ -161,7 +161,7 @@ impl Ports {
         }
     }
 
-    /// What `look` makes of the value last read or written by codels.
+    /// Result of `look` for the last value read or written by codels.
     pub(crate) fn look<T>(
         &self,
         port: PortIx,
@@ -175,7 +175,7 @@ impl Ports {
         }
     }
 
-    /// The value last read or written by codels, when a copy of that very one was kept.
+    /// The last value read or written by codels, if it was copied.
     pub(crate) fn last(&self, port: PortIx, element: Option<&str>) -> Option<Record> {
         match (&self.ports.get(port)?.buffers, element) {
             (Buffers::Simple(buffer), None) => buffer.last(),

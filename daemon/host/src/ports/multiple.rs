@@ -1,4 +1,4 @@
-//! The elements of a multiple port, by the names codels give them.
+//! The elements of a multiple port, by name.
 
 use std::collections::{BTreeMap, HashSet};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -12,9 +12,9 @@ use crate::cxx::CxxType;
 
 /// Longest name of an element, in bytes.
 pub(super) const LONGEST: usize = 128;
-/// `errno` of what is not there.
+/// `errno` of an element that does not exist.
 const ENOENT: i32 = 2;
-/// `errno` of a name beyond [`LONGEST`].
+/// `errno` of a name longer than [`LONGEST`].
 pub(super) const ENAMETOOLONG: i32 = 36;
 
 /// The elements of one multiple port.
@@ -28,7 +28,7 @@ pub(super) struct Elements {
 }
 
 impl Elements {
-    /// None yet.
+    /// Without elements.
     pub(super) fn new(
         port: PortIx,
         direction: PortDirection,
@@ -44,30 +44,30 @@ impl Elements {
         self.elements.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The element of that name.
+    /// The element with this name.
     pub(super) fn get(&self, name: &[u8]) -> Option<Arc<Element>> {
         self.lock().get(name).map(Arc::clone)
     }
 
-    /// Gives up what other records, in `seen`, own too.
+    /// Drops ownership of buffers that are in `seen`, since other records own them too.
     pub(super) fn give_up_shared(&self, seen: &mut HashSet<usize>) {
         self.lock().values().for_each(|element| element.give_up_shared(seen));
     }
 
-    /// The element of that name, made when it is not there.
+    /// The element with this name, created if it does not exist.
     fn get_or_make(&self, name: &str) -> Arc<Element> {
         let cxx = self.cxx.as_ref();
         let make = || Arc::new(Element::new(&self.ty, cxx, Link::unbound(self.direction)));
         Arc::clone(self.lock().entry(name.as_bytes().into()).or_insert_with(make))
     }
 
-    /// Binds an element. One that loses its connection stays, with its buffer: a codel may hold
-    /// the address.
+    /// Binds an element. One that is disconnected stays, with its buffer, since a codel may hold
+    /// its address.
     pub(super) fn bind(&self, name: &str, link: Link) {
         drop(self.get_or_make(name).bind(link));
     }
 
-    /// Opens an out element; one that is open already stays as it is (genom3.md 7.8).
+    /// Opens an element of an out port; one that is open already is kept (genom3.md 7.8).
     pub(super) fn open(&self, name: Option<&[u8]>) -> Result<(), Failure> {
         let name = checked(name)?;
         if self.get(name.as_bytes()).is_some() {
@@ -80,21 +80,22 @@ impl Elements {
         Ok(())
     }
 
-    /// Closes an out element: it shows nowhere any more.
+    /// Closes an element of an out port.
     pub(super) fn close(&self, name: Option<&[u8]>) -> Result<(), Failure> {
         let removed = name.and_then(|name| self.lock().remove(name));
         let element = removed.ok_or(Failure::System(ENOENT))?;
         drop(element.bind(Link::Out(None)));
         if let (Some(opener), Some(name)) = (self.opener.get(), name) {
-            // It was opened under this name: it is UTF-8.
+            // It was opened with this name, so it is UTF-8.
             opener.close(self.port, &String::from_utf8_lossy(name));
         }
         Ok(())
     }
 }
 
-/// A name that may become part of an address. Slashes may be inside, as in `left/jpeg`: the first
-/// one of an address ends the instance, the second the port, the others belong to the element.
+/// Checks a name that becomes part of an address. It may contain slashes, as in `left/jpeg`: the
+/// first one of an address ends the instance, the second the port, and others belong to the
+/// element.
 fn checked(name: Option<&[u8]>) -> Result<&str, Failure> {
     let refuse = |why: &str| Err(Failure::Middleware(format!("name of a port's element: {why}")));
     let Some(name) = name else { return refuse("NULL") };

@@ -1,5 +1,5 @@
-//! Copies of port values for who looks from outside: exchanged, never waited for by a codel. One
-//! of the few unsafe modules.
+//! Copies of port values for readers outside the codels, which codels never wait for. One of the
+//! few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::cell::UnsafeCell;
@@ -8,41 +8,41 @@ use std::sync::{Mutex, PoisonError};
 
 use genom_types::{DataType, Record};
 
-/// Values of more bytes are copied only while somebody looks.
+/// Larger values, in bytes, are copied only while somebody reads them.
 const LARGE: usize = 1 << 16;
-/// How many values are copied after a look at a large one.
+/// How many values are copied after a large one was read.
 const WATCHED: u32 = 1000;
-/// Mark of a value that no reader has taken yet, above the two bits of a slot's rank.
+/// Flag of a value that the reader has not taken yet, above the two bits of a slot's index.
 const FRESH: u8 = 4;
 
 /// A triple buffer: the writer fills one slot, the reader holds another, the third is exchanged.
 pub(super) struct Snapshot {
     slots: [UnsafeCell<Record>; 3],
-    /// Rank of the slot in the middle, and [`FRESH`].
+    /// Index of the slot in the middle, and [`FRESH`].
     middle: AtomicU8,
-    /// Rank of the writer's slot.
+    /// Index of the writer's slot.
     back: UnsafeCell<u8>,
     reader: Mutex<Reader>,
     large: bool,
-    /// Whether values were passed over since the last one was copied.
+    /// Whether the last value was not copied.
     behind: AtomicBool,
-    /// Values still to copy for who looks at a large port.
+    /// Number of large values still to be copied for a reader.
     watched: AtomicU32,
 }
 
 struct Reader {
-    /// Rank of the reader's slot.
+    /// Index of the reader's slot.
     front: u8,
     /// Whether it holds a value.
     filled: bool,
 }
 
-// SAFETY: the three ranks (back, middle, front) always differ. The slot of `back` is touched by
-// the writer only, which `offer` demands to be one at a time, and that of `front` under the mutex.
+// SAFETY: the three indices (back, middle, front) always differ. The slot of `back` is accessed by
+// the writer only, and `offer` requires one caller at a time; that of `front` under the mutex.
 unsafe impl Sync for Snapshot {}
 
 impl Snapshot {
-    /// One without value.
+    /// A buffer without value.
     pub(super) fn new(ty: &DataType) -> Self {
         Self {
             slots: std::array::from_fn(|_| UnsafeCell::new(Record::new(ty))),
@@ -51,12 +51,12 @@ impl Snapshot {
             reader: Mutex::new(Reader { front: 2, filled: false }),
             large: ty.size() > LARGE,
             behind: AtomicBool::new(false),
-            // The first value is always kept.
+            // The first value is always copied.
             watched: AtomicU32::new(1),
         }
     }
 
-    /// Keeps a copy of `value`.
+    /// Copies `value`, unless it is large and nobody has read the port lately.
     ///
     /// # Safety
     /// One caller at a time.
@@ -69,7 +69,7 @@ impl Snapshot {
             }
             self.watched.store(watched - 1, Ordering::Relaxed);
         }
-        // SAFETY: the caller is the only writer, so it has `back` and that slot for itself.
+        // SAFETY: the caller is the only writer, so `back` and its slot are not shared.
         let (back, slot) = unsafe {
             let back = &mut *self.back.get();
             let slot = &mut *self.slots[usize::from(*back)].get();
@@ -82,7 +82,7 @@ impl Snapshot {
         self.behind.store(!copied, Ordering::Relaxed);
     }
 
-    /// What `look` makes of the value kept last; `None` before the first.
+    /// Result of `look` for the last value copied; `None` before the first.
     pub(super) fn look<T>(&self, look: impl FnOnce(&Record) -> T) -> Option<T> {
         if self.large {
             self.watched.store(WATCHED, Ordering::Relaxed);
@@ -92,13 +92,13 @@ impl Snapshot {
             reader.front = self.middle.swap(reader.front, Ordering::AcqRel) & !FRESH;
             reader.filled = true;
         }
-        // SAFETY: the front slot is this reader's, the mutex is held.
+        // SAFETY: the front slot belongs to the reader, and the mutex is held.
         let slot = unsafe { &*self.slots[usize::from(reader.front)].get() };
         reader.filled.then(|| look(slot))
     }
 
-    /// The value offered last; `None` when it was not copied, and before the first. While values
-    /// are being offered it may be the one before.
+    /// The last value offered; `None` if it was not copied, or before the first. If values are
+    /// offered at the same time, it may be the previous one.
     pub(super) fn last(&self) -> Option<Record> {
         let behind = self.behind.load(Ordering::Relaxed);
         let last = self.look(Record::clone);
@@ -133,14 +133,14 @@ mod tests {
         assert_eq!(snapshot.latest(), None);
         for i in 0..5 {
             value.merge_json(&i.into()).unwrap();
-            // SAFETY: only this thread offers.
+            // SAFETY: only this thread offers values.
             unsafe { snapshot.offer(&value) };
         }
         assert_eq!(snapshot.latest(), Some(4.into()));
         assert_eq!(snapshot.latest(), Some(4.into()), "looking again shows it again");
     }
 
-    /// An array of octets that is copied only while somebody looks.
+    /// An array of octets that is copied only while somebody reads it.
     fn large() -> Record {
         let mut table = TypeTable::default();
         let element = table.add(Kind::Octet);
@@ -151,7 +151,7 @@ mod tests {
 
     fn offer_filled(snapshot: &Snapshot, value: &mut Record, byte: u8) {
         value.set_bytes(&vec![byte; LARGE + 1]).unwrap();
-        // SAFETY: only the thread of the test offers.
+        // SAFETY: only the thread of the test offers values.
         unsafe { snapshot.offer(value) };
     }
 
@@ -198,7 +198,7 @@ mod tests {
                 for i in 1..=20_000_i32 {
                     let whole: Vec<u8> = (0..64).flat_map(|_| i.to_ne_bytes()).collect();
                     value.set_bytes(&whole).unwrap();
-                    // SAFETY: only this thread offers.
+                    // SAFETY: only this thread offers values.
                     unsafe { snapshot.offer(&value) };
                 }
             });

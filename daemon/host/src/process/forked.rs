@@ -1,9 +1,9 @@
-//! Children that codels fork. One of the few unsafe modules.
+//! Child processes that codels fork. One of the few unsafe modules.
 //!
-//! A child has the daemon's descriptors, and they stay open as long as it lives: its listening
-//! sockets accept clients that nobody serves, its locks keep the next daemon out. What is the
-//! daemon's own is closed in each child. Children that run another program lose all descriptors
-//! anyway: each is close-on-exec.
+//! A child inherits the daemon's descriptors, which stay open as long as it lives: its listening
+//! sockets would accept clients that nobody serves, its locks would block the next daemon. So each
+//! child closes the daemon's own descriptors. Children that execute another program lose them
+//! anyway: all are close-on-exec.
 #![allow(unsafe_code)]
 
 use std::ffi::{c_char, c_int, c_uint};
@@ -13,16 +13,16 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::running;
 
-/// Descriptors up to this are known one by one.
+/// Descriptors below this number are tracked.
 const MOST: usize = 1 << 16;
 
-/// A bit for each descriptor that children lose.
+/// A bit for each descriptor that children close.
 static OWN: [AtomicU64; MOST / 64] = [const { AtomicU64::new(0) }; MOST / 64];
 
-/// Whether this process is a child of the daemon's.
+/// Whether this process is a child of the daemon.
 static CHILD: AtomicBool = AtomicBool::new(false);
 
-/// Keeps a descriptor from the children that codels fork, until it is closed.
+/// Makes children that codels fork close this descriptor.
 pub fn keep_from_children(descriptor: impl AsFd) {
     prepare();
     let number = usize::try_from(descriptor.as_fd().as_raw_fd()).unwrap_or(MOST);
@@ -31,7 +31,7 @@ pub fn keep_from_children(descriptor: impl AsFd) {
     }
 }
 
-/// A descriptor is about to be closed: its number is free for others.
+/// Stops tracking a descriptor that is about to be closed, since its number will be reused.
 pub(super) fn forget(descriptor: c_int) {
     let Ok(number) = usize::try_from(descriptor) else { return };
     let Some(word) = OWN.get(number / 64) else { return };
@@ -41,11 +41,11 @@ pub(super) fn forget(descriptor: c_int) {
     }
 }
 
-/// From now on a forked child knows that it is one.
+/// Installs the fork handler.
 pub(super) fn prepare() {
     static ONCE: Once = Once::new();
-    // SAFETY: the function calls only what a child of a process with threads may call, and is part
-    // of this program.
+    // SAFETY: the handler calls only functions that are allowed in a child of a process with
+    // threads, and is part of this program.
     ONCE.call_once(|| unsafe {
         libc::pthread_atfork(None, None, Some(on_child));
     });
@@ -64,7 +64,8 @@ unsafe extern "C" fn on_child() {
         while bits != 0 {
             let number = at * 64 + bits.trailing_zeros() as usize;
             bits &= bits - 1;
-            // SAFETY: the child's own copy of the descriptor; nothing of the daemon's runs in it.
+            // SAFETY: closes the child's own copy of the descriptor; no code of the daemon runs in
+            // the child.
             unsafe { libc::syscall(libc::SYS_close, number) };
         }
     }
@@ -73,7 +74,7 @@ unsafe extern "C" fn on_child() {
 /// The system's `open`, except that what the daemon and its libraries open is close-on-exec.
 ///
 /// # Safety
-/// As for the system's.
+/// As for the system's function.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn open(path: *const c_char, flags: c_int, mode: c_uint) -> c_int {
     let flags = if running::in_codel() { flags } else { flags | libc::O_CLOEXEC };
@@ -85,7 +86,7 @@ pub(super) unsafe extern "C" fn open(path: *const c_char, flags: c_int, mode: c_
 /// As [`open`].
 ///
 /// # Safety
-/// As for the system's.
+/// As for the system's function.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn open64(path: *const c_char, flags: c_int, mode: c_uint) -> c_int {
     // SAFETY: the caller's own arguments.
@@ -95,7 +96,7 @@ pub(super) unsafe extern "C" fn open64(path: *const c_char, flags: c_int, mode: 
 /// As [`open`], for sockets.
 ///
 /// # Safety
-/// As for the system's.
+/// As for the system's function.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn socket(domain: c_int, kind: c_int, protocol: c_int) -> c_int {
     let kind = if running::in_codel() { kind } else { kind | libc::SOCK_CLOEXEC };
@@ -107,7 +108,7 @@ pub(super) unsafe extern "C" fn socket(domain: c_int, kind: c_int, protocol: c_i
 /// As [`open`], for pairs of sockets.
 ///
 /// # Safety
-/// As for the system's.
+/// As for the system's function.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn socketpair(
     domain: c_int,
@@ -141,9 +142,9 @@ mod tests {
             child
         };
         drop(far);
-        // The end is seen although the child lives.
+        // The end of the stream is seen although the child lives.
         assert_eq!(near.read(&mut [0]).unwrap(), 0);
-        // SAFETY: the child is ours.
+        // SAFETY: the child was forked here.
         unsafe {
             libc::kill(child, libc::SIGKILL);
             libc::waitpid(child, std::ptr::null_mut(), 0);

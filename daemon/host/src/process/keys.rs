@@ -1,5 +1,5 @@
-//! Destructors of thread-specific data: code that runs when threads end, also the daemon's. One of
-//! the few unsafe modules.
+//! Destructors of thread-specific data, which run when threads end, also those of the daemon. One
+//! of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::ffi::{c_int, c_void};
@@ -9,14 +9,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// `PTHREAD_KEYS_MAX`.
 const MOST: usize = 1024;
 
-/// By key: its destructor, 0 without.
+/// Destructor of each key; 0 for none.
 static DESTRUCTORS: [AtomicUsize; MOST] = [const { AtomicUsize::new(0) }; MOST];
 
 type Destructor = Option<unsafe extern "C" fn(*mut c_void)>;
 type Create = unsafe extern "C" fn(*mut u32, Destructor) -> c_int;
 type Delete = unsafe extern "C" fn(u32) -> c_int;
 
-/// Whether the end of a thread may call code in one of these places.
+/// Whether a destructor in one of these ranges would run at the end of a thread.
 pub(crate) fn ends_threads(code: &[Range<usize>]) -> bool {
     let all = DESTRUCTORS.iter().map(|one| one.load(Ordering::Acquire));
     all.filter(|at| *at != 0).any(|at| code.iter().any(|part| part.contains(&at)))
@@ -28,18 +28,18 @@ fn note(key: u32, destructor: usize) {
     }
 }
 
-/// The C library's function of that name.
+/// The C library's function with this name.
 fn next(known: &AtomicUsize, name: &std::ffi::CStr) -> usize {
     let mut found = known.load(Ordering::Relaxed);
     if found == 0 {
-        // SAFETY: to look for a name.
+        // SAFETY: only looks up a name.
         found = unsafe { libc::dlsym(libc::RTLD_NEXT, name.as_ptr()) } as usize;
         known.store(found, Ordering::Relaxed);
     }
     found
 }
 
-/// The C library's `pthread_key_create`, except that the destructor is remembered.
+/// The C library's `pthread_key_create`, except that the destructor is recorded.
 ///
 /// # Safety
 /// As for the C library's.
@@ -57,7 +57,7 @@ pub(super) unsafe extern "C" fn pthread_key_create(key: *mut u32, with: Destruct
     }
 }
 
-/// As the C library's.
+/// The C library's `pthread_key_delete`, except that the record is removed.
 ///
 /// # Safety
 /// As for the C library's.

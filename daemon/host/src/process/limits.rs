@@ -1,8 +1,9 @@
-//! Limits of the process: as they were when the daemon started. One of the few unsafe modules.
+//! Resource limits of the process, kept as they were when the daemon started. One of the few unsafe
+//! modules.
 //!
-//! A limit holds for the whole process: a codel that lowers one takes files or memory from the daemon
-//! and from all other components. Through the C library that is refused; what was lowered by a system
-//! call is raised again.
+//! A limit holds for the whole process: a codel that lowers one takes files or memory from the
+//! daemon and all other components. Calls through the C library are refused; a limit lowered by a
+//! direct system call is raised again.
 #![allow(unsafe_code)]
 
 use std::ffi::c_int;
@@ -19,7 +20,7 @@ pub(super) struct Limit {
     hard: u64,
 }
 
-/// Limits without which the daemon cannot go on; a codel that wants no core dumps may say so.
+/// Limits that the daemon depends on. Others, such as that of core dumps, may be changed.
 const NEEDED: [(c_int, &str); 8] = [
     (libc::RLIMIT_NOFILE as c_int, "RLIMIT_NOFILE"),
     (libc::RLIMIT_AS as c_int, "RLIMIT_AS"),
@@ -31,7 +32,7 @@ const NEEDED: [(c_int, &str); 8] = [
     (libc::RLIMIT_RTTIME as c_int, "RLIMIT_RTTIME"),
 ];
 
-/// The limits as they were.
+/// The limits at the start.
 #[derive(Debug)]
 pub(super) struct KeptLimits([Option<Limit>; NEEDED.len()]);
 
@@ -40,7 +41,7 @@ impl KeptLimits {
         Self(NEEDED.map(|(resource, _)| exchange(resource, None)))
     }
 
-    /// Raises again what was lowered: sentences on what was done.
+    /// Raises limits that were lowered; returns a message for each.
     pub(super) fn put_back(&self) -> Vec<String> {
         let mut told = Vec::new();
         for (kept, (resource, name)) in self.0.iter().zip(NEEDED) {
@@ -70,19 +71,19 @@ pub(super) fn name(resource: c_int) -> String {
     known.map_or_else(|| format!("limit {resource}"), |(_, name)| (*name).to_owned())
 }
 
-/// The limit of this process, after it was set if there is a new one.
+/// Sets a limit of this process, if `new` is given; returns the one before.
 fn exchange(resource: c_int, new: Option<Limit>) -> Option<Limit> {
     let mut old = Limit::default();
     let new = new.as_ref().map_or(ptr::null(), ptr::from_ref);
-    // SAFETY: both lead to limits, or nowhere.
+    // SAFETY: both are null or point to limits.
     let done = unsafe { libc::syscall(libc::SYS_prlimit64, 0, resource, new, &raw mut old) };
     (done == 0).then_some(old)
 }
 
-/// Whether a codel of this process is about to lower what the daemon needs.
+/// Whether a codel is about to lower a limit that this process depends on.
 ///
 /// # Safety
-/// `new` leads to a limit, or nowhere.
+/// `new` is null or points to a limit.
 unsafe fn is_refused(pid: libc::pid_t, resource: c_int, new: *const Limit) -> bool {
     let needed = NEEDED.iter().any(|(number, _)| *number == resource);
     // SAFETY: it has no preconditions.
@@ -95,16 +96,16 @@ unsafe fn is_refused(pid: libc::pid_t, resource: c_int, new: *const Limit) -> bo
     let lowers = exchange(resource, None).is_some_and(|old| new.soft < old.soft);
     if lowers {
         notes::add(Act::Limit, resource, 0, running::words());
-        // SAFETY: it leads to this thread's own.
+        // SAFETY: errno belongs to this thread.
         unsafe { *libc::__errno_location() = libc::EPERM };
     }
     lowers
 }
 
-/// The system's `setrlimit`, except that codels cannot lower a limit that the daemon needs.
+/// The system's `setrlimit`, except that codels cannot lower a limit that the daemon depends on.
 ///
 /// # Safety
-/// As for the system's.
+/// As for the system's function.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn setrlimit(resource: c_int, new: *const Limit) -> c_int {
     // SAFETY: the caller's own arguments.
@@ -114,7 +115,7 @@ pub(super) unsafe extern "C" fn setrlimit(resource: c_int, new: *const Limit) ->
 /// As [`setrlimit`].
 ///
 /// # Safety
-/// As for the system's.
+/// As for the system's function.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn setrlimit64(resource: c_int, new: *const Limit) -> c_int {
     // SAFETY: the caller's own arguments.
@@ -124,7 +125,7 @@ pub(super) unsafe extern "C" fn setrlimit64(resource: c_int, new: *const Limit) 
 /// As [`setrlimit`].
 ///
 /// # Safety
-/// As for the system's.
+/// As for the system's function.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn prlimit(
     pid: libc::pid_t,
@@ -144,7 +145,7 @@ pub(super) unsafe extern "C" fn prlimit(
 /// As [`setrlimit`].
 ///
 /// # Safety
-/// As for the system's.
+/// As for the system's function.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn prlimit64(
     pid: libc::pid_t,

@@ -1,15 +1,14 @@
-//! Memory that work on large inputs took and gave back. One of the few unsafe modules.
+//! Returns memory to the system after work on large inputs. One of the few unsafe modules.
 //!
-//! The C library keeps freed memory for the thread pool's next work, by thread: a daemon that read
-//! a few huge descriptions on different threads would keep as much as each of them took.
+//! The C library keeps freed memory in arenas, which belong to threads: a daemon that read a few
+//! huge descriptions on different threads would keep the memory of each.
 #![allow(unsafe_code)]
 
-/// Growth from which on memory is given back to the system, in bytes: below, it is kept for what
-/// comes next.
+/// Growth in bytes above which memory is returned to the system; less is kept for later work.
 const MUCH: u64 = 32 << 20;
 
-/// Does some work and gives back to the system the memory that it took and freed, if it was much.
-/// Not for real-time threads: it takes the allocator's locks.
+/// Runs `work`, and returns to the system the memory that it allocated and freed, if that is much.
+/// Not for real-time threads, since it takes the locks of the allocator.
 pub fn without_leftovers<T>(work: impl FnOnce() -> T) -> T {
     let before = resident();
     let done = work();
@@ -19,7 +18,7 @@ pub fn without_leftovers<T>(work: impl FnOnce() -> T) -> T {
     done
 }
 
-/// Memory of the process in RAM, in bytes; 0 when the system does not tell.
+/// Resident memory of the process in bytes; 0 if unknown.
 fn resident() -> u64 {
     // proc(5): `VmRSS:     1234 kB`.
     let told = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -30,10 +29,10 @@ fn resident() -> u64 {
 
 #[cfg(target_env = "gnu")]
 fn give_back() {
-    // SAFETY: it takes a number, and touches only what is free.
+    // SAFETY: takes a number, and changes free memory only.
     let _ = unsafe { libc::malloc_trim(0) };
 }
 
-/// Other C libraries give back by themselves.
+/// Other C libraries return freed memory by themselves.
 #[cfg(not(target_env = "gnu"))]
 fn give_back() {}

@@ -1,5 +1,5 @@
-//! The process, which codels share with the daemon and with each other. What they change of it is
-//! logged with the name of the codel, and undone where possible.
+//! The process, which codels share with the daemon and with each other. Changes that they make to
+//! it are logged with the name of the codel, and undone where possible.
 
 mod forked;
 mod keys;
@@ -22,15 +22,15 @@ pub(crate) use signals::take_from as take_signals_from;
 pub(crate) use standard::error_descriptor;
 pub use standard::{StandardError, keep_off};
 
-/// To be called before codels run: from then on functions that end the thread or the process come
-/// to the host, and standard error has a copy.
+/// Call this before codels run: from then on, calls that end the thread or the process are
+/// intercepted, and there is a copy of standard error.
 pub fn guard_process() {
     stand_ins::keep();
     forked::prepare();
     let _ = StandardError::get();
 }
 
-/// What the process was like before codels could change it.
+/// The state of the process before codels could change it.
 #[derive(Debug)]
 pub struct KeptProcess {
     signals: KeptSignals,
@@ -38,14 +38,14 @@ pub struct KeptProcess {
 }
 
 impl KeptProcess {
-    /// As it is now, which is to be after the daemon has set it up.
+    /// Records the present state; call it after the daemon has set up the process.
     #[must_use]
     pub fn remember() -> Self {
         Self { signals: KeptSignals::remember(), limits: KeptLimits::remember() }
     }
 
-    /// Puts back what was changed since the last look: a sentence on each change, and on what
-    /// codels tried. To be called from time to time, by no real-time thread.
+    /// Undoes changes made since the last call; returns messages on these changes, and on attempts
+    /// of codels. To be called periodically, not on a real-time thread.
     pub fn look(&self) -> Vec<String> {
         let mut told: Vec<String> = self
             .signals

@@ -1,52 +1,52 @@
-//! What codels did to the process: noted where it happens, also in signal handlers, and taken when
-//! it is logged. Nothing here allocates, locks or waits.
+//! Records what codels did to the process, where it happens, also in signal handlers; taken out
+//! when it is logged. Nothing here allocates, locks or waits.
 
 use std::sync::atomic::{AtomicI32, AtomicU8, AtomicU32, Ordering};
 
-/// What was done.
+/// What a codel did.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Act {
-    /// A signal came that nobody handles; its number.
+    /// A signal without handler was received; its number.
     Signal = 1,
     /// A signal was sent to the own process; its number.
     Sent,
-    /// A limit of the process was to be lowered; its resource.
+    /// An attempt to lower a limit of the process; its resource.
     Limit,
-    /// A standard descriptor was to be closed.
+    /// An attempt to close a standard descriptor.
     Close,
-    /// A standard descriptor was closed, and is open again.
+    /// A standard descriptor was closed, and was opened again.
     Reopened,
 }
 
-/// One act, as often as it was done since it was last taken.
+/// An act, with the number of times since it was last taken.
 #[derive(Debug)]
 pub(crate) struct Note {
     pub(crate) act: Act,
     /// Signal, resource or descriptor.
     pub(crate) number: i32,
-    /// Who sent a signal: a process id, 0 for the kernel or its timers.
+    /// Sender of a signal: a process id, or 0 for the kernel and its timers.
     pub(crate) sender: i32,
     pub(crate) times: u32,
-    /// The code that did it, as last words name it; empty when that is not known.
+    /// The code that did it, as in crash reports; empty if unknown.
     pub(crate) words: String,
 }
 
-/// Room for the words of one.
+/// Bytes for the description of the code.
 const ROOM: usize = 200;
 
-/// A place for notes of one act and number.
+/// A record of one act and number.
 struct Slot {
     /// 0 while it is free, else the act and the number.
     key: AtomicU32,
     times: AtomicU32,
     sender: AtomicI32,
-    /// Whether somebody writes or reads the words.
+    /// Whether a thread is writing or reading the words.
     busy: AtomicU8,
     words: [AtomicU8; ROOM],
 }
 
-/// More kinds of acts than that at once are not told.
+/// Further kinds of acts at the same time are not recorded.
 static SLOTS: [Slot; 32] = [const {
     Slot {
         key: AtomicU32::new(0),
@@ -61,7 +61,7 @@ fn key(act: Act, number: i32) -> u32 {
     u32::from(act as u8) << 24 | (number.unsigned_abs() & 0xff_ffff)
 }
 
-/// Notes an act of the code that `words` name. Signal handlers may call it.
+/// Records an act of the code that `words` describe. Signal handlers may call it.
 pub(crate) fn add(act: Act, number: i32, sender: i32, words: &str) {
     let key = key(act, number);
     let own = |slot: &&Slot| {
@@ -70,7 +70,7 @@ pub(crate) fn add(act: Act, number: i32, sender: i32, words: &str) {
     };
     let Some(slot) = SLOTS.iter().find(own) else { return };
     if slot.busy.swap(1, Ordering::Acquire) == 0 {
-        // Keep the name: the same signal may also come at a moment when no codel runs.
+        // Keeps the name: the same signal may come again while no codel runs.
         if !words.is_empty() || slot.times.load(Ordering::Relaxed) == 0 {
             let mut ends = (0..=words.len().min(ROOM - 1)).rev();
             let end = ends.find(|at| words.is_char_boundary(*at)).unwrap_or(0);
@@ -92,7 +92,7 @@ fn read(slot: &Slot, act: Act, number: i32, times: u32) -> Note {
     Note { act, number, sender, times, words }
 }
 
-/// Takes what was noted of these acts.
+/// Takes the records of these acts.
 pub(crate) fn take(acts: &[Act]) -> Vec<Note> {
     let mut notes = Vec::new();
     for slot in &SLOTS {

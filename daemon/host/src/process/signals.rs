@@ -1,8 +1,8 @@
-//! What the process does on signals, put back when codels change it. One of the few unsafe modules.
+//! Signal actions of the process, restored when codels change them. One of the few unsafe modules.
 //!
-//! Signals that stop the daemon keep doing so. Signals whose default would end the process, such as
-//! a timer's, are noted and have no effect. A signal that a library handles is left to the library
-//! as long as it is loaded.
+//! Signals that stop the daemon keep doing so. Signals whose default action would end the process,
+//! such as a timer's, are recorded and have no effect. A signal that a library handles is left to
+//! the library as long as it is loaded.
 #![allow(unsafe_code)]
 
 use std::ffi::{c_int, c_void};
@@ -14,7 +14,8 @@ use std::sync::OnceLock;
 use super::notes::{self, Act};
 use crate::running;
 
-/// Signals that a daemon relies on: to be stopped, and not to die of a peer that left.
+/// Signals that the daemon depends on: to be stopped, and to survive writing to a closed
+/// connection.
 const OURS: [(c_int, &str); 4] = [
     (libc::SIGINT, "SIGINT"),
     (libc::SIGTERM, "SIGTERM"),
@@ -22,11 +23,11 @@ const OURS: [(c_int, &str); 4] = [
     (libc::SIGPIPE, "SIGPIPE"),
 ];
 
-/// Those of them that stop it.
+/// Those of them that stop the daemon.
 const STOPPING: [c_int; 3] = [libc::SIGINT, libc::SIGTERM, libc::SIGHUP];
 
-/// Signals whose default is to end the process, and which no supervisor sends; the real-time
-/// signals are of this kind too.
+/// Signals whose default action ends the process, and which no supervisor sends; the real-time
+/// signals belong to these too.
 const HARMLESS: [(c_int, &str); 10] = [
     (libc::SIGALRM, "SIGALRM"),
     (libc::SIGVTALRM, "SIGVTALRM"),
@@ -40,15 +41,15 @@ const HARMLESS: [(c_int, &str); 10] = [
     (libc::SIGXFSZ, "SIGXFSZ"),
 ];
 
-/// Every signal there can be.
+/// All signal numbers.
 const ALL: Range<c_int> = 1..65;
 
-/// The process's own actions by signal, as they were before codels could change them.
+/// The process's own actions by signal, recorded before codels could change them.
 static OWN: OnceLock<Vec<Option<libc::sigaction>>> = OnceLock::new();
 
 type Handler = extern "C" fn(c_int, *mut libc::siginfo_t, *mut c_void);
 
-/// The name of a signal, as its users write it.
+/// The name of a signal.
 pub(super) fn name(signal: c_int) -> String {
     let known = OURS.iter().chain(&HARMLESS).find(|(number, _)| *number == signal);
     match known {
@@ -68,13 +69,13 @@ fn harmless() -> impl Iterator<Item = c_int> {
     HARMLESS.iter().map(|(signal, _)| *signal).chain(libc::SIGRTMIN()..=libc::SIGRTMAX())
 }
 
-/// The process's own actions.
+/// The recorded actions of the process.
 #[derive(Debug)]
 pub(super) struct KeptSignals(());
 
 impl KeptSignals {
-    /// The actions as they are now, which is to be after the process has set them up. Signals that
-    /// would end the process although nobody wants that are noted from now on.
+    /// Records the present actions; call it after the process has set them up. From then on,
+    /// signals that would end the process needlessly are recorded instead.
     #[must_use]
     pub(super) fn remember() -> Self {
         OWN.get_or_init(|| {
@@ -89,7 +90,7 @@ impl KeptSignals {
         Self(())
     }
 
-    /// Puts back what was changed; the names of these signals.
+    /// Restores actions that were changed; returns the names of these signals.
     pub(super) fn put_back(&self) -> Vec<String> {
         let ours = OURS.iter().map(|(signal, _)| *signal).filter(|signal| {
             let same = own(*signal)
@@ -97,7 +98,7 @@ impl KeptSignals {
                 .is_none_or(|(own, now)| own.sa_sigaction == now.sa_sigaction);
             !same && restore(*signal)
         });
-        // What a library handles itself is its own; the default would end the process.
+        // A handler of a library is kept; the default action would end the process.
         let harmless = harmless().filter(|signal| {
             let default = action(*signal).is_some_and(|now| now.sa_sigaction == libc::SIG_DFL);
             default && restore(*signal)
@@ -106,8 +107,8 @@ impl KeptSignals {
     }
 }
 
-/// Puts back what was done on signals before code in one of these places handled them; the names
-/// of these signals, and of those that could not be put back.
+/// Restores the actions of signals that are handled by code in one of these ranges; returns the
+/// names of these signals, and of those that could not be restored.
 pub(crate) fn take_from(code: &[Range<usize>]) -> (Vec<String>, Vec<String>) {
     let is_there = |signal: &c_int| {
         let handler = action(*signal).map_or(0, |action| action.sa_sigaction);
@@ -117,7 +118,7 @@ pub(crate) fn take_from(code: &[Range<usize>]) -> (Vec<String>, Vec<String>) {
     (back.into_iter().map(name).collect(), left.into_iter().map(name).collect())
 }
 
-/// What raised a signal to stop within the process itself, if something did: in words.
+/// What raised a signal to stop from within the process, if something did.
 #[must_use]
 pub fn raised_to_stop() -> Option<String> {
     let notes = notes::take(&[Act::Sent]);
@@ -131,8 +132,8 @@ fn own(signal: c_int) -> Option<&'static libc::sigaction> {
 }
 
 fn restore(signal: c_int) -> bool {
-    // SAFETY: an action that the system itself told, whose handler is code of this process and
-    // not of a library that may be closed.
+    // SAFETY: an action that the system returned, whose handler is code of this program and not of
+    // a library that may be closed.
     own(signal).is_some_and(|own| unsafe { libc::sigaction(signal, own, ptr::null_mut()) } == 0)
 }
 
@@ -142,8 +143,8 @@ fn set(signal: c_int, handler: Handler) {
     let mut action: libc::sigaction = unsafe { MaybeUninit::zeroed().assume_init() };
     action.sa_sigaction = handler as usize;
     action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK | libc::SA_RESTART;
-    // SAFETY: the handler has the signature that SA_SIGINFO asks for, calls only what may be
-    // called in handlers, and is part of this program, which is never closed.
+    // SAFETY: the handler has the signature for SA_SIGINFO, calls only functions that are allowed
+    // in handlers, and is part of this program, which is never unloaded.
     unsafe { libc::sigaction(signal, &raw const action, ptr::null_mut()) };
 }
 
@@ -153,9 +154,9 @@ fn make_harmless(signal: c_int) {
     }
 }
 
-/// Who sent it: a process, or 0 for the kernel and its timers.
+/// Sender of a signal: a process id, or 0 for the kernel and its timers.
 fn sender(info: *const libc::siginfo_t) -> i32 {
-    // SAFETY: the system gives what SA_SIGINFO asks for; signals with these codes have a sender.
+    // SAFETY: the system passes this for SA_SIGINFO; signals with these codes have a sender.
     unsafe {
         match (*info).si_code {
             libc::SI_USER | libc::SI_TKILL | libc::SI_QUEUE => (*info).si_pid(),
@@ -170,10 +171,10 @@ extern "C" fn on_harmless(signal: c_int, info: *mut libc::siginfo_t, _: *mut c_v
     kept.put_back();
 }
 
-/// What was done before on the signals that stop the daemon.
+/// Previous actions of the signals that stop the daemon.
 static STOPS: OnceLock<[(c_int, Option<libc::sigaction>); STOPPING.len()]> = OnceLock::new();
 
-/// Notes who raised it, when that was the process itself, and passes it on.
+/// Records who raised the signal if it was this process, and calls the previous handler.
 extern "C" fn on_stop(signal: c_int, info: *mut libc::siginfo_t, context: *mut c_void) {
     let kept = Errno::keep();
     // SAFETY: it has no preconditions.
@@ -196,12 +197,12 @@ extern "C" fn on_stop(signal: c_int, info: *mut libc::siginfo_t, context: *mut c
     kept.put_back();
 }
 
-/// The interrupted code's `errno`.
+/// Keeps the `errno` of the interrupted code.
 struct Errno(c_int);
 
 impl Errno {
     fn keep() -> Self {
-        // SAFETY: it leads to this thread's own.
+        // SAFETY: errno belongs to this thread.
         Self(unsafe { *libc::__errno_location() })
     }
 
@@ -211,10 +212,10 @@ impl Errno {
     }
 }
 
-/// What the process does on a signal now.
+/// The present action of a signal.
 fn action(signal: c_int) -> Option<libc::sigaction> {
     let mut action = MaybeUninit::uninit();
-    // SAFETY: without a new action the system only writes the present one, to where there is room.
+    // SAFETY: without a new action, the system only writes the present one, to memory of its size.
     let told = unsafe { libc::sigaction(signal, ptr::null(), action.as_mut_ptr()) } == 0;
     // SAFETY: the system wrote it.
     told.then(|| unsafe { action.assume_init() })
@@ -226,23 +227,23 @@ mod tests {
 
     #[test]
     fn what_somebody_changes_is_put_back_and_told_once() {
-        // What runs in the background of a shell ignores SIGINT from the start.
-        // SAFETY: the default calls nothing.
+        // A background job of a shell ignores SIGINT from the start.
+        // SAFETY: the default action calls no code.
         unsafe { libc::signal(libc::SIGINT, libc::SIG_DFL) };
         let kept = KeptSignals::remember();
         assert_eq!(kept.put_back(), Vec::<String>::new());
         let before = action(libc::SIGINT).map(|action| action.sa_sigaction);
-        // SAFETY: to ignore a signal calls nothing.
+        // SAFETY: ignoring a signal calls no code.
         unsafe { libc::signal(libc::SIGINT, libc::SIG_IGN) };
         assert_eq!(kept.put_back(), ["SIGINT"]);
         assert_eq!(kept.put_back(), Vec::<String>::new());
         assert_eq!(action(libc::SIGINT).map(|action| action.sa_sigaction), before);
-        // A signal that nobody handles ends nothing.
-        // SAFETY: to send this process a signal.
+        // A signal without handler does not end the process.
+        // SAFETY: sends a signal to this process.
         unsafe { libc::raise(libc::SIGUSR1) };
         let notes = notes::take(&[Act::Signal]);
         assert_eq!((notes[0].number, notes[0].times), (libc::SIGUSR1, 1));
-        // SAFETY: the default calls nothing.
+        // SAFETY: the default action calls no code.
         unsafe { libc::signal(libc::SIGUSR1, libc::SIG_DFL) };
         assert_eq!(kept.put_back(), ["SIGUSR1"]);
     }

@@ -1,9 +1,10 @@
-// Functions of the C library by which code ends its thread or its process. The definitions of a
-// program go before those of its libraries, so codels come here.
+// Replaces functions of the C library by which code ends its thread or its process. Definitions of
+// the program precede those of its libraries, so codels call these.
 //
-// A codel's thread is its task's, and its process everybody's. One that ends its thread ends its
-// service instead, with an exception that says so; one that ends the process is named, and the
-// process has failed. For all other code they do what the C library does.
+// A codel shares its thread with its task, and its process with all components. If it tries to end
+// its thread, its service ends instead, with an exception that says so; if it ends the process, it
+// is named, and the process ends with a failure. For all other code the functions do what the C
+// library's do.
 
 #include <atomic>
 #include <dlfcn.h>
@@ -13,9 +14,9 @@
 
 // Whether this thread of the daemon runs a codel (running.rs).
 extern "C" bool genom_host_in_codel(void);
-// Says who ends the process, unless it ends as it should or is a child; whether it said so.
+// Reports who ends the process, unless it ends normally or is a child; returns whether it reported.
 extern "C" bool genom_host_process_ends(const char *how);
-// A signal is sent to this process (signals.rs).
+// A signal is being sent to this process (signals.rs).
 extern "C" void genom_host_signal_sent(int signal, int pid);
 
 typedef unsigned long word;
@@ -24,7 +25,7 @@ typedef void (*thread_exit)(void *);
 typedef int (*thread_cancel)(word);
 typedef word (*thread_self)(void);
 
-// The C library's function of that name.
+// The C library's function with this name.
 template <typename F> static F next(std::atomic<F> &known, const char *name)
 {
   F found = known.load(std::memory_order_relaxed);
@@ -94,8 +95,8 @@ int kill(int pid, int signal)
     SYS_kill, static_cast<word>(pid), static_cast<word>(signal), 0, 0, 0, 0));
 }
 
-// What the dynamic linker is asked for is found before codels run, and these definitions are part
-// of the program: of what nothing refers to, the linker takes nothing.
+// Looks up the C library's functions before codels run, and refers to the definitions above: the
+// linker would drop them if nothing did.
 void genom_host_stand_in(void)
 {
   next(real_syscall, "syscall");

@@ -1,5 +1,5 @@
-//! What the functions that stand in for those of the C library (`stand_ins.cc`) ask, and what keeps
-//! them all in the program. One of the few unsafe modules.
+//! What the replaced functions of the C library (`stand_ins.cc`) call, and a reference that keeps
+//! them in the program. One of the few unsafe modules.
 #![allow(unsafe_code)]
 
 use std::ffi::c_int;
@@ -13,9 +13,9 @@ unsafe extern "C" {
     fn genom_host_stand_in();
 }
 
-/// Refers to the functions, so that the linker makes them part of the program.
+/// Refers to the functions, so that the linker keeps them in the program.
 pub(super) fn keep() {
-    // SAFETY: it looks up functions of the C library.
+    // SAFETY: only looks up functions of the C library.
     unsafe { genom_host_stand_in() };
     black_box::<[*const (); 11]>([
         limits::setrlimit as *const (),
@@ -37,7 +37,7 @@ extern "C" fn genom_host_in_codel() -> bool {
     running::in_codel()
 }
 
-/// A codel sends a signal to its own process: the handler may run on another thread.
+/// A codel sends a signal to its own process; the handler may run on another thread.
 #[unsafe(no_mangle)]
 extern "C" fn genom_host_signal_sent(signal: c_int, pid: c_int) {
     // SAFETY: it has no preconditions.

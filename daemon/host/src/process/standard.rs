@@ -1,9 +1,9 @@
-//! Standard input, output and error, kept against codels that close them. One of the few unsafe
+//! Standard input, output and error, protected from codels that close them. One of the few unsafe
 //! modules.
 //!
 //! A new file or socket gets the lowest free descriptor. If a codel closed descriptor 2, the next
-//! connection of a client would get it, and with it all that libraries print. The daemon itself
-//! writes to a copy of standard error.
+//! connection of a client would get that number, and everything that libraries print. The daemon
+//! itself writes to a copy of standard error.
 #![allow(unsafe_code)]
 
 use std::ffi::c_int;
@@ -17,7 +17,7 @@ use super::notes::{self, Act};
 use crate::running;
 
 const NAMES: [&str; 3] = ["input", "output", "error"];
-/// Copies get descriptors from here on, out of the way of code that expects low numbers.
+/// Copies get descriptors from this number on, out of the way of code that expects low numbers.
 const HIGH: RawFd = 100;
 
 /// Copies of the three, as they were at the start.
@@ -27,22 +27,22 @@ fn copies() -> &'static [Option<File>; 3] {
     COPIES.get_or_init(|| [0, 1, 2].map(copy))
 }
 
-/// A copy of a descriptor that no program inherits.
+/// A copy of a descriptor, which no executed program inherits.
 fn copy(of: RawFd) -> Option<File> {
     let copy = File::from(duplicate(of).ok()?);
-    // A reader of a pipe sees its end only when every copy is closed, those of children too.
+    // A pipe ends for its reader only when every copy is closed, also those in children.
     forked::keep_from_children(&copy);
     Some(copy)
 }
 
-/// A high descriptor of the same file; one above the standard ones where few are allowed.
+/// A high descriptor of the same file, or any above the standard ones if few are allowed.
 fn duplicate(of: RawFd) -> io::Result<OwnedFd> {
     let mut error = None;
     for lowest in [HIGH, libc::STDERR_FILENO + 1] {
-        // SAFETY: to duplicate a descriptor reads no memory; the new one is nobody else's.
+        // SAFETY: duplicating a descriptor reads no memory; the new one belongs to nobody else.
         let found = unsafe { libc::fcntl(of, libc::F_DUPFD_CLOEXEC, lowest) };
         if found >= 0 {
-            // SAFETY: the system just made it.
+            // SAFETY: the system has just made it.
             return Ok(unsafe { OwnedFd::from_raw_fd(found) });
         }
         error = Some(io::Error::last_os_error());
@@ -55,7 +55,7 @@ fn duplicate(of: RawFd) -> io::Result<OwnedFd> {
 pub struct StandardError(());
 
 impl StandardError {
-    /// Standard error. To be called once before codels run: it is copied then.
+    /// Standard error. Call this once before codels run, since the first call copies it.
     #[must_use]
     pub fn get() -> Self {
         let _ = copies();
@@ -77,7 +77,7 @@ impl Write for StandardError {
     }
 }
 
-/// The descriptor for last words. Signal handlers may call it.
+/// The descriptor for crash reports. Signal handlers may call it.
 pub(crate) fn error_descriptor() -> RawFd {
     if forked::is_child() {
         return libc::STDERR_FILENO;
@@ -86,10 +86,10 @@ pub(crate) fn error_descriptor() -> RawFd {
     copies.and_then(|all| all[2].as_ref()).map_or(libc::STDERR_FILENO, |file| file.as_raw_fd())
 }
 
-/// Opens again what was closed: sentences on what was done.
+/// Opens descriptors again that were closed; returns a message for each.
 pub(super) fn put_back() -> Vec<String> {
     let closed = |descriptor: &RawFd| {
-        // SAFETY: to ask for flags reads no memory.
+        // SAFETY: asking for flags reads no memory.
         unsafe { libc::fcntl(*descriptor, libc::F_GETFD) < 0 }
     };
     let again = notes::take(&[Act::Reopened]).into_iter().map(|note| note.number);
@@ -98,13 +98,13 @@ pub(super) fn put_back() -> Vec<String> {
     closed.into_iter().map(told).collect()
 }
 
-/// Makes a standard descriptor what it was, unless somebody else has taken it.
+/// Opens a standard descriptor again, unless its number was reused.
 fn reopen(descriptor: RawFd) -> bool {
     let Some(Some(copy)) = usize::try_from(descriptor).ok().and_then(|at| copies().get(at)) else {
         return false;
     };
-    // The lowest free one: what is taken meanwhile is not overwritten.
-    // SAFETY: to duplicate a descriptor reads no memory; what is made is left open or closed here.
+    // Takes the lowest free number, so that one that was reused meanwhile is not overwritten.
+    // SAFETY: duplicating a descriptor reads no memory; the new one is kept open or closed here.
     unsafe {
         let made = libc::fcntl(copy.as_raw_fd(), libc::F_DUPFD, descriptor);
         if made > descriptor {
@@ -118,7 +118,7 @@ fn reopen(descriptor: RawFd) -> bool {
 /// standard one again.
 ///
 /// # Errors
-/// There are no more descriptors.
+/// No more descriptors are available.
 pub fn keep_off(found: OwnedFd) -> io::Result<OwnedFd> {
     if found.as_raw_fd() > libc::STDERR_FILENO {
         return Ok(found);
@@ -132,11 +132,11 @@ pub fn keep_off(found: OwnedFd) -> io::Result<OwnedFd> {
     Ok(moved)
 }
 
-/// The system's `close`, except that codels cannot close the standard descriptors. A number that
-/// was kept from children ([`forked::keep_from_children`]) is not kept any more once it is closed.
+/// The system's `close`, except that codels cannot close the standard descriptors. A descriptor
+/// that children had to close ([`forked::keep_from_children`]) is not tracked any more.
 ///
 /// # Safety
-/// As for the system's.
+/// As for the system's function.
 #[unsafe(no_mangle)]
 pub(super) unsafe extern "C" fn close(descriptor: c_int) -> c_int {
     if (0..3).contains(&descriptor) && running::in_codel() {

@@ -124,10 +124,10 @@ genom::event n_start(const std::string &id, demo::ins &ins, demo::outs &outs, st
 }
 "##;
 
-/// The library of those codels, compiled once for the tests that run together.
+/// The library of these codels, compiled once for the tests that run at the same time.
 pub(crate) fn axis() -> Arc<Compiled> {
     static SHARED: Mutex<Weak<Compiled>> = Mutex::new(Weak::new());
-    // Without the flag gcc says no more of an abstract struct than its name.
+    // Without the flag gcc only emits the name of an abstract struct.
     let make = || compile(AXIS, AXIS_CODELS, &["-O2", "-femit-class-debug-always"]);
     let mut shared = SHARED.lock().unwrap();
     let compiled = shared.upgrade().unwrap_or_else(make);

@@ -1,4 +1,4 @@
-//! Libraries with constructors, threads and other libraries behind them.
+//! Libraries with constructors, threads, and dependencies on other libraries.
 
 use serde_json::json;
 
@@ -20,7 +20,7 @@ component demo {
   };
 };
 "#;
-    // A library behind it, with a C++ object of its own that is constructed when it is loaded.
+    // A dependency with a C++ object that is constructed when it is loaded.
     let scratch = Scratch::new();
     let behind = "#include <map>
         #include <string>

@@ -26,7 +26,7 @@ impl Publisher for FakePublisher {
     }
 }
 
-/// Gives these values, then the last again.
+/// Returns these values, then the last one again.
 struct FakeSubscription(Vec<Value>);
 
 impl Subscription for FakeSubscription {
@@ -61,7 +61,7 @@ fn ports_are_read_and_written_and_what_fails_is_thrown() {
     let (input, output) = (demo.port("input"), demo.port("output"));
     let sent = Sent::default();
     let mut frame = demo.begin("move", json!({ "to": 1.0 }));
-    // Unbound: `read` throws what the codel does not catch.
+    // Not connected: `read` throws, and the codel does not catch.
     assert_eq!(demo.call(&mut *frame, "m_main"), "::genom::no_such_inport");
 
     demo.component.bind_out(output, None, Some(Box::new(FakePublisher(Arc::clone(&sent)))));
@@ -113,7 +113,7 @@ fn exceptions_thrown_are_events_with_their_detail() {
     let what = "too far, as the axis ends before";
     let detail = json!({ "limit": 20.0, "what": what, "tried": [1, 2] });
     assert_eq!(thrown(21.0), ("::demo::TOO_FAR".to_owned(), detail));
-    // Of a type derived from the description's.
+    // Of a type derived from that of the description.
     let detail = json!({ "limit": 30.0, "what": "", "tried": [] });
     assert_eq!(thrown(31.0), ("::demo::TOO_FAR".to_owned(), detail));
     assert_eq!(thrown(-21.0), ("::genom::syserr".to_owned(), json!({ "code": 2 })));
@@ -125,7 +125,7 @@ fn exceptions_thrown_are_events_with_their_detail() {
 
 #[test]
 fn attributes_move_values_between_requests_and_the_ids_of_cxx() {
-    // genom3.md 7.3.6, over std::string and std::vector.
+    // genom3.md 7.3.6, with std::string and std::vector.
     let demo = load(&axis(), AXIS);
     demo.task("t_start");
     let mut frame = demo.begin("set_frame", json!({ "frame": "" }));

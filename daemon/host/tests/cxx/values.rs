@@ -1,10 +1,10 @@
-//! Values of every type, to codels and back.
+//! Values of every type, passed to codels and back.
 
 use serde_json::json;
 
 use crate::support::cxx::{compile, load};
 
-/// Every kind of type, through a function whose codel shows `in` and `out`.
+/// Every kind of type, in a function whose codel copies `in` to `out`.
 const TYPES: &str = r#"
 component demo {
   lang "c++";

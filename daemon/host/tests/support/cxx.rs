@@ -1,4 +1,4 @@
-//! Components with `lang "c++"`, from the text of a description and of codels.
+//! Components with `lang "c++"`, from the texts of a description and its codels.
 #![allow(dead_code)]
 
 use std::path::PathBuf;
@@ -20,7 +20,7 @@ pub(crate) struct Compiled {
     _scratch: Scratch,
 }
 
-/// A component loaded.
+/// A loaded component.
 pub(crate) struct Loaded {
     pub(crate) component: Component,
     pub(crate) plan: Plan,
@@ -42,7 +42,7 @@ pub(crate) fn compile(text: &str, codels: &str, flags: &[&str]) -> Arc<Compiled>
     Arc::new(Compiled { library, _scratch: scratch })
 }
 
-/// Plan of a description, and what shows its lines.
+/// Plan of a description, and a function that formats positions.
 pub(crate) fn plan(text: &str) -> (Plan, impl Fn(Span) -> String) {
     let analysis = genom_description::read_text("demo.gen", text, &Default::default());
     assert!(!analysis.has_errors(), "{:?}", analysis.diagnostics);
@@ -51,7 +51,7 @@ pub(crate) fn plan(text: &str) -> (Plan, impl Fn(Span) -> String) {
     (plan, move |span| format!("demo.gen:{}", sources.location(span).line))
 }
 
-/// Loads a library as the codels of `text`.
+/// Loads a library with the description `text`.
 pub(crate) fn try_load(compiled: &Arc<Compiled>, text: &str) -> Result<Loaded, LoadErrors> {
     let (plan, locate) = plan(text);
     let opened = Library::open(&compiled.library).expect("a library");
@@ -59,13 +59,13 @@ pub(crate) fn try_load(compiled: &Arc<Compiled>, text: &str) -> Result<Loaded, L
     Ok(Loaded { component, plan, _compiled: Some(Arc::clone(compiled)) })
 }
 
-/// Loads what is right.
+/// Loads a library that must be accepted.
 #[track_caller]
 pub(crate) fn load(compiled: &Arc<Compiled>, text: &str) -> Loaded {
     try_load(compiled, text).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
-/// What loading is refused with, without the directory.
+/// The error of a library that must be refused, without the directory.
 #[track_caller]
 pub(crate) fn refusal(compiled: &Arc<Compiled>, text: &str) -> String {
     match try_load(compiled, text) {
@@ -92,7 +92,7 @@ impl Loaded {
         frame
     }
 
-    /// Calls a codel by name; gives the event's name, "" for ok.
+    /// Calls a codel by name; returns the event's name, "" for ok.
     pub(crate) fn call(&self, frame: &mut dyn Frame, codel: &str) -> String {
         let model = self.plan.component();
         let rank = model.codels.iter().position(|one| one.name == codel).expect("a codel");
@@ -107,7 +107,7 @@ impl Loaded {
         }
     }
 
-    /// Runs the codels of a function in order; gives the last event and the outputs.
+    /// Runs the codels of a function in order; returns the last event and the outputs.
     pub(crate) fn run(&self, service: &str, input: Value) -> (String, Value) {
         let model = self.plan.component();
         let mut frame = self.begin(service, input);
@@ -124,7 +124,7 @@ impl Loaded {
         self.call(&mut *frame, codel)
     }
 
-    /// Rank of a port.
+    /// Index of a port.
     pub(crate) fn port(&self, name: &str) -> PortIx {
         let ports = &self.plan.component().ports;
         ports.find(|port| port.name == name).expect("a port")

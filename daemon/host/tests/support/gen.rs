@@ -1,4 +1,4 @@
-//! Components put together by hand: what the `.gen` reader would give, in a few calls.
+//! Builds components by hand, in a few calls, as the `.gen` reader would.
 #![allow(dead_code)]
 
 use std::sync::Arc;
@@ -6,7 +6,7 @@ use std::sync::Arc;
 use genom_description::model::*;
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable, UnionMember};
 
-/// A component in the making, called `demo`.
+/// A component under construction, called `demo`.
 pub(crate) struct Gen {
     pub(crate) types: TypeTable,
     component: Component,
@@ -207,7 +207,7 @@ impl Gen {
         self.component.remotes.len() - 1
     }
 
-    /// A codel of a service or task, of the kind that its owner runs.
+    /// Adds a codel of a service or task, of the kind that its owner runs.
     pub(crate) fn codel(&mut self, owner: Owner, name: &str, arguments: &[Argument<'_>]) -> usize {
         let rank = self.component.codels.len();
         let fsm =
@@ -249,7 +249,7 @@ impl Gen {
         rank
     }
 
-    /// A function with these parameters and one codel that takes them all, in order.
+    /// Adds a function with these parameters and one codel that takes all of them, in order.
     pub(crate) fn function(
         &mut self,
         name: &str,

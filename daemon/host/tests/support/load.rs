@@ -1,4 +1,4 @@
-//! Loading a component from C text, and calling its services.
+//! Loads a component from C text, and calls its services.
 #![allow(dead_code)]
 
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use serde_json::Value;
 use super::Scratch;
 use super::generator::{Gen, record};
 
-/// A component loaded from C text.
+/// A loaded component, from C text.
 pub(crate) struct Loaded {
     pub(crate) component: Component,
     pub(crate) specification: Arc<Specification>,
@@ -25,7 +25,7 @@ pub(crate) fn try_load(make: Gen, c: &str) -> Result<Loaded, LoadErrors> {
     try_load_with(make, |scratch| scratch.library("demo.so", c))
 }
 
-/// Loads what `compile` makes.
+/// Loads the library that `compile` makes.
 pub(crate) fn try_load_with(
     make: Gen,
     compile: impl FnOnce(&Scratch) -> std::path::PathBuf,
@@ -40,7 +40,7 @@ pub(crate) fn try_load_with(
     Ok(Loaded { component, specification, plan, _scratch: scratch })
 }
 
-/// Compiles and loads what is right.
+/// Compiles and loads what must be accepted.
 #[track_caller]
 pub(crate) fn load(make: Gen, c: &str) -> Loaded {
     try_load(make, c).unwrap_or_else(|errors| panic!("{errors}"))
@@ -55,14 +55,14 @@ impl Loaded {
         frame
     }
 
-    /// Runs one codel of a service; gives the event's name ("" for ok) and the outputs.
+    /// Runs one codel of a service; returns the event's name ("" for ok) and the outputs.
     pub(crate) fn run(&self, service: ServiceIx, codel: usize, input: Value) -> (String, Value) {
         let mut frame = self.begin(service, input);
         let event = self.call(&mut *frame, codel);
         (event, frame.output().to_json())
     }
 
-    /// Calls a codel; gives the event's name, "" for ok.
+    /// Calls a codel; returns the event's name, "" for ok.
     pub(crate) fn call(&self, frame: &mut dyn Frame, codel: usize) -> String {
         let model = self.plan.component();
         let context = match model.codels[codel].kind {

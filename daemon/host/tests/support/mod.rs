@@ -1,4 +1,4 @@
-//! Small C and C++ libraries, compiled into a directory that goes with the test.
+//! Compiles small C and C++ libraries into a directory that is removed with the test.
 #![allow(dead_code)]
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used)] // helpers of tests
 
@@ -20,7 +20,7 @@ impl Scratch {
         Self(tempfile::tempdir().expect("a temporary directory"))
     }
 
-    /// Where it is.
+    /// Its path.
     pub(crate) fn path(&self) -> &Path {
         self.0.path()
     }
@@ -37,12 +37,12 @@ impl Scratch {
         self.cc(name, source, &["-shared", "-fPIC"])
     }
 
-    /// What `cc` makes of this C source.
+    /// Compiles C source with `cc`; returns the output.
     pub(crate) fn cc(&self, name: &str, source: &str, arguments: &[&str]) -> PathBuf {
         self.compile("cc", "c", name, source, arguments)
     }
 
-    /// What `c++` makes of this C++ source.
+    /// Compiles C++ source with `c++`; returns the output.
     pub(crate) fn cxx(&self, name: &str, source: &str, arguments: &[&str]) -> PathBuf {
         self.compile("c++", "cc", name, source, arguments)
     }

@@ -1,4 +1,4 @@
-//! Time: the machine's monotonic clock, or one that a supervisor steps.
+//! Clocks: the monotonic clock of the machine, or one that a supervisor steps.
 
 mod nanos;
 mod virtual_clock;
@@ -11,19 +11,19 @@ pub use nanos::nanos;
 pub(crate) use virtual_clock::Driven;
 pub use virtual_clock::VirtualClock;
 
-/// The clock of an instance. Dates are nanoseconds.
+/// The clock of an instance. Dates are in nanoseconds.
 #[derive(Clone, Debug, Default)]
 pub enum Clock {
     /// `CLOCK_MONOTONIC`; each task has a thread of its own.
     #[default]
     Monotonic,
-    /// A clock that advances when it is told; tasks run in the thread that steps it, so the same
-    /// inputs give the same sequence of codel calls.
+    /// A clock that is stepped; tasks run in the thread that steps it, so equal inputs give equal
+    /// sequences of codel calls.
     Virtual(Arc<VirtualClock>),
 }
 
 impl Clock {
-    /// The date now.
+    /// The current date.
     #[must_use]
     #[inline]
     pub fn now(&self) -> u64 {
@@ -33,8 +33,8 @@ impl Clock {
         }
     }
 
-    /// The machine's date when this clock says `date`, as [`now`](Self::now) just did: what a
-    /// codel takes is real time, whatever the component's clock.
+    /// The monotonic date of the machine when this clock shows `date`, which [`now`](Self::now) has
+    /// just returned. Durations of codels are in real time, whatever the component's clock.
     #[inline]
     pub(crate) fn real(&self, date: u64) -> u64 {
         match self {
@@ -44,7 +44,7 @@ impl Clock {
     }
 }
 
-/// The machine's monotonic date.
+/// The monotonic date of the machine.
 #[inline]
 pub(crate) fn monotonic() -> u64 {
     let now = clock_gettime(ClockId::Monotonic);

@@ -1,4 +1,4 @@
-//! A clock that a supervisor steps, and that drives the tasks of all its instances.
+//! A clock that a supervisor steps, and that runs the tasks of all its instances.
 
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -7,27 +7,27 @@ use std::time::Duration;
 
 use super::nanos::nanos;
 
-/// What a virtual clock drives: an instance.
+/// An instance, as the virtual clock drives it.
 pub(crate) trait Driven: Send + Sync {
-    /// Date after now at which it has something to do, if nothing happens before.
+    /// The next date at which it has something to do, if nothing else happens before.
     fn next_date(&self) -> Option<u64>;
-    /// Runs all that is to be done at this date; `false` when nothing was.
+    /// Runs everything that is due at this date; `false` when nothing was.
     fn run(&self, now: u64) -> bool;
-    /// Waits until activities that were accepted are where a tick finds them. Who asked is told
-    /// before that, and may step at once from another thread.
+    /// Waits until accepted activities have reached their tasks' queues. The client is informed
+    /// before that, and may step the clock at once from another thread.
     fn take_in_accepted(&self);
 }
 
-/// Time that advances when it is told.
+/// A clock that advances only when it is stepped.
 ///
-/// One thread does everything, so a codel that waits for another component's activity waits for
-/// ever; attributes and functions of others are served where they are asked for.
+/// One thread runs everything, so a codel that waits for an activity of another component waits for
+/// ever; attributes and functions of other components are served on the calling thread.
 #[derive(Default)]
 pub struct VirtualClock {
     now: AtomicU64,
-    /// Instances in order of start, which is the order they run in.
+    /// Instances in order of start, in which they also run.
     driven: Mutex<Vec<Weak<dyn Driven>>>,
-    /// One step at a time.
+    /// Serialises steps.
     stepping: Mutex<()>,
 }
 
@@ -37,8 +37,8 @@ impl fmt::Debug for VirtualClock {
     }
 }
 
-/// Rounds of work at one date before time goes on: an activity that never pauses would
-/// otherwise stop it for ever.
+/// Rounds of work at one date before time advances: an activity that never pauses would otherwise
+/// prevent that for ever.
 const MOST_ROUNDS: usize = 1000;
 
 impl VirtualClock {
@@ -48,16 +48,16 @@ impl VirtualClock {
         Self::default()
     }
 
-    /// The date in nanoseconds.
+    /// The current date in nanoseconds.
     #[must_use]
     pub fn now(&self) -> u64 {
         self.now.load(Ordering::Acquire)
     }
 
-    /// Advances by `duration`, running every tick on the way at its date, and what follows from
-    /// it. Stepping by zero runs what is pending now.
+    /// Advances by `duration`; every tick on the way runs at its date, with all that follows from
+    /// it. A step of zero runs what is pending now.
     ///
-    /// Must not be called by a codel, nor by the reply to a request.
+    /// Codels and replies to requests must not call this.
     pub fn step(&self, duration: Duration) {
         let _one = self.stepping.lock().unwrap_or_else(PoisonError::into_inner);
         let span = nanos(duration);
@@ -93,7 +93,7 @@ impl VirtualClock {
         let driven = self.driven();
         let now = self.now();
         for _ in 0..MOST_ROUNDS {
-            // Everybody has a turn in each round.
+            // Each instance runs once in each round.
             if driven.iter().filter(|driven| driven.run(now)).count() == 0 {
                 break;
             }

@@ -1,4 +1,4 @@
-//! Activities from acceptance to start, and how they are told to stop (genom3.md 7.5, 7.6).
+//! Activities from acceptance to start, and requests to stop (genom3.md 7.5, 7.6).
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::task::run::{Marker, Run, Status};
 use crate::watcher::Change;
 
 impl Engine {
-    /// A run of this machine. All its memory is made here, none by the task.
+    /// Creates a run of this machine. All its memory is allocated here, none by the task.
     pub(crate) fn new_run(&self, id: u32, machine: usize, frame: Box<dyn Frame>) -> Box<Run> {
         let compiled = &self.shared.plan.machines()[machine];
         Box::new(Run {
@@ -26,7 +26,7 @@ impl Engine {
         })
     }
 
-    /// 7.3.11: the activity is accepted; it starts when nothing it interrupts runs.
+    /// genom3.md 7.3.11: accepts the activity; it starts when nothing that it interrupts runs.
     pub(crate) fn accept(&self, service: ServiceIx, frame: Box<dyn Frame>, mut reply: Reply) {
         let compiled = &self.shared.plan.services()[service];
         let (Some(machine), Some(task)) = (compiled.machine, compiled.task) else { return };
@@ -34,7 +34,7 @@ impl Engine {
         let run = {
             let mut control = self.lock();
             let run = self.new_run(control.new_id(), machine, frame);
-            // Once shutting down nothing starts any more, but the client is told as usual.
+            // During a shutdown nothing starts any more, but the client is answered as usual.
             let stopping = control.phase != Phase::Running;
             control.entries.push(Entry {
                 id: run.id,
@@ -60,7 +60,7 @@ impl Engine {
             entry.reply = Some(reply);
             entry.stage = Stage::Pending(run);
             if let Some(by) = entry.by.take() {
-                // Told to stop while the client was being told its id.
+                // It was asked to stop while the client was informed of its id.
                 self.stop(&mut control, at, &by, &mut after);
             }
             self.examine(&mut control, &mut after);
@@ -71,7 +71,7 @@ impl Engine {
         self.finish_off(after);
     }
 
-    /// Asks an activity to stop, by its id.
+    /// Asks an activity to stop.
     pub(crate) fn abort(&self, id: u32, by: &str) -> Result<(), NoSuchActivity> {
         let mut after = Afterwards::default();
         {
@@ -85,8 +85,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Asks every activity of a service to stop. Returns ids and services of those that have not
-    /// ended, also of those that were asked before.
+    /// Asks all activities of services to stop. Returns ids and services of those that have not
+    /// ended, including those asked earlier.
     pub(crate) fn abort_all(&self, by: &str) -> Vec<(u32, ServiceIx)> {
         let mut after = Afterwards::default();
         let mut told = Vec::new();
@@ -105,7 +105,7 @@ impl Engine {
         told
     }
 
-    /// 7.6: tells the activities that `service` interrupts to stop, but for activity `but`.
+    /// genom3.md 7.6: asks the activities that `service` interrupts to stop, except activity `but`.
     pub(crate) fn interrupt(
         &self,
         control: &mut Control,
@@ -123,7 +123,7 @@ impl Engine {
         }
     }
 
-    /// 7.5: a stop request. A stop cannot be stopped again.
+    /// genom3.md 7.5: handles a stop request. A second one has no effect.
     pub(crate) fn stop(&self, control: &mut Control, at: usize, by: &str, after: &mut Afterwards) {
         let entry = &mut control.entries[at];
         if entry.by.is_some() {
@@ -158,8 +158,9 @@ impl Engine {
         }
     }
 
-    /// 7.6: pending activities stop what they interrupt, the newest first, so that of two which
-    /// interrupt each other the newest wins; then those start that wait for nothing any more.
+    /// genom3.md 7.6: pending activities stop those they interrupt, the newest first, so that of
+    /// two that interrupt each other the newest wins. Then those start that have nothing left to
+    /// wait for.
     pub(crate) fn examine(&self, control: &mut Control, after: &mut Afterwards) {
         for at in (0..control.entries.len()).rev() {
             let Entry { id, service, stage, .. } = &control.entries[at];

@@ -1,4 +1,4 @@
-//! Results of tasks on their way to clients (genom3.md 7.5, "Ends").
+//! Collects results of tasks and answers clients (genom3.md 7.5, "Ends").
 
 use genom_description::model::TaskIx;
 use serde_json::{Value, json};
@@ -11,8 +11,8 @@ use crate::task::run::{Bad, Run, RunOutcome};
 use crate::watcher::Change;
 
 impl Engine {
-    /// Takes what tasks handed back, answers clients, and starts what waited for it. Returns
-    /// whether there was anything.
+    /// Collects the runs that ended, answers clients, and starts the activities that waited.
+    /// Returns whether control had been asked to.
     pub(crate) fn attend(&self) -> bool {
         let asked = take_attention(&self.shared);
         let mut after = Afterwards::default();
@@ -20,7 +20,8 @@ impl Engine {
             let mut control = self.lock();
             for task in control.links.places() {
                 let link = &mut control.links[task];
-                // Ends first: what led to them is then in the other ring already.
+                // Ended runs first: the notices that preceded an end are then already in the other
+                // ring.
                 let ended: Vec<Box<Run>> = std::iter::from_fn(|| link.from.pop().ok()).collect();
                 if let Some(notices) = &mut link.notices {
                     let notices = std::iter::from_fn(|| notices.pop().ok());
@@ -46,7 +47,7 @@ impl Engine {
         asked
     }
 
-    /// Tells clients and watchers, without any lock.
+    /// Informs clients and watchers, without holding any lock.
     pub(crate) fn finish_off(&self, after: Afterwards) {
         if let Some(watcher) = &self.watcher {
             after.changes.iter().for_each(|change| watcher.changed(change));
@@ -71,7 +72,7 @@ impl Engine {
         let mut entry = control.entries.remove(at);
         let outcome = self.outcome(&run, entry.by.as_deref());
         let Some(service) = entry.service else {
-            // 7.5: a permanent activity that fails takes the component with it.
+            // genom3.md 7.5: when a permanent activity fails, the component is shut down.
             if let Outcome::Exception(exception) = outcome {
                 let name = &self.shared.plan.component().tasks[task].name;
                 tracing::error!(instance = self.name, task = name, "task failed: {exception}");
@@ -84,7 +85,7 @@ impl Engine {
         control.links[task].used -= 1;
         run.tokens.clear();
         if !matches!(entry.stage, Stage::Cancelled) {
-            // 7.5: only success counts as run.
+            // genom3.md 7.5: a service counts as run only after success.
             control.services[service].ran |= matches!(outcome, Outcome::Success(_));
             after.ended(&mut entry, outcome);
         }
@@ -106,7 +107,7 @@ impl Engine {
                 interrupted(by.unwrap_or("client"))
             }
             Some(RunOutcome::Bad { from, to }) => {
-                // States come first in the table of events, in order.
+                // States come first in the table of events, in the same order.
                 let from = plan.event_name(crate::body::EventId(from));
                 let to = match to {
                     Bad::Ok => "genom_ok".to_owned(),

@@ -1,4 +1,4 @@
-//! Control: what requests, activities and shutdown share, under one lock that no task takes.
+//! Control: the state of requests, activities and shutdown, under one lock that no task takes.
 
 pub(crate) mod activities;
 pub(crate) mod builtin;
@@ -24,14 +24,15 @@ use crate::task::run::{Marker, Run};
 use crate::ticket::Ticket;
 use crate::watcher::Change;
 
-/// A request on its way.
+/// A request in the queue.
 pub(crate) struct Request {
     pub(crate) inputs: Inputs,
     pub(crate) reply: Reply,
     pub(crate) ticket: Ticket,
 }
 
-/// The reply of a request that is being served: whoever takes it answers, only once.
+/// The reply of a request being served: the first to take it answers, so that only one answer is
+/// given.
 #[derive(Clone)]
 pub(crate) struct Asker(Arc<Mutex<Option<Reply>>>);
 
@@ -40,35 +41,35 @@ impl Asker {
         Self(Arc::new(Mutex::new(Some(reply))))
     }
 
-    /// The reply; `None` when it was taken before.
+    /// Takes the reply; `None` when it was taken before.
     pub(crate) fn take(&self) -> Option<Reply> {
         lock(&self.0).take()
     }
 }
 
-/// Requests of one service: one at a time, in order of arrival.
+/// Queue of one service: its requests are served one at a time, in order of arrival.
 #[derive(Default)]
 pub(crate) struct ServiceQueue {
     pub(crate) waiting: VecDeque<Request>,
-    /// A worker is at one of its requests.
+    /// A worker serves one of its requests.
     pub(crate) busy: bool,
-    /// Who waits for that one.
+    /// The reply of that request.
     pub(crate) asker: Option<Asker>,
-    /// It was executed successfully at least once (genom3.md 7.6).
+    /// Was executed successfully at least once (genom3.md 7.6).
     pub(crate) ran: bool,
 }
 
-/// Where an activity is, as control sees it.
+/// Stage of an activity, as control sees it.
 pub(crate) enum Stage {
-    /// The client is being told its id.
+    /// The client is being informed of its id.
     Accepting,
-    /// Waits until what it interrupts has ended.
+    /// Waits until the activities that it interrupts have ended.
     Pending(Box<Run>),
-    /// With its task.
+    /// Passed to its task.
     Sent,
-    /// Answered already; its task will give it back.
+    /// Its client was answered; the task has still to return it.
     Cancelled,
-    /// Answered, and nothing is left of it.
+    /// Its client was answered, and the entry can be removed.
     Gone,
 }
 
@@ -80,7 +81,7 @@ pub(crate) struct Entry {
     pub(crate) task: TaskIx,
     pub(crate) marker: Arc<Marker>,
     pub(crate) stage: Stage,
-    /// Who asked it to stop first, if it was asked.
+    /// Name of who first asked it to stop, if anybody did.
     pub(crate) by: Option<String>,
     pub(crate) reply: Option<Reply>,
 }
@@ -90,73 +91,73 @@ pub(crate) struct TaskLink {
     pub(crate) to: Producer<Box<Run>>,
     pub(crate) from: Consumer<Box<Run>>,
     pub(crate) notices: Option<Consumer<Notice>>,
-    /// Activities of services that have a slot.
+    /// Slots taken by activities of services.
     pub(crate) used: usize,
 }
 
-/// Where an instance is in its life (genom3.md 7.2, 7.7).
+/// Phase of an instance (genom3.md 7.2, 7.7).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Phase {
     Starting,
     Running,
-    /// Activities were told to stop; no new ones.
+    /// Activities were asked to stop; no new ones are accepted.
     Stopping,
     Stopped,
 }
 
-/// How far a shutdown is.
+/// Steps of a shutdown.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Step {
-    /// Activities of services, and requests under way, are to end (7.7.1).
+    /// Waits for activities of services, and requests being served (7.7.1).
     Activities,
-    /// The permanent activity of this task is to end; those of the tasks after it have (7.7.2).
+    /// Waits for the permanent activity of this task; those of later tasks have ended (7.7.2).
     Permanent(TaskIx),
-    /// Codels that did not return in time may still do so, until the deadline of the shutdown.
+    /// Waits for codels that did not return in time, until the deadline of the shutdown.
     Rest,
-    /// The threads are to end.
+    /// The threads are asked to end.
     Threads,
 }
 
-/// What control knows.
+/// State of control.
 pub(crate) struct Control {
     pub(crate) phase: Phase,
     pub(crate) next_id: u32,
-    /// In order of acceptance.
+    /// Activities in order of acceptance.
     pub(crate) entries: Vec<Entry>,
     pub(crate) services: Indexed<ServiceIx, ServiceQueue>,
-    /// Services with a request that a worker may take.
+    /// Services that have a request for a worker.
     pub(crate) ready: VecDeque<ServiceIx>,
     pub(crate) links: Indexed<TaskIx, TaskLink>,
-    /// Requests that workers are at.
+    /// Number of requests being served.
     pub(crate) serving: usize,
-    /// Free contexts of control workers.
+    /// Contexts of control workers that are free.
     pub(crate) contexts: Vec<usize>,
-    /// Workers that wait for a request.
+    /// Number of workers that wait for a request.
     pub(crate) idle: usize,
     pub(crate) workers: Vec<std::thread::JoinHandle<()>>,
-    /// Threads of tasks and workers that have not ended.
+    /// Number of threads of tasks and workers that have not ended.
     pub(crate) alive: usize,
-    /// How far a shutdown is, once it was asked for.
+    /// Current step of a shutdown, once one has begun.
     pub(crate) step: Option<Step>,
-    /// Who is to be told that it is over.
+    /// Called when the shutdown is complete.
     pub(crate) ended: Option<OnShutdown>,
-    /// The list of activities changed since the state port was written.
+    /// The list of activities changed since the state port was last written.
     pub(crate) dirty: bool,
-    /// How a permanent activity failed.
+    /// Exception with which a permanent activity failed.
     pub(crate) failure: Option<(TaskIx, Exception)>,
 }
 
-/// What is to be done once the lock is released, because replies and watchers may block.
+/// Actions for after the lock is released, because replies and watchers may block.
 #[derive(Default)]
 pub(crate) struct Afterwards {
     pub(crate) replies: Vec<(Reply, Progress)>,
     pub(crate) changes: Vec<Change>,
-    /// A permanent activity failed: the component is to be shut down.
+    /// A permanent activity failed, so the component has to be shut down.
     pub(crate) kill: bool,
 }
 
 impl Afterwards {
-    /// An activity ends: tells its client and the watchers.
+    /// An activity ends: informs its client and the watchers.
     pub(crate) fn ended(&mut self, entry: &mut Entry, outcome: Outcome) {
         if let Some(service) = entry.service {
             let exception = match &outcome {
@@ -190,7 +191,7 @@ impl Control {
             ready: VecDeque::new(),
             links,
             serving: 0,
-            // Taken from the end.
+            // Contexts are popped from the end, so the first one is used first.
             contexts: (tasks..plan.contexts()).rev().collect(),
             idle: 0,
             workers: Vec::new(),
@@ -202,31 +203,31 @@ impl Control {
         }
     }
 
-    /// genom3.md 7.3.11: ids count from 1, permanent activities included.
+    /// genom3.md 7.3.11: ids count from 1 and include permanent activities.
     pub(crate) fn new_id(&mut self) -> u32 {
         let id = self.next_id;
         self.next_id = self.next_id.checked_add(1).unwrap_or(1);
         id
     }
 
-    /// Hands a run to its task.
+    /// Sends a run to its task.
     pub(crate) fn send(&mut self, task: TaskIx, run: Box<Run>) {
         // The ring has room for every slot and the permanent activity.
         let _ = self.links[task].to.push(run);
     }
 }
 
-/// An exception of interface `genom`, which every service may end with.
+/// An exception of interface `genom`, which every service may throw.
 pub(crate) fn genom(name: &str, detail: Value) -> Exception {
     Exception { name: format!("::genom::{name}"), detail }
 }
 
-/// genom3.md 7.5: told to stop, by this one.
+/// genom3.md 7.5: the exception of an activity that was asked to stop.
 pub(crate) fn interrupted(by: &str) -> Exception {
     genom("interrupted", json!({ "by": by }))
 }
 
-/// Whether control was asked to look; the next call says no until it is asked again.
+/// Whether control was asked to process something; resets the flag.
 pub(crate) fn take_attention(shared: &crate::shared::Shared) -> bool {
     shared.attention.swap(false, Ordering::AcqRel)
 }

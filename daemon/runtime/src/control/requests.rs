@@ -1,7 +1,7 @@
-//! Requests: validation, attributes, functions, and the way to an activity (genom3.md 7.3).
+//! Requests: validation, attributes, functions, and the start of activities (genom3.md 7.3).
 //!
-//! Order is kept per service. Requests of different services are served side by side, so one
-//! whose codel blocks holds up only what conflicts with it.
+//! Requests of one service are served in order, those of different services in parallel: a codel
+//! that blocks delays only what conflicts with it.
 
 use std::sync::Arc;
 
@@ -16,20 +16,20 @@ use crate::engine::Engine;
 use crate::lock::Guard;
 use crate::ticket::Ticket;
 
-/// How often inputs are completed anew because codels changed what was left out. After that the
-/// request overwrites it, as one that gives all inputs does.
+/// How often partial inputs are completed anew because codels changed the IDS meanwhile. After
+/// that, the request overwrites the change, as one with all inputs does.
 const ROUNDS: u32 = 16;
 
-/// What a request has led to when it is answered.
+/// Result of a request that did not fail.
 enum Performed {
-    /// An attribute or function is done.
+    /// The outputs of an attribute or function.
     Done(Record),
-    /// An activity is validated and holds a slot.
+    /// An activity that was validated and has a slot.
     Validated(Box<dyn Frame>),
 }
 
 impl Engine {
-    /// Queues a request; with a virtual clock it is served at once, on this thread.
+    /// Queues a request; on a virtual clock it is served at once, on this thread.
     pub(crate) fn submit(
         self: &Arc<Self>,
         service: ServiceIx,
@@ -62,7 +62,7 @@ impl Engine {
         self.find_worker();
     }
 
-    /// Takes back a request that has not begun; `false` when it has.
+    /// Withdraws a request that has not begun; `false` when it has.
     pub(crate) fn withdraw(&self, service: ServiceIx, ticket: &Ticket) -> bool {
         if !ticket.give_up() {
             return false;
@@ -73,12 +73,12 @@ impl Engine {
             let place = waiting.iter().position(|request| request.ticket.is(ticket));
             place.and_then(|place| waiting.remove(place))
         };
-        // Without the lock: with it goes the reply, which may do anything.
+        // Dropped without the lock, since that drops the reply, whose code is not known here.
         drop(given_up);
         true
     }
 
-    /// Serves the oldest request of a service that is ready; returns with the lock again.
+    /// Serves the oldest request of a service that is ready; unlocks meanwhile.
     pub(crate) fn serve_one<'a>(
         &'a self,
         mut control: Guard<'a, Control>,
@@ -123,7 +123,7 @@ impl Engine {
             return answer(asker, Progress::Done(Outcome::Success(now)));
         }
         let performed = self.perform(service, &mut inputs, context, ticket);
-        // 7.3.8: something happened in the component, whatever the outcome.
+        // genom3.md 7.3.8: something happened in the component, whatever the outcome.
         self.shared.wake_tasks();
         match performed {
             Err(exception) => answer(asker, done(exception)),
@@ -133,7 +133,7 @@ impl Engine {
             }
             Ok(Performed::Validated(frame)) => match asker.take() {
                 Some(reply) => self.accept(service, frame, reply),
-                // A shutdown answered: nothing starts any more.
+                // A shutdown has answered the request: it does not start any more.
                 None => {
                     self.release_slot(service);
                     self.give_frame(service, frame);
@@ -142,7 +142,7 @@ impl Engine {
         }
     }
 
-    /// 7.3.10: an attribute or function interrupts without waiting, and counts as run.
+    /// genom3.md 7.3.10: an attribute or function interrupts without waiting, and counts as run.
     fn interrupt_from(&self, service: ServiceIx) {
         let mut after = Afterwards::default();
         {
@@ -202,7 +202,7 @@ impl Engine {
         }
     }
 
-    /// 7.3.1: an activity needs a slot of its task.
+    /// genom3.md 7.3.1: an activity needs a slot of its task.
     fn take_slot(&self, service: ServiceIx) -> Result<(), Exception> {
         let Some(task) = self.shared.plan.services()[service].task else { return Ok(()) };
         let mut control = self.lock();
@@ -219,7 +219,7 @@ impl Engine {
         }
     }
 
-    /// 7.3.3, 7.6: `before` and `after`, at request time only.
+    /// genom3.md 7.3.3, 7.6: `before` and `after` are checked at request time only.
     fn check_order(&self, service: ServiceIx) -> Result<(), Exception> {
         let model = &self.shared.plan.component().services[service];
         let control = self.lock();
@@ -228,7 +228,7 @@ impl Engine {
         if allowed { Ok(()) } else { Err(genom("disallowed", Value::Null)) }
     }
 
-    /// 7.3.5 to 7.3.7: validation, transfers, simple codels.
+    /// genom3.md 7.3.5 to 7.3.7: validation, transfers, simple codels.
     fn run_codels(
         &self,
         service: ServiceIx,
@@ -273,7 +273,7 @@ impl Engine {
         Ok(())
     }
 
-    /// What the IDS hold where an attribute stores its inputs.
+    /// The values of the IDS where an attribute stores its inputs.
     fn look(&self, service: ServiceIx, context: usize) -> Record {
         let plan = &self.shared.plan;
         let mut now = Record::new(&plan.services()[service].input);
@@ -295,16 +295,16 @@ impl Engine {
         for &codel in &self.shared.plan.component().services[service].validates {
             match self.call(frame, codel, context, ticket)? {
                 Returned::Ok => {}
-                // Reported whatever it is: validation is not filtered.
+                // Reported even if not declared: exceptions of validation are not filtered.
                 returned => return Err(self.as_it_is(frame, returned)),
             }
         }
         Ok(())
     }
 
-    /// 7.3.6. Inputs that were completed with what was `seen` in the IDS are completed and
-    /// validated again when codels changed that meanwhile, so that members which the request left
-    /// out keep what the codels wrote.
+    /// genom3.md 7.3.6. Inputs that were completed with values `seen` in the IDS are completed and
+    /// validated again when codels changed these meanwhile, so that members that the request omits
+    /// keep what the codels wrote.
     fn transfer(
         &self,
         service: ServiceIx,
@@ -316,7 +316,7 @@ impl Engine {
         let compiled = &self.shared.plan.services()[service];
         let node = self.shared.plan.nodes().transfer(service);
         for round in 0.. {
-            // Made before anybody is excluded.
+            // Allocated before the exclusion is entered.
             let now = seen.as_ref().map(|seen| Record::new(seen.ty()));
             let permit = self.shared.exclusion.enter(context, node);
             begin(ticket)?;
@@ -361,7 +361,7 @@ impl Engine {
         Ok(returned)
     }
 
-    /// What a codel returned, as an exception.
+    /// The exception that a codel returned, unfiltered.
     fn as_it_is(&self, frame: &dyn Frame, returned: Returned) -> Exception {
         let detail = frame.detail().unwrap_or(Value::Null);
         match returned {
@@ -373,7 +373,8 @@ impl Engine {
         }
     }
 
-    /// 7.3.7: what a function may not throw becomes `unkex`, with its name.
+    /// genom3.md 7.3.7: an exception that the function does not declare becomes `unkex`, with its
+    /// name.
     fn filtered(&self, service: ServiceIx, frame: &dyn Frame, returned: Returned) -> Exception {
         let throws = &self.shared.plan.services()[service].throws;
         let exception = self.as_it_is(frame, returned);
@@ -385,7 +386,7 @@ impl Engine {
     }
 }
 
-/// Answers, unless a shutdown did.
+/// Answers the request, unless a shutdown did.
 fn answer(asker: &Asker, progress: Progress) {
     if let Some(mut reply) = asker.take() {
         reply(progress);
@@ -396,7 +397,7 @@ fn done(exception: Exception) -> Progress {
     Progress::Done(Outcome::Exception(exception))
 }
 
-/// The run begins with what the IDS hold, changed as the request says.
+/// Begins the run with the current values of the IDS, overwritten by what the request gives.
 fn complete(frame: &mut dyn Frame, fill: &mut Partial, now: &Record) -> Result<(), Exception> {
     let mut input = now.clone();
     fill(&mut input)?;
@@ -404,7 +405,7 @@ fn complete(frame: &mut dyn Frame, fill: &mut Partial, now: &Record) -> Result<(
     Ok(())
 }
 
-/// It runs, unless its sender gave it up.
+/// Marks the request as begun, unless its sender gave it up.
 fn begin(ticket: &Ticket) -> Result<(), Exception> {
     if ticket.begin() { Ok(()) } else { Err(interrupted("client")) }
 }

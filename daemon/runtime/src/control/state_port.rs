@@ -12,7 +12,7 @@ use crate::engine::Engine;
 use crate::lock::lock;
 use crate::shared::TaskShared;
 
-/// How often it is written at least.
+/// Longest time between two writes, in nanoseconds.
 pub(crate) const PERIOD_NS: u64 = 1_000_000_000;
 
 impl Engine {
@@ -23,7 +23,7 @@ impl Engine {
         let Some(port) = plan.state_port() else { return };
         let Some(ty) = plan.port_type(port) else { return };
         let mut record = Record::new(ty);
-        // One writer at a time, whichever thread it is: a later value is a newer one.
+        // Serialises writers, so that values are published in the order of their dates.
         let mut recent = lock(&self.recent);
         if let Err(error) = record.merge_json(&self.state(&mut recent)) {
             tracing::debug!(instance = self.name, "genom_state is of another type: {error}");
@@ -32,12 +32,12 @@ impl Engine {
         self.shared.body.write_port(port, &record);
     }
 
-    /// When it has to be written again.
+    /// Date at which it has to be written again.
     pub(crate) fn state_due(&self) -> u64 {
         self.state_written.load(Ordering::Relaxed) + PERIOD_NS
     }
 
-    /// Writes it when the last value is old.
+    /// Writes it if the last value is old.
     pub(crate) fn refresh_state(&self) {
         if self.shared.clock.now() >= self.state_due() {
             self.write_state();
@@ -73,10 +73,11 @@ impl Engine {
     }
 }
 
-/// Cycles, seconds and percent of a task: averages over about ten seconds, maxima since the start.
+/// Statistics of a task in seconds and percent: averages over about ten seconds, maxima since the
+/// start.
 ///
-/// The load of a periodic task is that of its period, so that overruns show; that of another one
-/// is its share of the time, of which the last figure is that of the last second.
+/// The load of a periodic task is relative to its period, so that overruns show; that of an
+/// aperiodic one is its share of the time, and its last value is that of the last second.
 #[allow(clippy::cast_precision_loss)]
 fn rusage(task: &TaskShared, window: &mut Window, date: u64) -> Value {
     let durations = task.figures.cycles.read(date);
@@ -98,7 +99,7 @@ fn rusage(task: &TaskShared, window: &mut Window, date: u64) -> Value {
     })
 }
 
-/// At most that many bytes, cut between characters.
+/// A prefix of at most `bytes` bytes, cut between characters.
 fn fit(text: &str, bytes: usize) -> &str {
     let mut end = text.len().min(bytes);
     while !text.is_char_boundary(end) {

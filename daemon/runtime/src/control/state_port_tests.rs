@@ -1,4 +1,4 @@
-//! What `genom_state` says as time goes by, on a virtual clock.
+//! Values of `genom_state` over time, on a virtual clock.
 
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
@@ -13,7 +13,7 @@ use crate::body::{Body, Frame, Opener, RemoteCall, Returned};
 use crate::engine::Engine;
 use crate::{Clock, Plan, VirtualClock, Wiring, WiringError};
 
-/// Keeps what is written on the state port.
+/// Keeps the last value of the state port.
 struct Kept {
     plan: Arc<Plan>,
     last: Mutex<Option<Value>>,
@@ -35,7 +35,7 @@ impl Body for Kept {
     }
 }
 
-/// Tasks without codels run none.
+/// The frame of tasks without codels.
 struct Empty(Record);
 
 impl Frame for Empty {
@@ -90,7 +90,7 @@ impl World {
         Self { clock, body, engine }
     }
 
-    /// Seconds in which the task is at work ten times, each time so long.
+    /// Simulates seconds with ten cycles each, all of duration `work`.
     fn live(&self, seconds: usize, work: Duration) {
         let nanos = u64::try_from(work.as_nanos()).unwrap();
         for _ in 0..seconds {
@@ -103,12 +103,12 @@ impl World {
         self.body.last.lock().unwrap().clone().expect("the port is written at the start")
     }
 
-    /// Average and maximum of a figure of the task.
+    /// Checks average and maximum of a figure of the task.
     #[track_caller]
     fn expect(&self, figure: &str, average: f64, max: f64) {
         let state = self.state();
         let found = &state["task"][0]["rusage"][figure];
-        // The port carries floats.
+        // The port carries 32-bit floats.
         let near = |key: &str, wanted: f64| {
             let found = found[key].as_f64().unwrap();
             (found - wanted).abs() <= wanted * 1e-5
@@ -117,7 +117,7 @@ impl World {
     }
 }
 
-/// The task was at work for so long.
+/// Records a cycle of this duration.
 fn lasted(task: &crate::shared::TaskShared, ns: u64) {
     task.figures.cycles.begins(0);
     task.figures.cycles.ends(ns);
@@ -140,11 +140,11 @@ fn averages_of_the_state_port_are_those_of_about_the_last_ten_seconds() {
     world.live(60, Duration::from_millis(50));
     world.expect("timings", 0.05, 0.05);
     world.expect("load", 50.0, 50.0);
-    // A minute's past is forgotten ten seconds later; the maximum is not.
+    // The average forgets the past minute after ten seconds; the maximum keeps it.
     world.live(10, Duration::from_millis(10));
     world.expect("timings", 0.01, 0.05);
     world.expect("load", 10.0, 50.0);
-    // Of a task that does nothing any more only that stays.
+    // Of a task that does nothing any more, only the maximum remains.
     world.clock.step(Duration::from_secs(11));
     world.expect("timings", 0.0, 0.05);
     world.expect("load", 0.0, 50.0);

@@ -1,32 +1,32 @@
 //! Averages of a task over about the last ten seconds (genom3.md 4.8, 7.8).
 //!
-//! It knows no clock, task or port: the caller brings dates and totals since the start, and the
-//! window keeps one pair a second.
+//! It does not depend on clocks, tasks or ports: the caller passes dates and totals since the
+//! start, and the window keeps one pair per second.
 
 use std::collections::VecDeque;
 
-/// How far back an average reaches.
+/// Length of the window, in nanoseconds.
 const SPAN_NS: u64 = 10_000_000_000;
-/// Between two totals that are kept.
+/// Time between two totals that are kept, in nanoseconds.
 const STEP_NS: u64 = 1_000_000_000;
 
-/// What a task did since its start.
+/// Totals of a task since its start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Totals {
-    /// Date of these totals.
+    /// Date of these totals, in nanoseconds.
     pub(crate) date: u64,
-    /// Times it was at work.
+    /// Number of cycles.
     pub(crate) cycles: u64,
-    /// How long that took.
+    /// Total duration of the cycles, in nanoseconds.
     pub(crate) busy_ns: u64,
 }
 
-/// Totals of the last ten seconds, one a second, and the maximum since the start.
+/// Totals of the last ten seconds, one per second, and the maximum load since the start.
 #[derive(Debug, Default)]
 pub(crate) struct Window {
-    /// Oldest first; the first is as old as the span, when there is one that old.
+    /// Oldest first; the first one is as old as the window is long, once there is one that old.
     kept: VecDeque<Totals>,
-    /// Share of the time at work between the last two that were kept, in percent.
+    /// Load between the last two totals kept, in percent.
     last_load: f64,
     max_load: f64,
 }
@@ -34,17 +34,17 @@ pub(crate) struct Window {
 /// Averages over about the last ten seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Recent {
-    /// Mean time at work, in nanoseconds.
+    /// Mean duration of a cycle, in nanoseconds.
     pub(crate) mean_ns: f64,
-    /// Share of the time at work, in percent.
+    /// Share of the time in cycles, in percent.
     pub(crate) load: f64,
-    /// The same over the last second, and its maximum since the start.
+    /// Load over the last second, and its maximum since the start, in percent.
     pub(crate) last_load: f64,
     pub(crate) max_load: f64,
 }
 
 impl Window {
-    /// Adds what was done until now and returns the averages.
+    /// Adds totals and returns the averages.
     pub(crate) fn look(&mut self, now: Totals) -> Recent {
         match self.kept.back() {
             Some(last) if now.date < last.date.saturating_add(STEP_NS) => {}
@@ -56,7 +56,7 @@ impl Window {
                 self.kept.push_back(now);
             }
         }
-        // The one before the first that is young enough stays: the window is full then.
+        // One total older than the window is kept, so that the difference covers all of it.
         while self.kept.get(1).is_some_and(|next| next.date.saturating_add(SPAN_NS) <= now.date) {
             self.kept.pop_front();
         }
@@ -73,7 +73,7 @@ impl Window {
 #[allow(clippy::cast_precision_loss)]
 fn mean(since: Totals, now: Totals) -> f64 {
     match now.cycles.wrapping_sub(since.cycles) {
-        // A cycle that lasts: what it took of the window.
+        // No cycle ended: the time in the one under way.
         0 => now.busy_ns.wrapping_sub(since.busy_ns) as f64,
         cycles => now.busy_ns.wrapping_sub(since.busy_ns) as f64 / cycles as f64,
     }
@@ -83,7 +83,7 @@ fn mean(since: Totals, now: Totals) -> f64 {
 fn load(since: Totals, now: Totals) -> f64 {
     match now.date.saturating_sub(since.date) {
         0 => 0.0,
-        // Dates of two looks may differ a little from those of the work between them.
+        // The date of a total may differ a little from the dates of the cycles in it.
         span => (now.busy_ns.wrapping_sub(since.busy_ns) as f64 * 100.0 / span as f64).min(100.0),
     }
 }
@@ -94,7 +94,7 @@ mod tests {
 
     const SECOND: u64 = 1_000_000_000;
 
-    /// A task that works `busy` nanoseconds a hundred times in each second of a list.
+    /// Averages of a task with a hundred cycles of `busy` nanoseconds in each second.
     fn lived(busy: &[u64]) -> Recent {
         let mut window = Window::default();
         let mut now = Totals::default();
@@ -115,7 +115,7 @@ mod tests {
         let recent = lived(&[long_ago.clone(), vec![1_000_000; 10]].concat());
         assert_eq!((recent.mean_ns, recent.load), (1_000_000.0, 10.0));
         assert_eq!((recent.last_load, recent.max_load), (10.0, 50.0));
-        // Five of the ten seconds were busy ones.
+        // Five of the ten seconds had long cycles.
         let recent = lived(&[long_ago, vec![1_000_000; 5]].concat());
         assert_eq!((recent.mean_ns, recent.load), (3_000_000.0, 30.0));
     }
@@ -149,7 +149,7 @@ mod tests {
         window.look(Totals { date: 20 * SECOND, cycles: 0, busy_ns: 0 });
         let recent = window.look(Totals { date: 21 * SECOND, cycles: 1, busy_ns: 15 * SECOND });
         assert!(recent.last_load <= 100.0 && recent.load <= 100.0, "{recent:?}");
-        // Nothing ended in the last second: what it took of it is known all the same.
+        // No cycle ended in the last second; the time in the one under way counts all the same.
         let mut window = Window::default();
         for second in 0..20 {
             let busy_ns = second * 850_000_000;

@@ -1,6 +1,7 @@
-//! The threads that serve requests, and the one that answers for tasks.
+//! The worker threads that serve requests, and the control thread, which collects results of tasks.
 //!
-//! There are none on a virtual clock: the thread that asks, or that steps the clock, does the work.
+//! On a virtual clock there are none: the thread that sends a request, or steps the clock, does the
+//! work.
 
 use std::sync::Arc;
 use std::sync::PoisonError;
@@ -10,9 +11,9 @@ use std::time::Duration;
 use super::{Phase, state_port::PERIOD_NS};
 use crate::engine::Engine;
 
-/// How often to look for what watchers may want to know, while activities run.
+/// Interval of polling for changes that interest watchers, while activities run.
 const LOOK: Duration = Duration::from_millis(50);
-/// Stack of control threads: they run validate codels and functions.
+/// Stack of control threads, which run validate codels and functions, in bytes.
 const STACK: usize = 8 << 20;
 
 impl Engine {
@@ -23,7 +24,7 @@ impl Engine {
         }
         let mut control = self.lock();
         if control.ready.len() > control.idle {
-            // All contexts are taken: the first worker that is done takes what is ready.
+            // All contexts are in use: the first worker that is free takes the request.
             let Some(context) = control.contexts.pop() else { return };
             let (engine, rank) = (Arc::clone(self), control.workers.len());
             let name = format!("{}:control-{rank}", self.name);
@@ -34,7 +35,8 @@ impl Engine {
                     control.workers.push(worker);
                 }
                 Err(error) => {
-                    // Others serve it later, if there are any.
+                    // The thread could not be created; other workers serve the request later, if
+                    // there are any.
                     control.contexts.push(context);
                     tracing::error!(instance = self.name, "no control thread: {error}");
                 }
@@ -44,7 +46,7 @@ impl Engine {
         self.work.notify_one();
     }
 
-    /// Serves all that is ready on this thread.
+    /// Serves all requests that are ready, on this thread.
     fn serve_here(&self) {
         let mut control = self.lock();
         while let Some(context) = control.contexts.pop() {
@@ -84,13 +86,13 @@ impl Engine {
         self.thread_ended();
     }
 
-    /// The control thread: answers for tasks until the instance has stopped.
+    /// The control thread: collects results of tasks until the instance has stopped.
     pub(crate) fn attend_until_stopped(&self) {
         loop {
             let often = {
                 let control = self.lock();
                 let activities = || control.entries.iter().any(|entry| entry.service.is_some());
-                // No event says that a codel counts as stuck, so look from time to time.
+                // No event signals that a codel has become stuck, so a shutdown is polled.
                 control.step.is_some() || (self.watcher.is_some() && activities())
             };
             let period = if often { LOOK } else { Duration::from_nanos(PERIOD_NS) };

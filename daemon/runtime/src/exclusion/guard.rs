@@ -1,17 +1,17 @@
-//! A lock for very short sections, whose holder inherits the priority of those who wait.
+//! A lock for very short critical sections, with priority inheritance.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use rustix::thread::futex;
 
-/// Priority-inheriting futex: the word is 0, or the holder's thread id (the kernel's protocol).
+/// Priority-inheriting futex: the word is 0, or the holder's thread id (protocol of the kernel).
 #[derive(Debug, Default)]
 pub(super) struct PiLock {
     word: AtomicU32,
 }
 
-/// Id of this thread as the kernel knows it.
+/// Thread id of this thread in the kernel.
 fn this_thread() -> u32 {
     thread_local!(static ID: Cell<u32> = const { Cell::new(0) });
     ID.with(|id| {
@@ -26,13 +26,13 @@ impl PiLock {
     pub(super) fn lock(&self) {
         let me = this_thread();
         while self.word.compare_exchange(0, me, Ordering::Acquire, Ordering::Relaxed).is_err() {
-            // Miri has no such futex: there it is tried by hand.
+            // Miri does not emulate this futex operation: compare-and-swap only.
             if !cfg!(miri) && futex::lock_pi(&self.word, futex::Flags::PRIVATE, None).is_ok() {
-                // The kernel made us the holder; what the last one wrote is to be seen.
+                // The kernel made this thread the holder; acquire what the last one wrote.
                 self.word.load(Ordering::Acquire);
                 return;
             }
-            // Interrupted, or a kernel without this call: try again by hand.
+            // Interrupted, or the kernel lacks this call: retry with compare-and-swap.
             std::thread::yield_now();
         }
     }

@@ -1,4 +1,5 @@
-//! Priority inheritance: a context that holds up a more urgent one runs with its priority.
+//! Priority inheritance: a context that blocks a more urgent one runs with the priority of that
+//! one.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicU32, Ordering};
@@ -9,13 +10,14 @@ use thread_priority::{
 
 use super::node::IDLE;
 
-/// Priorities of the threads behind the contexts.
+/// Priorities of the threads that run the contexts.
 #[derive(Debug)]
 pub struct Inheritance {
-    /// Whether any context is real-time; otherwise there is nothing to lend, nor to note.
+    /// Whether any context is real-time; otherwise there is no priority to lend, and nothing is
+    /// recorded.
     enabled: AtomicBool,
     contexts: Box<[Context]>,
-    /// Gives a thread a `SCHED_FIFO` priority, or with 0 none.
+    /// Sets the `SCHED_FIFO` priority of a thread; 0 for normal scheduling.
     schedule: Schedule,
 }
 
@@ -24,13 +26,13 @@ type Schedule = fn(thread_priority::ThreadId, i32) -> bool;
 
 #[derive(Debug)]
 struct Context {
-    /// What it runs now; noted only when there is something to lend.
+    /// The node it runs; recorded only if a context is real-time.
     node: AtomicU32,
-    /// `SCHED_FIFO` priority of its thread, 0 when it is not real-time.
+    /// `SCHED_FIFO` priority of its thread, 0 if not real-time.
     own: AtomicI32,
-    /// What it was lent, 0 for nothing.
+    /// Priority that it was lent, 0 for none.
     lent: AtomicI32,
-    /// Its thread; contexts without thread are never lent anything.
+    /// Its thread; contexts without a thread are not lent priorities.
     thread: OnceLock<thread_priority::ThreadId>,
 }
 
@@ -53,7 +55,7 @@ impl Inheritance {
         }
     }
 
-    /// The calling thread is `context`'s for good, with this `SCHED_FIFO` priority (0: none).
+    /// Assigns the calling thread to `context` for ever, with this `SCHED_FIFO` priority (0: none).
     pub fn announce(&self, context: usize, priority: i32) {
         let Some(context) = self.contexts.get(context) else { return };
         let _ = context.thread.set(thread_priority::thread_native_id());
@@ -70,7 +72,7 @@ impl Inheritance {
         }
     }
 
-    /// Lends `context`'s priority to those that hold it up. Called under the guard.
+    /// Lends the priority of `context` to those that block it. Called under the guard.
     pub(super) fn lend(&self, context: usize, holds_up: impl Fn(usize, u32) -> bool) {
         let mine = &self.contexts[context];
         let priority = mine.own.load(Ordering::Relaxed).max(mine.lent.load(Ordering::Relaxed));
@@ -90,7 +92,7 @@ impl Inheritance {
         }
     }
 
-    /// What was lent goes back. Called under the guard, by `context`'s own thread.
+    /// Returns a lent priority. Called under the guard, by the thread of `context` itself.
     pub(super) fn give_back(&self, context: usize) {
         let context = &self.contexts[context];
         if context.lent.swap(0, Ordering::Relaxed) == 0 {
@@ -138,12 +140,12 @@ mod tests {
 
     #[test]
     fn whoever_holds_up_a_real_time_context_has_its_priority_until_it_leaves() {
-        // 2 waits for 1, which waits for 0: the first is lent the priority of the last.
+        // 2 waits for 1, which waits for 0: context 0 is lent the priority of context 2.
         let nodes = Nodes::of_pairs(3, &[(0, 1), (1, 2)]);
         let mut exclusion = Exclusion::new(&nodes, 3);
         exclusion.inheritance = Inheritance::with(3, note);
         let exclusion = Arc::new(exclusion);
-        // Noted from the start on, as in an instance with a real-time task.
+        // Enabled from the start, as in an instance with a real-time task.
         exclusion.inheritance().enabled.store(true, Ordering::Relaxed);
         let (entered, enters) = mpsc::channel();
         let (leave, leaves) = mpsc::channel::<()>();
@@ -183,7 +185,7 @@ mod tests {
         leave.send(()).unwrap();
         low.join().unwrap();
         assert!(middle.join().unwrap() && high.join().unwrap());
-        // Lent and given back; the middle one may have been lent it too, once it ran.
+        // Lent and returned; context 1 may have been lent it too, once it ran.
         let changes = CHANGES.lock().unwrap().clone();
         assert!(changes == [40, 0] || changes == [40, 0, 40, 0], "{changes:?}");
     }

@@ -1,31 +1,31 @@
-//! Bits of nodes, and the masks that say who is in whose way.
+//! Bits of nodes, and the masks of conflicting nodes.
 //!
-//! A node with conflicts has a bit of its own. Those without share one bit per context, which
-//! only the exclusion of everything looks at; async ones that nothing can disturb have none.
+//! A node with conflicts has a bit of its own. Those without share one bit per context, which only
+//! the exclusion of everything checks; async nodes without port or remote have none.
 
 use super::node::EVERYTHING;
 use crate::plan::Nodes;
 
-/// Somebody waits, so the fast path is closed.
+/// Set while a context waits: the fast path is closed.
 pub(super) const WAITERS: u64 = 1 << 63;
-/// Everything is excluded.
+/// Set while everything is excluded.
 pub(super) const ALL: u64 = 1 << 62;
-/// Bits of a word for nodes and contexts.
+/// Bits of a word that are left for nodes and contexts.
 const USABLE: usize = 62;
 
 #[derive(Debug)]
 pub(super) struct Masks {
     words: usize,
-    /// By node: word and bit; `Shared` nodes take their context's.
+    /// Word and bit of each node; `Shared` nodes use the bit of their context.
     places: Box<[Place]>,
-    /// By node, when one word holds all: what must be clear, and what to set (nothing for
+    /// For each node, if one word is enough: bits that must be clear, and the bit to set (0 for
     /// [`Place::None`], [`OF_CONTEXT`] for [`Place::Shared`]).
     quick: Box<[(u64, u64)]>,
     /// Word and bit of each context.
     contexts: Box<[(usize, u64)]>,
-    /// By node, `words` each: what must not be set.
+    /// For each node, `words` masks: bits that must be clear.
     needs: Box<[u64]>,
-    /// What must not be set when everything is excluded, when one word holds all.
+    /// Bits that must be clear to exclude everything, if one word is enough.
     everything: u64,
 }
 
@@ -50,7 +50,7 @@ impl Masks {
             places.push(match (alone, global) {
                 (true, true) => Place::Shared,
                 (true, false) => Place::None,
-                // Two that never run at once and exclude the same need one bit.
+                // Two nodes that never run at once and have the same conflicts can share a bit.
                 (false, _) => match nodes.twin(node).and_then(|twin| places.get(twin)) {
                     Some(Place::Own { word, bit, global: its }) if *its == global => {
                         Place::Own { word: *word, bit: *bit, global }
@@ -101,25 +101,25 @@ impl Masks {
         }
     }
 
-    /// Words that all bits take.
+    /// Number of words for all bits.
     pub(super) fn words(&self) -> usize {
         self.words
     }
 
-    /// The bit that says that `context` runs `node`; none for nodes nobody waits for.
+    /// The bit set while `context` runs `node`; 0 for nodes that nobody waits for.
     pub(super) fn bit(&self, context: usize, node: u32) -> u64 {
         self.fast(context, node).map_or(0, |(_, bit)| bit)
     }
 
-    /// What must be clear and what to set, when all fits in one word; nothing to set for nodes
-    /// that nobody waits for.
+    /// The bits that must be clear and the bit to set, if one word is enough; the latter is 0 for
+    /// nodes that nobody waits for.
     #[inline]
     pub(super) fn fast(&self, context: usize, node: u32) -> Option<(u64, u64)> {
         let &(need, bit) = self.quick.get(node as usize)?;
         Some((need, if bit == OF_CONTEXT { self.contexts[context].1 } else { bit }))
     }
 
-    /// What must be clear for `node` to run, when one word holds all.
+    /// The bits that must be clear for `node` to run, if one word is enough.
     pub(super) fn need(&self, node: u32) -> u64 {
         if node == EVERYTHING {
             return self.everything;

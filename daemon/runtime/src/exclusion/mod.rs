@@ -1,13 +1,14 @@
 //! Run-time exclusion of codels and data transfers (genom3.md 4.5, 7.10).
 //!
-//! Each context (a task, a control worker) runs at most one node at a time, so nobody holds one
-//! thing while waiting for another: there can be no deadlock. Free of contention, entering and
-//! leaving are one atomic operation each. Under contention arrivals that conflict are served in
-//! order of arrival; those that conflict with nobody, running or waiting, pass at once.
-//! A component with more nodes than a word has bits announces what each context runs instead,
-//! and looks at the others' announcements.
+//! Each context (a task, a control worker) runs at most one node at a time, and never waits for a
+//! second one while it runs the first: deadlock is impossible. Without contention, entering and
+//! leaving take one atomic operation each. Under contention, conflicting nodes enter in order of
+//! arrival; nodes that conflict with none that runs or waits enter at once.
 //!
-//! It knows neither codels nor threads; [`Inheritance`] lends priorities.
+//! If a component has more nodes than a word has bits, each context announces the node it runs in a
+//! variable of its own, and checks those of the others.
+//!
+//! The module does not know codels or threads; [`Inheritance`] lends priorities.
 
 mod guard;
 mod inherit;
@@ -28,21 +29,21 @@ use node::{EVERYTHING, IDLE};
 pub use inherit::Inheritance;
 pub(crate) use inherit::set_fifo;
 
-/// Who runs what, and who waits.
+/// The nodes that run, and those that wait.
 #[derive(Debug)]
 pub struct Exclusion {
     masks: Masks,
-    /// Bits of running nodes, if one word has enough, [`ALL`] and [`WAITERS`].
+    /// Bits of running nodes, if one word is enough, and [`ALL`] and [`WAITERS`].
     running: AtomicU64,
-    /// By context: the node it runs, or tries to; when the bits do not suffice.
+    /// The node that each context runs or tries to run, if one word is not enough.
     announced: Option<Box<[AtomicU32]>>,
-    /// Serialises the slow path. Its holder inherits the priority of those who wait for it.
+    /// Serialises the slow path, with priority inheritance.
     guard: PiLock,
-    /// By context: what it waits for. Changed under `guard` only.
+    /// The node that each context waits for. Changed under `guard` only.
     waiting: Box<[Waiting]>,
-    /// Last ticket drawn. Changed under `guard` only.
+    /// Last ticket drawn, by which arrivals are ordered. Changed under `guard` only.
     tickets: AtomicU64,
-    /// Counts departures while somebody waits: waiters sleep on it.
+    /// Futex that waiters sleep on: counts nodes that leave while somebody waits.
     departures: AtomicU32,
     inheritance: Inheritance,
 }
@@ -53,19 +54,19 @@ struct Waiting {
     ticket: AtomicU64,
 }
 
-/// The right to run one node, given back on drop.
+/// Permission to run one node, returned on drop.
 #[must_use]
 #[derive(Debug)]
 pub struct Permit<'a> {
     exclusion: &'a Exclusion,
     context: usize,
-    /// What to clear at the end; 0 for an announcement.
+    /// Bit to clear on drop; 0 if the node was announced.
     bit: u64,
     waited: bool,
 }
 
 impl Permit<'_> {
-    /// Whether something conflicting ran or waited first.
+    /// Whether it had to wait for a conflicting node.
     #[must_use]
     pub fn waited(&self) -> bool {
         self.waited
@@ -80,7 +81,7 @@ impl Drop for Permit<'_> {
 }
 
 impl Exclusion {
-    /// For these nodes, and `contexts` contexts that run them.
+    /// An exclusion of these nodes, run by `contexts` contexts.
     #[must_use]
     pub fn new(nodes: &Nodes, contexts: usize) -> Self {
         let masks = Masks::new(nodes, contexts);
@@ -98,15 +99,15 @@ impl Exclusion {
         }
     }
 
-    /// Priorities of the contexts' threads.
+    /// Priorities of the threads of the contexts.
     #[must_use]
     pub fn inheritance(&self) -> &Inheritance {
         &self.inheritance
     }
 
-    /// Waits until nothing that conflicts with `node` runs, and runs it in `context`.
+    /// Waits until no conflicting node runs, and enters `node` in `context`.
     ///
-    /// A context enters one node at a time, and no node is run by two contexts at once.
+    /// A context enters one node at a time, and one node is not entered by two contexts at once.
     #[inline]
     pub fn enter(&self, context: usize, node: usize) -> Permit<'_> {
         let node = u32::try_from(node).unwrap_or(EVERYTHING);
@@ -114,16 +115,16 @@ impl Exclusion {
         if let Some(bit) = self.try_enter(context, node) {
             return Permit { exclusion: self, context, bit, waited: false };
         }
-        // Without a limit it does enter.
+        // Without a timeout it always enters.
         let waited = self.enter_slowly(context, node, None).unwrap_or(true);
         Permit { exclusion: self, context, bit: self.bit(context, node), waited }
     }
 
-    /// Waits until no codel runs that could be disturbed, and keeps all others out; gives up
-    /// after `patience`, and `None` waits as long as it takes. While it waits, what comes later
-    /// waits behind it.
+    /// Waits until none of the codels runs that have to be excluded, and keeps new ones out; gives
+    /// up after `patience`, or never with `None`. While it waits, later arrivals queue behind it.
     ///
-    /// This is the "global lock" of genom3.md 7.8. Async codels without port or remote go on.
+    /// This is the "global lock" of genom3.md 7.8. Async codels without port or remote are not
+    /// excluded.
     pub fn enter_all(&self, context: usize, patience: Option<Duration>) -> Option<Permit<'_>> {
         self.inheritance.runs(context, EVERYTHING);
         match self.enter_slowly(context, EVERYTHING, patience) {
@@ -141,13 +142,14 @@ impl Exclusion {
         u32::try_from(node).is_ok_and(|node| self.masks.is_global(node))
     }
 
-    /// The node a context runs, or waits for.
+    /// Whether a context waits to enter a node.
     #[must_use]
     pub fn is_waiting(&self, context: usize) -> bool {
         self.waiting.get(context).is_some_and(|w| w.node.load(Ordering::Relaxed) != IDLE)
     }
 
-    /// What was set, if nothing is in the way.
+    /// Enters a node without waiting; returns the bit that was set, or `None` if a conflicting node
+    /// runs.
     #[inline]
     fn try_enter(&self, context: usize, node: u32) -> Option<u64> {
         if let Some(announced) = &self.announced {
@@ -169,8 +171,8 @@ impl Exclusion {
         None
     }
 
-    /// Says what this context runs, then looks at the others: of two that do so at once, at least
-    /// one sees the other. Takes it back when something is in the way.
+    /// Announces the node, then checks the other contexts: if two announce at the same time, at
+    /// least one sees the other. Withdraws the announcement when there is a conflict.
     #[inline]
     fn announce(&self, announced: &[AtomicU32], context: usize, node: u32) -> bool {
         announced[context].store(node, Ordering::SeqCst);
@@ -180,14 +182,14 @@ impl Exclusion {
             return true;
         }
         announced[context].store(IDLE, Ordering::SeqCst);
-        // Somebody may have taken the attempt for the real thing.
+        // A waiter may have seen the announcement and gone to sleep.
         if self.running.load(Ordering::SeqCst) & WAITERS != 0 {
             self.ring(context);
         }
         false
     }
 
-    /// Whether no other context runs what conflicts with `node`.
+    /// Whether no other context has announced a node that conflicts with `node`.
     fn none_announced(&self, announced: &[AtomicU32], context: usize, node: u32) -> bool {
         announced.iter().enumerate().all(|(other, slot)| {
             let its = slot.load(Ordering::SeqCst);
@@ -195,7 +197,7 @@ impl Exclusion {
         })
     }
 
-    /// Whether it had to wait; `None` when it gave up.
+    /// Enters by the slow path; returns whether it had to wait, `None` when it gave up.
     #[cold]
     fn enter_slowly(&self, context: usize, node: u32, patience: Option<Duration>) -> Option<bool> {
         let end = patience.map(|patience| Instant::now() + patience);
@@ -205,11 +207,11 @@ impl Exclusion {
         let place = &self.waiting[context];
         place.ticket.store(ticket, Ordering::Relaxed);
         place.node.store(node, Ordering::Relaxed);
-        // From here on all contexts take the slow path, and each that leaves wakes the waiters.
+        // From here on all contexts take the slow path, and each one that leaves wakes the waiters.
         self.running.fetch_or(WAITERS, Ordering::SeqCst);
         let mut waited = false;
         loop {
-            // Read before looking at who runs: a departure after the look changes it.
+            // Read before the check: if a node leaves after the check, the futex does not sleep.
             let departures = self.departures.load(Ordering::Acquire);
             if self.may_enter(context, node, ticket) {
                 break;
@@ -222,7 +224,7 @@ impl Exclusion {
             }
             self.inheritance.lend(context, |other, its| self.holds_up(context, other, its));
             self.guard.unlock();
-            // An interrupted or spurious return only looks again.
+            // After a spurious return the loop checks again.
             let left = left.and_then(|left| Timespec::try_from(left).ok());
             let flags = futex::Flags::PRIVATE;
             let _ = futex::wait(&self.departures, flags, departures, left.as_ref());
@@ -241,7 +243,7 @@ impl Exclusion {
         Some(waited)
     }
 
-    /// Under `guard`.
+    /// Removes `context` from the waiters. Called under `guard`.
     fn waits_no_more(&self, context: usize) {
         self.waiting[context].node.store(IDLE, Ordering::Relaxed);
         if self.waiting.iter().all(|other| other.node.load(Ordering::Relaxed) == IDLE) {
@@ -249,7 +251,7 @@ impl Exclusion {
         }
     }
 
-    /// Under `guard`, which it gives back: leaves the queue, and lets those behind look again.
+    /// Leaves the queue and wakes those behind. Called under `guard`, which it releases.
     fn give_up(&self, context: usize) {
         self.waits_no_more(context);
         self.guard.unlock();
@@ -257,7 +259,7 @@ impl Exclusion {
         let _ = futex::wake(&self.departures, futex::Flags::PRIVATE, i32::MAX as u32);
     }
 
-    /// Under `guard`: whether nothing that runs, and nothing that came earlier, conflicts.
+    /// Whether no running node, and no earlier waiter, conflicts. Called under `guard`.
     fn may_enter(&self, context: usize, node: u32, ticket: u64) -> bool {
         let running = self.running.load(Ordering::SeqCst);
         let free = match &self.announced {
@@ -276,8 +278,8 @@ impl Exclusion {
         })
     }
 
-    /// Under `guard`: whether `context` waits, directly or through those before it in the queue,
-    /// for context `other` that runs node `its`.
+    /// Whether `context` waits, directly or through earlier waiters, for context `other`, which
+    /// runs node `its`. Called under `guard`.
     fn holds_up(&self, context: usize, other: usize, its: u32) -> bool {
         let mine = &self.waiting[context];
         let (node, ticket) =
@@ -303,7 +305,7 @@ impl Exclusion {
         }
     }
 
-    /// The bit that says that a node runs; none when that is announced.
+    /// The bit of a running node; 0 if nodes are announced instead.
     fn bit(&self, context: usize, node: u32) -> u64 {
         match node {
             EVERYTHING => ALL,
@@ -319,7 +321,7 @@ impl Exclusion {
                 announced[context].store(IDLE, Ordering::SeqCst);
                 self.running.load(Ordering::SeqCst)
             }
-            // The bit is set, so this clears it; unlike `and`, it is one instruction.
+            // The bit is set, so subtracting clears it; unlike `and`, that is a single instruction.
             _ => self.running.fetch_sub(bit, Ordering::SeqCst),
         };
         if before & WAITERS != 0 {

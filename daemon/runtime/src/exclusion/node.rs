@@ -1,6 +1,6 @@
-//! What a context may run or wait for besides a node of the plan.
+//! Special values in place of a node.
 
-/// Runs nothing, waits for nothing.
+/// Runs nothing, and waits for nothing.
 pub(super) const IDLE: u32 = u32::MAX;
-/// Everything at once, with all others kept out.
+/// Runs, or waits for, the exclusion of everything.
 pub(super) const EVERYTHING: u32 = u32::MAX - 1;

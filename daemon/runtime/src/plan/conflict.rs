@@ -1,7 +1,7 @@
-//! Which accesses to the IDS get in each other's way (genom3.md 4.5).
+//! Conflicting accesses to the IDS (genom3.md 4.5).
 //!
-//! The description computes the exclusion of one sequential control task. This runtime serves
-//! requests side by side, so it also needs the conflicts among what the control task would run.
+//! The description computes the exclusion for a single, sequential control task. This runtime
+//! serves requests in parallel, so it also needs the conflicts among nodes of the control task.
 
 use genom_description::model::{Codel, Direction, PathStep, Service, Source};
 
@@ -11,7 +11,7 @@ struct Access<'a> {
     writes: bool,
 }
 
-/// What an exclusion node touches.
+/// The parts of the model from which the accesses of an exclusion node follow.
 pub(super) enum Touching<'a> {
     Codel(&'a Codel),
     Transfer(&'a Service),
@@ -42,7 +42,7 @@ impl<'a> Touching<'a> {
         }
     }
 
-    /// Whether the two must not run at the same time because of the IDS.
+    /// Whether two nodes must not run at the same time because of the IDS.
     pub(super) fn conflicts(&self, other: &Touching<'_>) -> bool {
         let theirs = other.accesses();
         self.accesses().iter().any(|a| {

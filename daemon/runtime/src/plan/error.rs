@@ -1,44 +1,44 @@
-//! Why a component cannot be planned.
+//! Why a component cannot be compiled into a plan.
 
 use genom_types::LayoutError;
 
-/// Why a component cannot be planned.
+/// Why a component cannot be compiled into a plan.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// The specification has no such component.
+    /// The specification has no component with this index.
     #[error("there is no component number {component}: the specification has {known}")]
     NoComponent {
-        /// What was asked for.
+        /// The requested index.
         component: usize,
-        /// How many there are.
+        /// Number of components.
         known: usize,
     },
     /// A type of a service or port has no layout.
     #[error("{what} of component {component} has no layout in memory")]
     Layout {
-        /// Component that has it.
+        /// The component.
         component: String,
-        /// What has this type.
+        /// The service or port.
         what: String,
-        /// Which type, and why.
+        /// The type, and the reason.
         #[source]
         source: LayoutError,
     },
-    /// The model refers to something that is not there.
+    /// The model refers to something that does not exist.
     #[error("component {component} is inconsistent: {what}; report this description as a bug")]
     Inconsistent {
-        /// Component that is wrong.
+        /// The component.
         component: String,
-        /// What is missing.
+        /// What does not exist.
         what: String,
     },
     /// More events than an [`EventId`](crate::body::EventId) counts.
     #[error("component {component} has {count} states and exceptions, more than 65535: split it")]
     TooManyEvents {
-        /// Component that has too many.
+        /// The component.
         component: String,
-        /// How many.
+        /// Number of its events.
         count: usize,
     },
 }

@@ -1,4 +1,4 @@
-//! The table of events: every string a codel may return, by number.
+//! The table of events: every string that codels may return, by index.
 
 use genom_description::model::Component;
 use genom_types::{Kind, ScopedName, TypeId, TypeTable};
@@ -6,16 +6,16 @@ use genom_types::{Kind, ScopedName, TypeId, TypeTable};
 use super::error::PlanError;
 use crate::body::EventId;
 
-/// An event and what it stands for.
+/// An event and its meaning.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Event {
     /// Its full name: `::demo::main`, `::demo::pause::main`, `::demo::OUT_OF_RANGE`.
     pub name: String,
-    /// What it stands for.
+    /// Its meaning.
     pub meaning: Meaning,
 }
 
-/// What an event stands for.
+/// Meaning of an event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
     /// A state of the component, by rank in its states.
@@ -29,7 +29,7 @@ pub enum Meaning {
     Exception(Option<TypeId>),
 }
 
-/// Exceptions that every run time has, though no IDL declares them (genom3.md 4.8).
+/// Exceptions that every component can return, though no IDL declares them (genom3.md 4.8).
 const ALWAYS: [&str; 3] = ["::genom::unkex", "::genom::syserr", "::genom::fatal"];
 
 pub(super) fn table(model: &Component, types: &TypeTable) -> Result<Vec<Event>, PlanError> {
@@ -59,7 +59,7 @@ pub(super) fn table(model: &Component, types: &TypeTable) -> Result<Vec<Event>, 
     Ok(events)
 }
 
-/// Full name of something in the component's scope.
+/// Full name of an item in the component's scope.
 fn scoped(model: &Component, name: &str) -> String {
     ScopedName::new([model.name.as_str(), name]).to_string()
 }
@@ -69,7 +69,7 @@ fn scoped(model: &Component, name: &str) -> String {
 pub struct EventSet(Box<[bool]>);
 
 impl EventSet {
-    /// The events that stand for one of these exceptions.
+    /// The events of these exceptions.
     pub(super) fn of_exceptions(events: &[Event], throws: &[TypeId], types: &TypeTable) -> Self {
         let thrown: Vec<TypeId> = throws.iter().map(|id| types.resolve(*id)).collect();
         let is_thrown = |event: &Event| match event.meaning {
@@ -79,7 +79,7 @@ impl EventSet {
         Self(events.iter().map(is_thrown).collect())
     }
 
-    /// Whether it holds this event.
+    /// Whether the set contains this event.
     #[must_use]
     pub fn contains(&self, event: EventId) -> bool {
         self.0.get(usize::from(event.0)).copied().unwrap_or(false)

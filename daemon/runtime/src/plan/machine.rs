@@ -1,4 +1,4 @@
-//! State machines: which codel a state runs, and what each returned event does.
+//! State machines: the codel of each state, and the effect of each returned event.
 
 use genom_description::model::{CodelKind, Component, Owner, TaskIx};
 
@@ -7,11 +7,11 @@ use super::event::{Event, Meaning};
 /// The state machine of a task's permanent activity or of a service.
 #[derive(Debug)]
 pub struct Machine {
-    /// Whose it is.
+    /// The task or service it belongs to.
     pub owner: Owner,
     /// The task that runs it.
     pub task: TaskIx,
-    /// By state: the codel it runs, if any.
+    /// The codel of each state, if it has one.
     pub codels: Box<[Option<u16>]>,
     /// State `start`.
     pub start: u16,
@@ -19,20 +19,20 @@ pub struct Machine {
     pub stop: u16,
 }
 
-/// What a returned event does (genom3.md 7.5).
+/// Effect of a returned event (genom3.md 7.5).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transition {
-    /// To this state, which runs at the next pass.
+    /// Go to this state, which runs in the next pass.
     Go(u16),
-    /// To this state, after a pause.
+    /// Go to this state after a pause.
     Pause(u16),
-    /// `ether`: the place is done.
+    /// `ether`: the token is removed.
     End,
-    /// `sleep`: the place waits for an external event or for `stop` (dialects.md A).
+    /// `sleep`: the token waits for an external event or for `stop` (dialects.md A).
     Sleep(u16),
-    /// A declared exception: the activity ends with it.
+    /// A declared exception: ends the activity.
     Throw,
-    /// Nothing that this codel may return.
+    /// An event that this codel must not return.
     Bad,
 }
 
@@ -44,7 +44,7 @@ impl Machine {
     }
 }
 
-/// Permanent activities by task, then services that have a task.
+/// Machines of permanent activities by task, then of services that have a task.
 pub(super) fn machines(model: &Component) -> Vec<Machine> {
     let state = |name: &str| {
         let found = model.states.iter().position(|state| state == name);
@@ -70,7 +70,7 @@ pub(super) fn machines(model: &Component) -> Vec<Machine> {
     permanent.chain(services).collect()
 }
 
-/// By codel: what each event does. Empty for codels outside state machines.
+/// Effects of all events for each codel; empty for codels outside state machines.
 pub(super) fn transitions(
     model: &Component,
     events: &[Event],
@@ -94,7 +94,7 @@ pub(super) fn transitions(
                 match (allowed, name) {
                     (false, _) => Transition::Bad,
                     (true, "ether") => Transition::End,
-                    // A description may use the word for a state of its own.
+                    // The component may have a state of its own named `sleep`.
                     (true, "sleep") if !runs => Transition::Sleep(number),
                     (true, _) if pause => Transition::Pause(number),
                     (true, _) => Transition::Go(number),

@@ -1,6 +1,6 @@
-//! A component compiled into flat, index-based arrays: what the engine reads while it runs.
+//! A component compiled into flat arrays, which the engine reads at run time.
 //!
-//! Nothing is looked up by name in a task's loop. The plan holds no memory of any instance.
+//! No task looks up names while it runs. A plan holds no memory of instances.
 
 mod conflict;
 mod error;
@@ -27,20 +27,20 @@ pub use node::Nodes;
 pub(crate) use owner::owner_name;
 pub use service::{Builtin, ServicePlan};
 
-/// Requests served side by side at most, however many services there are: each needs a thread
-/// and a `genom_context` of its own. What comes beyond waits for one of them.
+/// Limit on requests served in parallel, however many services there are: each needs a thread and a
+/// `genom_context`. Further requests wait for a free one.
 pub const MOST_CONTROL_WORKERS: usize = 64;
 
-/// A component, compiled. One plan serves all its instances.
+/// A compiled component. One plan serves all its instances.
 #[derive(Debug)]
 pub struct Plan {
     specification: Arc<Specification>,
     component: usize,
     events: Vec<Event>,
     by_name: HashMap<String, EventId>,
-    /// By codel: its transition for each event, empty for codels outside state machines.
+    /// For each codel, the transition of each event; empty for codels outside state machines.
     transitions: Vec<Box<[Transition]>>,
-    /// Permanent activities first, by task; then those of services, see [`ServicePlan::machine`].
+    /// Machines of permanent activities by task, then of services, see [`ServicePlan::machine`].
     machines: Vec<Machine>,
     services: Indexed<ServiceIx, ServicePlan>,
     nodes: Nodes,
@@ -51,10 +51,10 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Compiles component number `component` of the specification.
+    /// Compiles the component with index `component` of the specification.
     ///
     /// # Errors
-    /// A type without layout, or a model that refers to what it does not hold.
+    /// A type has no layout, or the model refers to something that does not exist.
     pub fn new(specification: &Arc<Specification>, component: usize) -> Result<Self, PlanError> {
         let Some(model) = specification.components.get(component) else {
             let known = specification.components.len();
@@ -98,31 +98,31 @@ impl Plan {
         &self.specification
     }
 
-    /// The component's rank in its specification.
+    /// Index of the component in its specification.
     #[must_use]
     pub fn component_index(&self) -> usize {
         self.component
     }
 
-    /// Model that was compiled.
+    /// The model of the component.
     #[must_use]
     pub fn component(&self) -> &Component {
         &self.specification.components[self.component]
     }
 
-    /// Events by rank: what a codel's returned string may be.
+    /// Events by index: the strings that codels may return.
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
-    /// Full names of the events by rank, as a host wants them.
+    /// Full names of the events, by index.
     #[must_use]
     pub fn event_names(&self) -> Vec<String> {
         self.events.iter().map(|event| event.name.clone()).collect()
     }
 
-    /// The event of this full name (`::demo::main`).
+    /// The event with this full name (`::demo::main`).
     #[must_use]
     pub fn event(&self, name: &str) -> Option<EventId> {
         self.by_name.get(name).copied()
@@ -140,25 +140,25 @@ impl Plan {
         &self.services
     }
 
-    /// The service of this name.
+    /// The service with this name.
     #[must_use]
     pub fn service(&self, name: &str) -> Option<ServiceIx> {
         self.component().services.find(|service| service.name == name)
     }
 
-    /// State machines: permanent activities by task, then services'.
+    /// State machines: those of permanent activities by task, then those of services.
     #[must_use]
     pub fn machines(&self) -> &[Machine] {
         &self.machines
     }
 
-    /// What each event means when this codel returns it.
+    /// Transition of each event when this codel returns it.
     #[must_use]
     pub fn transitions(&self, codel: usize) -> &[Transition] {
         self.transitions.get(codel).map_or(&[], |table| table)
     }
 
-    /// What excludes what.
+    /// The exclusion nodes and their conflicts.
     #[must_use]
     pub fn nodes(&self) -> &Nodes {
         &self.nodes
@@ -170,28 +170,28 @@ impl Plan {
         self.ports.get(port)
     }
 
-    /// The port that tells the component's state (genom3.md 4.8), if it has it.
+    /// The port with the component's state, `genom_state` (genom3.md 4.8), if it has one.
     #[must_use]
     pub fn state_port(&self) -> Option<PortIx> {
         self.state_port
     }
 
-    /// Number of `genom_context` an instance needs: one for each task, then one for each control
-    /// worker. [`Frame::call`](crate::body::Frame::call) says which.
+    /// Number of `genom_context`s that an instance needs: one for each task, then one for each
+    /// control worker, see [`Frame::call`](crate::body::Frame::call).
     #[must_use]
     pub fn contexts(&self) -> usize {
         self.component().tasks.len() + self.control_workers()
     }
 
-    /// Requests served side by side. Those of one service are served one by one, so with a
-    /// worker for each service none waits behind another's that blocks.
+    /// Number of requests served in parallel. Those of one service are served one by one, so with
+    /// one worker for each service none waits for another service that blocks.
     #[must_use]
     pub fn control_workers(&self) -> usize {
         self.services.len().clamp(1, MOST_CONTROL_WORKERS)
     }
 
-    /// Whether one transition of each active place is taken per period (dialects.md A), as in
-    /// both papers: what they print runs alike, whichever of the two notations wrote it.
+    /// Whether each token takes one transition per period (dialects.md A), as in both papers; so a
+    /// component runs alike in either of their notations.
     #[must_use]
     pub fn steps_by_period(&self) -> bool {
         self.component().dialect != Dialect::Current
@@ -211,7 +211,7 @@ fn layout(
     })
 }
 
-/// Checks every index of the model once, so that the engine need not check any while it runs.
+/// Checks all indices of the model once, so that the engine does not have to at run time.
 fn check_indices(model: &Component) -> Result<(), PlanError> {
     let codels = model.codels.len();
     let services = &model.services;

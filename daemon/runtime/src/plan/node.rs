@@ -1,4 +1,4 @@
-//! What excludes what, as bit sets: the static half of genom3.md 4.5 and 7.10.
+//! Exclusion nodes and their conflicts: the static part of genom3.md 4.5 and 7.10.
 
 use genom_description::model::{
     CodelKind, Component, Ix as _, Owner, ServiceIx, ServiceKind, Source,
@@ -8,17 +8,17 @@ use super::conflict::Touching;
 
 /// Exclusion nodes of a component: its codels, then the data transfer of each service.
 ///
-/// The relation is symmetric: two nodes exclude each other, whichever runs first.
+/// The relation is symmetric: if one node excludes another, the other excludes it too.
 #[derive(Debug)]
 pub struct Nodes {
     codels: usize,
-    /// By node: the nodes that must not run meanwhile, itself included, in order.
+    /// For each node, the nodes that must not run at the same time, including itself, in order.
     conflicts: Vec<Box<[usize]>>,
-    /// By node: whether `exclusively` waits for it. Async codels may block for long and are
-    /// waited for only when they hold a port or remote that could change under them.
+    /// Whether `exclusively` waits for the node. Async codels may block for long, and are waited
+    /// for only if they have a port or remote that could be changed under them.
     global: Vec<bool>,
-    /// By node: the first one that never runs at the same time, because one task or one service
-    /// runs both, and that excludes the same others.
+    /// For each node, the first earlier one that never runs at the same time, because one task or
+    /// service runs both, and that has the same conflicts.
     twins: Vec<Option<usize>>,
 }
 
@@ -38,12 +38,13 @@ impl Nodes {
             None => Touching::Codel(&model.codels[node]),
             Some(service) => Touching::Transfer(&model.services[service]),
         };
-        // Served side by side here, hence in conflict with each other as well.
+        // Nodes of control run in parallel here, so they can conflict with each other as well.
         let beside = |node: usize| match model.transferred_by(node) {
             None => !matches!(model.codels[node].kind, CodelKind::Fsm { .. }),
             Some(_) => true,
         };
-        // Transfers of the papers' activities are unknown to the current language.
+        // The exclusion of the model does not cover transfers of activities in the papers'
+        // dialects.
         let of_papers = |node: usize| {
             model.transferred_by(node).is_some_and(|service| {
                 let service = &model.services[service];
@@ -80,7 +81,7 @@ impl Nodes {
         Self { codels, conflicts, global: (0..count).map(global).collect(), twins }
     }
 
-    /// Nodes from a relation given as such, for tests of the lock.
+    /// Nodes with a given relation, for tests and benchmarks of the exclusion.
     #[must_use]
     pub fn of_pairs(count: usize, pairs: &[(usize, usize)]) -> Self {
         let conflicts = (0..count)
@@ -96,19 +97,19 @@ impl Nodes {
         Self { codels: count, conflicts, global: vec![true; count], twins: vec![None; count] }
     }
 
-    /// The node of a codel.
+    /// Index of the node of a codel.
     #[must_use]
     pub fn codel(&self, codel: usize) -> usize {
         codel
     }
 
-    /// The node of a service's data transfer.
+    /// Index of the node of a service's data transfer.
     #[must_use]
     pub fn transfer(&self, service: ServiceIx) -> usize {
         self.codels + service.index()
     }
 
-    /// An earlier node that never runs while this one does and excludes the same others.
+    /// An earlier node that never runs at the same time as this one and has the same conflicts.
     #[must_use]
     pub fn twin(&self, node: usize) -> Option<usize> {
         self.twins.get(node).copied().flatten()
@@ -126,21 +127,20 @@ impl Nodes {
         self.conflicts.is_empty()
     }
 
-    /// Nodes that must not run while this one does; itself is one of them.
+    /// Nodes that must not run at the same time as this one, including itself.
     #[must_use]
     pub fn conflicts(&self, node: usize) -> &[usize] {
         self.conflicts.get(node).map_or(&[], |list| list)
     }
 
-    /// Whether the exclusion of everything waits for this node.
+    /// Whether excluding everything waits for this node.
     #[must_use]
     pub fn is_global(&self, node: usize) -> bool {
         self.global.get(node).copied().unwrap_or(true)
     }
 }
 
-/// By node: the first one that the same task runs, or the same service, and that excludes the same
-/// others.
+/// For each node, the first one of the same task or service that has the same conflicts.
 fn twins(
     conflicts: &[Box<[usize]>],
     runner: impl Fn(usize) -> Option<Owner>,

@@ -1,8 +1,8 @@
-//! Who a codel belongs to, by name.
+//! Names of owners of codels.
 
 use genom_description::model::{Component, Owner};
 
-/// Task or service that a codel belongs to.
+/// Name of the task or service that a codel belongs to.
 pub(crate) fn owner_name(model: &Component, owner: Owner) -> &str {
     match owner {
         Owner::Task(task) => model.tasks.get(task).map_or("", |task| task.name.as_str()),

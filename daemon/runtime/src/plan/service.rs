@@ -1,4 +1,4 @@
-//! Services as the engine needs them.
+//! Services, compiled for the engine.
 
 use genom_description::model::{
     Component, Indexed, Owner, Service, ServiceIx, ServiceKind, TaskIx,
@@ -9,7 +9,7 @@ use super::error::PlanError;
 use super::event::{Event, EventSet};
 use super::machine::Machine;
 
-/// The services that the runtime supplies itself (genom3.md 4.8).
+/// Services that the runtime implements itself (genom3.md 4.8).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Builtin {
     /// `abort_activity`.
@@ -35,13 +35,14 @@ pub struct ServicePlan {
     pub throws: EventSet,
     /// The task of an activity.
     pub task: Option<TaskIx>,
-    /// State machine of an activity, by rank in [`Plan::machines`](super::Plan::machines).
+    /// State machine of an activity, by index in [`Plan::machines`](super::Plan::machines).
     pub machine: Option<usize>,
-    /// By service: whether this one interrupts it.
+    /// For each service, whether this one interrupts it.
     pub interrupts: Indexed<ServiceIx, bool>,
-    /// The runtime's own work in place of codels.
+    /// The runtime's implementation, in place of codels.
     pub builtin: Option<Builtin>,
-    /// Whether parameters live in the IDS: attributes, and services of the papers.
+    /// Whether parameters are stored in the IDS: for attributes, and services of the papers'
+    /// dialects.
     pub through_ids: bool,
 }
 

@@ -1,39 +1,39 @@
 //! The rules of one task: which activity runs which codel next (genom3.md 7.4, 7.5).
 //!
-//! It knows states, codels, stop requests and external events. It knows no thread, clock or
+//! It handles states, codels, stop requests and external events, but no threads, clocks or
 //! exclusion: the caller says when a pass is due, and calls the codels.
 
 use super::run::{Bad, Mode, Run, RunOutcome, Status, Token};
 use crate::body::Returned;
 use crate::plan::{Plan, Transition};
 
-/// What the rules ask of their surroundings.
+/// Callbacks of the rules.
 pub(crate) trait Calls {
     /// Runs a codel of this run.
     fn call(&mut self, run: &mut Run, codel: usize) -> Returned;
-    /// A place of this run's marking moved, or paused where it was running.
+    /// A token of this run moved, or paused in the state where it was.
     fn moved(&mut self, run: &Run, token: Token);
     /// A codel yielded a state without pause.
     fn goes_on(&mut self, _codel: usize) {}
 }
 
-/// What a pass did.
+/// Result of a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Passed {
-    /// A codel yielded a state without pause: go on at once.
+    /// A codel yielded a state without pause: the next pass is due at once.
     pub(crate) again: bool,
-    /// Something happened that others may wait for: wake every task.
+    /// Something happened that others may wait for: all tasks have to be woken.
     pub(crate) moved: bool,
 }
 
 /// The activities of one task.
 #[derive(Debug)]
 pub(crate) struct Core {
-    /// In order of start, which is the order in which codels run. Boxed, so that they move between
-    /// control and task without a copy.
+    /// In order of start, in which codels run. Boxed, so that control and task exchange them
+    /// without copying.
     #[allow(clippy::vec_box)]
     runs: Vec<Box<Run>>,
-    /// One transition of each place per tick (dialects.md A).
+    /// One transition of each token per tick (dialects.md A).
     by_period: bool,
 }
 
@@ -42,18 +42,18 @@ impl Core {
         Self { runs: Vec::with_capacity(room), by_period }
     }
 
-    /// Takes over a run that may start at the next pass that allows it.
+    /// Adds a run, which starts at the next pass that allows it.
     pub(crate) fn admit(&mut self, run: Box<Run>) {
         self.runs.push(run);
     }
 
-    /// Whether there is no activity at all.
+    /// Whether there is no activity.
     pub(crate) fn is_empty(&self) -> bool {
         self.runs.is_empty()
     }
 
-    /// One pass: what is due starts, stops or resumes, then each activity runs one codel in each
-    /// of its active places.
+    /// One pass: starts, stops and resumes activities that are due, then each activity runs one
+    /// codel for each of its active tokens.
     pub(crate) fn pass(
         &mut self,
         plan: &Plan,
@@ -62,7 +62,7 @@ impl Core {
         calls: &mut impl Calls,
     ) -> Passed {
         for run in &mut self.runs {
-            // Events first: they are for those that were active when they were fired.
+            // Events first: they affect activities that were active when they were fired.
             fired.iter().for_each(|state| fire(run, plan, *state, calls));
             prepare(run, plan, runnable, calls);
         }
@@ -76,7 +76,7 @@ impl Core {
         passed
     }
 
-    /// Hands over the runs that ended, in order.
+    /// Hands over the runs that have ended, in order.
     pub(crate) fn take_ended(&mut self, mut take: impl FnMut(Box<Run>)) {
         let mut at = 0;
         while at < self.runs.len() {
@@ -89,7 +89,7 @@ impl Core {
     }
 }
 
-/// What is due before codels run: start, stop, resume (genom3.md 7.4, step 2).
+/// Starts, stops or resumes an activity before codels run (genom3.md 7.4, step 2).
 fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
     let machine = &plan.machines()[run.machine];
     let permanent = matches!(machine.owner, genom_description::model::Owner::Task(_));
@@ -123,12 +123,12 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
     }
 }
 
-/// Makes `token` the whole marking; without a codel there, there is nothing to do.
+/// Makes `token` the whole marking; removes it if there is no codel for it.
 fn enter(run: &mut Run, token: Token, has_codel: bool, calls: &mut impl Calls) {
     run.tokens.clear();
     if has_codel {
         run.tokens.push(token);
-        // The marker shows `start` from the beginning; a move to `stop` is news to watchers.
+        // `start` is shown from the beginning; a move to `stop` has to be reported to watchers.
         if run.marker.show(token) {
             calls.moved(run, token);
         }
@@ -137,7 +137,7 @@ fn enter(run: &mut Run, token: Token, has_codel: bool, calls: &mut impl Calls) {
     }
 }
 
-/// An external event puts a token on its place; sleeping places wake into it (dialects.md A).
+/// An external event adds a token in its state, or wakes a sleeping one (dialects.md A).
 fn fire(run: &mut Run, plan: &Plan, state: u16, calls: &mut impl Calls) {
     let active = matches!(run.marker.status(), Status::Run | Status::Stop);
     if !active || run.outcome.is_some() || plan.machines()[run.machine].codel(state).is_none() {
@@ -146,7 +146,7 @@ fn fire(run: &mut Run, plan: &Plan, state: u16, calls: &mut impl Calls) {
     run.tokens.retain(|token| token.mode != Mode::Asleep);
     match run.tokens.iter_mut().find(|token| token.state == state) {
         Some(token) => token.mode = Mode::Ready,
-        // The room suffices: no two tokens are in one state here.
+        // The capacity is sufficient: no two tokens are in one state here.
         None => {
             let token = Token { state, mode: Mode::Ready };
             run.tokens.push(token);
@@ -157,7 +157,7 @@ fn fire(run: &mut Run, plan: &Plan, state: u16, calls: &mut impl Calls) {
     }
 }
 
-/// Runs the codel of each active place once and takes its transition (genom3.md 7.5).
+/// Runs the codel of each active token once and takes its transition (genom3.md 7.5).
 fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, passed: &mut Passed) {
     let mut ran = false;
     for at in 0..run.tokens.len() {
@@ -207,7 +207,7 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
         };
         run.tokens[at] = token;
         if token.mode != Mode::Done {
-            // Watchers are told of changes only: pausing again in one state is none.
+            // Only changes are reported to watchers: a further pause in the same state is none.
             if run.marker.show(token) {
                 calls.moved(run, token);
             }
@@ -221,7 +221,7 @@ fn step(run: &mut Run, plan: &Plan, by_period: bool, calls: &mut impl Calls, pas
     }
 }
 
-/// Drops finished places and merges those that reached one state.
+/// Removes finished tokens and merges those in the same state.
 fn merge(tokens: &mut Vec<Token>) {
     tokens.retain(|token| token.mode != Mode::Done);
     let mut at = 1;

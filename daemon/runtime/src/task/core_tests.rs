@@ -32,7 +32,7 @@ impl Frame for NoFrame {
     }
 }
 
-/// Codels return the state with the name they are given; calls are noted.
+/// Codels that return the state of a given name; calls are recorded.
 struct Names<'a> {
     plan: &'a Plan,
     called: Vec<&'a str>,
@@ -89,7 +89,7 @@ fn a_new_activity_starts_on_a_tick_only() {
 
 #[test]
 fn a_stop_request_is_looked_at_on_every_pass() {
-    // genom3.md 7.4, 7.5: also between ticks; the state yielded last is forgotten.
+    // genom3.md 7.4, 7.5: also between ticks; the last state yielded is dropped.
     let plan = plan();
     let mut core = Core::new(4, false);
     let (run, marker) = run(&plan);

@@ -1,4 +1,4 @@
-//! A task of an instance on a virtual clock. It has no thread: the one that steps the clock runs it.
+//! A task of an instance on a virtual clock: without thread, run by the one that steps the clock.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -8,11 +8,11 @@ use crate::task::runner::Runner;
 /// A task without thread.
 pub(crate) struct DrivenTask {
     runner: Runner,
-    /// What the last pass left.
+    /// Result of the last pass.
     last: Passed,
     /// Date of the next tick, for a periodic task.
     pub(crate) next: Option<u64>,
-    /// A tick that came while the task was still at work, or that a shutdown asks for.
+    /// A tick is pending: it came while the task was still at work, or a shutdown asks for it.
     pub(crate) latched: AtomicBool,
 }
 
@@ -23,14 +23,14 @@ impl DrivenTask {
         Self { runner, last: Passed::default(), next, latched: AtomicBool::new(false) }
     }
 
-    /// The pass of the start-up.
+    /// The first pass, at start-up.
     pub(crate) fn start(&mut self, now: u64) {
         let shared = self.runner.shared();
         shared.tasks[self.runner.task()].take_runnable();
         self.last = self.runner.pass(true, now);
     }
 
-    /// One pass, if one is due; whether it was.
+    /// Makes one pass if one is due; returns whether it did.
     pub(crate) fn run(&mut self, now: u64) -> bool {
         let shared = std::sync::Arc::clone(self.runner.shared());
         let me = &shared.tasks[self.runner.task()];
@@ -49,7 +49,7 @@ impl DrivenTask {
                 self.runner.overran(1);
             }
         }
-        // 7.4: a tick is looked at when there is nothing to continue.
+        // genom3.md 7.4: a tick is taken when there is nothing left to continue.
         let tick = !self.last.again && self.latched.swap(false, Ordering::Relaxed);
         if !tick && !self.last.again {
             return false;

@@ -1,4 +1,4 @@
-//! A sleep until a date that a shutdown cuts short.
+//! A sleep until a date, which a shutdown can interrupt.
 
 use std::num::NonZeroU32;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -7,16 +7,16 @@ use rustix::io::Errno;
 use rustix::thread::futex;
 use rustix::time::Timespec;
 
-/// Where one thread sleeps.
+/// A place for one thread to sleep.
 #[derive(Debug, Default)]
 pub(crate) struct Hurry {
-    /// Whether the sleeper was asked to get up and has not done so yet.
+    /// Whether a wake-up was requested that the sleeper has not taken yet.
     asked: AtomicU32,
 }
 
 impl Hurry {
     /// Sleeps until a date of the monotonic clock, or until [`get_up`](Self::get_up); takes one
-    /// system call, like `clock_nanosleep`.
+    /// system call, as `clock_nanosleep` does.
     pub(crate) fn sleep_until(&self, date: u64) {
         let date = Timespec {
             tv_sec: i64::try_from(date / 1_000_000_000).unwrap_or(i64::MAX),
@@ -31,7 +31,7 @@ impl Hurry {
         }
     }
 
-    /// Ends the sleep that lasts, or else the next one.
+    /// Ends the current sleep, or else the next one.
     pub(crate) fn get_up(&self) {
         self.asked.store(1, Ordering::Release);
         let _ = futex::wake(&self.asked, futex::Flags::PRIVATE, 1);

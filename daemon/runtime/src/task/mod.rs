@@ -1,4 +1,4 @@
-//! Execution tasks: the rules, the worker that applies them, and the thread that drives it.
+//! Execution tasks: the rules, the runner that applies them, and the thread that drives it.
 
 pub(crate) mod core;
 #[cfg(test)]

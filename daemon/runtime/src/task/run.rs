@@ -1,22 +1,22 @@
-//! One run of a service or of a permanent activity, as it travels between control and task.
+//! One run of a service or permanent activity, which control and task pass to each other.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 
 use crate::body::{EventId, Frame};
 
-/// Where an activity is in its life (genom3.md 7.4).
+/// Phases of an activity's life (genom3.md 7.4).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Status {
     /// Validated, not started.
     Init,
     Run,
-    /// In its `stop` state or beyond.
+    /// In its `stop` state or a later one.
     Stop,
-    /// Ended; the result waits for the control task.
+    /// Ended; control has not collected the result yet.
     Ether,
-    /// Stopped before it started: it never will.
+    /// Stopped before it started: it will never start.
     Cancelled,
 }
 
@@ -32,16 +32,16 @@ impl Status {
     }
 }
 
-/// Pause and sleep, beside the state in [`Marker::place`].
+/// Flag for pause or sleep, beside the state in [`Marker::place`].
 const PAUSED: u32 = 1 << 16;
 
-/// What control and task share of an activity while the task has it.
+/// State of an activity that control and task share while the task has the run.
 #[derive(Debug)]
 pub(crate) struct Marker {
     status: AtomicU8,
-    /// Written by control, looked at on every pass.
+    /// Written by control, checked in every pass.
     stop: AtomicBool,
-    /// State of the first place of the marking, for readers outside the task.
+    /// State of the first token, for readers outside the task.
     place: AtomicU32,
 }
 
@@ -62,7 +62,7 @@ impl Marker {
         self.status.store(status as u8, Ordering::Release);
     }
 
-    /// From `Init` to `to`; `false` when control or task has left `Init` before.
+    /// Changes from `Init` to `to`; `false` when control or task has left `Init` before.
     pub(crate) fn leave_init(&self, to: Status) -> bool {
         let (from, to) = (Status::Init as u8, to as u8);
         self.status.compare_exchange(from, to, Ordering::AcqRel, Ordering::Acquire).is_ok()
@@ -76,7 +76,7 @@ impl Marker {
         self.stop.load(Ordering::Acquire)
     }
 
-    /// Shows where the activity is; whether that is somewhere else than before.
+    /// Publishes the state of the activity; returns whether it changed.
     pub(crate) fn show(&self, token: Token) -> bool {
         let paused = if token.mode == Mode::Ready { 0 } else { PAUSED };
         let place = u32::from(token.state) | paused;
@@ -92,66 +92,66 @@ impl Marker {
     }
 }
 
-/// An active place of a marking.
+/// A token of the marking: an active state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Token {
     pub(crate) state: u16,
     pub(crate) mode: Mode,
 }
 
-/// Whether a place takes part in the next pass.
+/// Whether a token takes part in the next pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Mode {
-    /// Reached `ether`.
+    /// It has reached `ether`.
     Done,
-    /// Until an external event or `stop`.
+    /// Waits for an external event or `stop`.
     Asleep,
-    /// Until the next tick or event in the component.
+    /// Waits for the next tick, or an event in the component.
     Paused,
     Ready,
 }
 
-/// An [`Outcome`](crate::Outcome) as the task has it: numbers only, for the task allocates nothing.
-/// Control makes the `Outcome` of it when the run comes back.
+/// An [`Outcome`](crate::Outcome) in numbers only, since the task must not allocate. Control
+/// converts it when the run comes back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RunOutcome {
     Success,
-    /// With a declared exception.
+    /// A declared exception.
     Thrown(EventId),
-    /// With something the codel may not return.
+    /// A codel returned an event that it may not return.
     Bad {
         from: u16,
         to: Bad,
     },
     /// The codel did not return.
     Failed,
-    /// Told to stop, without a codel for it.
+    /// Asked to stop, without a `stop` codel.
     Interrupted,
-    /// Told to stop before it started.
+    /// Asked to stop before it started.
     Cancelled,
 }
 
-/// What a codel returned that it may not.
+/// An event that the codel may not return.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Bad {
     Ok,
     Event(EventId),
-    /// A string that is no event of the plan; the frame keeps it.
+    /// A string that is not an event of the plan; the frame keeps it.
     Unknown,
 }
 
-/// A run: made by control, handed to its task, handed back at its end.
+/// A run: created by control, sent to its task, and sent back at its end.
 pub(crate) struct Run {
     pub(crate) id: u32,
-    /// Its state machine, by rank in the plan.
+    /// Its state machine, by index in the plan.
     pub(crate) machine: usize,
     pub(crate) frame: Box<dyn Frame>,
     pub(crate) marker: Arc<Marker>,
-    /// The marking, a set. Its room is made by control: the task never allocates.
+    /// The marking, as a set. Control allocates its capacity, so that the task never allocates.
     pub(crate) tokens: Vec<Token>,
-    /// Starts in `stop`: a permanent activity made again for the shutdown (genom3.md 7.7).
+    /// Begins in `stop`: a permanent activity created again at shutdown (genom3.md 7.7).
     pub(crate) at_stop: bool,
-    /// How it ended, once it has.
+    /// Its outcome, once it has ended.
     pub(crate) outcome: Option<RunOutcome>,
 }
 

@@ -1,4 +1,4 @@
-//! A task at work: its rules, with the exclusion, the figures and the way back to control.
+//! Applies the rules of a task, with exclusion, statistics and reports to control.
 
 use std::sync::Arc;
 
@@ -10,27 +10,27 @@ use super::run::{Mode, Run, RunOutcome, Token};
 use crate::body::Returned;
 use crate::shared::{Notice, Shared};
 
-/// What a task and control hand each other. Bounded and wait-free.
+/// A task's ends of the rings to and from control, which are bounded and wait-free.
 pub(crate) struct TaskSide {
     /// Runs to start.
     pub(crate) inbox: Consumer<Box<Run>>,
     /// Runs that ended.
     pub(crate) outbox: Producer<Box<Run>>,
-    /// For watchers; `None` without any.
+    /// Notices to watchers; `None` if there are none.
     pub(crate) notices: Option<Producer<Notice>>,
 }
 
-/// One task of an instance; a thread, or the stepper of a virtual clock, drives it.
+/// One task of an instance; driven by a thread, or by the thread that steps a virtual clock.
 pub(crate) struct Runner {
     shared: Arc<Shared>,
     task: TaskIx,
     core: Core,
     side: TaskSide,
-    /// Room for the states of external events.
+    /// Buffer for the states of external events.
     fired: Vec<u16>,
-    /// Whether the permanent activity's first codel was executed.
+    /// Whether the first codel of the permanent activity has run.
     started: bool,
-    /// Date at which the last pass ended.
+    /// Date at which the last pass ended, in nanoseconds.
     end: u64,
 }
 
@@ -40,7 +40,7 @@ impl Runner {
         let periodic = shared.tasks[task].timing.is_some();
         let by_period = shared.plan.steps_by_period() && periodic;
         let fired = Vec::with_capacity(model.sinks.len());
-        // Room for all runs that can be with the task at once: it never allocates.
+        // Capacity for all runs that the task can have at once: it never allocates.
         let core = Core::new(side.inbox.buffer().capacity() + 2, by_period);
         Self { shared, task, core, side, fired, started: false, end: 0 }
     }
@@ -58,7 +58,8 @@ impl Runner {
         self.end
     }
 
-    /// One pass at date `now`. Others are woken if something moved; the caller sees to this task.
+    /// One pass at date `now`. Wakes the other tasks if something moved; the caller continues this
+    /// one.
     pub(crate) fn pass(&mut self, runnable: bool, now: u64) -> Passed {
         self.end = now;
         while let Ok(run) = self.side.inbox.pop() {
@@ -96,7 +97,7 @@ impl Runner {
                 let _permit = shared.exclusion.enter(task.index(), node);
                 run.frame.fetch();
             }
-            // The outbox has room for every run there can be.
+            // The ring has room for every possible run.
             let _ = outbox.push(run);
         });
         if any {
@@ -104,7 +105,7 @@ impl Runner {
         }
     }
 
-    /// Tells watchers of ticks that were missed.
+    /// Records missed ticks, and reports them to watchers.
     pub(crate) fn overran(&mut self, ticks: u64) {
         self.shared.tasks[self.task].figures.overruns.missed(ticks);
         let notice = Notice::Overrun { task: self.task, ticks };
@@ -116,7 +117,7 @@ impl Runner {
 struct Caller<'a> {
     shared: &'a Shared,
     task: TaskIx,
-    /// Date at which the last codel ended: the start of the next one.
+    /// Date at which the last codel ended, and the next one starts, in nanoseconds.
     now: u64,
     notices: &'a mut Option<Producer<Notice>>,
 }

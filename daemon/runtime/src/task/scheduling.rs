@@ -1,4 +1,4 @@
-//! How the system is to schedule a task's thread.
+//! Scheduling of a task's thread by the system.
 
 use std::num::NonZeroU64;
 use std::sync::atomic::Ordering;
@@ -9,7 +9,7 @@ use crate::exclusion::set_fifo;
 use crate::options::TaskOptions;
 use crate::shared::Shared;
 
-/// What the `.gen` and the configuration ask for.
+/// Scheduling requested by the `.gen` and the configuration.
 pub(crate) struct Wanted {
     real_time: bool,
     priority: u32,
@@ -20,16 +20,16 @@ impl Wanted {
     pub(crate) fn new(task: &Task, options: TaskOptions) -> Self {
         Self {
             real_time: options.real_time.unwrap_or(task.real_time),
-            // 7.4: the lowest one unless it says otherwise.
+            // genom3.md 7.4: the lowest priority by default.
             priority: options.priority.or(task.priority).unwrap_or(255).min(255),
             cpus: options.cpus,
         }
     }
 
-    /// Applies it to the calling thread. A refusal by the system is logged, and the thread runs
-    /// without it.
+    /// Applies it to the calling thread. If the system refuses, that is logged and the thread runs
+    /// without.
     pub(crate) fn apply(&self, instance: &str, task: TaskIx, shared: &Shared) {
-        // Wake-ups are not to be gathered with others'.
+        // Wake-ups must not be delayed to be combined with others.
         let _ = rustix::thread::set_current_timer_slack(NonZeroU64::new(1));
         let name = &shared.plan.component().tasks[task].name;
         if !self.cpus.is_empty() {
@@ -58,8 +58,8 @@ impl Wanted {
     }
 }
 
-/// `SCHED_FIFO` priority of a GenoM priority: 0, the highest, to 255, the lowest. The system's
-/// own threads stay above.
+/// `SCHED_FIFO` priority of a GenoM priority, from 0, the highest, to 255, the lowest. Threads of
+/// the system stay above.
 fn fifo_of(priority: u32) -> i32 {
     const HIGHEST: i32 = 90;
     let rank = i32::try_from(priority.min(255)).unwrap_or(255);

@@ -1,10 +1,10 @@
-//! The thread of a task: waits for ticks or for being woken, and passes (genom3.md 7.4).
+//! The thread of a task: waits for ticks or wake-ups, and makes passes (genom3.md 7.4).
 
 use super::core::Passed;
 use super::runner::Runner;
 use super::timing::Timing;
 
-/// Runs until told to quit. The first pass is made at once: it is the start-up's.
+/// Runs until asked to quit. The first pass, that of the start-up, is made at once.
 pub(crate) fn run(mut runner: Runner) {
     match runner.shared().tasks[runner.task()].timing {
         Some(timing) => periodic(&mut runner, timing),
@@ -15,7 +15,7 @@ pub(crate) fn run(mut runner: Runner) {
 fn aperiodic(runner: &mut Runner) {
     let shared = std::sync::Arc::clone(runner.shared());
     let me = &shared.tasks[runner.task()];
-    // What the last pass left: codels to go on with, and pauses that it ends.
+    // Result of the last pass: whether codels have to continue, and pauses end.
     let mut last = Passed::default();
     let cycles = &me.figures.cycles;
     let mut now = shared.clock.now();
@@ -63,14 +63,14 @@ fn periodic(runner: &mut Runner, timing: Timing) {
         cycles.ends(end);
         let at_work = end >= next;
         if at_work {
-            // The tick is latched: one pass at once, no burst of those that were missed.
+            // The tick is latched: one pass at once, missed ticks are not caught up with.
             began = end;
         } else {
             pace.sleeps();
             me.hurry.sleep_until(next);
             began = shared.clock.now();
         }
-        // Those that came while the task slept too long are missed as well.
+        // Ticks that passed while the task slept too long are missed as well.
         let missed = u64::from(at_work) + timing.since(next, began);
         if missed > 0 {
             runner.overran(missed);

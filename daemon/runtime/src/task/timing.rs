@@ -1,6 +1,6 @@
 //! Dates of a task's ticks (genom3.md 7.4).
 
-/// A periodic task's ticks: `epoch + delay + n * period`.
+/// Ticks of a periodic task: at `epoch + delay + n * period`, in nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Timing {
     /// Date of a tick, modulo the period.
@@ -15,7 +15,7 @@ impl Timing {
         Self { base: epoch + delay % period, period }
     }
 
-    /// The first tick after this date.
+    /// Date of the first tick after this date.
     pub(crate) fn after(&self, date: u64) -> u64 {
         match date.checked_sub(self.base) {
             Some(since) => self.base + (since / self.period + 1) * self.period,
@@ -23,12 +23,12 @@ impl Timing {
         }
     }
 
-    /// Ticks until `date`, the first one included.
+    /// Number of ticks until `date`, including the first one.
     pub(crate) fn count(&self, date: u64) -> u64 {
         date.checked_sub(self.base).map_or(0, |since| since / self.period + 1)
     }
 
-    /// Ticks after the one at `tick`, until `date`.
+    /// Number of ticks after the one at `tick`, until `date`.
     pub(crate) fn since(&self, tick: u64, date: u64) -> u64 {
         date.saturating_sub(tick) / self.period
     }
@@ -49,9 +49,10 @@ mod tests {
     #[test]
     fn ticks_that_came_after_one_are_counted_up_to_a_date() {
         let timing = Timing::new(100, 10, 3);
-        // One is served at 103 or a little later: none is missed. One that ends early has none.
+        // Served at 103 or a little later, none is missed; nor is one before the tick.
         assert_eq!([103, 112, 95].map(|date| timing.since(103, date)), [0, 0, 0]);
-        // Served at 113 or 152 only: those at 113, or at 113, 123, 133 and 143, are missed.
+        // Served not before 113 or 152: the one at 113, or those at 113, 123, 133 and 143, are
+        // missed.
         assert_eq!([113, 122, 152].map(|date| timing.since(103, date)), [1, 1, 4]);
     }
 }

@@ -14,10 +14,10 @@ use genom_runtime::{
 use genom_types::Record;
 use serde_json::{Value, json};
 
-/// How long a test waits for what must happen.
+/// Timeout for what must happen.
 pub(crate) const LONG: Duration = Duration::from_secs(30);
 
-/// What a codel does; it returns an event without scope, or `ok`.
+/// Code of a codel; returns an event without scope, or `ok`.
 pub(crate) type Codel = Arc<dyn Fn() -> &'static str + Send + Sync>;
 
 /// A closure as a codel.
@@ -25,13 +25,13 @@ pub(crate) fn codel(work: impl Fn() -> &'static str + Send + Sync + 'static) -> 
     Arc::new(work)
 }
 
-/// A component in Rust.
+/// A component whose codels are Rust closures.
 pub(crate) struct Closures {
     pub(crate) plan: Arc<Plan>,
-    /// By codel of the model.
+    /// The closure of each codel of the model.
     codels: Vec<Option<Codel>>,
     events: Vec<(&'static str, EventId)>,
-    /// Writes of the state port.
+    /// Number of writes to the state port.
     pub(crate) states: AtomicU64,
 }
 
@@ -73,7 +73,7 @@ impl Closures {
     }
 }
 
-/// Waits until something is so.
+/// Waits until a condition holds.
 #[track_caller]
 pub(crate) fn until(what: &str, so: impl Fn() -> bool) {
     let end = Instant::now() + LONG;
@@ -83,7 +83,7 @@ pub(crate) fn until(what: &str, so: impl Fn() -> bool) {
     }
 }
 
-/// Requests a service; what it says comes through the channel.
+/// Requests a service; its progress comes through the channel.
 #[track_caller]
 pub(crate) fn request(instance: &Instance, service: &str) -> Receiver<String> {
     let plan = instance.plan();
@@ -100,7 +100,7 @@ pub(crate) fn request(instance: &Instance, service: &str) -> Receiver<String> {
     receiver
 }
 
-/// The next thing a request says.
+/// The next message of a request.
 #[track_caller]
 pub(crate) fn next(receiver: &Receiver<String>) -> String {
     receiver.recv_timeout(LONG).expect("an answer in time")
@@ -166,7 +166,7 @@ impl Frame for ClosureFrame {
     }
 }
 
-/// No supervisor.
+/// A supervisor that does nothing.
 struct Nobody;
 
 impl Wiring for Nobody {
@@ -181,7 +181,7 @@ impl Wiring for Nobody {
     fn kill(&self) {}
 }
 
-/// A gate that codels wait at; `arrivals` tells who is there.
+/// A gate that codels wait at; `arrivals` receives a message for each.
 pub(crate) struct Gate {
     open: Mutex<Receiver<()>>,
     arrivals: Mutex<std::sync::mpsc::Sender<()>>,
@@ -200,7 +200,7 @@ pub(crate) fn gate() -> (Gate, Keeper) {
 }
 
 impl Gate {
-    /// Waits until the keeper opens, or is gone.
+    /// Waits until the keeper opens the gate, or is dropped.
     pub(crate) fn pass(&self) {
         let _ = self.arrivals.lock().unwrap().send(());
         let _ = self.open.lock().unwrap().recv();
@@ -208,7 +208,7 @@ impl Gate {
 }
 
 impl Keeper {
-    /// Waits until somebody stands at the gate.
+    /// Waits until a codel has arrived at the gate.
     #[track_caller]
     pub(crate) fn wait(&self) {
         self.arrivals.recv_timeout(LONG).expect("somebody at the gate in time");

@@ -1,4 +1,4 @@
-//! A component whose codels return what a script says, and that writes down what is called.
+//! A component whose codels return what a script says, and that records all calls.
 
 #![allow(dead_code, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

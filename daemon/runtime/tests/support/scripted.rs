@@ -1,4 +1,4 @@
-//! The body: codels that return what the script says.
+//! The body: its codels return what the script says.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -13,17 +13,17 @@ use serde_json::Value;
 /// What one call of a codel returns.
 #[derive(Clone, Debug)]
 pub(crate) struct Answer {
-    /// As the script says it: `main`, `pause::main`, `OUT_OF_RANGE`, `ok`, `crash`.
+    /// As written in the script: `main`, `pause::main`, `OUT_OF_RANGE`, `ok`, `crash`.
     pub(crate) event: String,
     pub(crate) detail: Option<Value>,
 }
 
-/// What happened, and what is to happen.
+/// The script, and a trace of what happened.
 #[derive(Debug, Default)]
 pub(crate) struct Script {
-    /// By codel: what its next calls return; the last answer is repeated.
+    /// Results of the next calls of each codel; the last one is repeated.
     pub(crate) answers: HashMap<String, Vec<Answer>>,
-    /// Lines since they were last taken.
+    /// Lines added since the trace was last taken.
     pub(crate) trace: Vec<String>,
 }
 
@@ -53,7 +53,7 @@ impl Body for Scripted {
                 let service = &self.plan.services()[service];
                 (Record::new(&service.input), Record::new(&service.output))
             }
-            // Nothing is asked of the records of a permanent activity.
+            // The records of a permanent activity are not used.
             Owner::Task(_) => {
                 let any = &self.plan.services()[ServiceIx::new(0)];
                 (Record::new(&any.input), Record::new(&any.output))
@@ -115,7 +115,7 @@ impl ScriptedFrame {
         self.script.lock().unwrap().trace.push(line);
     }
 
-    /// The next answer of a codel; without script, success or the first state it may yield.
+    /// The next result of a codel; without script, success or the first state that it may yield.
     fn answer(&self, codel: usize) -> Answer {
         let model = &self.plan.component().codels[codel];
         let mut script = self.script.lock().unwrap();

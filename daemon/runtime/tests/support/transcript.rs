@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use super::scripted::{Answer, Script, Scripted, Shared};
 
-/// A supervisor that writes down what it is asked.
+/// A supervisor that records what it is asked to do.
 struct Supervisor(Shared);
 
 impl Wiring for Supervisor {
@@ -48,7 +48,7 @@ struct Play {
     requests: u8,
 }
 
-/// Runs a scenario, and returns it with what happened in place of what was expected.
+/// Runs a scenario, and returns its text with the actual results.
 pub(crate) fn replay(text: &str) -> String {
     let (gen_text, rest) = text.split_once("\n---\n").expect("a line --- after the component");
     let (answers, steps) = rest.split_once("---\n").expect("a line --- after the codels");

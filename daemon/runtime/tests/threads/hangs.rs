@@ -1,4 +1,4 @@
-//! Codels that do not return, and who waits for them.
+//! Codels that do not return, and those that wait for them.
 
 use std::sync::Arc;
 use std::sync::mpsc::channel;
@@ -10,7 +10,7 @@ use crate::support::closures::{Closures, LONG, codel, gate, next, request};
 
 #[test]
 fn a_codel_that_never_returns_is_named_by_the_shutdown() {
-    // genom3.md 7.7: such a codel blocks the shutdown; here for a limited time.
+    // genom3.md 7.7: such a codel blocks the shutdown; here only until the timeout.
     let (gate, keeper) = gate();
     let body = Closures::new(
         "component test {
@@ -38,7 +38,7 @@ fn a_codel_that_never_returns_is_named_by_the_shutdown() {
     assert_eq!(error.codels.iter().map(|one| one.codel.as_str()).collect::<Vec<_>>(), ["hang"]);
     let told = error.to_string();
     assert!(told.starts_with("test does not stop: codel hang of job has been running"), "{told}");
-    // Another instance does not care.
+    // Another instance is not affected.
     let other = Closures::new("component test { function f() { codel c(); }; };", &[]).start();
     assert_eq!(next(&request(&other, "f")), "done");
     other.shutdown(LONG).unwrap();
@@ -65,7 +65,7 @@ fn a_start_codel_that_hangs_is_named_by_the_start() {
     let (sender, started) = channel();
     std::thread::spawn(move || sender.send(genom_runtime::Instance::start(plan, body, options)));
     keeper.wait();
-    // It hangs until the start has given up, which tries for some seconds to undo what it did.
+    // It hangs until the start has given up, which takes some seconds of undoing.
     match started.recv_timeout(LONG).unwrap() {
         Err(StartError::Hangs { task, codel, .. }) => {
             assert_eq!((task.as_str(), codel.as_str()), ("t", "hang"));
@@ -111,7 +111,7 @@ fn connecting_waits_until_no_codel_runs() {
     let other = Arc::clone(&instance);
     let thread =
         std::thread::spawn(move || other.exclusively(|_| sender.send(()).unwrap()).unwrap());
-    // It cannot have got in: the codel runs.
+    // It cannot have the exclusion: the codel runs.
     assert!(connected.recv_timeout(Duration::from_millis(20)).is_err());
     keeper.let_one_pass();
     connected.recv_timeout(LONG).unwrap();

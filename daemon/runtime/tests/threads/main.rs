@@ -1,4 +1,4 @@
-//! Rules that need real threads and real time: what blocks, what waits, what hangs.
+//! Rules that need real threads and real time: blocking, waiting, hanging.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 

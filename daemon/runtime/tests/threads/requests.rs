@@ -1,4 +1,4 @@
-//! Requests beside codels that block, and that conflict.
+//! Requests at the same time as codels that block or conflict.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::channel;
@@ -8,7 +8,7 @@ use crate::support::closures::{Closures, Codel, Keeper, LONG, codel, gate, next,
 
 #[test]
 fn a_blocked_function_holds_up_only_what_conflicts_with_it() {
-    // Issue C, point 1: order is kept per service.
+    // Requests of one service are served in order.
     let (gate, keeper) = gate();
     let order = Arc::new(Mutex::new(Vec::new()));
     let noted = Arc::clone(&order);
@@ -51,7 +51,7 @@ fn a_blocked_function_holds_up_only_what_conflicts_with_it() {
     let job = request(&instance, "job");
     assert_eq!(next(&job), "accepted 2");
     assert_eq!(next(&job), "done");
-    // None of these can have gone on.
+    // None of these can have continued.
     assert!(slow.try_recv().is_err() && second_slow.try_recv().is_err());
     assert!(same.try_recv().is_err() && order.lock().unwrap().is_empty());
     keeper.let_one_pass();
@@ -62,7 +62,7 @@ fn a_blocked_function_holds_up_only_what_conflicts_with_it() {
     instance.shutdown(LONG).unwrap();
 }
 
-/// A component of so many functions that block, and one that does not.
+/// A component with `count` functions that block, and one that does not.
 fn many(count: usize) -> (Arc<Closures>, Keeper) {
     let functions = (0..count).map(|n| format!("function f{n}() {{ codel block{n}(); }};"));
     let text = format!(
@@ -85,7 +85,7 @@ fn many(count: usize) -> (Arc<Closures>, Keeper) {
 
 #[test]
 fn a_request_is_served_however_many_others_block() {
-    // genom3.md 7.3, and better: only what conflicts waits.
+    // genom3.md 7.3: only what conflicts waits.
     let (body, keeper) = many(40);
     let instance = body.start();
     let blocked: Vec<_> = (0..40).map(|n| request(&instance, &format!("f{n}"))).collect();
@@ -134,7 +134,7 @@ fn requests_of_one_service_are_served_in_order_of_arrival() {
 
 #[test]
 fn a_stop_request_waits_for_the_codel_and_forgets_what_it_yields() {
-    // genom3.md 7.5: a codel that is executing finishes; its state is forgotten, unless it just
+    // genom3.md 7.5: a codel that is running finishes; the state it yields is dropped, unless it
     // ended the activity.
     for (yielded, ends) in [("main", ["halt"].as_slice()), ("ether", &[])] {
         let (gate, keeper) = gate();

@@ -1,4 +1,4 @@
-//! Ticks, wake-ups and what is counted of them.
+//! Ticks, wake-ups and their statistics.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
@@ -11,7 +11,7 @@ use crate::support::closures::{Closures, LONG, codel, gate, next, request};
 
 #[test]
 fn a_periodic_task_ticks_and_its_figures_say_so() {
-    // genom3.md 7.4: one pass a tick, pauses end on ticks.
+    // genom3.md 7.4: one pass per tick, pauses end at ticks.
     let (sender, ticks) = channel();
     let sender = Mutex::new(sender);
     let body = Closures::new(
@@ -39,7 +39,7 @@ fn a_periodic_task_ticks_and_its_figures_say_so() {
 
 #[test]
 fn a_codel_longer_than_its_period_latches_one_tick() {
-    // genom3.md 7.4: no burst of catch-up ticks.
+    // genom3.md 7.4: missed ticks are not caught up with.
     let (gate, keeper) = gate();
     let calls = Arc::new(AtomicUsize::new(0));
     let counted = Arc::clone(&calls);
@@ -60,15 +60,15 @@ fn a_codel_longer_than_its_period_latches_one_tick() {
         options.watcher = Some(Arc::new(Overruns(Mutex::new(overruns))));
     });
     keeper.wait();
-    // Ten periods pass within the second call; this waits on the clock, not for the engine.
+    // Ten periods pass within the second call; this waits for the clock, not for the engine.
     let begin = std::time::Instant::now();
     while begin.elapsed() < Duration::from_millis(20) {
         std::thread::park_timeout(Duration::from_millis(1));
     }
     keeper.let_one_pass();
-    // The latched tick comes at once; a burst would need the gate ten times.
+    // The latched tick comes at once; catching up would pass the gate ten times.
     keeper.wait();
-    // A busy machine may have let the task sleep through some before.
+    // On a busy machine the task may have overslept some ticks before.
     let ticks = std::iter::from_fn(|| overran.recv_timeout(LONG).ok()).find(|ticks| *ticks >= 9);
     let ticks = ticks.expect("nine ticks that came while it was at work");
     assert_eq!(calls.load(Ordering::SeqCst), 3);

@@ -1,10 +1,10 @@
-//! Mistakes whose correction is certain, as edits of the text.
+//! Corrections that are certain, as edits of the text.
 
 use super::Diagnostic;
 use crate::source::SourceMap;
 use crate::source::Span;
 
-/// An edit that puts a mistake right.
+/// An edit that corrects a mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
     /// What it does, in a few words.
@@ -15,19 +15,19 @@ pub struct Fix {
     pub text: String,
 }
 
-/// The edit that the help of a diagnostic means, if it means one.
+/// The edit that a diagnostic's help proposes, if it proposes one.
 #[must_use]
 pub fn fix(said: &Diagnostic, sources: &SourceMap) -> Option<Fix> {
     let help = said.help.as_deref()?;
     let written = sources.text(said.span);
-    // What a macro made is not to be changed where the macro is used.
+    // Text made by a macro cannot be corrected where the macro is used.
     let own = sources.file(said.span.file).is_some_and(|file| !file.is_synthetic());
     if !own || sources.expansion(said.span).is_some() {
         return None;
     }
     if let Some(rest) = help.strip_prefix("did you mean `") {
         let name = rest.split('`').next()?.trim_start_matches('#');
-        // Of a path the last name is meant.
+        // Of a path, the last name is replaced.
         let last = written.rfind(|c: char| !c.is_ascii_alphanumeric() && c != '_' && c != '-');
         let begin = last.map_or(0, |at| at + 1);
         let wrong = written.get(begin..).filter(|word| !word.is_empty())?;

@@ -1,4 +1,4 @@
-//! Diagnostics as text: drawn under the source line, or one line each.
+//! Diagnostics as text for people: under the source line, or one line each.
 
 use std::fmt::Write;
 use std::ops::Range;
@@ -11,9 +11,9 @@ use super::{Diagnostic, Severity, ordered};
 use crate::source::Span;
 use crate::source::{SourceFile, SourceMap};
 
-/// Lines further apart are drawn in pieces.
+/// Marks on lines further apart are drawn in separate pictures.
 const NEAR: u32 = 6;
-/// A longer stretch of source is named, not drawn.
+/// Bytes of source drawn in one picture; of a longer stretch only the position is printed.
 const MAX_DRAWN: usize = 4096;
 
 /// One line per diagnostic, as editors and build tools read it:
@@ -32,7 +32,7 @@ pub fn short(diagnostics: &[Diagnostic], sources: &SourceMap) -> String {
     out
 }
 
-/// Source lines drawn with what is wrong with them.
+/// Source lines with the diagnostics drawn under them.
 #[must_use]
 pub fn human(diagnostics: &[Diagnostic], sources: &SourceMap, color: bool) -> String {
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
@@ -54,7 +54,7 @@ pub(super) fn severity_name(severity: Severity) -> &'static str {
     }
 }
 
-/// A place and what to write under it.
+/// A position and the text to write under it.
 struct Mark<'d> {
     span: Span,
     text: &'d str,
@@ -112,7 +112,7 @@ fn pictures<'d>(marks: &[Mark<'d>], sources: &'d SourceMap) -> Vec<Element<'d>> 
         let Some(file) = sources.file(first.span.file) else { continue };
         let mut lines = lines_of(file, first.span);
         let mut together = vec![first];
-        // Marks are few; a mark that joins two others is drawn with the first.
+        // Marks are few: when a mark joins two others, all are drawn with the first.
         left.retain(|mark| {
             let other = lines_of(file, mark.span);
             let near = mark.span.file == first.span.file
@@ -133,7 +133,7 @@ fn pictures<'d>(marks: &[Mark<'d>], sources: &'d SourceMap) -> Vec<Element<'d>> 
     elements
 }
 
-/// The source text of some lines, unless it is too long to look at.
+/// The source text of some lines, unless it is too long to draw.
 fn drawn<'d>(file: &'d SourceFile, lines: &Range<u32>) -> Option<(&'d str, u32)> {
     let start = file.line_start(lines.start);
     let end = file.line_start(lines.end + 1);

@@ -7,8 +7,8 @@ use super::{Diagnostic, Rest, Severity, ordered};
 use crate::source::SourceMap;
 use crate::source::Span;
 
-/// One document: `{"errors": n, "warnings": n, "diagnostics": [...]}`. What is not in the list
-/// is counted too, and `"left_out"` says how many that are.
+/// One document: `{"errors": n, "warnings": n, "diagnostics": [...]}`. The counts include
+/// diagnostics that are not in the list; `"left_out"` is their number.
 ///
 /// Lines and columns count from 1, columns in characters; an end is one past the last character.
 #[must_use]

@@ -1,22 +1,22 @@
-//! Diagnostics while they are found: all are counted, the first are kept.
+//! Collecting diagnostics: all are counted, the first ones are kept.
 
 use std::ops::{Deref, DerefMut};
 
 use super::{Diagnostic, Severity};
 
-/// Errors that are kept, and warnings; the rest is only counted, since a text may hold millions.
+/// Errors that are kept, and warnings; more are only counted, since a text may have millions.
 const KEPT: usize = 10_000;
 
-/// What there is to say about a description.
+/// Errors and warnings of a description.
 ///
-/// A slice of what is kept; [`Diagnostics::errors`] and [`Diagnostics::warnings`] count the rest
-/// too.
+/// Dereferences to those that are kept; [`Diagnostics::errors`] and [`Diagnostics::warnings`] count
+/// all.
 #[derive(Clone, Debug, Default)]
 pub struct Diagnostics {
     kept: Vec<Diagnostic>,
     errors: Tally,
     warnings: Tally,
-    /// Reading stopped at an error, so that errors about missing names would mislead.
+    /// Reading was abandoned at an error, so that errors about missing names would mislead.
     pub stopped: bool,
 }
 
@@ -37,7 +37,7 @@ impl Diagnostics {
         }
     }
 
-    /// Adds those of another list behind these.
+    /// Adds those of another list after these.
     pub fn append(&mut self, other: Diagnostics) {
         let (errors, warnings) = (other.errors, other.warnings);
         for diagnostic in other.kept {
@@ -66,7 +66,7 @@ impl Diagnostics {
         self.errors.found + self.warnings.found
     }
 
-    /// Drops those kept that `keep` says no to.
+    /// Drops those kept for which `keep` returns false.
     pub fn retain(&mut self, keep: impl Fn(&Diagnostic) -> bool) {
         for said in std::mem::take(&mut self.kept) {
             if keep(&said) {
@@ -79,7 +79,7 @@ impl Diagnostics {
         }
     }
 
-    /// Sorts by place, those of one place as they were found.
+    /// Sorts by position; those at one position keep their order.
     pub fn sort_by_place(&mut self) {
         self.kept.sort_by_key(|said| (said.span.file, said.span.start));
     }

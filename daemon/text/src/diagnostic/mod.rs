@@ -1,4 +1,5 @@
-//! What there is to say about a description, as data; how to show it; what each code means.
+//! Errors and warnings about a description as data, the ways to show them, and the meaning of each
+//! code.
 
 mod fix;
 mod human;
@@ -14,13 +15,13 @@ pub use register::{Explanation, explain, explanations};
 
 use crate::source::Span;
 
-/// Ways to show diagnostics. All sort by place and drop what is said twice.
+/// Ways to show diagnostics. All sort by position and omit repetitions.
 pub mod render {
     pub use super::human::{human, short};
     pub use super::json::json;
 }
 
-/// How bad it is.
+/// Severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Severity {
     /// The description is read, but something in it is surprising.
@@ -29,20 +30,20 @@ pub enum Severity {
     Error,
 }
 
-/// One thing to say, with its places.
+/// An error or warning, with its positions in the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostic {
     /// Stable code such as `E0301` or `W0103`.
     pub code: &'static str,
-    /// How bad it is.
+    /// Whether the description is refused for it.
     pub severity: Severity,
     /// One sentence without final stop.
     pub message: String,
     /// Primary place.
     pub span: Span,
-    /// What to write under the primary place, may be empty.
+    /// Text under the primary position; may be empty.
     pub label: String,
-    /// Other places, each with its text ("declared here").
+    /// Other positions, each with its text ("declared here").
     pub notes: Vec<(Span, String)>,
     /// The way out, if one is known.
     pub help: Option<String>,
@@ -63,21 +64,21 @@ impl Diagnostic {
         Self { code, severity, message, span, label: String::new(), notes: Vec::new(), help: None }
     }
 
-    /// Says more under the primary place.
+    /// Sets the text under the primary position.
     #[must_use]
     pub fn label(mut self, label: impl Into<String>) -> Self {
         self.label = label.into();
         self
     }
 
-    /// Points at another place.
+    /// Adds another position with its text.
     #[must_use]
     pub fn note(mut self, span: Span, text: impl Into<String>) -> Self {
         self.notes.push((span, text.into()));
         self
     }
 
-    /// Says the way out.
+    /// Sets the way out.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());

@@ -1,4 +1,4 @@
-//! The order in which diagnostics are shown, without echoes, and how many.
+//! Order, deduplication and number of the diagnostics that are shown.
 
 use std::collections::HashSet;
 use std::path::Path;
@@ -9,8 +9,8 @@ use crate::source::Span;
 
 /// Diagnostics in the order in which the text is read, each once.
 ///
-/// What is said of an included file comes where the file is included.
-/// A file without guard that is included twice repeats its mistakes: they are shown once.
+/// Those of an included file come at the position of its `#include`. A file without guard that is
+/// included twice repeats its mistakes: they are shown once.
 #[must_use]
 pub fn ordered<'d>(diagnostics: &'d [Diagnostic], sources: &SourceMap) -> Vec<&'d Diagnostic> {
     let mut sorted: Vec<_> = diagnostics.iter().collect();
@@ -23,7 +23,7 @@ pub fn ordered<'d>(diagnostics: &'d [Diagnostic], sources: &SourceMap) -> Vec<&'
     sorted
 }
 
-/// The places to pass on the way to a span: its input file, then an offset per file.
+/// Sort key of a position: its input file, then an offset in each file on the include chain.
 fn reading_order(span: Span, sources: &SourceMap) -> Vec<u32> {
     let mut places = vec![span];
     places.extend(sources.include_chain(span));
@@ -34,14 +34,14 @@ fn reading_order(span: Span, sources: &SourceMap) -> Vec<u32> {
 /// How many diagnostics are not shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rest {
-    /// Errors.
+    /// Errors that are not shown.
     pub errors: usize,
-    /// Warnings.
+    /// Warnings that are not shown.
     pub warnings: usize,
 }
 
 impl Rest {
-    /// Whether all is shown.
+    /// Whether all diagnostics are shown.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self == Self::default()
@@ -67,7 +67,7 @@ impl std::fmt::Display for Rest {
     }
 }
 
-/// The first diagnostics in the order in which the text is read, and how many are left.
+/// The first diagnostics in the order in which the text is read, and how many more there are.
 #[must_use]
 pub fn first(
     diagnostics: &Diagnostics,

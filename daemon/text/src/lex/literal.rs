@@ -22,7 +22,7 @@ pub(crate) fn unescape(literal: &str) -> String {
 
 /// The code of a character literal, quotes included; `None` if it is not one byte.
 ///
-/// An intended difference: in GenoM3 a character literal has no type, and its value is
+/// An intended difference from GenoM3, where a character literal has no type and its value is
 /// whatever follows the quote.
 pub(crate) fn character(literal: &str) -> Option<u8> {
     let body = literal.strip_prefix('\'')?.strip_suffix('\'')?;

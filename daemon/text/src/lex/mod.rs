@@ -1,7 +1,7 @@
-//! The lexer proper (genom3.md 2.1): preprocessing tokens to the parser's tokens.
+//! The lexer proper (genom3.md 2.1): from preprocessing tokens to tokens for the parser.
 //!
-//! It sees one token after the other and never the text: comments, lines and macros are
-//! already dealt with.
+//! It sees one token at a time and never the text: comments, lines and macros have been handled
+//! before.
 
 mod literal;
 mod number;
@@ -26,19 +26,19 @@ use crate::ptoken::{Kind, PToken};
 use crate::source::Span;
 use crate::token::{Pragma, Token, TokenKind};
 
-/// Bytes of the longest name, and of the longest number: the C names made of a few of them stay
-/// within what tools can take.
+/// Bytes of the longest name and of the longest number, so that C names composed of several names
+/// stay within what compilers accept.
 const LONGEST: usize = 1024;
 
-/// Makes tokens.
+/// Collects the tokens.
 #[derive(Debug, Default)]
 pub(crate) struct Lexer {
     tokens: Vec<Token>,
-    /// Every name so far: tokens and all that comes of them share one text.
+    /// All names so far: equal names share one string.
     names: HashSet<Rc<str>>,
-    /// Rank of a `-` that touches the token before it, for names such as `clock-rate`.
+    /// Index of a `-` directly after the token before it, for names such as `clock-rate`.
     dash: Option<usize>,
-    /// Where the last stray character ended: a row of them is one mistake.
+    /// End of the last stray character: several in a row are reported once.
     stray: Option<Span>,
 }
 
@@ -76,7 +76,7 @@ impl Lexer {
                 }
                 self.push(TokenKind::String(unescape(text).into()), span);
             }
-            // A lone quote was reported when it was scanned.
+            // A quote without partner was already reported by the scanner.
             Kind::Char if text.len() < 2 => {}
             Kind::Char => {
                 let value = character(text);
@@ -107,17 +107,17 @@ impl Lexer {
         }
     }
 
-    /// A pragma that the parser acts on.
+    /// Adds a pragma that the parser handles.
     pub(crate) fn pragma(&mut self, pragma: Pragma, span: Span) {
         self.push(TokenKind::Pragma(Box::new(pragma)), span);
     }
 
-    /// Tokens so far.
+    /// Number of tokens so far.
     pub(crate) fn len(&self) -> usize {
         self.tokens.len()
     }
 
-    /// All tokens, with the last one at `end`.
+    /// All tokens, with [`TokenKind::End`] at `end`.
     pub(crate) fn finish(mut self, end: Span) -> Vec<Token> {
         self.push(TokenKind::End, end);
         self.tokens
@@ -151,7 +151,7 @@ impl Lexer {
         self.push(kind, span);
     }
 
-    /// The one copy of a name.
+    /// The shared string of a name.
     fn name(&mut self, text: &str) -> Rc<str> {
         if let Some(known) = self.names.get(text) {
             return known.clone();

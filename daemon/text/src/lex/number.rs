@@ -1,4 +1,4 @@
-//! Cuts what begins like a number into literals and what touches them (genom3.md 2.1).
+//! Splits a preprocessing number into literals and what follows them directly (genom3.md 2.1).
 //!
 //! `5ms` is 5 and `ms`, `0x1Fu` one integer, `1.5d` a fixed point literal.
 
@@ -6,9 +6,9 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::source::Span;
 use crate::token::TokenKind;
 
-/// The tokens of a preprocessing number, each with its place.
+/// The tokens of a preprocessing number, each with its position.
 pub(super) fn cut(text: &str, span: Span, diagnostics: &mut Diagnostics) -> Vec<(TokenKind, Span)> {
-    // In a macro's expansion or over a joined line, places inside the token are not known.
+    // In a macro's expansion or across a joined line, offsets inside the token are not known.
     let exact = (span.end - span.start) as usize == text.len();
     let place = |start: usize, end: usize| {
         let at = |offset: usize| span.start + u32::try_from(offset).unwrap_or(0);
@@ -63,7 +63,7 @@ fn literal(
     }
     length += exponent(&bytes[length..]);
     if length > whole {
-        // Rust reads what C reads: `1.`, `.5`, `1e-3`.
+        // Rust's `parse` accepts what C allows: `1.`, `.5`, `1e-3`.
         let value = rest[..length].parse().unwrap_or(f64::INFINITY);
         if value == f64::INFINITY {
             let message = format!("`{}` is too large for a double", &rest[..length]);
@@ -94,7 +94,7 @@ fn literal(
     (integer(digits, 10, place(length), diagnostics), length)
 }
 
-/// An intended difference: 64 bits are kept, and more is an error.
+/// An intended difference from GenoM3: integers have 64 bits, and larger ones are an error.
 fn integer(digits: &str, radix: u32, span: Span, diagnostics: &mut Diagnostics) -> TokenKind {
     let value = u64::from_str_radix(digits, radix);
     if value.is_err() {
@@ -109,7 +109,7 @@ fn integer(digits: &str, radix: u32, span: Span, diagnostics: &mut Diagnostics) 
 
 /// Length of `u`, `l` or a pair of them after the digits.
 ///
-/// An intended difference: in `5us` GenoM3 takes the `u` away and reads five seconds.
+/// An intended difference: GenoM3 reads `5us` as suffix `u` and five seconds.
 fn integer_suffix(
     rest: &str,
     digits: usize,

@@ -1,6 +1,6 @@
 //! Reserved words, word operators and the spellings of punctuation (genom3.md 2.1, 2.2).
 
-/// The reserved keyword spelled so.
+/// The reserved keyword with this spelling.
 pub(super) fn keyword(text: &str) -> Option<&'static str> {
     Some(match text {
         "module" => "module",
@@ -54,7 +54,7 @@ pub(super) fn is_dashed(first: &str, second: &str) -> bool {
     )
 }
 
-/// The main spelling of a sign; `None` for what the language does not use.
+/// The main spelling of a punctuation token; `None` for one that the language does not use.
 pub(super) fn punctuation(text: &str) -> Option<&'static str> {
     Some(match text {
         "{" | "<%" => "{",

@@ -10,12 +10,12 @@ use super::state::Open;
 use crate::source::Loaded;
 use crate::source::Span;
 
-/// The version of GenoM3 that genomd answers for, in `__GENOM__`: newer than every feature
-/// that descriptions test for.
+/// The version of GenoM3 that `__GENOM__` claims: newer than every feature that descriptions test
+/// for.
 const GENOM: &str = "2.99.41";
 
 impl Preprocessor<'_> {
-    /// Defines what genom3.md 1.2 lists, then what the command line gives.
+    /// Defines the macros of genom3.md 1.2, then those of the command line.
     pub(super) fn predefine(&mut self) {
         let (date, time) = now();
         let built_in = format!(
@@ -27,7 +27,7 @@ impl Preprocessor<'_> {
             let (body, span, busy) = (Vec::new(), Span::default(), Cell::new(false));
             self.install(Macro { name: name.into(), shape, body, span, busy });
         }
-        // `_Pragma` is no macro but is found like one.
+        // `_Pragma` is no macro, but its uses are found in the same way.
         self.initials[usize::from(b'_')] = true;
         let mut given = String::new();
         for define in &self.options.defines {
@@ -40,7 +40,7 @@ impl Preprocessor<'_> {
         self.read_synthetic("<command line>", &given);
     }
 
-    /// Reads definitions that stand in no file.
+    /// Reads definitions that do not come from a file.
     pub(super) fn read_synthetic(&mut self, name: &str, text: &str) {
         if text.is_empty() {
             return;
@@ -52,7 +52,7 @@ impl Preprocessor<'_> {
         let scanner = Scanner::new(loaded.logical, rank, buffer);
         let conditionals = Vec::new();
         let open = Open { scanner, identity: name.into(), path: name.into(), conditionals };
-        // In the middle of a file (pkg-config's definitions), that file goes on afterwards.
+        // Within a file (definitions by pkg-config), that file continues afterwards.
         let outer = std::mem::replace(&mut self.open, vec![open]);
         let contexts = std::mem::take(&mut self.contexts);
         let keep_open = std::mem::take(&mut self.keep_open);

@@ -5,7 +5,7 @@ use super::{Kind, PToken, Preprocessor, Text};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
-/// Parentheses and signs inside each other in an `#if` expression.
+/// Deepest nesting of parentheses and unary operators in an `#if` expression.
 const MAX_DEPTH: usize = 100;
 
 impl Preprocessor<'_> {
@@ -92,7 +92,7 @@ impl Preprocessor<'_> {
         self.set_quiet(false);
     }
 
-    /// Whether the group after an `#else` or `#elif` is to be read.
+    /// Whether the group after an `#else` or `#elif` is read.
     fn branch(&mut self, name: PToken, is_else: bool) -> bool {
         let before = self.open.last().and_then(|open| open.conditionals.last());
         let already = before.is_none_or(|conditional| conditional.taken);
@@ -111,7 +111,7 @@ impl Preprocessor<'_> {
         taken
     }
 
-    /// Nothing but `#endif` may follow `#else`.
+    /// Reports `#else` and `#elif` after an `#else`.
     fn check_order(&mut self, span: Span, directive: &str) {
         let conditional = self.open.last_mut().and_then(|open| open.conditionals.last_mut());
         let Some(conditional) = conditional else { return };
@@ -144,7 +144,7 @@ impl Preprocessor<'_> {
         }
     }
 
-    /// The truth of an `#if` expression; false when it cannot be understood.
+    /// The truth of an `#if` expression; false when it is not valid.
     fn evaluate(&mut self, name: PToken, line: Vec<PToken>) -> bool {
         if self.fatal {
             return false;
@@ -208,17 +208,18 @@ struct Value {
 
 type Computed = Result<Value, (Span, String)>;
 
-/// Reading of one `#if` expression.
+/// State of evaluating one `#if` expression.
 struct Evaluation<'e, 'a> {
     preprocessor: &'e Preprocessor<'a>,
     line: &'e [PToken],
     at: usize,
     depth: usize,
-    /// Inside operands that do not count, such as the right of `0 &&`: dividing by zero is fine.
+    /// Depth of operands that are not evaluated, such as the right one of `0 &&`: a division by
+    /// zero is no error there.
     dead: usize,
 }
 
-/// Binary operators by precedence, weakest first; longer spellings before their prefixes.
+/// Binary operators by precedence, loosest first; longer spellings before their prefixes.
 const LEVELS: [&[&str]; 10] = [
     &["||"],
     &["&&"],
@@ -241,7 +242,8 @@ impl Evaluation<'_, '_> {
         self.line.get(self.at + ahead).map_or("", |token| self.preprocessor.text(*token))
     }
 
-    /// The operator here: signs are single tokens, so `&&` is two of them side by side.
+    /// The operator at this position: `&`, `|` and `=` are tokens each, so `&&` is two side by
+    /// side.
     fn operator(&self) -> (String, usize) {
         let first = self.text(0);
         let next = self.line.get(self.at + 1).filter(|next| !next.space);
@@ -298,7 +300,7 @@ impl Evaluation<'_, '_> {
         }
     }
 
-    /// Reads an operand, which may not count.
+    /// Reads an operand; with `dead` it is not evaluated.
     fn operand(&mut self, dead: bool, read: impl FnOnce(&mut Self) -> Computed) -> Computed {
         self.dead += usize::from(dead);
         let value = read(self);
@@ -371,8 +373,8 @@ fn truth(value: bool) -> Value {
     Value { number: i64::from(value), unsigned: false }
 }
 
-/// The value of a number. Of a version (`__GENOM__` is `2.99.41`) it is the first part, as GenoM3
-/// reads it; a fraction is none.
+/// The value of a number. A version (`__GENOM__` is `2.99.41`) counts as its first part, as in
+/// GenoM3; a number with a fraction is not valid.
 fn number(text: &str) -> Option<Value> {
     let text = match text.split_once('.') {
         Some((first, rest)) if rest.contains('.') => first,

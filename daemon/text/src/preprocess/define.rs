@@ -1,4 +1,4 @@
-//! `#define`: what it stores, and when two definitions are the same.
+//! `#define`: what is stored, and when two definitions are equal.
 
 use std::cell::Cell;
 use std::rc::Rc;
@@ -8,11 +8,11 @@ use super::{Kind, PToken, Preprocessor};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
-/// Shape of a macro, names of its parameters, and what follows them on the line.
+/// Kind of a macro, names of its parameters, and the rest of the line.
 type Head<'t> = (Shape, Vec<Box<str>>, &'t [PToken]);
 
 impl Preprocessor<'_> {
-    /// `#define NAME ...`, with `line` what follows the word `define`.
+    /// `#define NAME ...`; `line` is what follows the word `define`.
     pub(super) fn define(&mut self, directive: PToken, line: &[PToken]) {
         let Some((&name, rest)) = line.split_first() else {
             self.bad_define(directive.span, "macro name missing after `#define`");
@@ -40,7 +40,7 @@ impl Preprocessor<'_> {
         self.install(made);
     }
 
-    /// Puts a macro in the table; another definition of the same name is a warning.
+    /// Adds a macro; a different definition of an existing one is a warning.
     pub(super) fn install(&mut self, made: Macro) {
         if let Some(&initial) = made.name.as_bytes().first() {
             self.initials[usize::from(initial)] = true;
@@ -58,7 +58,7 @@ impl Preprocessor<'_> {
         self.macros.insert(made.name.clone(), Rc::new(made));
     }
 
-    /// The parameter list at the beginning of `rest`, and what follows it.
+    /// Reads the parameter list at the beginning of `rest`; returns also what follows it.
     fn parameters<'t>(&mut self, name: Span, rest: &'t [PToken]) -> Option<Head<'t>> {
         let mut names: Vec<Box<str>> = Vec::new();
         let mut variadic = false;

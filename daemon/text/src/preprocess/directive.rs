@@ -1,4 +1,4 @@
-//! Directives: what a line that begins with `#` asks for.
+//! Directives: lines that begin with `#`.
 
 use genom_nearest::nearest;
 
@@ -13,7 +13,7 @@ const DIRECTIVES: [&str; 15] = [
 ];
 
 impl Preprocessor<'_> {
-    /// Obeys the directive that begins with `hash`.
+    /// Executes the directive that begins with `hash`.
     pub(super) fn directive(&mut self, hash: PToken) {
         let name = self.begin_directive();
         let text = self.text(name).to_owned();
@@ -50,7 +50,7 @@ impl Preprocessor<'_> {
         }
     }
 
-    /// Enters a directive and reads its name.
+    /// Switches the scanner to a directive, and reads its name.
     pub(super) fn begin_directive(&mut self) -> PToken {
         if let Some(open) = self.open.last_mut() {
             open.scanner.directive = true;
@@ -58,14 +58,14 @@ impl Preprocessor<'_> {
         self.line_token()
     }
 
-    /// Back to text, after the end of the line was read.
+    /// Switches the scanner back to text; the end of the line has been read.
     pub(super) fn end_directive(&mut self) {
         if let Some(open) = self.open.last_mut() {
             open.scanner.directive = false;
         }
     }
 
-    /// A token of the directive, straight from the file.
+    /// The next token of the directive, without macro expansion.
     pub(super) fn line_token(&mut self) -> PToken {
         match self.open.last_mut() {
             Some(open) => open.scanner.next(&mut self.diagnostics),
@@ -73,7 +73,7 @@ impl Preprocessor<'_> {
         }
     }
 
-    /// The rest of the directive.
+    /// The rest of the directive as tokens.
     pub(super) fn read_line(&mut self) -> Vec<PToken> {
         let mut line = Vec::new();
         loop {
@@ -90,13 +90,13 @@ impl Preprocessor<'_> {
         line
     }
 
-    /// Passes over the rest of the line.
+    /// Skips the rest of the line.
     pub(super) fn skip_line(&mut self) {
         while !matches!(self.line_token().kind, Kind::Newline | Kind::End) {}
         self.end_directive();
     }
 
-    /// The rest of the directive, which is no program text: quotes need no partner.
+    /// The rest of the directive, which is no program text: unpaired quotes are not reported.
     pub(super) fn read_line_quietly(&mut self) -> Vec<PToken> {
         self.set_quiet(true);
         let line = self.read_line();
@@ -173,7 +173,7 @@ impl Preprocessor<'_> {
         );
     }
 
-    /// `##` at the beginning of a line.
+    /// Skips a line that begins with `##`.
     pub(super) fn pass_over(&mut self, sign: PToken) {
         if let Some(open) = self.open.last_mut() {
             open.scanner.directive = true;
@@ -185,7 +185,7 @@ impl Preprocessor<'_> {
         self.diagnostics.push(Diagnostic::warning("W0105", sign.span, message));
     }
 
-    /// GenoM3 drops unknown directives silently; a word says what was probably meant.
+    /// GenoM3 ignores unknown directives silently; here a warning proposes the nearest one.
     fn unknown(&mut self, name: PToken, text: &str) {
         self.read_line_quietly();
         if matches!(text, "ident" | "sccs" | "assert" | "unassert") {

@@ -1,7 +1,7 @@
-//! Macro expansion (C99 6.10.3): arguments, `#`, `##`, and reading the result again.
+//! Macro expansion (C99 6.10.3): arguments, `#`, `##`, and rescanning.
 //!
-//! Tokens of a macro's body take the place where the macro is used; tokens of its arguments
-//! keep their own place.
+//! Tokens of a macro's body get the position where the macro is used; tokens of its arguments keep
+//! their own position.
 
 use std::rc::Rc;
 
@@ -13,7 +13,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::source::Loaded;
 use crate::source::Span;
 
-/// Macros used in arguments of macros used in arguments...
+/// Deepest nesting of macros in arguments of macros.
 const MAX_NESTING: usize = 100;
 
 impl Preprocessor<'_> {
@@ -46,7 +46,7 @@ impl Preprocessor<'_> {
         }
     }
 
-    /// Expands a list of tokens that is not followed by anything.
+    /// Expands a list of tokens as if nothing followed it.
     pub(super) fn expand_list(&mut self, tokens: Vec<PToken>) -> Vec<PToken> {
         self.contexts.push(Context { tokens, at: 0, of: None, barrier: true });
         let depth = self.contexts.len();
@@ -66,7 +66,7 @@ impl Preprocessor<'_> {
         out
     }
 
-    /// Replaces a use of a macro by its expansion; false when it is no use of it after all.
+    /// Replaces a use of a macro by its expansion; false when it turns out not to be a use.
     fn expand(&mut self, name: PToken, found: &Rc<Macro>) -> bool {
         let tokens = match found.shape {
             Shape::File | Shape::Line => {
@@ -93,7 +93,7 @@ impl Preprocessor<'_> {
                 }
             }
         };
-        // What it makes was counted while it was made.
+        // The tokens were counted while they were made.
         if !self.count_expanded(name, found, 1, 0) {
             return true;
         }
@@ -145,7 +145,7 @@ impl Preprocessor<'_> {
                 _ => {}
             }
             token.first = false;
-            // Arguments inside arguments are held once a level.
+            // Tokens of nested arguments are held once at each level.
             if !self.count_expanded(name, found, 1, 0) {
                 return Arguments::Unusable;
             }
@@ -155,7 +155,7 @@ impl Preprocessor<'_> {
         }
     }
 
-    /// Makes as many arguments as there are parameters.
+    /// Fits the arguments given to the number of parameters.
     fn fit(
         &mut self,
         name: PToken,
@@ -164,7 +164,7 @@ impl Preprocessor<'_> {
         parameters: usize,
         variadic: bool,
     ) -> Option<Vec<Vec<PToken>>> {
-        // Each argument but the first begins with its comma, kept for those of `...`.
+        // Each argument but the first begins with its comma, which those of `...` keep.
         let count = given.len();
         let without_comma = |(rank, mut argument): (usize, Vec<PToken>)| {
             if rank > 0 {
@@ -197,11 +197,11 @@ impl Preprocessor<'_> {
         None
     }
 
-    /// The body of a macro with its arguments put in.
+    /// The body of a macro with its parameters replaced by arguments.
     fn replace(&mut self, name: PToken, found: &Macro, raw: &[Vec<PToken>]) -> Vec<PToken> {
         let mut full: Vec<Option<Vec<PToken>>> = vec![None; raw.len()];
         let mut out: Vec<PToken> = Vec::new();
-        // After `##`: whether what stood before it left a token to paste to.
+        // After `##`: whether its left operand left a token to paste to.
         let mut paste: Option<bool> = None;
         for (rank, item) in found.body.iter().enumerate() {
             if self.fatal {
@@ -253,7 +253,7 @@ impl Preprocessor<'_> {
         out
     }
 
-    /// An argument fully expanded on its own.
+    /// An argument, fully expanded on its own.
     fn argument(&mut self, name: PToken, given: &[PToken]) -> Vec<PToken> {
         if self.nesting >= MAX_NESTING {
             let message = format!("macro arguments are nested more than {MAX_NESTING} deep");
@@ -304,7 +304,7 @@ impl Preprocessor<'_> {
         operand: &[PToken],
     ) {
         let Some((&right, rest)) = operand.split_first() else {
-            // GNU: `, ## __VA_ARGS__` without arguments takes the comma away.
+            // GNU: `, ## __VA_ARGS__` without arguments removes the comma.
             if matches!(item.role, Role::Parameter(p) if found.is_rest(p))
                 && out.last().is_some_and(|last| self.text(*last) == ",")
             {
@@ -328,7 +328,7 @@ impl Preprocessor<'_> {
             out.push(self.made(whole.kind, &text, name.span, left.space));
         } else {
             out.extend([left, PToken { space: false, ..right }]);
-            // Two signs side by side are what `&&` is made of here: nothing to say.
+            // Two punctuation tokens may stay side by side, as in `&&`: no warning.
             let signs = [left, right].iter().all(|token| token.kind == Kind::Punctuation);
             let rest = matches!(item.role, Role::Parameter(p) if found.is_rest(p));
             if !signs && !rest {
@@ -342,7 +342,7 @@ impl Preprocessor<'_> {
         out.extend(rest);
     }
 
-    /// A token that stands in no file.
+    /// Makes a token that is in no file.
     pub(super) fn made(&mut self, kind: Kind, text: &str, span: Span, space: bool) -> PToken {
         let text: Text = self.scratch(text);
         PToken { kind, text, space, ..end_token(span) }.not_first()
@@ -362,7 +362,7 @@ impl Preprocessor<'_> {
 }
 
 enum Arguments {
-    /// No `(` follows: the name stands for itself.
+    /// No `(` follows: the name is not a use of the macro.
     NoUse,
     /// Reported already.
     Unusable,
@@ -383,7 +383,7 @@ impl PToken {
     }
 }
 
-/// The same tokens, the first with the given space before it.
+/// The same tokens; `space` says whether the first has a space before it.
 fn spaced(tokens: &[PToken], space: bool) -> Vec<PToken> {
     let mut tokens = tokens.to_vec();
     if let Some(first) = tokens.first_mut() {

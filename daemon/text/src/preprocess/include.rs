@@ -1,4 +1,4 @@
-//! Opening and closing files: inputs and `#include` (genom3.md 1.2).
+//! Opening and closing of files: inputs and `#include` (genom3.md 1.2).
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use crate::source::Span;
 use crate::source::{Encoding, Loaded};
 
 impl Preprocessor<'_> {
-    /// `#include`, with `line` what follows the word.
+    /// `#include`; `line` is what follows the word.
     pub(super) fn include(&mut self, directive: PToken, line: &[PToken]) {
         let Some((name, quoted, span)) = self.include_name(directive, line) else { return };
         let Some(path) = self.search(&name, quoted) else {
@@ -31,7 +31,7 @@ impl Preprocessor<'_> {
         self.open_file(&path, Some(span));
     }
 
-    /// The name between quotes or angles, expanding macros if it is neither at first.
+    /// The name between quotes or angle brackets; macros are expanded if it begins with neither.
     fn include_name(&mut self, directive: PToken, line: &[PToken]) -> Option<(String, bool, Span)> {
         let mut expanded = Vec::new();
         let direct = |first: Option<&PToken>, this: &Self| {
@@ -78,7 +78,8 @@ impl Preprocessor<'_> {
         None
     }
 
-    /// `"f"`: beside the including file, then as `<f>`; `<f>`: the include path in order.
+    /// Finds a file: `"f"` beside the including file, then as `<f>`; `<f>` on the include path in
+    /// order.
     fn search(&self, name: &str, quoted: bool) -> Option<PathBuf> {
         let absolute = Path::new(name).is_absolute().then(|| PathBuf::from(name));
         let beside = self.open.last().filter(|_| quoted).map(|open| {
@@ -193,7 +194,8 @@ impl Preprocessor<'_> {
         }
     }
 
-    /// An input that cannot be read still is a file, so that the message has a place.
+    /// Reports an input that cannot be read. It is added as an empty file, so that the message has
+    /// a position.
     fn unreadable(&mut self, path: &Path, from: Option<Span>, code: &'static str, message: String) {
         let span = from.unwrap_or_else(|| {
             let file = self.sources.add(path.to_owned(), &Loaded::new(Vec::new()), None);

@@ -12,7 +12,7 @@ pub(super) struct Macro {
     pub(super) shape: Shape,
     pub(super) body: Vec<Item>,
     pub(super) span: Span,
-    /// Its expansion is being read: its name is not expanded again (C99 6.10.3.4).
+    /// Its expansion is being read: the name is not expanded again (C99 6.10.3.4).
     pub(super) busy: Cell<bool>,
 }
 
@@ -31,7 +31,7 @@ pub(super) enum Shape {
     Line,
 }
 
-/// A token of a macro's body.
+/// A token of a macro's body, with what is to be done with it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Item {
     pub(super) token: PToken,
@@ -45,6 +45,6 @@ pub(super) enum Role {
     Parameter(usize),
     /// `#` before the parameter at this rank.
     Stringize(usize),
-    /// `##` between two others.
+    /// `##` between two other tokens.
     Paste,
 }

@@ -1,7 +1,7 @@
 //! The preprocessor (genom3.md 1): from files to tokens, in one pass.
 //!
-//! Tokens go straight from a file or a macro to the lexer; there is no preprocessed text.
-//! Everything is bounded: depth and number of includes, depth and size of expansions.
+//! Tokens go directly from a file or a macro to the lexer; there is no preprocessed text. Depth and
+//! number of includes, and depth and size of expansions, are limited.
 
 mod builtin;
 mod condition;
@@ -31,8 +31,8 @@ use state::{Preprocessor, end_token, slice};
 
 /// Reads input files, in order, as one translation unit.
 ///
-/// Files and include chains are added to `sources`. The tokens always end with one
-/// [`TokenKind::End`](crate::token::TokenKind::End), whatever happened.
+/// Files and include chains are added to `sources`. The tokens end with exactly one
+/// [`TokenKind::End`](crate::token::TokenKind::End), also after errors.
 pub fn tokenize(
     inputs: &[PathBuf],
     options: &Options,
@@ -47,22 +47,22 @@ pub fn tokenize(
     preprocessor.finish()
 }
 
-/// Reads one text held in memory, without includes from the disk.
+/// Reads one text held in memory; it cannot include files from the disk.
 pub fn tokenize_text(name: &str, text: &str, sources: &mut SourceMap) -> (Vec<Token>, Diagnostics) {
     let mut files = Memory::new();
     files.insert(name, text);
     tokenize(&[PathBuf::from(name)], &Options::default(), &files, sources)
 }
 
-/// Files open at once: more means that they include each other for ever.
+/// Files open at once: more means that they include each other endlessly.
 const MAX_INCLUDE_DEPTH: usize = 64;
-/// Files opened in all.
+/// Files opened, in all.
 const MAX_INCLUDES: usize = 65_536;
-/// Bytes of different files, held while they are read.
+/// Bytes of the distinct files, which are all held while reading.
 const MAX_LOADED: usize = crate::source::LARGEST;
-/// Bytes read in all, those of a file as often as it is included.
+/// Bytes read in all; a file counts each time it is included.
 const MAX_BYTES: usize = 1 << 28;
-/// Bytes of the paths of included files.
+/// Bytes of the paths of included files, in all.
 const MAX_PATHS: usize = 1 << 24;
 
 impl Preprocessor<'_> {
@@ -74,7 +74,7 @@ impl Preprocessor<'_> {
         self.drain();
     }
 
-    /// Hands everything that can be read to the lexer.
+    /// Passes everything that can be read to the lexer.
     fn drain(&mut self) {
         loop {
             let token = self.expanded();
@@ -97,7 +97,7 @@ impl Preprocessor<'_> {
         (tokens, std::mem::take(&mut self.diagnostics))
     }
 
-    /// The end of the last input file: where something is missing at the end.
+    /// The end of the last input file: the position of errors about something missing at the end.
     fn end_of_inputs(&self) -> Span {
         let inputs = self.sources.files().filter(|(_, file)| !file.is_synthetic());
         let last = inputs.filter(|(_, file)| file.included_from().is_none()).last();
@@ -107,7 +107,7 @@ impl Preprocessor<'_> {
         })
     }
 
-    /// The next token with macros not yet expanded, directives obeyed.
+    /// The next token before macro expansion; directives on the way are executed.
     fn raw(&mut self) -> PToken {
         while let Some(context) = self.contexts.last_mut() {
             if self.fatal {
@@ -142,7 +142,7 @@ impl Preprocessor<'_> {
                 Kind::Punctuation if token.first && self.text(token) == "#" => {
                     self.directive(token);
                 }
-                // GenoM3 passes over such a line, as over a directive that it does not know.
+                // GenoM3 ignores such a line, as it does unknown directives.
                 Kind::Punctuation if token.first && self.text(token) == "##" => {
                     self.pass_over(token);
                 }

@@ -1,4 +1,4 @@
-//! What the command line or a configuration says about reading.
+//! Options of reading, from the command line or a configuration.
 
 use std::path::PathBuf;
 
@@ -9,6 +9,6 @@ pub struct Options {
     pub include_dirs: Vec<PathBuf>,
     /// `-D` definitions, `NAME` or `NAME=VALUE`, in order.
     pub defines: Vec<String>,
-    /// The program that answers `#pragma requires`; by default `$PKG_CONFIG`, else `pkg-config`.
+    /// The program to run for `#pragma requires`; by default `$PKG_CONFIG`, else `pkg-config`.
     pub pkg_config: Option<PathBuf>,
 }

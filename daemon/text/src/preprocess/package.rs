@@ -1,4 +1,4 @@
-//! `#pragma requires` on the preprocessor's side: asking pkg-config for include directories.
+//! `#pragma requires` in the preprocessor: asks pkg-config for include directories.
 
 use std::io;
 use std::path::PathBuf;
@@ -11,25 +11,25 @@ use crate::source::Span;
 /// Why a package was not found.
 #[derive(Debug, thiserror::Error)]
 enum PkgConfigError {
-    /// The first line of what pkg-config says.
+    /// pkg-config failed; the first line of its message.
     #[error("{0}")]
     Said(String),
-    /// It refuses without a word.
+    /// pkg-config failed without a message.
     #[error("{} says no more", program.display())]
     Silent { program: PathBuf },
-    /// There is no pkg-config.
+    /// There is no pkg-config program.
     #[error("there is no program `{}` to find it", program.display())]
     Absent { program: PathBuf },
-    /// It cannot be run.
+    /// The program cannot be run.
     #[error("cannot run `{}`: {source}", program.display())]
     Unusable { program: PathBuf, source: io::Error },
 }
 
-/// Packages in one pragma (genom3.md 1.3).
+/// Most packages in one pragma (genom3.md 1.3).
 const MAX_PACKAGES: usize = 8;
 
 impl Preprocessor<'_> {
-    /// Adds the include directories and definitions of packages, from here on.
+    /// Adds the include directories and definitions of packages for the text that follows.
     pub(super) fn require(&mut self, packages: &[(Box<str>, Span)], pragma: Span) {
         if packages.is_empty() || packages.len() > MAX_PACKAGES {
             let message = format!(
@@ -53,7 +53,7 @@ impl Preprocessor<'_> {
         }
     }
 
-    /// Never through a shell: a description must not be able to run anything else.
+    /// Runs pkg-config. Never through a shell: a description must not be able to run anything else.
     fn ask(&self, packages: &[(Box<str>, Span)]) -> Result<String, PkgConfigError> {
         let program = self.options.pkg_config.clone().unwrap_or_else(|| {
             let given = std::env::var_os("PKG_CONFIG").filter(|value| !value.is_empty());
@@ -107,7 +107,7 @@ impl Preprocessor<'_> {
         self.read_synthetic("<pkg-config>", &defines);
     }
 
-    /// Refused as by GenoM3, unless `-I` says where the files of the packages are.
+    /// Reports missing packages, as an error like GenoM3, unless `-I` says where their files are.
     fn missing(&mut self, packages: &[(Box<str>, Span)], why: &PkgConfigError) {
         let names: Vec<_> = packages.iter().map(|(name, _)| format!("`{name}`")).collect();
         let span = packages.first().map_or(Span::default(), |(_, span)| *span);
@@ -123,7 +123,7 @@ impl Preprocessor<'_> {
     }
 }
 
-/// Words of pkg-config's output: blanks separate, quotes and backslashes protect.
+/// Splits pkg-config's output into words, as a shell would: at blanks, with quotes and backslashes.
 fn split(flags: &str) -> Vec<String> {
     let mut words = Vec::new();
     let mut word: Option<String> = None;

@@ -12,7 +12,7 @@ use crate::token::Pragma;
 type Words = Vec<(Box<str>, Span)>;
 
 impl Preprocessor<'_> {
-    /// `#pragma`, with `line` what follows the word.
+    /// `#pragma`; `line` is what follows the word.
     pub(super) fn pragma(&mut self, directive: PToken, line: &[PToken]) {
         let mut words = self.words(line);
         if words.is_empty() {
@@ -32,7 +32,7 @@ impl Preprocessor<'_> {
                     self.once.insert(open.identity.clone());
                 }
             }
-            // Other pragmas are for other tools.
+            // Unknown pragmas are for other tools.
             _ => {}
         }
     }
@@ -68,7 +68,7 @@ impl Preprocessor<'_> {
         self.pragma(operator, &line);
     }
 
-    /// Words between blanks; a string is a word of its own.
+    /// The words of a pragma, separated by blanks; a string is one word.
     fn words(&self, line: &[PToken]) -> Words {
         let mut words: Vec<(String, Span, bool)> = Vec::new();
         for token in line {

@@ -1,29 +1,30 @@
-//! How much a text may become: files, macros and the tokens they make are counted, so that no
-//! text takes memory that is out of proportion to it (`docs/language.md` names the limits).
+//! Limits on what a text may expand to. Files, macros and the tokens they make are counted, so that
+//! memory stays in proportion to the text (`docs/language.md` lists the limits).
 
 use super::macros::Macro;
 use super::{PToken, Preprocessor};
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 
-/// Tokens that macros may make in one run: far above those of real descriptions.
+/// Tokens that macros may make in all: far more than in real descriptions.
 pub(super) const MAX_EXPANDED: usize = 1 << 20;
-/// Bytes of text that macros may make: `#` and `##` double them at each level, and a long text
-/// may be used often.
+/// Bytes of text that macros may make: `#` and `##` can double a text at each level, and a long
+/// text can be used many times.
 const MAX_EXPANDED_BYTES: usize = 1 << 24;
 /// Tokens in one directive.
 const MAX_LINE: usize = 1 << 18;
 /// Tokens that the definitions of macros may hold.
 const MAX_DEFINED: usize = 1 << 20;
-/// What a macro takes besides its tokens, in tokens.
+/// What a macro costs besides its tokens, counted as tokens.
 const MACRO: usize = 8;
-/// Tokens that are left for the parser, in all.
+/// Tokens passed to the parser, in all.
 const MAX_TOKENS: usize = 1 << 20;
-/// Bytes of text in those tokens.
+/// Bytes of text of those tokens.
 const MAX_TEXT: usize = 1 << 25;
 
 impl Preprocessor<'_> {
-    /// Counts what a use of a macro makes, before it is made; false when that is too much.
+    /// Counts what a use of a macro will make, before it is made; false when that exceeds the
+    /// limit.
     pub(super) fn count_expanded(
         &mut self,
         name: PToken,
@@ -53,7 +54,7 @@ impl Preprocessor<'_> {
         false
     }
 
-    /// Counts tokens that stay in a list of macros' tokens, with their text.
+    /// Counts tokens that are added to a list of macro tokens, with their text.
     pub(super) fn count_tokens(&mut self, name: PToken, found: &Macro, tokens: &[PToken]) -> bool {
         let bytes = tokens.iter().map(|token| token.length()).sum();
         self.count_expanded(name, found, tokens.len(), bytes)
@@ -73,7 +74,7 @@ impl Preprocessor<'_> {
         fits
     }
 
-    /// Counts a token of a directive that has `before` already.
+    /// Counts a token of a directive that already has `before` tokens.
     pub(super) fn count_line(&mut self, before: usize, token: PToken) -> bool {
         let fits = before < MAX_LINE;
         if !fits {
@@ -83,7 +84,7 @@ impl Preprocessor<'_> {
         fits
     }
 
-    /// Counts a token that goes to the lexer.
+    /// Counts a token that is passed to the lexer.
     pub(super) fn count_text(&mut self, token: PToken) -> bool {
         self.made.text += token.length();
         let message = if self.lexer.len() >= MAX_TOKENS {

@@ -1,7 +1,7 @@
-//! Cuts the logical text of one file into preprocessing tokens.
+//! Splits the logical text of one file into preprocessing tokens.
 //!
-//! It knows comments, literals and lines. It knows no macro and no directive: the caller says
-//! when it is inside a directive, where the end of the line counts and strings end with it.
+//! It handles comments, literals and lines, but no macros or directives: the caller says when it is
+//! inside a directive, where the line end is a token and ends strings.
 
 use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::ptoken::{Kind, PToken, Text};
@@ -15,13 +15,13 @@ pub(crate) struct Scanner {
     buffer: u32,
     at: usize,
     first: bool,
-    /// Inside a directive: line ends are tokens, literals end with the line.
+    /// Inside a directive: line ends are tokens, and literals end with the line.
     pub(crate) directive: bool,
     /// Inside a skipped group or a message: no errors are reported.
     pub(crate) quiet: bool,
-    /// The first string that went over a line end: where a forgotten quote is likely to be.
+    /// The first string that crossed a line end: the likely place of a forgotten quote.
     long_string: Option<Span>,
-    /// A string was never closed: from there on strings end with their line.
+    /// A string was never closed: from then on strings end with their line.
     unclosed: bool,
 }
 
@@ -81,7 +81,7 @@ impl Scanner {
     fn span(&self, start: usize, end: usize) -> Span {
         let first = self.source.original(offset(start));
         let last = if end > start {
-            // A joined line after the token is not part of it.
+            // A joined line directly after the token is not part of it.
             self.source.original(offset(end - 1)) + 1
         } else {
             first
@@ -89,7 +89,7 @@ impl Scanner {
         Span { file: self.file, start: first, end: last }
     }
 
-    /// Passes blanks and comments; line ends too, outside directives.
+    /// Skips blanks and comments, and outside directives also line ends.
     fn skip_blanks(&mut self, diagnostics: &mut Diagnostics) -> bool {
         let begin = self.at;
         loop {
@@ -118,7 +118,7 @@ impl Scanner {
             self.at = body + length + 2;
             return;
         }
-        // An intended difference: GenoM3's preprocessor swallows the rest silently.
+        // An intended difference: GenoM3's preprocessor drops the rest silently.
         let span = self.span(self.at, body);
         self.at = self.source.text.len();
         if !self.quiet {
@@ -148,8 +148,8 @@ impl Scanner {
         Kind::Number
     }
 
-    /// A string may hold line ends outside directives. A backslash takes the next character
-    /// with it, so `"foo\\"` ends at its last quote (an intended difference: genom3.md 2.1).
+    /// Reads a string, which may contain line ends outside directives. A backslash escapes the next
+    /// character, so `"foo\\"` ends at its last quote (an intended difference: genom3.md 2.1).
     fn string(&mut self, diagnostics: &mut Diagnostics) -> Kind {
         let start = self.at;
         let one_line = self.directive || self.unclosed;
@@ -177,7 +177,7 @@ impl Scanner {
                 None => break,
             }
         }
-        // Never closed: go on after the line where it began.
+        // Never closed: continue after the line where it began.
         self.at = self.boundary(line_end.unwrap_or(self.source.text.len()));
         self.unclosed |= !self.directive;
         if !self.quiet {
@@ -219,7 +219,7 @@ impl Scanner {
                 .help("write a character as `'x'` and a text as `\"text\"`"),
             );
         }
-        // The quote alone is dropped: what follows may well be sound.
+        // Only the quote is dropped: what follows may be valid.
         self.at = start + 1;
         Kind::Char
     }
@@ -255,11 +255,12 @@ fn offset(at: usize) -> u32 {
     u32::try_from(at).unwrap_or(u32::MAX)
 }
 
-/// Bytes of the punctuation that a text begins with: one character, or two that are one sign.
+/// Length in bytes of the punctuation at the beginning of a text: one character, or two that form
+/// one token.
 #[must_use]
 pub fn sign_length(rest: &str) -> usize {
     match rest.as_bytes() {
-        // As in C++11: `<::` is `<` and `::` unless a digraph is really meant.
+        // As in C++11, `<::` is `<` and `::` unless `:` or `>` follows, where `<:` is a digraph.
         [b'<', b':', b':', after, ..] if !matches!(after, b':' | b'>') => 1,
         [b':', b':', ..]
         | [b'<', b'<' | b'%' | b':', ..]

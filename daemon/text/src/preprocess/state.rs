@@ -1,4 +1,4 @@
-//! What the preprocessor knows while it reads.
+//! State of the preprocessor.
 
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
@@ -13,41 +13,41 @@ use crate::lex::Lexer;
 use crate::ptoken::{Kind, PToken, Text};
 use crate::source::{Files, Loaded, SourceMap, Span};
 
-/// Reads files, from the first byte of the first to the last token.
+/// Reads the input files one after the other, and makes all their tokens.
 pub(super) struct Preprocessor<'a> {
     pub(super) options: &'a Options,
     pub(super) files: &'a dyn Files,
     pub(super) sources: &'a mut SourceMap,
     pub(super) diagnostics: Diagnostics,
     pub(super) lexer: Lexer,
-    /// Texts that tokens point into: those of files, and those made by `#` and `##`.
+    /// Texts that tokens refer to: those of files, and those made by `#` and `##`.
     pub(super) buffers: Vec<Arc<str>>,
     /// Files being read, innermost last.
     pub(super) open: Vec<Open>,
-    /// Tokens to read before the file's, innermost last.
+    /// Tokens to be read before those of the file, innermost last.
     pub(super) contexts: Vec<Context>,
     pub(super) macros: HashMap<Box<str>, Rc<Macro>>,
-    /// First bytes of the names of macros: most identifiers are no macro and need no look-up.
+    /// First bytes of the names of macros: most identifiers are no macro and skip the look-up.
     pub(super) initials: [bool; 256],
     /// `-I`, then what `#pragma requires` adds.
     pub(super) include_dirs: Vec<PathBuf>,
-    /// Texts of files read, by identity, with their buffer.
+    /// Texts of the files read, by file identity, each with its buffer.
     pub(super) loaded: HashMap<PathBuf, (Loaded, u32)>,
-    /// Files that said `#pragma once`.
+    /// Files with `#pragma once`.
     pub(super) once: HashSet<PathBuf>,
     pub(super) includes: usize,
     pub(super) bytes: usize,
-    /// Bytes of different files.
+    /// Bytes of the distinct files.
     pub(super) held: usize,
-    /// Bytes of paths.
+    /// Bytes of the paths of included files.
     pub(super) paths: usize,
-    /// What was made of the text so far.
+    /// Counts of what was made of the text so far.
     pub(super) made: Made,
-    /// Arguments being expanded inside arguments.
+    /// Depth of arguments being expanded inside arguments.
     pub(super) nesting: usize,
-    /// While looking for a macro's arguments: the file that must not be left.
+    /// While a macro's arguments are read: the file that must not be left.
     pub(super) keep_open: usize,
-    /// Reading was abandoned: only `End` comes from here on.
+    /// Reading was abandoned: only `End` follows.
     pub(super) fatal: bool,
 }
 
@@ -62,19 +62,19 @@ pub(super) struct Open {
 /// An open `#if`, `#ifdef` or `#ifndef`.
 pub(super) struct Conditional {
     pub(super) span: Span,
-    /// One of its groups was read: the next ones are skipped.
+    /// One of its groups was read: later ones are skipped.
     pub(super) taken: bool,
     /// `#else` was seen.
     pub(super) last: Option<Span>,
 }
 
-/// Tokens to read before anything else.
+/// Tokens to be read before anything else.
 pub(super) struct Context {
     pub(super) tokens: Vec<PToken>,
     pub(super) at: usize,
     /// The macro whose expansion this is.
     pub(super) of: Option<Rc<Macro>>,
-    /// Reading stops at its end.
+    /// Reading stops at its end, for an argument that is expanded on its own.
     pub(super) barrier: bool,
 }
 
@@ -86,7 +86,7 @@ impl Context {
     }
 }
 
-/// How much was made so far, see `room`.
+/// Counts for the limits of `room`.
 #[derive(Debug, Default)]
 pub(super) struct Made {
     /// Tokens that macros made, or took as arguments.
@@ -134,14 +134,14 @@ impl<'a> Preprocessor<'a> {
         self.buffers.get(token.text.buffer as usize).map_or("", |buffer| slice(buffer, token.text))
     }
 
-    /// Adds a text that is in no file.
+    /// Adds a buffer with a text that is in no file.
     pub(super) fn scratch(&mut self, text: &str) -> Text {
         let buffer = u32::try_from(self.buffers.len()).unwrap_or(u32::MAX);
         self.buffers.push(text.into());
         Text { buffer, start: 0, end: u32::try_from(text.len()).unwrap_or(u32::MAX) }
     }
 
-    /// Says an error after which going on would only make noise, and stops reading.
+    /// Reports an error after which others would only be its consequences, and stops reading.
     pub(super) fn abandon(&mut self, diagnostic: Diagnostic) {
         self.diagnostics.push(diagnostic);
         self.fatal = true;
@@ -149,12 +149,12 @@ impl<'a> Preprocessor<'a> {
     }
 }
 
-/// The part of a buffer that a token is.
+/// The text of a token in its buffer.
 pub(super) fn slice(buffer: &str, text: Text) -> &str {
     buffer.get(text.start as usize..text.end as usize).unwrap_or_default()
 }
 
-/// Stands for the end of what is read.
+/// The token at the end of what is read.
 pub(super) fn end_token(span: Span) -> PToken {
     PToken {
         kind: Kind::End,

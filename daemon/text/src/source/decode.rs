@@ -1,11 +1,11 @@
 //! From bytes to the text that is lexed.
 //!
-//! First the encoding, then what C calls translation phases 1 and 2: trigraphs and joined
-//! lines. Both keep the way back to the original bytes.
+//! First the encoding, then translation phases 1 and 2 of C: trigraphs and joined lines. Both can
+//! map offsets back to the original bytes.
 
 use std::sync::Arc;
 
-/// How the bytes of a file became text.
+/// Encoding of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// The file is UTF-8.
@@ -15,7 +15,7 @@ pub enum Encoding {
 }
 
 impl Encoding {
-    /// The bytes that a text had in its file.
+    /// The bytes of a text in a file of this encoding.
     #[must_use]
     pub fn encode(self, text: &str) -> Vec<u8> {
         match self {
@@ -44,11 +44,11 @@ pub fn decode(bytes: Vec<u8>) -> (Arc<str>, Encoding) {
     }
 }
 
-/// A text with trigraphs replaced and continued lines joined, and the way back.
+/// A text with trigraphs replaced and continued lines joined, which maps back to the original.
 #[derive(Clone, Debug)]
 pub(crate) struct Logical {
     pub(crate) text: Arc<str>,
-    /// (offset here, offset in the file) of each stretch after a change.
+    /// (offset here, offset in the file) after each change.
     shifts: Arc<[(u32, u32)]>,
 }
 
@@ -81,7 +81,7 @@ impl Logical {
         Self { text: text.into(), shifts: shifts.into() }
     }
 
-    /// The offset in the file of an offset in the logical text.
+    /// Maps an offset in the logical text to one in the file.
     pub(crate) fn original(&self, at: u32) -> u32 {
         let before = self.shifts.partition_point(|(here, _)| *here <= at);
         match before.checked_sub(1).and_then(|last| self.shifts.get(last)) {
@@ -91,12 +91,12 @@ impl Logical {
     }
 }
 
-/// What must be replaced at the beginning of `rest`: its length and the replacement.
+/// The replacement due at the beginning of `rest`: length of the original, and new text.
 fn change_at(rest: &[u8]) -> Option<(usize, &'static str)> {
     match rest {
         [b'\\', b'\n', ..] => Some((2, "")),
         [b'\\', b'\r', b'\n', ..] => Some((3, "")),
-        // A trigraph backslash may itself join lines.
+        // A backslash written as a trigraph may itself join lines.
         [b'?', b'?', b'/', b'\n', ..] => Some((4, "")),
         [b'?', b'?', b'/', b'\r', b'\n', ..] => Some((5, "")),
         [b'?', b'?', third, ..] => trigraph(*third).map(|replacement| (3, replacement)),

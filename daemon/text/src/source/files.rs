@@ -6,7 +6,7 @@ use std::io::{self, Read as _};
 use std::os::unix::fs::FileTypeExt as _;
 use std::path::{Path, PathBuf};
 
-/// Where the text of files comes from.
+/// Source of the text of files.
 pub trait Files {
     /// Whether `path` names something that [`Files::read`] may read.
     fn is_file(&self, path: &Path) -> bool;
@@ -14,16 +14,16 @@ pub trait Files {
     /// The whole content of a file.
     ///
     /// # Errors
-    /// What the system says when the file is missing, a directory or unreadable.
+    /// The error of the system when the file is missing, a directory or unreadable.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>>;
 
-    /// One name for all the ways to reach a file; `path` itself when there is no better one.
+    /// A canonical path, equal for all paths to the same file; `path` itself when there is none.
     fn identity(&self, path: &Path) -> PathBuf {
         path.to_owned()
     }
 }
 
-/// Bytes of the largest file that is read: no description comes near.
+/// Bytes of the largest file that is read: far more than any real description.
 pub(crate) const LARGEST: usize = 1 << 24;
 
 /// The file system.
@@ -35,11 +35,11 @@ impl Files for Disk {
         path.is_file()
     }
 
-    /// Refuses what is no file, for it may have no end, and files larger than 16 MiB.
+    /// Refuses what is no regular file, since it may have no end, and files larger than 16 MiB.
     fn read(&self, path: &Path) -> io::Result<Vec<u8>> {
         check_file(path)?;
         let mut bytes = Vec::new();
-        // One byte more than may be there shows that there is more.
+        // Reading one byte more than the limit shows that the file is too large.
         File::open(path)?.take(LARGEST as u64 + 1).read_to_end(&mut bytes)?;
         if bytes.len() > LARGEST {
             let message = format!("it is larger than {} MiB", LARGEST >> 20);
@@ -53,10 +53,10 @@ impl Files for Disk {
     }
 }
 
-/// Whether a path leads to a file.
+/// Checks that a path leads to a regular file.
 ///
 /// # Errors
-/// What the system says, or what is there instead: a directory, a FIFO, a socket, a device.
+/// The error of the system, or what is there instead: a directory, a FIFO, a socket, a device.
 pub fn check_file(path: &Path) -> io::Result<()> {
     match no_file(fs::metadata(path)?.file_type()) {
         None => Ok(()),
@@ -66,7 +66,7 @@ pub fn check_file(path: &Path) -> io::Result<()> {
     }
 }
 
-/// What something is that is no file.
+/// What something is that is not a regular file; `None` for one that is.
 fn no_file(kind: FileType) -> Option<&'static str> {
     if kind.is_file() {
         None
@@ -81,9 +81,9 @@ fn no_file(kind: FileType) -> Option<&'static str> {
     }
 }
 
-/// Texts in memory, over the disk or over nothing.
+/// Texts in memory, with or without the disk behind them.
 ///
-/// An editor puts its unsaved buffers here; a test puts everything here.
+/// An editor puts its unsaved buffers here; a test puts all its files here.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
     texts: BTreeMap<PathBuf, Vec<u8>>,
@@ -91,13 +91,13 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// No file at all.
+    /// Without any file, and without the disk.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The disk's files, until [`Memory::insert`] hides some.
+    /// The files of the disk; [`Memory::insert`] hides some.
     #[must_use]
     pub fn over_disk() -> Self {
         Self { texts: BTreeMap::new(), disk: true }
@@ -108,12 +108,12 @@ impl Memory {
         self.texts.insert(path.into(), text.into());
     }
 
-    /// Gives the place back to the disk.
+    /// Removes a text; the file on the disk is visible again.
     pub fn remove(&mut self, path: &Path) {
         self.texts.remove(path);
     }
 
-    /// `a/./b/../c` and `a/c` are one name: no link can stand in between in memory.
+    /// `a/./b/../c` and `a/c` are one file: in memory there are no symbolic links.
     fn find(&self, path: &Path) -> Option<&Vec<u8>> {
         self.texts.get(path).or_else(|| self.texts.get(&tidy(path)))
     }
@@ -137,7 +137,7 @@ impl Files for Memory {
     }
 }
 
-/// Without `.` and `..`: two spellings of a path are one file.
+/// The path without `.` and `..`, so that different spellings of a path are equal.
 #[must_use]
 pub fn tidy(path: &Path) -> PathBuf {
     use std::path::Component;

@@ -1,6 +1,7 @@
-//! Where the text comes from: every file read, how it was reached, and where a byte stands.
+//! Every file read, how it was included, and the line and column of each byte.
 //!
-//! A file included twice is two entries: each has its own include chain. Texts are shared.
+//! A file that is included twice has two entries, each with its own include chain; they share the
+//! text.
 
 mod decode;
 mod files;
@@ -17,11 +18,11 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// All the text of a specification, by file rank.
+/// All files of a specification, by index.
 #[derive(Debug, Default)]
 pub struct SourceMap {
     files: Vec<SourceFile>,
-    /// Macros used in a file itself, by place of use.
+    /// Macros used directly in a file, by the position of the use.
     expansions: HashMap<Span, Expansion>,
 }
 
@@ -37,7 +38,7 @@ pub struct SourceFile {
     synthetic: bool,
 }
 
-/// The text of a file, made once however often the file is included.
+/// The text of a file, shared by all its inclusions.
 #[derive(Clone, Debug)]
 pub(crate) struct Loaded {
     pub(crate) text: Arc<str>,
@@ -55,7 +56,7 @@ impl Loaded {
     }
 }
 
-/// What `#line` said, from some byte on.
+/// A `#line` directive, effective from a byte offset on.
 #[derive(Clone, Debug)]
 struct LineMark {
     offset: u32,
@@ -63,7 +64,7 @@ struct LineMark {
     name: Option<PathBuf>,
 }
 
-/// A macro that produced the tokens at some place.
+/// The macro that made the tokens at a position.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Expansion {
     /// Name of the macro.
@@ -72,10 +73,10 @@ pub struct Expansion {
     pub definition: Span,
 }
 
-/// A place as people say it.
+/// A position as it is shown to people.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Location<'a> {
-    /// Path of the file, as it was reached or as `#line` said.
+    /// Path of the file, as it was reached or as `#line` gave it.
     pub path: &'a Path,
     /// Line, from 1.
     pub line: u32,
@@ -98,24 +99,24 @@ impl SourceMap {
         Self::default()
     }
 
-    /// The file at a rank; `None` for a span of another map.
+    /// The file with an index; `None` for a span of another map.
     #[must_use]
     pub fn file(&self, rank: u32) -> Option<&SourceFile> {
         self.files.get(rank as usize)
     }
 
-    /// Every occurrence of a file, with its rank.
+    /// Every occurrence of a file, with its index.
     pub fn files(&self) -> impl Iterator<Item = (u32, &SourceFile)> {
         (0u32..).zip(&self.files)
     }
 
-    /// Where a span begins.
+    /// Where a span begins, `#line` applied.
     #[must_use]
     pub fn location(&self, span: Span) -> Location<'_> {
         self.place(span.file, span.start)
     }
 
-    /// Where a span ends (one past its last character).
+    /// Where a span ends (one past its last character), `#line` applied.
     #[must_use]
     pub fn end_location(&self, span: Span) -> Location<'_> {
         self.place(span.file, span.end)
@@ -129,13 +130,13 @@ impl SourceMap {
             .unwrap_or_default()
     }
 
-    /// The places of `#include` that lead to the file of `span`, innermost first.
+    /// Positions of the `#include`s that lead to the file of `span`, innermost first.
     pub fn include_chain(&self, span: Span) -> impl Iterator<Item = Span> {
         let from = |span: &Span| self.file(span.file).and_then(|file| file.included_from);
         std::iter::successors(from(&span), move |span| from(span))
     }
 
-    /// The macro that produced the tokens at exactly this place, if one did.
+    /// The macro that made the tokens at exactly this position, if one did.
     #[must_use]
     pub fn expansion(&self, span: Span) -> Option<&Expansion> {
         self.expansions.get(&span)
@@ -170,7 +171,7 @@ impl SourceMap {
         rank
     }
 
-    /// `#line`: from byte `offset` of a file, lines count from `line`.
+    /// Records a `#line`: from byte `offset` of a file, lines count from `line`.
     pub(crate) fn mark_line(&mut self, span: Span, line: u32, name: Option<PathBuf>) {
         if let Some(file) = self.files.get_mut(span.file as usize) {
             let name = name.or_else(|| file.marks.last().and_then(|mark| mark.name.clone()));
@@ -182,7 +183,7 @@ impl SourceMap {
         }
     }
 
-    /// Says that the files of this name are text of our own.
+    /// Marks the files of this name as text that is in no file of the user.
     pub fn mark_synthetic(&mut self, name: &str) {
         for file in self.files.iter_mut().filter(|file| file.path == Path::new(name)) {
             file.synthetic = true;
@@ -213,7 +214,7 @@ impl SourceMap {
 }
 
 impl SourceFile {
-    /// Path, as it was reached.
+    /// Path, as the file was reached.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -225,19 +226,19 @@ impl SourceFile {
         &self.text
     }
 
-    /// How the bytes of the file became text.
+    /// Encoding of the file on the disk.
     #[must_use]
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// The `#include` that reached it; `None` for an input file.
+    /// Position of the `#include` that opened it; `None` for an input file.
     #[must_use]
     pub fn included_from(&self) -> Option<Span> {
         self.included_from
     }
 
-    /// Whether it is no file but text of our own (predefined macros, `-D`).
+    /// Whether it is not a file of the user but generated text (predefined macros, `-D`).
     #[must_use]
     pub fn is_synthetic(&self) -> bool {
         self.synthetic
@@ -250,12 +251,12 @@ impl SourceFile {
         let start = self.lines.get(line - 1).copied().unwrap_or(0) as usize;
         let end = (offset as usize).min(self.text.len());
         let before = self.text.as_bytes().get(start..end).unwrap_or_default();
-        // Continuation bytes are not characters; a column past the end stays at the end.
+        // UTF-8 continuation bytes are not counted; a column past the end is that of the end.
         let column = 1 + before.iter().filter(|byte| **byte & 0xc0 != 0x80).count();
         (u32::try_from(line).unwrap_or(u32::MAX), u32::try_from(column).unwrap_or(u32::MAX))
     }
 
-    /// First byte of a line counted from 1; the end of the text past the last line.
+    /// Offset of the first byte of a line, counted from 1; the end of the text past the last line.
     #[must_use]
     pub fn line_start(&self, line: u32) -> u32 {
         let end = u32::try_from(self.text.len()).unwrap_or(u32::MAX);

@@ -1,9 +1,9 @@
-//! Places in the text.
+//! Positions in the text.
 
-/// A place in the source, resolved through the source map of its specification.
+/// A range of bytes in a file; the source map of its specification gives line and column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub struct Span {
-    /// File, by its rank in the source map.
+    /// Index of the file in the source map.
     pub file: u32,
     /// First byte.
     pub start: u32,
@@ -12,7 +12,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// From the start of this place to the end of `last`, if both are in one file.
+    /// From the start of this span to the end of `last`, if both are in one file; else this span.
     #[must_use]
     pub fn to(self, last: Span) -> Span {
         if self.file == last.file && last.end >= self.start {

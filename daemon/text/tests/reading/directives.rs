@@ -60,7 +60,7 @@ fn expressions_have_the_operators_of_c() {
     }
 }
 
-// As GenoM3's preprocessor reads it: up to the first point.
+// As GenoM3's preprocessor reads it: the part before the first point.
 #[test]
 fn the_version_of_genom_is_a_number_in_conditions() {
     for (condition, holds) in [

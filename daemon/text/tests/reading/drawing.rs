@@ -1,4 +1,4 @@
-//! Diagnostics as people and editors see them.
+//! Diagnostics as shown to people and editors.
 
 use expect_test::{Expect, expect};
 use genom_text::diagnostic::{Diagnostic, Rest, render};

@@ -1,4 +1,4 @@
-//! Inputs as they come: several, missing, directories, bytes that are no text.
+//! Input files: several, missing, directories, bytes that are not text.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Hostile inputs: no panic, no hang, no quadratic work; limits are errors that say so.
+//! Hostile inputs: no panic, no hang, no quadratic time; limits are reported as errors.
 
 use std::fmt::Write;
 use std::time::{Duration, Instant};
@@ -64,7 +64,7 @@ fn a_fan_of_includes_is_refused() {
     assert!(read.messages().ends_with("E0122 more than 65536 files are included\n"));
 }
 
-/// Time to read a text of `n` and of `8 n` pieces: far below 64 times as long.
+/// Compares the time for a text of `n` pieces with that for `8 n`: far below 64 times as long.
 #[track_caller]
 fn is_linear(what: &str, text: impl Fn(usize) -> String) {
     let time = |n| {
@@ -73,7 +73,7 @@ fn is_linear(what: &str, text: impl Fn(usize) -> String) {
         read(&[("a.gen", text.as_str())]);
         start.elapsed()
     };
-    // The quickest of some runs: other work on the machine can only add.
+    // The fastest of several runs: other work on the machine only adds time.
     let (mut short, mut long) = (time(2000), time(16_000));
     let linear = |short: Duration, long: Duration| long < short * 30 + Duration::from_millis(20);
     for _ in 0..10 {
@@ -103,7 +103,7 @@ fn reading_takes_linear_time() {
     is_linear("line marks", |n| "#line 3\nx\n".repeat(n));
 }
 
-/// Pieces that meet each other in odd ways.
+/// Pieces of text that interact in unusual ways.
 fn piece() -> impl Strategy<Value = String> {
     let fixed = prop::sample::select(vec![
         "#",

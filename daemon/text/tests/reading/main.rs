@@ -1,4 +1,4 @@
-//! Reading files: preprocessor and lexer, seen from outside.
+//! Reading files with preprocessor and lexer, through the public interface.
 
 mod directives;
 mod drawing;

@@ -8,7 +8,7 @@ use genom_text::preprocess::Options;
 
 use crate::support::read_with;
 
-/// A program that writes down its arguments and answers as told.
+/// A stand-in for pkg-config that records its arguments and gives a fixed answer.
 fn program(dir: &Path, answer: &str) -> PathBuf {
     let path = dir.join("pkg-config");
     let log = dir.join("log");

@@ -1,4 +1,4 @@
-//! Shared by the black-box tests: reading texts from memory and showing tokens shortly.
+//! Helpers of these tests: reading texts from memory, showing tokens briefly.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use genom_text::preprocess::{Options, tokenize};
 use genom_text::source::{Memory, SourceMap};
 use genom_text::token::{Pragma, Token, TokenKind};
 
-/// What reading some files gave.
+/// The result of reading some files.
 pub(crate) struct Read {
     pub(crate) tokens: Vec<Token>,
     pub(crate) diagnostics: Diagnostics,
@@ -31,7 +31,7 @@ pub(crate) fn read_with(texts: &[(&str, &str)], options: &Options) -> Read {
 }
 
 impl Read {
-    /// The tokens, one blank between them.
+    /// The tokens, separated by blanks.
     pub(crate) fn tokens(&self) -> String {
         let shown: Vec<_> = self.tokens.iter().map(|token| show(&token.kind)).collect();
         shown.join(" ").trim_end().to_owned()

@@ -1,4 +1,4 @@
-//! From CDR to C layout. The bytes come from strangers.
+//! Decodes CDR into C layout. The bytes are not trusted.
 
 use crate::cdr::error::{CdrError, CdrProblem};
 use crate::cdr::plan::plan;
@@ -7,13 +7,15 @@ use crate::graph::{Graph, Ix, Shape};
 use crate::layout::MAX_NESTING;
 use crate::memory::{Edit, elements, resize, set_text};
 
-/// Memory a message may ask for beyond [`PER_BYTE`]: empty elements are small on the wire.
+/// Bytes that decoding any message may allocate, in addition to [`PER_BYTE`]: empty strings and
+/// sequences take much less on the wire than in memory.
 const FREE_MEMORY: usize = 1 << 26;
 
-/// Memory each byte of a message may ask for.
+/// Bytes that decoding may allocate for each byte of the message.
 const PER_BYTE: usize = 64;
 
-/// Reads a value that starts at `from` in a payload, reusing its buffers. On error the value is a mixture.
+/// Reads a value that starts at `from` in a payload, reusing its buffers. On error the value is
+/// partly old, partly new.
 ///
 /// # Safety
 /// `at` holds a value of the node that nobody else uses meanwhile.
@@ -31,7 +33,7 @@ pub(crate) unsafe fn decode(
     unsafe { reader.value(ix, at, 0) }.map_err(|error| *error)
 }
 
-/// Boxed inside: a result is a word then, and steps return it in a register.
+/// The error is boxed so that a result is one word, returned in a register.
 type Decoded = Result<(), Box<CdrError>>;
 
 struct Reader<'a> {
@@ -39,7 +41,7 @@ struct Reader<'a> {
     payload: &'a [u8],
     at: usize,
     swap: bool,
-    /// Bytes of memory the message may still ask for.
+    /// Bytes that may still be allocated.
     budget: usize,
 }
 
@@ -49,7 +51,7 @@ impl<'a> Reader<'a> {
         Box::new(CdrError { ty: self.graph.node(ix).name.clone(), at: self.at, problem })
     }
 
-    /// The next bytes, from an alignment on.
+    /// Aligns, then takes the next `bytes` bytes.
     #[inline(always)]
     fn take(&mut self, ix: Ix, align: usize, bytes: usize) -> Result<&'a [u8], Box<CdrError>> {
         let start = self.at + (self.at.wrapping_neg() & (align - 1));
@@ -126,7 +128,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The length of a sequence of 0 or 1.
+    /// The length of a sequence of 0 or 1 elements, which stands for an optional.
     fn presence(&mut self, ix: Ix, align: usize) -> Result<bool, Box<CdrError>> {
         match self.word(ix, align)? {
             0 => Ok(false),
@@ -202,7 +204,7 @@ impl<'a> Reader<'a> {
         let length = self.word(step.ix, step.align)? as usize;
         let bytes = self.take(step.ix, 1, length)?;
         let text = match bytes {
-            // Some writers give an empty string no NUL.
+            // Some writers encode an empty string without its NUL.
             [] => bytes,
             [text @ .., 0] if !text.contains(&0) => text,
             _ => return Err(self.error(step.ix, CdrProblem::Nul)),
@@ -233,7 +235,7 @@ impl<'a> Reader<'a> {
         depth: usize,
     ) -> Decoded {
         let node = self.graph.node(element);
-        // Nothing is allocated for elements that the bytes left cannot hold.
+        // A length that the remaining bytes cannot hold is refused before anything is allocated.
         let left = self.payload.len() - self.at.min(self.payload.len());
         let most = (left / node.least_wire.max(1)).min(bound.unwrap_or(usize::MAX));
         if length > most {

@@ -1,4 +1,4 @@
-//! From C layout to CDR.
+//! Encodes values in C layout as CDR.
 
 use std::mem::MaybeUninit;
 
@@ -30,8 +30,9 @@ pub(crate) unsafe fn encode(
     Ok(())
 }
 
-/// Writes a payload into `out`, which has its [`size`](super::size) and [`SLACK`] bytes more
-/// that may be written as well; the payload's bytes. An error when it is larger than that.
+/// Writes a payload into `out`, which must hold its [`size`](super::size) and [`SLACK`] bytes more,
+/// all of which may be written; returns the size of the payload. An error when the payload turns
+/// out larger.
 ///
 /// # Safety
 /// As [`encode`].
@@ -53,19 +54,19 @@ pub(crate) unsafe fn encode_into(
     Ok(writer.length)
 }
 
-/// Bytes beyond a value's that encoding it may touch.
+/// Bytes after the encoded value that the encoder may overwrite.
 pub const SLACK: usize = 16;
 
-/// Boxed inside: a result is a word then, and steps return it in a register.
+/// The error is boxed so that a result is one word, returned in a register.
 type Encoded = Result<(), Box<CdrError>>;
 
-/// Where to go on when there is no room left.
+/// Provides memory when the encoder has no room left.
 trait More {
-    /// Memory that begins with the first `length` bytes written so far, with room for so many
-    /// more: where it lies and how large it is in all.
+    /// Returns memory that begins with the `length` bytes written so far and has room for `bytes`
+    /// more: its address and its whole size.
     ///
     /// # Safety
-    /// So many bytes were written to the memory there was.
+    /// `length` bytes were written to the previous memory.
     unsafe fn more(&mut self, length: usize, bytes: usize) -> (*mut u8, usize);
 }
 
@@ -81,8 +82,8 @@ impl More for Vec<u8> {
     }
 }
 
-/// Memory for a value that turns out larger than it was measured, which only a codel that changes
-/// it meanwhile brings about: encoding then ends in memory of its own, and as an error.
+/// Memory for a value that turns out larger than measured, which happens only when a codel changes
+/// it meanwhile: encoding then continues in a buffer of its own and ends as an error.
 struct Spill {
     from: *const u8,
     rest: Option<Vec<u8>>,
@@ -104,7 +105,7 @@ struct Writer<'a> {
     base: *mut u8,
     /// Bytes written at `base`.
     length: usize,
-    /// Bytes there are at `base`.
+    /// Size of the memory at `base`.
     room: usize,
     /// Where the payload starts: alignment counts from there.
     start: usize,
@@ -112,7 +113,7 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    /// Makes room for so many bytes; where they begin.
+    /// Makes room for `bytes` bytes; returns where they begin.
     #[inline(always)]
     fn end(&mut self, bytes: usize) -> *mut u8 {
         if self.room - self.length < bytes {
@@ -135,7 +136,8 @@ impl<'a> Writer<'a> {
     #[inline(always)]
     unsafe fn put(&mut self, align: usize, from: *const u8, bytes: usize) {
         let pad = (self.length - self.start).wrapping_neg() & (align - 1);
-        // Eight bytes are always written as padding and overwritten by what follows: no branch.
+        // Padding is always written as eight zero bytes, of which data overwrites the excess: no
+        // branch.
         let end = self.end(bytes + SLACK);
         // SAFETY: there is room for the padding (at most 7 of the 8 bytes count) and the bytes.
         unsafe {
@@ -239,7 +241,7 @@ impl<'a> Writer<'a> {
     /// # Safety
     /// `count` booleans lie at `at`.
     unsafe fn booleans(&mut self, at: *const u8, count: usize) {
-        // SAFETY: the caller's promise. A byte of C may hold anything: not 0 is true.
+        // SAFETY: the caller's promise. C code may store any byte in a boolean: all but 0 are true.
         let bytes = unsafe { std::slice::from_raw_parts(at, count) };
         let end = self.end(count + SLACK);
         for (index, &byte) in bytes.iter().enumerate() {
@@ -312,20 +314,21 @@ impl<'a> Writer<'a> {
     }
 }
 
-/// How many bytes of a text go on the wire.
+/// How many bytes of a string are encoded.
 pub(crate) fn fitting(text: &[u8], bound: Option<usize>) -> usize {
     // A full `char[n]` without NUL: the wire takes one byte less (genom3.md 5.2).
     let most = bound.map_or(u32::MAX as usize - 1, |bound| bound.saturating_sub(1));
     if text.len() > most { whole_characters(text, most) } else { text.len() }
 }
 
-/// The longest part of at most `most` bytes that cuts no character of valid UTF-8.
+/// The longest prefix of at most `most` bytes that cuts no character of valid UTF-8.
 fn whole_characters(text: &[u8], most: usize) -> usize {
     let continues = |&at: &usize| text.get(at).is_some_and(|byte| byte & 0xc0 == 0x80);
     (0..=most).rev().find(|at| !continues(at)).unwrap_or(0)
 }
 
-/// Copies bytes; names and frames are short, and a call of memcpy costs more than they do.
+/// Copies bytes. For short ones, as names and frame ids are, a call of memcpy would cost more than
+/// the copy.
 ///
 /// # Safety
 /// Both addresses have that many bytes and do not overlap.

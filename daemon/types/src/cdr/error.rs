@@ -1,4 +1,4 @@
-//! What is wrong with a CDR message, or with a value that shall become one.
+//! Errors of encoding and decoding CDR.
 
 use thiserror::Error;
 
@@ -8,7 +8,7 @@ use thiserror::Error;
 pub struct CdrError {
     /// Spelling of the type being encoded or decoded there.
     pub ty: String,
-    /// Position in the payload.
+    /// Offset in the payload, in bytes.
     pub at: usize,
     /// What is wrong there.
     pub problem: CdrProblem,
@@ -31,7 +31,7 @@ pub enum CdrProblem {
     Length {
         /// The length in the message.
         length: usize,
-        /// The greatest possible one.
+        /// The greatest length possible there.
         most: usize,
     },
     /// A boolean that is neither 0 nor 1.
@@ -54,7 +54,7 @@ pub enum CdrProblem {
     /// A union whose members do not fit its discriminant.
     #[error("the members present do not fit the discriminant")]
     Union,
-    /// More nested sequences than are followed.
+    /// Sequences nested too deep.
     #[error("nested deeper than {0} sequences")]
     Deep(usize),
     /// More memory than a message of this size may ask for.

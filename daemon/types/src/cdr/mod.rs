@@ -36,7 +36,7 @@ use crate::data_type::DataType;
 /// The encapsulation header before a payload as we write it: plain CDR, little endian.
 pub const HEADER: [u8; 4] = [0, 1, 0, 0];
 
-/// Bytes of any payload of a type of which any bytes are a value; `None` for other types.
+/// Size of every payload of a type all of whose bytes are valid values; `None` for other types.
 pub(crate) fn plain_size(ty: &DataType) -> Option<usize> {
     let plan = plan(ty.graph(), ty.ix(), false);
     let end = |length: usize, step: &Step| match step.what {

@@ -1,15 +1,16 @@
 //! The flat list of steps that encodes and decodes a type.
 //!
-//! What lies in memory as it lies on the wire is one step, however many members it has. Padding
-//! is never copied: it may hold anything.
+//! Adjacent members that look the same in memory and on the wire make one step. Padding is never
+//! copied: its bytes are undefined.
 
 use crate::cdr::step::{CdrPlan, Run, Step, What};
 use crate::graph::{Graph, Ix, Scalar, Shape};
 
-/// Arrays of that many structs or fewer are spelled out in the list.
+/// Arrays of up to that many structs are unrolled into the list.
 const UNROLL: usize = 4;
 
-/// The plan of a node. With `swap`, for the other byte order, steps hold scalars of one size only.
+/// The plan of a node. With `swap`, for the other byte order, each copying step holds scalars of
+/// one size.
 #[inline]
 pub(crate) fn plan(graph: &Graph, ix: Ix, swap: bool) -> &CdrPlan {
     let node = graph.node(ix);
@@ -21,7 +22,7 @@ pub(crate) fn plan(graph: &Graph, ix: Ix, swap: bool) -> &CdrPlan {
     })
 }
 
-/// Makes the plan of every node.
+/// Makes the plans of all nodes.
 pub(crate) fn prepare(graph: &Graph) {
     graph.all().for_each(|ix| {
         plan(graph, ix, false);
@@ -38,7 +39,7 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Notes an alignment; gives the one to do at run time, 1 for none.
+    /// Records an alignment; returns the one to apply at run time, 1 for none.
     fn align(&mut self, align: usize) -> usize {
         let known = align <= self.modulus;
         if known && self.phase.is_multiple_of(align) {
@@ -61,7 +62,7 @@ impl Builder<'_> {
         self.steps.push(Step { offset, align, what, ix });
     }
 
-    /// Something whose end on the wire is not known beforehand.
+    /// Adds a step after which the position on the wire is not known in advance.
     fn push_open(&mut self, ix: Ix, offset: usize, align: usize, what: What) {
         self.push(ix, offset, align, what);
         (self.modulus, self.phase) = (1, 0);
@@ -93,7 +94,7 @@ impl Builder<'_> {
                     self.add(part.ix, offset + part.offset);
                 }
             }
-            // The discriminant aligns itself.
+            // The steps of the discriminant do the alignment.
             Shape::Union { .. } => self.push_open(ix, offset, 1, What::Union),
             Shape::Native => self.push_open(ix, offset, 1, What::Native),
         }
@@ -167,8 +168,8 @@ fn limit(names: &[String]) -> u32 {
     u32::try_from(names.len()).unwrap_or(u32::MAX)
 }
 
-/// Whether any number of such values, one after the other, are the same bytes in memory and on
-/// the wire.
+/// How consecutive values of the type can be handled at once: `Some` when they are the same in
+/// memory and on the wire, booleans and enums to be checked.
 fn run(graph: &Graph, ix: Ix, swap: bool) -> Option<Run> {
     let node = graph.node(ix);
     match &node.shape {
@@ -177,8 +178,8 @@ fn run(graph: &Graph, ix: Ix, swap: bool) -> Option<Run> {
         Shape::Enum { names, .. } => Some(Run::Enums { limit: limit(names) }),
         Shape::Array { element, .. } if node.layout.size > 0 => run(graph, *element, swap),
         Shape::Struct { members } => {
-            // On the wire a struct starts where its first scalar may, so that one has to be the
-            // widest; and there is no gap anywhere.
+            // In CDR a struct is aligned as its first scalar is, so that one has to be the widest;
+            // and there must be no gap between members.
             let (mut end, mut first) = (0, None);
             for part in members {
                 let size = graph.node(part.ix).layout.size;

@@ -1,4 +1,4 @@
-//! How long a CDR payload will be, before it is written.
+//! Computes the size of a CDR payload before it is written.
 
 use crate::cdr::encode::fitting;
 use crate::cdr::plan::plan;
@@ -7,8 +7,8 @@ use crate::graph::{Graph, Ix, Shape};
 use crate::layout::MAX_NESTING;
 use crate::memory::{elements, integer, text};
 
-/// Bytes of the payload of a value, if it can be encoded. Costs little where elements of sequences
-/// are numbers or structs of numbers: only strings and what holds them are looked at one by one.
+/// Size of the payload of a value in bytes, if it can be encoded. Cheap where elements of sequences
+/// are numbers or structs of numbers: only strings and what contains them are visited one by one.
 ///
 /// # Safety
 /// `at` holds a value of the node that nobody changes meanwhile.

@@ -10,18 +10,19 @@ pub(crate) struct CdrPlan {
 /// One step: align the wire, then do what `what` says with the memory at `offset`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Step {
-    /// Where the memory lies from the start of the value.
+    /// Offset from the start of the value in memory.
     pub(crate) offset: usize,
-    /// Alignment of the wire from the start of the payload; 1 when known to be right already.
+    /// Alignment relative to the start of the payload; 1 when the position is known to be aligned.
     pub(crate) align: usize,
     pub(crate) what: What,
-    /// The type, for messages.
+    /// The type, for error messages.
     pub(crate) ix: Ix,
 }
 
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum What {
-    /// `bytes` equal in memory and on the wire; `unit` is what swaps in the other byte order.
+    /// `bytes` bytes that are equal in memory and on the wire; in the other byte order, units of
+    /// `unit` bytes are reversed.
     Copy {
         bytes: usize,
         unit: usize,
@@ -46,7 +47,7 @@ pub(crate) enum What {
         element: Ix,
         count: usize,
     },
-    /// `value`: from the start of the optional.
+    /// `value`: offset of the value from the start of the optional.
     Optional {
         element: Ix,
         value: usize,
@@ -70,7 +71,7 @@ pub(crate) enum Run {
 }
 
 impl CdrPlan {
-    /// Whether any bytes that are long enough are a value.
+    /// Whether any bytes of sufficient number are a valid value.
     pub(crate) fn is_plain(&self) -> bool {
         self.steps.iter().all(|step| matches!(step.what, What::Copy { .. }))
     }

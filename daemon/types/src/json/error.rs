@@ -1,9 +1,9 @@
-//! What is wrong in a JSON value, where, and what would be right.
+//! Errors in JSON values: where, what is wrong and what is accepted.
 
 use serde_json::Value;
 use thiserror::Error;
 
-/// A JSON value that is no value of the type; the record was not changed.
+/// A JSON value that does not fit the type; the record was not changed.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{}{problem}", if path.is_empty() { String::new() } else { format!("{path}: ") })]
 pub struct JsonError {
@@ -42,7 +42,7 @@ pub enum JsonProblem {
     Member {
         /// The IDL type.
         ty: String,
-        /// Member that the type lacks.
+        /// Name in the JSON value.
         name: String,
         /// The member that was probably meant.
         nearest: Option<String>,
@@ -54,7 +54,7 @@ pub enum JsonProblem {
     Enumerator {
         /// The IDL type.
         ty: String,
-        /// Word that names none of them.
+        /// Name in the JSON value.
         name: String,
         /// The enumerator that was probably meant.
         nearest: Option<String>,
@@ -73,14 +73,14 @@ pub enum JsonProblem {
         /// Number allowed.
         most: usize,
     },
-    /// A key of an index-keyed object that is no index in reach.
+    /// A key of an index-keyed object that is no index, or one out of range.
     #[error("`{key}` is no index of {ty}; use \"0\" to \"{last}\"")]
     Index {
         /// The IDL type.
         ty: String,
-        /// Key that is no index.
+        /// The key.
         key: String,
-        /// The last index that would do.
+        /// Greatest index accepted.
         last: usize,
     },
     /// A string with a NUL inside: C ends it there.
@@ -89,16 +89,16 @@ pub enum JsonProblem {
     /// A union member that the discriminant does not select.
     #[error("member `{name}` of {ty} is not selected by d = {d}; {hint}")]
     Unselected {
-        /// Union type, as it is spelled in IDL.
+        /// IDL name of the union.
         ty: String,
         /// The member given.
         name: String,
         /// The discriminant, given or present.
         d: String,
-        /// What to do about it.
+        /// The way out.
         hint: String,
     },
-    /// Nested deeper than any value of use.
+    /// Nested deeper than [`MAX_NESTING`](crate::MAX_NESTING) allows.
     #[error("nested too deep; at most {0} levels are read")]
     Deep(usize),
     /// The system has no memory for so many elements.
@@ -128,7 +128,7 @@ pub(super) fn nearest<'a>(
     (nearest, all)
 }
 
-/// A JSON value in a few words.
+/// A JSON value, shortened for messages.
 pub(super) fn shown(value: &Value) -> String {
     match value {
         Value::Array(elements) => format!("an array of {}", elements.len()),

@@ -1,5 +1,4 @@
-//! What nothing was said of: a value that was merged from several JSON values, and the first datum
-//! that none of them gives.
+//! Finds the first datum of a value that none of the JSON values gives from which it was merged.
 
 use serde_json::Value;
 
@@ -8,14 +7,14 @@ use crate::json::read::{push_index, push_name};
 use crate::layout::MAX_NESTING;
 use crate::memory::View;
 
-/// Where the first datum of `value` is that none of `given` says, as `goal.x[2]`. What is merged
-/// last comes first.
+/// Path of the first datum of `value` that none of `given` sets, as `goal.x[2]`; `given` begins
+/// with the JSON value merged last.
 pub(crate) fn missing(value: View<'_>, given: &[&Value]) -> Option<String> {
     let mut path = String::new();
     find(value, given, &mut path, 0).then_some(path)
 }
 
-/// Whether something is missing; `path` leads there then.
+/// Whether something is missing; if so, `path` leads to it.
 fn find(value: View<'_>, given: &[&Value], path: &mut String, depth: usize) -> bool {
     if depth > MAX_NESTING {
         return false;
@@ -32,7 +31,7 @@ fn find(value: View<'_>, given: &[&Value], path: &mut String, depth: usize) -> b
             })
         }
         Shape::Array { .. } | Shape::Sequence { .. } => {
-            // Of a sequence nothing says its length.
+            // No JSON value gives the length of the sequence, or any element.
             if given.is_empty() {
                 return true;
             }
@@ -51,7 +50,7 @@ fn find(value: View<'_>, given: &[&Value], path: &mut String, depth: usize) -> b
                 inside(element, &given, path, depth, |path| push_index(path, index))
             })
         }
-        // Absent, when nobody says otherwise.
+        // An optional that no JSON value gives is absent, and may be.
         Shape::Optional { .. } => value.value().is_some_and(|inner| {
             let given: Vec<_> = given.iter().copied().take_while(|json| !json.is_null()).collect();
             find(inner, &given, path, depth + 1)
@@ -75,7 +74,7 @@ fn inside_missing(path: &mut String, name: &str) -> bool {
     true
 }
 
-/// A value inside; the path goes back when it is all there.
+/// Descends into a part of the value; restores the path when nothing is missing there.
 fn inside(
     value: View<'_>,
     given: &[&Value],

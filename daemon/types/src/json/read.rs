@@ -9,8 +9,8 @@ use crate::json::write;
 use crate::layout::MAX_NESTING;
 use crate::memory::Edit;
 
-/// Bytes that sequences may grow by indices beyond their ends, all those of a value together:
-/// `{"4000000000": 1}` is no request, nor are a thousand of `{"4000": 1}`.
+/// Bytes by which the sequences of one value may grow in all through indices beyond their ends. It
+/// refuses `{"4000000000": 1}`, and a thousand of `{"4000": 1}`.
 const MOST_BY_INDEX: usize = 1 << 24;
 
 /// Sets what `json` gives; the rest keeps its value.
@@ -22,10 +22,10 @@ pub(crate) fn merge(value: &mut Edit<'_>, json: &Value) -> Result<(), JsonError>
 }
 
 struct Reader {
-    /// Where the reader is; on error it stays there.
+    /// Path of the datum being read; on error it stays at the culprit.
     path: String,
     depth: usize,
-    /// Bytes that sequences may still grow by indices.
+    /// Bytes by which sequences may still grow through indices.
     by_index: usize,
 }
 
@@ -90,7 +90,8 @@ impl Reader {
                     let size = value.graph().node(*element).layout.size.max(1);
                     let before = value.length();
                     let most = bound.unwrap_or((self.by_index / size).max(before));
-                    // Its memory is in the value itself when there is a bound.
+                    // The elements of a bounded sequence lie in the value itself: new ones take no
+                    // memory.
                     self.keyed(value, keyed, most, if bound.is_some() { 0 } else { size })?;
                 }
                 _ => return Err(kind(value, "an array or an object keyed by index", json)),
@@ -124,7 +125,7 @@ impl Reader {
         Ok(())
     }
 
-    /// A value inside the present one; the path goes back when it is right.
+    /// Reads into a part of the value; restores the path when that succeeds.
     fn inside(
         &mut self,
         value: &mut Edit<'_>,
@@ -155,8 +156,8 @@ impl Reader {
         Ok(())
     }
 
-    /// `{"0": .., "3": ..}`: a sequence grows to the greatest index.
-    /// `size` is that of an element where new ones take memory.
+    /// Reads `{"0": .., "3": ..}`; a sequence grows to the greatest index. `size` is the size of an
+    /// element in bytes where new ones take memory, otherwise 0.
     fn keyed(
         &mut self,
         value: &mut Edit<'_>,
@@ -199,7 +200,7 @@ impl Reader {
         if let Some(json) = given.get("d") {
             let length = self.path.len();
             push_name(&mut self.path, "d");
-            // Read apart: the union is emptied when its discriminant changes.
+            // Read into a scratch word first: a change of the discriminant empties the union.
             let Shape::Union { switch, .. } = value.node().shape else { return Ok(()) };
             let mut word = 0u64;
             let mut scratch = Edit::scratch(value.graph(), switch, &mut word);
@@ -298,7 +299,7 @@ fn single(text: &str) -> Option<i8> {
     chars.next().is_none().then_some(code.cast_signed())
 }
 
-/// A number without fraction; `2.0` is one too, as some encoders write it.
+/// An integer; `2.0` counts as one too, since some encoders write integers so.
 fn whole(number: &Number) -> Option<i128> {
     if let Some(number) = number.as_i64() {
         return Some(number.into());

@@ -14,7 +14,7 @@ pub(crate) fn write(value: View<'_>) -> Value {
 fn at(value: View<'_>, depth: usize) -> Value {
     match &value.node().shape {
         Shape::Scalar(Scalar::Boolean) => Value::Bool(value.integer() != 0),
-        // Truncation is the point: the code of the character, as a byte.
+        // Truncation is intended: the code of the character, as a byte.
         Shape::Scalar(Scalar::Char) => Value::String(char::from(value.integer() as u8).to_string()),
         Shape::Scalar(Scalar::Float) => float(value.real() as f32),
         Shape::Scalar(Scalar::Double) => double(value.real()),

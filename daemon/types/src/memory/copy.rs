@@ -7,8 +7,8 @@ use super::raw::{self, MAX_DEPTH, elements, free, integer, out_of_memory};
 use super::resize::resize;
 use crate::graph::{Graph, Ix, Shape};
 
-/// Makes one value equal to another; buffers of the target are reused where they are large
-/// enough. Plain bytes are copied as they are, natives as pointers.
+/// Makes one value equal to another, deep; buffers of the target are reused if they are large
+/// enough. Fixed-size types are copied as bytes, natives as pointers.
 ///
 /// # Safety
 /// Both addresses hold values of that node and do not overlap.
@@ -62,7 +62,7 @@ pub(crate) unsafe fn copy(graph: &Graph, ix: Ix, from: *const u8, to: *mut u8, d
                 (false, false) => {}
                 (true, present) => {
                     if !present {
-                        // The bytes of an absent value are not a value: they own nothing.
+                        // The value part of an absent optional may hold anything and owns nothing.
                         ptr::write_bytes(to, 0, node.layout.size);
                         init(graph, ix, to);
                         to.write(1);
@@ -82,7 +82,7 @@ pub(crate) unsafe fn copy(graph: &Graph, ix: Ix, from: *const u8, to: *mut u8, d
             let kind = graph.node(*switch);
             let value = integer(&kind.shape, from);
             if integer(&kind.shape, to) != value {
-                // Zeros, not an empty union: that may hold `_maximum`s of another member.
+                // Zeros and not an empty union, which may hold `_maximum`s of another member.
                 free_inside(graph, ix, to, depth);
                 ptr::write_bytes(to, 0, node.layout.size);
                 ptr::copy_nonoverlapping(from, to, kind.layout.size);

@@ -1,4 +1,4 @@
-//! A value that is changed: a node and an address, safe once made.
+//! Changing a value: a node and an address; safe to use once it is made.
 
 use std::marker::PhantomData;
 
@@ -9,8 +9,8 @@ use super::resize::resize;
 use super::view::View;
 use crate::graph::{Graph, Ix, Node, Scalar, Shape};
 
-/// A value in memory that belongs to the holder. Methods about another shape than the value's
-/// do nothing.
+/// A value in memory, borrowed exclusively. Methods that do not apply to the value's shape do
+/// nothing.
 pub(crate) struct Edit<'a> {
     graph: &'a Graph,
     ix: Ix,
@@ -25,7 +25,7 @@ impl<'a> Edit<'a> {
         Self { graph, ix, at, memory: PhantomData }
     }
 
-    /// A boolean, char, integer or enum apart from any value: for reading a discriminant.
+    /// A discriminant in a word of its own, outside any value, to be read into.
     pub(crate) fn scratch(graph: &'a Graph, ix: Ix, word: &'a mut u64) -> Self {
         debug_assert!(graph.node(ix).layout.size <= 8 && graph.node(ix).layout.fixed);
         // SAFETY: a discriminant is at most a word (checked when the union was laid out), and
@@ -52,7 +52,7 @@ impl<'a> Edit<'a> {
         unsafe { Edit::new(self.graph, ix, self.at.add(offset)) }
     }
 
-    /// Boolean, char, integer or rank of an enumerator; the caller checked the range.
+    /// Sets a boolean, char, integer or enumerator's rank; the caller checked the range.
     pub(crate) fn set_integer(&mut self, value: i128) {
         use Scalar as S;
         // SAFETY (each arm): this is a value of that shape. `as` keeps the low bits, and the
@@ -78,7 +78,7 @@ impl<'a> Edit<'a> {
         }
     }
 
-    /// A float (rounded) or double.
+    /// Sets a float (rounded) or double.
     pub(crate) fn set_real(&mut self, value: f64) {
         match self.node().shape {
             // SAFETY: this is a value of that shape.
@@ -89,7 +89,7 @@ impl<'a> Edit<'a> {
         }
     }
 
-    /// A string without NUL, within its bound.
+    /// Sets a string; `text` is without NUL and within the bound.
     pub(crate) fn set_text(&mut self, text: &[u8]) {
         if let Shape::Text { bound } = self.node().shape {
             // SAFETY: this is a value of that shape.
@@ -97,8 +97,8 @@ impl<'a> Edit<'a> {
         }
     }
 
-    /// Gives a sequence that many elements, within its bound: the first ones stay, new ones are
-    /// empty. `false` when memory is short.
+    /// Resizes a sequence, within its bound: the first elements stay, new ones are empty. `false`
+    /// when there is no memory.
     pub(crate) fn resize(&mut self, length: usize) -> bool {
         match self.node().shape {
             // SAFETY: this is a value of that shape.
@@ -146,7 +146,7 @@ impl<'a> Edit<'a> {
         }
     }
 
-    /// Makes an optional present, with an empty value if it was not, and gives the value.
+    /// Makes an optional present, with an empty value if it was absent; returns the value.
     pub(crate) fn set_present(&mut self) -> Option<Edit<'_>> {
         let Shape::Optional { element } = self.node().shape else { return None };
         if self.view().value().is_none() {

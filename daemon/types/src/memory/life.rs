@@ -1,4 +1,4 @@
-//! Making and releasing values, deep (genom3.md 7.9).
+//! Initialising and releasing values, deep (genom3.md 7.9).
 
 use std::ptr;
 
@@ -19,7 +19,7 @@ pub(crate) unsafe fn init(graph: &Graph, ix: Ix, at: *mut u8) {
         // SAFETY: as above.
         Shape::Sequence { element, bound: Some(bound) } => unsafe {
             at.cast::<u32>().write(u32::try_from(*bound).unwrap_or(u32::MAX));
-            // Elements too, though no values yet: codels raise `_length` and fill them.
+            // Also elements beyond `_length`: codels raise it and fill them.
             if graph.node(*element).bounded {
                 let (buffer, _) = elements(graph, *element, Some(*bound), at);
                 let size = graph.node(*element).layout.size;
@@ -41,7 +41,7 @@ pub(crate) unsafe fn init(graph: &Graph, ix: Ix, at: *mut u8) {
                 unsafe { init(graph, part.ix, at.add(part.offset)) };
             }
         }
-        // Only the member in use: others overlap it.
+        // Only the selected member: the others overlap it.
         Shape::Union { switch, members, .. } => {
             // SAFETY: as above; the discriminant lies first.
             let switch = unsafe { integer(&graph.node(*switch).shape, at) };
@@ -67,7 +67,7 @@ pub(crate) unsafe fn release(graph: &Graph, ix: Ix, at: *mut u8, depth: usize) {
     }
 }
 
-/// Frees what a value owns; its pointers dangle afterwards.
+/// Frees the memory that a value owns; its pointers dangle afterwards.
 ///
 /// # Safety
 /// As [`release`]; the memory is overwritten before anybody reads it.
@@ -128,7 +128,7 @@ pub(super) unsafe fn free_inside(graph: &Graph, ix: Ix, at: *mut u8, depth: usiz
                 unsafe { free_inside(graph, part.ix, at.add(part.offset), depth) };
             }
         }
-        // A native belongs to the codels: nobody else knows how to free it.
+        // A native belongs to the codels: only they know how to free it.
         Shape::Native | Shape::Scalar(_) | Shape::Enum { .. } => {}
     }
 }

@@ -1,8 +1,8 @@
-//! Values in C memory: making, releasing, copying and looking at them.
+//! Values in C memory: initialising, releasing, copying and inspecting them.
 //!
-//! The `unsafe` of this crate is here and in `cdr`. Callers promise that an address holds a
-//! value of the type they name; everything read from it (lengths, pointers, presence) is still
-//! treated as written by foreign code.
+//! Together with `cdr`, this is most of the crate's `unsafe` code. Callers guarantee that an
+//! address holds a value of the type they name; lengths, pointers and flags read from it are still
+//! checked, since foreign code wrote them.
 
 mod copy;
 mod edit;

@@ -1,18 +1,18 @@
-//! The C side of memory: malloc, strings, headers of sequences.
+//! Memory of the C library: malloc, strings, headers of sequences.
 
 use std::alloc::Layout;
 use std::ffi::{c_char, c_void};
 
 use crate::graph::{Graph, Ix, Shape};
 
-/// Sequences in sequences that are followed. Deeper ones, which only codels can make, are not
-/// copied, shown or released: losing memory is better than losing the stack.
+/// Deepest nesting of sequences that is followed. Deeper ones, which only codels can make, are not
+/// copied, shown or released: a leak is better than a stack overflow.
 pub(crate) const MAX_DEPTH: usize = 256;
 
 unsafe extern "C" {
     fn malloc(size: usize) -> *mut c_void;
     fn calloc(count: usize, size: usize) -> *mut c_void;
-    /// Of the C library, the one codels call: `_release` of our buffers is this function.
+    /// `free` of the C library, which codels call too; it is the `_release` of buffers made here.
     pub(crate) fn free(at: *mut c_void);
     fn strlen(at: *const c_char) -> usize;
 }
@@ -23,10 +23,10 @@ unsafe extern "C" {
 pub(crate) struct SequenceHeader {
     /// Elements the buffer has room for.
     pub(crate) maximum: u32,
-    /// Elements that are values.
+    /// Elements that hold values.
     pub(crate) length: u32,
     pub(crate) buffer: *mut u8,
-    /// Frees the buffer; null when nothing has to.
+    /// Frees the buffer; null when the sequence does not own it.
     pub(crate) release: Option<unsafe extern "C" fn(*mut c_void)>,
 }
 
@@ -34,10 +34,10 @@ const _: () = assert!(size_of::<SequenceHeader>() == 24 && align_of::<SequenceHe
 const _: () = assert!(cfg!(target_endian = "little"), "C layouts are copied to the wire as is");
 
 impl SequenceHeader {
-    /// Number of values that can be read.
+    /// Number of elements that can be read.
     ///
-    /// Codels that lend a buffer often write `_buffer` and `_length` only: a `_maximum` of 0 is one
-    /// that nobody wrote.
+    /// Codels that lend a buffer often set `_buffer` and `_length` only, so a `_maximum` of 0
+    /// beside a buffer counts as unset.
     pub(crate) fn readable(&self) -> usize {
         match (self.buffer.is_null(), self.maximum) {
             (true, _) => 0,
@@ -46,8 +46,8 @@ impl SequenceHeader {
         }
     }
 
-    /// Whether the buffer is somebody else's: without a `_release`, nothing in it is ours to
-    /// change or to free, and it may be gone once the codel that lent it has returned.
+    /// Whether the buffer is lent: without a `_release` its content must not be changed or freed
+    /// here, and it may be gone once the codel that lent it has returned.
     pub(crate) fn lent(&self) -> bool {
         self.release.is_none() && !self.buffer.is_null()
     }
@@ -56,7 +56,7 @@ impl SequenceHeader {
 /// `free`, as the type `_release` has.
 pub(crate) const FREE: unsafe extern "C" fn(*mut c_void) = free;
 
-/// Zeroed memory from the C library; `None` without memory. Never null for size 0.
+/// Zeroed memory from the C library; `None` when there is none left. Never null for size 0.
 pub(crate) fn allocate(count: usize, size: usize) -> Option<*mut u8> {
     // SAFETY: calloc has no precondition, it checks the product itself.
     let at = unsafe { calloc(count.max(1), size.max(1)) };
@@ -78,7 +78,7 @@ pub(crate) fn duplicate(bytes: &[u8]) -> Option<*mut u8> {
     Some(at)
 }
 
-/// Stops the process as Rust does when memory runs out.
+/// Aborts as Rust does when memory runs out.
 pub(crate) fn out_of_memory(size: usize) -> ! {
     std::alloc::handle_alloc_error(Layout::from_size_align(size, 8).unwrap_or(Layout::new::<u64>()))
 }
@@ -108,7 +108,7 @@ pub(crate) unsafe fn text<'a>(at: *const u8, bound: Option<usize>) -> &'a [u8] {
     }
 }
 
-/// Where `_buffer` of a bounded sequence lies: behind two words, aligned for the element.
+/// Offset of `_buffer` in a bounded sequence: after two 4-byte words, aligned for the element.
 pub(crate) fn buffer_offset(graph: &Graph, element: Ix) -> usize {
     8usize.next_multiple_of(graph.node(element).layout.align)
 }

@@ -1,10 +1,10 @@
-//! Plain bytes from elsewhere, checked as values.
+//! Checks bytes from elsewhere as values of fixed-size types.
 
 use super::raw::{elements, integer};
 use crate::graph::{Graph, Ix, Shape};
 
-/// Checks plain bytes that came from elsewhere as a value of a fixed-size type, and with `fix`
-/// makes them one: booleans 0 or 1, `_maximum` as declared. Says where they are wrong.
+/// Checks bytes as a value of a fixed-size type; with `fix`, also normalises booleans to 0 or 1 and
+/// sets `_maximum` as declared. The error is the node whose value is out of range.
 ///
 /// # Safety
 /// `at` has the size of the node, which is of fixed size; with `fix` it can be written.
@@ -16,7 +16,7 @@ pub(crate) unsafe fn repair(graph: &Graph, ix: Ix, at: *mut u8, fix: bool) -> Re
     // SAFETY (all below): places inside the memory the caller vouches for.
     match &node.shape {
         Shape::Scalar(_) => {
-            // Booleans: the only scalars that are checked.
+            // Booleans are the only scalars that need a check.
             if fix {
                 // SAFETY: as above.
                 unsafe { at.write(u8::from(at.read() != 0)) };

@@ -1,12 +1,12 @@
-//! Sequences of another length.
+//! Changing the length of sequences.
 
 use super::life::{init, release};
 use super::raw::{FREE, SequenceHeader, allocate, buffer_offset, give_back};
 use crate::graph::{Graph, Ix};
 
-/// Gives a sequence `length` elements: those beyond are released, new ones are empty values. A
-/// buffer that a codel lent is left to the codel: all elements are new. `None` without memory (the
-/// sequence is then unchanged) or beyond the bound.
+/// Resizes a sequence to `length` elements: those beyond are released, new ones are empty. A buffer
+/// that a codel lent is left alone, and the sequence gets a new one with empty elements. `None`
+/// beyond the bound, or without memory (the sequence is then unchanged).
 ///
 /// # Safety
 /// `at` holds a sequence of that node.

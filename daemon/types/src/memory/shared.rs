@@ -1,11 +1,12 @@
-//! Memory that several values own by mistake, after a codel assigned one struct to another in C.
+//! Finds memory that several values point to after a codel assigned one struct to another in C.
 
 use std::collections::HashSet;
 
 use super::raw::{MAX_DEPTH, SequenceHeader, elements, integer};
 use crate::graph::{Graph, Ix, Shape};
 
-/// Makes a value give up the strings and buffers that are in `seen`, and adds the others to it.
+/// Sets strings and sequences to null whose buffers are in `seen`, and adds the other buffers to
+/// it.
 ///
 /// # Safety
 /// `at` holds a value of that node, and nobody uses it.

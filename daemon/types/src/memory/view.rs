@@ -1,12 +1,12 @@
-//! A value that is read: a node and an address, safe once made.
+//! Reading a value: a node and an address; safe to use once it is made.
 
 use std::marker::PhantomData;
 
 use crate::graph::{Graph, Ix, Node, Scalar, Shape};
 use crate::memory::raw;
 
-/// A value in memory. Each method answers for the shape it is about, and with an empty answer
-/// for others.
+/// A value in memory, borrowed. Methods that do not apply to the value's shape return something
+/// empty.
 #[derive(Clone, Copy)]
 pub(crate) struct View<'a> {
     pub(crate) graph: &'a Graph,
@@ -32,13 +32,13 @@ impl<'a> View<'a> {
         unsafe { Self::new(self.graph, ix, self.at.add(offset)) }
     }
 
-    /// Boolean, char, integer or rank of an enumerator.
+    /// Value of a boolean, char or integer, or rank of an enumerator.
     pub(crate) fn integer(self) -> i128 {
         // SAFETY: this is a value of that shape.
         unsafe { raw::integer(&self.node().shape, self.at) }
     }
 
-    /// A float (widened) or double.
+    /// Value of a float (widened) or double.
     pub(crate) fn real(self) -> f64 {
         match self.node().shape {
             // SAFETY: this is a value of that shape.
@@ -104,7 +104,7 @@ impl<'a> View<'a> {
         }
     }
 
-    /// The member of a union that is in use, with its name.
+    /// The selected member of a union, with its name.
     pub(crate) fn active(self) -> Option<(&'a str, View<'a>)> {
         let shape = &self.node().shape;
         let Shape::Union { members, .. } = shape else { return None };

@@ -5,7 +5,7 @@
 use genom_types::{Kind, Label, Member, ScopedName, TypeId, TypeTable, UnionMember};
 use serde_json::{Map, Value, json};
 
-/// A generator of numbers: xorshift64*.
+/// A generator of pseudo-random numbers: xorshift64*.
 pub(crate) struct Rng(u64);
 
 impl Rng {
@@ -30,7 +30,7 @@ impl Rng {
     }
 }
 
-/// Makes types; `fixed` leaves out what owns memory.
+/// Makes types; `fixed` leaves out those that own memory.
 pub(crate) struct Types<'a> {
     pub(crate) table: &'a mut TypeTable,
     pub(crate) rng: &'a mut Rng,
@@ -95,7 +95,7 @@ impl Types<'_> {
             }
             3 => {
                 let element = self.any(depth - 1);
-                // `null` says absent only: a nested optional or NaN cannot be told from it.
+                // `null` always means absent, so a nested optional or a NaN cannot be the value.
                 let element = match self.table.resolved(element) {
                     Kind::Optional { .. } | Kind::Float | Kind::Double => self.color(),
                     _ => element,
@@ -111,7 +111,7 @@ impl Types<'_> {
         }
     }
 
-    /// Whether a value takes no memory.
+    /// Whether values of the type have size 0.
     fn is_empty(&self, id: TypeId) -> bool {
         match self.table.resolved(id) {
             Kind::Array { element, length } => *length == 0 || self.is_empty(*element),

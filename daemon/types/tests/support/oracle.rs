@@ -1,5 +1,5 @@
-//! CDR written straight from the mapping table, from JSON, one scalar at a time: slow, plain,
-//! and independent of the plans it is compared with.
+//! A second, independent CDR encoder, from JSON and one scalar at a time: it follows the mapping
+//! table directly, without plans.
 
 use genom_types::{Kind, TypeId, TypeTable};
 use serde_json::Value;

@@ -5,13 +5,13 @@ use genom_types::{Kind, ScopedName, TypeId, TypeTable};
 use super::super::declare::Passing;
 use super::guard::namespace;
 
-/// The name of a type, where a template or a member may use it; arrays have none of their own.
+/// The name of a type, for use in a template or member; arrays have none of their own.
 fn name(types: &TypeTable, id: TypeId) -> String {
     match types.kind(id) {
         Kind::String { bound: None } => "std::string".to_owned(),
         Kind::Sequence { element, bound } => {
             let element = name(types, *element);
-            // `<:` would be another way to write `[`.
+            // `<:` would be read as a digraph for `[`.
             match bound {
                 Some(bound) => format!("genom::bounded_sequence< {element}, {bound} >"),
                 None => format!("std::vector< {element} >"),
@@ -31,7 +31,7 @@ pub(super) fn scoped(name: &ScopedName) -> String {
     name.segments().join("::")
 }
 
-/// The name of an enumerator, which lives beside its enum.
+/// The name of an enumerator, whose scope is that of its enum.
 pub(super) fn enumerator(name: &ScopedName, short: &str) -> String {
     let scope = namespace(name);
     ScopedName::new(scope.iter().cloned()).join(short).segments().join("::")
@@ -52,8 +52,8 @@ fn indexed(declarator: &str, length: u32) -> String {
     format!("{declarator}[{length}]")
 }
 
-/// The declaration of a parameter: the final type decides how it is passed, the declared type
-/// how it is spelled.
+/// The declaration of a parameter: the type behind typedefs decides how it is passed, the declared
+/// type how it is spelled.
 pub(super) fn parameter(types: &TypeTable, id: TypeId, passing: Passing, name: &str) -> String {
     let input = passing == Passing::Value;
     let constant = if input { "const " } else { "" };
@@ -61,7 +61,7 @@ pub(super) fn parameter(types: &TypeTable, id: TypeId, passing: Passing, name: &
         Kind::String { bound: Some(_) } | Kind::Array { .. } => {
             format!("{constant}{}", declare(types, id, name))
         }
-        // The pointer is of the host; what it leads to, of the codels.
+        // The pointer belongs to the host, what it points to belongs to the codels.
         Kind::Native { name: native } if input => format!("const {} *{name}", scoped(native)),
         Kind::String { bound: None }
         | Kind::Sequence { .. }

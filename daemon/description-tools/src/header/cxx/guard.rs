@@ -1,21 +1,21 @@
-//! Pieces that several headers may bring, each in its namespace.
+//! Parts that several headers may contain, each in its namespace.
 
 use std::fmt::Write;
 
 use genom_types::ScopedName;
 
-/// Writes `text` in the namespace of `name`, under a guard: several headers may bring it.
+/// Writes `text` in the namespace of `name`, under a guard, since several headers may contain it.
 pub(super) fn scoped(out: &mut String, name: &ScopedName, text: &str) {
     guarded(out, &name.to_c(), namespace(name), text);
 }
 
-/// The scopes that a name is in.
+/// The scopes around a name.
 pub(super) fn namespace(name: &ScopedName) -> &[String] {
     let segments = name.segments();
     segments.get(..segments.len().saturating_sub(1)).unwrap_or_default()
 }
 
-/// The same, under a guard of another name.
+/// As [`scoped`], with a guard of another name.
 pub(super) fn guarded(out: &mut String, guard: &str, namespace: &[String], text: &str) {
     let open: String = namespace.iter().map(|name| format!("namespace {name} {{ ")).collect();
     let close = "}".repeat(namespace.len());

@@ -12,7 +12,7 @@ use super::super::handle::{is_standard, names, passing};
 use super::declare::{declare, parameter};
 use super::guard::{guarded, scoped};
 
-/// A weak definition for each state, and for each pause that a codel yields.
+/// Writes a weak definition for each state, and for each pause that a codel yields.
 pub(super) fn events(out: &mut String, component: &Component) {
     let name = &component.name;
     for state in &component.states {
@@ -28,7 +28,7 @@ pub(super) fn events(out: &mut String, component: &Component) {
     }
 }
 
-/// Each port: an abstract struct that the host implements.
+/// Writes each port as an abstract struct that the host implements.
 pub(super) fn ports(out: &mut String, types: &TypeTable, component: &Component) {
     for port in &component.ports {
         let id = if port.multiple { "const char *id" } else { "" };
@@ -45,7 +45,7 @@ pub(super) fn ports(out: &mut String, types: &TypeTable, component: &Component) 
     }
 }
 
-/// Each remote: a function that calls the service and waits for its end.
+/// Writes each remote as a function that calls the service and waits for its end.
 pub(super) fn remotes(out: &mut String, types: &TypeTable, component: &Component) {
     for remote in &component.remotes {
         let list: Vec<_> = remote
@@ -62,8 +62,8 @@ pub(super) fn remotes(out: &mut String, types: &TypeTable, component: &Component
     }
 }
 
-/// One prototype for each function; those that the host supplies are left out. They are exported
-/// whatever the codels are compiled with.
+/// Writes one prototype for each function, except those that the host supplies. They have default
+/// visibility, whatever the flags the codels are compiled with.
 pub(super) fn codels(out: &mut String, types: &TypeTable, chosen: &[&Component]) {
     let mut written = HashSet::new();
     out.push_str("#pragma GCC visibility push(default)\n");

@@ -16,7 +16,7 @@ use super::error::HeaderError;
 use super::{constant, order};
 use guard::scoped;
 
-/// The header, once it is known that C++ has all types.
+/// Writes the header, after checking that all types have a mapping in C++.
 pub(super) fn write(
     spec: &Specification,
     chosen: &[&Component],
@@ -79,7 +79,7 @@ pub fn declaration(types: &TypeTable, ty: TypeId, name: &str) -> String {
     declare::declare(types, ty, name)
 }
 
-/// Types that C++ has not (genom3.md 6).
+/// Refuses types without a mapping in C++ (genom3.md 6).
 fn refuse(types: &TypeTable, records: &HashSet<TypeId>) -> Result<(), HeaderError> {
     for (id, kind) in types.iter().filter(|(id, _)| !records.contains(id)) {
         let why = match kind {
@@ -111,7 +111,7 @@ fn refuse(types: &TypeTable, records: &HashSet<TypeId>) -> Result<(), HeaderErro
     Ok(())
 }
 
-/// Whether a type has a constructor in C++, or a layout of its own.
+/// Whether a type has a constructor in C++: unbounded strings, sequences, and what contains one.
 fn is_constructed(types: &TypeTable, id: TypeId) -> bool {
     match types.resolved(id) {
         Kind::String { bound: None } | Kind::Sequence { .. } => true,

@@ -7,10 +7,10 @@ use genom_types::{Kind, Member, ScopedName, TypeId, TypeTable};
 use super::declare::declare;
 use super::guard::{guarded, namespace, scoped};
 
-/// Types that are defined inside a struct, union or exception: by the full name of that.
+/// Types that are defined inside a struct, union or exception, by its full name.
 pub(super) type Scopes = HashMap<Vec<String>, Vec<TypeId>>;
 
-/// Which types are inside which.
+/// Finds the types that are defined inside others.
 pub(super) fn scopes(types: &TypeTable) -> Scopes {
     let mut scopes = Scopes::new();
     for (_, kind) in types.iter() {
@@ -35,7 +35,7 @@ fn is_nested(scopes: &Scopes, name: &ScopedName) -> bool {
     scopes.contains_key(namespace(name))
 }
 
-/// Announces a struct that a sequence needs before it is complete.
+/// Forward declaration of a struct that a sequence needs before it is complete.
 pub(super) fn forward(out: &mut String, types: &TypeTable, scopes: &Scopes, id: TypeId) {
     if let Some(name) = types.kind(id).name().filter(|name| !is_nested(scopes, name)) {
         let text = format!("struct {};", name.last());
@@ -43,7 +43,7 @@ pub(super) fn forward(out: &mut String, types: &TypeTable, scopes: &Scopes, id: 
     }
 }
 
-/// Defines a type; those inside another come with that.
+/// Defines a type, including those defined inside it.
 pub(super) fn define(out: &mut String, types: &TypeTable, scopes: &Scopes, id: TypeId) {
     let Some(name) = types.kind(id).name().filter(|name| !is_nested(scopes, name)) else { return };
     if let Some(text) = definition(types, scopes, id) {
@@ -92,8 +92,8 @@ fn indented(text: &str) -> String {
     text.lines().map(|line| format!("  {line}\n")).collect()
 }
 
-/// An exception: its event, and the struct that is thrown. `what()` is a constant function, so
-/// that it is the virtual one of the base; in GenoM3's own header it hides that.
+/// An exception: its event, and the struct that is thrown. `what()` is const, so that it overrides
+/// that of `std::exception`; in GenoM3's own header it hides it.
 fn exception(types: &TypeTable, name: &ScopedName, members: &[Member], inside: &str) -> String {
     let short = name.last();
     let body = if members.is_empty() {

@@ -1,5 +1,5 @@
-//! What differs from C in codels of C++ (genom3.md 6): objects of the standard library, references,
-//! ports with virtual functions.
+//! Comparison of what differs from C in C++ codels (genom3.md 6): objects of the standard library,
+//! references, ports with virtual functions.
 
 use genom_description::model::{Parameter, Port, PortDirection};
 use genom_description_tools as tools;
@@ -12,12 +12,12 @@ use super::node::{Composite, Node};
 use crate::cxx::CxxType;
 
 impl Comparison<'_> {
-    /// A type as C++ writes it.
+    /// The spelling of a type in C++.
     pub(super) fn in_cxx(&self, ty: TypeId) -> String {
         tools::declaration(self.types(), ty, "").trim_end().to_owned()
     }
 
-    /// A datum that is no scalar, at a place that was not compared yet.
+    /// Compares a datum that is no scalar, with a type that was not compared with it yet.
     pub(super) fn object(
         &mut self,
         ty: TypeId,
@@ -38,7 +38,7 @@ impl Comparison<'_> {
             }
             (Kind::Sequence { element, bound: None }, Node::Struct(found)) => {
                 self.template(ty, &found, "vector<", at)?;
-                // A vector of bits is one of a kind: its name says all.
+                // For a vector of bits the name is enough.
                 if types.resolved(*element) == &Kind::Boolean || found.element.is_none() {
                     return Ok(());
                 }
@@ -61,7 +61,7 @@ impl Comparison<'_> {
         Ok(CxxType::new(&data)?)
     }
 
-    /// A class of the standard library, known by its name and size.
+    /// Compares a class of the standard library, by name and size.
     fn template(&self, ty: TypeId, found: &Composite, name: &str, at: Option<At>) -> Agreement {
         if !found.name.starts_with(name) {
             return self.differ(ty, at);
@@ -99,7 +99,7 @@ impl Comparison<'_> {
         self.members(&self.in_cxx(ty), wanted, layout.size(), found, at)
     }
 
-    /// An abstract struct with these virtual functions, in this order.
+    /// Compares the class of a port: an abstract struct with virtual functions in a fixed order.
     pub(super) fn abstract_port(&mut self, port: &Port, at: Option<At>) -> Agreement {
         let wanted: &[&str] = match (port.direction, port.multiple) {
             (PortDirection::In, _) => &["data", "read"],
@@ -120,7 +120,7 @@ impl Comparison<'_> {
         datum.map_err(|why| why.within("its data"))
     }
 
-    /// An abstract struct with `call`.
+    /// Compares the class of a remote: an abstract struct with `call`.
     pub(super) fn abstract_remote(
         &mut self,
         parameters: &[Parameter],
@@ -141,7 +141,8 @@ impl Comparison<'_> {
         Ok(())
     }
 
-    /// A struct with these virtual functions, in this order; `None` when only its name is told.
+    /// Checks for a struct with these virtual functions in this order; `None` when only its name is
+    /// known.
     fn abstract_struct(
         &self,
         at: Option<At>,

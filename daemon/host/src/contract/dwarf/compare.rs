@@ -1,4 +1,4 @@
-//! A codel's C function against its description: arguments by genom3.md 5.5, layouts by 5.2.
+//! Compares a codel's function with its description: arguments by genom3.md 5.5, layouts by 5.2.
 
 use std::collections::HashSet;
 
@@ -20,12 +20,12 @@ pub(super) struct Comparison<'a> {
     pub(super) plan: &'a Plan,
     /// Whether the codels are in C++ (genom3.md 6).
     cxx: bool,
-    /// Pairs that are equal, or being compared further up, or told already.
+    /// Pairs found equal, or being compared by a caller, or reported already.
     seen: HashSet<(TypeId, At)>,
 }
 
 impl<'a> Comparison<'a> {
-    /// A comparison that has seen nothing yet.
+    /// A comparison without results yet.
     pub(super) fn new(info: &'a DebugInfo<'a>, plan: &'a Plan) -> Self {
         let cxx = plan.component().lang == "c++";
         Self { info, plan, cxx, seen: HashSet::new() }
@@ -76,7 +76,7 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// A datum as an argument (genom3.md 5.5).
+    /// Compares a datum passed as an argument (genom3.md 5.5).
     pub(super) fn passed(&mut self, ty: TypeId, direction: Direction, at: Option<At>) -> Agreement {
         let kind = self.types().resolved(ty);
         let class = match self.cxx {
@@ -88,7 +88,8 @@ impl<'a> Comparison<'a> {
             Class::Held => self.memory(ty, at),
             Class::Address => {
                 let Some(target) = self.pointer(at)? else { return Ok(()) };
-                // A parameter `T x[a][b]` is a pointer to `T[b]`, `T (*x)[a][b]` one to the whole.
+                // The parameter `T x[a][b]` is a pointer to `T[b]`, but `T (*x)[a][b]` is one to
+                // the whole array.
                 let (lengths, element) = self.dimensions(ty);
                 if let Some((_, rest)) = lengths.split_first() {
                     return self
@@ -100,7 +101,7 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// What a pointer leads to; `None` for `void *`, which may lead to anything.
+    /// The target of a pointer; `None` for `void *`, which may point to anything.
     pub(super) fn pointer(&self, at: Option<At>) -> Result<Option<At>, Mismatch> {
         match self.info.stripped(at) {
             Some((_, Node::Pointer(target) | Node::Reference(target))) => {
@@ -116,7 +117,7 @@ impl<'a> Comparison<'a> {
         Err(Mismatch::other(format!("`{wanted}`"), self.spelled(at)))
     }
 
-    /// What the library has, for a sentence.
+    /// The type in the library, for messages.
     pub(super) fn spelled(&self, at: Option<At>) -> String {
         format!("`{}`", self.info.spell(at))
     }
@@ -124,7 +125,7 @@ impl<'a> Comparison<'a> {
     fn scalar(&self, ty: TypeId, scalar: Scalar, at: Option<At>) -> Agreement {
         let agrees = match self.info.stripped(at) {
             Some((_, Node::Base { size, encoding, .. })) => fits(scalar, size, encoding),
-            // An enum type of C itself is as good as uint32_t.
+            // A C enum of 4 bytes is accepted for uint32_t.
             Some((_, Node::Enum { size, .. })) => scalar == Scalar::U32 && size == 4,
             Some((_, Node::Unknown)) => true,
             _ => false,
@@ -132,7 +133,7 @@ impl<'a> Comparison<'a> {
         if agrees { Ok(()) } else { self.differ(ty, at) }
     }
 
-    /// A datum in memory.
+    /// Compares a datum in memory.
     pub(super) fn memory(&mut self, ty: TypeId, at: Option<At>) -> Agreement {
         let types = self.types();
         let ty = types.resolve(ty);
@@ -178,7 +179,7 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// Lengths of all dimensions, and the element: bounded strings are arrays of characters.
+    /// Lengths of all dimensions, and the element; bounded strings count as arrays of characters.
     pub(super) fn dimensions(&self, ty: TypeId) -> (Vec<u64>, Option<TypeId>) {
         let (mut lengths, mut ty) = (Vec::new(), ty);
         loop {
@@ -196,7 +197,7 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// An array; `element` is `None` for characters.
+    /// Compares an array; `element` is `None` for characters.
     pub(super) fn array(&mut self, lengths: &[u64], element: Option<TypeId>, at: At) -> Agreement {
         let (mut found, mut inner) = (Vec::new(), Some(at));
         while let Some((_, Node::Array { element, lengths })) = self.info.stripped(inner) {
@@ -250,7 +251,7 @@ impl<'a> Comparison<'a> {
         self.members(&types.c_name(ty), wanted, data.size(), found, at)
     }
 
-    /// Members by name, place and type, and the size of the whole.
+    /// Compares the members by name, offset and type, and the size of the struct.
     pub(super) fn members(
         &mut self,
         name: &str,
@@ -259,7 +260,7 @@ impl<'a> Comparison<'a> {
         found: &Composite,
         at: Option<At>,
     ) -> Agreement {
-        // Only announced in this unit: nothing to compare.
+        // The unit has only a forward declaration: nothing to compare.
         let Some(size) = found.size else { return Ok(()) };
         let names = |names: Vec<&str>| names.join(", ");
         let (ours, theirs) = (
@@ -317,7 +318,7 @@ impl<'a> Comparison<'a> {
         }
     }
 
-    /// `struct U { D _d; union { members } _u; }`.
+    /// Compares `struct U { D _d; union { members } _u; }`.
     pub(super) fn union(&mut self, ty: TypeId, found: &Composite, at: Option<At>) -> Agreement {
         let Some(size) = found.size else { return Ok(()) };
         let Kind::Union { discriminant, members, .. } = self.types().kind(ty) else {
@@ -345,7 +346,7 @@ impl<'a> Comparison<'a> {
         Ok(())
     }
 
-    /// The handle of a port (genom3.md 5.7).
+    /// Compares the handle of a port (genom3.md 5.7).
     fn port(&mut self, port: &Port, at: Option<At>) -> Agreement {
         let methods: &[&str] = match (port.direction, port.multiple) {
             (PortDirection::In, _) => &["data", "read"],
@@ -365,7 +366,7 @@ impl<'a> Comparison<'a> {
         self.passed(port.ty, Direction::Out, data.result).map_err(|why| why.within("its data"))
     }
 
-    /// The handle of a remote (genom3.md 5.8).
+    /// Compares the handle of a remote (genom3.md 5.8).
     fn remote(&mut self, parameters: &[Parameter], at: Option<At>) -> Agreement {
         let Some(handle) = self.handle(at, &["call"])? else { return Ok(()) };
         let call = handle.members.first().map_or(Ok(None), |call| self.pointer(call.ty))?;
@@ -381,7 +382,7 @@ impl<'a> Comparison<'a> {
         Ok(())
     }
 
-    /// A struct of functions; `None` when the library only announces it.
+    /// Finds a struct of functions; `None` when the library only declares it.
     fn handle(&self, at: Option<At>, methods: &[&str]) -> Result<Option<Composite>, Mismatch> {
         let target = self.pointer(at)?;
         let Some((_, node)) = self.info.stripped(target) else { return Ok(None) };
@@ -401,13 +402,13 @@ impl<'a> Comparison<'a> {
     }
 }
 
-/// A member of a struct that C makes of an IDL type.
+/// A member of a C struct that represents an IDL type.
 pub(super) enum Part {
     /// A datum of this type.
     Datum(TypeId),
     /// A pointer to such data.
     Pointer(TypeId),
-    /// That many such data in a row.
+    /// This number of consecutive data.
     Elements(TypeId, u64),
     /// `uint32_t`.
     Word,
@@ -415,17 +416,17 @@ pub(super) enum Part {
     Size,
     /// `bool`.
     Flag,
-    /// Whatever it is.
+    /// Not compared.
     Any,
 }
 
-/// Whether a basic type of C has the size and the meaning of a scalar.
+/// Whether a basic type of C has the size and the encoding of a scalar.
 fn fits(scalar: Scalar, size: u64, encoding: DwAte) -> bool {
     let signed = [gimli::DW_ATE_signed, gimli::DW_ATE_signed_char].contains(&encoding);
     let unsigned = [gimli::DW_ATE_unsigned, gimli::DW_ATE_unsigned_char].contains(&encoding);
     match scalar {
         Scalar::Bool => size == 1 && (encoding == gimli::DW_ATE_boolean || unsigned),
-        // Plain `char` is signed or not by the platform.
+        // Whether plain `char` is signed depends on the platform.
         Scalar::I8 => size == 1 && (signed || encoding == gimli::DW_ATE_unsigned_char),
         Scalar::U8 => size == 1 && unsigned,
         Scalar::I16 => size == 2 && signed,

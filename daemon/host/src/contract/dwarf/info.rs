@@ -1,4 +1,4 @@
-//! Finds functions and types in the debug information of a library.
+//! Searches functions and types in the debug information of a library.
 
 use std::collections::HashMap;
 
@@ -13,28 +13,28 @@ use super::sections::Sections;
 type Reader<'a> = EndianSlice<'a, RunTimeEndian>;
 type Entry<'a> = DebuggingInformationEntry<Reader<'a>>;
 
-/// What was looked for and is there.
+/// The items that were found.
 pub(super) struct Found<'n> {
     pub(super) functions: HashMap<&'n str, Function>,
     pub(super) types: HashMap<&'n str, At>,
 }
 
-/// What to look for.
+/// The items to search.
 pub(super) struct Wanted<'n> {
     /// Functions, by their symbol in the library.
     pub(super) functions: Vec<&'n str>,
-    /// Types: typedefs, or in C++ structs by their full name, without the leading `::`.
+    /// Types: typedefs, or in C++ structs, by full name without the leading `::`.
     pub(super) types: Vec<&'n str>,
 }
 
-/// Debug information, opened.
+/// Parsed debug information.
 pub(super) struct DebugInfo<'a> {
     dwarf: Dwarf<Reader<'a>>,
     units: Vec<Unit<Reader<'a>>>,
 }
 
 impl<'a> DebugInfo<'a> {
-    /// Opens the debug information in `sections`.
+    /// Parses the debug information in `sections`.
     pub(super) fn new(sections: &'a Sections<'_>) -> gimli::Result<Self> {
         let endian = match sections.little_endian {
             true => RunTimeEndian::Little,
@@ -52,7 +52,7 @@ impl<'a> DebugInfo<'a> {
         Ok(Self { dwarf, units })
     }
 
-    /// Whether a unit keeps its types in a file of its own (`-gsplit-dwarf`).
+    /// Whether a unit keeps its types in a separate file (`-gsplit-dwarf`).
     pub(super) fn is_split(&self) -> bool {
         let mut roots = self.units.iter().filter_map(|unit| {
             let mut entries = unit.entries();
@@ -65,11 +65,11 @@ impl<'a> DebugInfo<'a> {
         roots.any(|split| split)
     }
 
-    /// The functions that the library defines, and the types.
+    /// Searches the functions that the library defines, and the types.
     pub(super) fn find<'n>(&self, wanted: &Wanted<'n>) -> Found<'n> {
         let mut found = Found { functions: HashMap::new(), types: HashMap::new() };
         for unit in 0..self.units.len() {
-            // A unit that cannot be read tells nothing; others may.
+            // A unit that cannot be read is skipped.
             if let Err(why) = self.find_in(unit, wanted, &mut found) {
                 tracing::debug!("debug information, unit {unit}: {why}");
             }
@@ -87,7 +87,7 @@ impl<'a> DebugInfo<'a> {
         self.find_below(unit, tree.root()?, "", wanted, found)
     }
 
-    /// Looks among what is in a unit, a namespace or a struct called `scope`.
+    /// Searches the children of a unit, or of a namespace or struct called `scope`.
     fn find_below<'n>(
         &self,
         unit: usize,
@@ -135,7 +135,7 @@ impl<'a> DebugInfo<'a> {
         }
     }
 
-    /// Result and parameters of a function, or of the type of one.
+    /// Result and parameters of a function, or of a function type.
     fn function(
         &self,
         unit: usize,
@@ -153,7 +153,7 @@ impl<'a> DebugInfo<'a> {
         Ok(Function { result, parameters })
     }
 
-    /// What is at a place.
+    /// The type at a location.
     pub(super) fn node(&self, at: At) -> Node {
         self.read(at).unwrap_or(Node::Unknown)
     }
@@ -226,7 +226,7 @@ impl<'a> DebugInfo<'a> {
                 found.methods.push((name, self.function(unit, child)?));
                 continue;
             }
-            // Static data members of classes are external, and no part of the layout.
+            // Static data members of classes are marked external; they are not part of the layout.
             let own = is(entry, gimli::DW_TAG_member)
                 && entry.attr_value(gimli::DW_AT_external).is_none();
             if own || is(entry, gimli::DW_TAG_inheritance) {
@@ -247,7 +247,7 @@ impl<'a> DebugInfo<'a> {
         text.map_or(String::new(), |text| text.to_string_lossy().into_owned())
     }
 
-    /// The type that an entry refers to; `None` is `void`, or in a file elsewhere.
+    /// The type that an entry refers to; `None` for `void`, or a type in another file.
     fn ty(&self, unit: usize, entry: &Entry<'a>) -> Option<At> {
         match entry.attr_value(gimli::DW_AT_type)? {
             AttributeValue::UnitRef(offset) => Some(At { unit, offset }),
@@ -261,9 +261,9 @@ impl<'a> DebugInfo<'a> {
         }
     }
 
-    /// The type behind typedefs and qualifiers; `None` is `void`.
+    /// The type behind typedefs and qualifiers; `None` for `void`.
     pub(super) fn stripped(&self, mut at: Option<At>) -> Option<(At, Node)> {
-        // As deep as no honest chain is.
+        // More steps than any real chain has.
         for _ in 0..64 {
             let here = at?;
             match self.node(here) {
@@ -298,7 +298,7 @@ impl<'a> DebugInfo<'a> {
         }
     }
 
-    /// A type as C writes it, by its typedef where it has one.
+    /// A type as written in C, by its typedef where it has one.
     pub(super) fn spell(&self, at: Option<At>) -> String {
         self.spell_to(at, 16)
     }
@@ -342,7 +342,7 @@ fn tagged(keyword: &str, name: &str) -> String {
     if name.is_empty() { format!("{keyword} {{...}}") } else { format!("{keyword} {name}") }
 }
 
-/// Whether an entry of a function is that of its definition.
+/// Whether an entry of a function is a definition, not a declaration.
 fn is_defined(entry: &Entry<'_>) -> bool {
     entry.attr_value(gimli::DW_AT_declaration).is_none()
         && entry.attr_value(gimli::DW_AT_external).is_some()

@@ -1,4 +1,4 @@
-//! The debug information of a C or C++ library, compared with a component.
+//! Compares the debug information of a C or C++ library with a component.
 
 mod classes;
 mod compare;
@@ -21,20 +21,20 @@ use info::{DebugInfo, Wanted};
 use sections::Sections;
 pub(super) use untold::Untold;
 
-/// What the debug information tells of a component.
+/// Result of the comparison.
 pub(super) struct Compared {
-    /// Codels that it tells about.
+    /// Number of codels that were compared.
     pub(super) codels: usize,
-    /// What differs.
+    /// The differences.
     pub(super) differences: Vec<Difference>,
-    /// Why it does not tell about the others.
+    /// Why other codels were not compared.
     pub(super) unchecked: Option<String>,
 }
 
-/// Compares every codel that the debug information tells about.
+/// Compares every codel that has debug information.
 ///
 /// # Errors
-/// It tells about none.
+/// No codel has debug information.
 pub(super) fn compare(
     library: &Library,
     plan: &Plan,
@@ -55,7 +55,7 @@ pub(super) fn compare(
     let symbol = |codel: &Codel| match in_cxx {
         true => match cxx::find(library, model, types, codel) {
             Function::Found(symbol) => symbol,
-            // What is missing is told elsewhere.
+            // Missing types are reported elsewhere.
             _ => String::new(),
         },
         false => codel.name.clone(),

@@ -1,24 +1,24 @@
-//! C types as debug information tells them, one step at a time.
+//! C types in debug information, one level at a time.
 
 use gimli::{DwAte, UnitOffset};
 
-/// The place of a type: rank of its unit, and offset there.
+/// Location of a type: index of its unit, and offset there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct At {
     pub(super) unit: usize,
     pub(super) offset: UnitOffset,
 }
 
-/// A C type. Types inside are places to look at next; `None` there is `void`.
+/// A C type. Inner types are locations to be read next; `None` there means `void`.
 #[derive(Clone, Debug)]
 pub(super) enum Node {
     /// `int`, `double`, `bool`...
     Base {
-        /// As the compiler names it.
+        /// Name given by the compiler.
         name: String,
-        /// Bytes.
+        /// Size in bytes.
         size: u64,
-        /// Integer, float, boolean...
+        /// Integer, float, boolean and so on.
         encoding: DwAte,
     },
     /// A pointer.
@@ -29,9 +29,9 @@ pub(super) enum Node {
     Qualified(&'static str, Option<At>),
     /// A typedef.
     Typedef(String, Option<At>),
-    /// A struct or class; without members when it is only announced.
+    /// A struct or class; without members when it is only declared.
     Struct(Composite),
-    /// A union; likewise.
+    /// A union; without members when it is only declared.
     Union(Composite),
     /// An array with all its dimensions.
     Array {
@@ -44,27 +44,27 @@ pub(super) enum Node {
     Enum {
         /// Word after `enum`; empty without one.
         name: String,
-        /// Bytes.
+        /// Size in bytes.
         size: u64,
     },
-    /// A function, behind a pointer.
+    /// The type of a function.
     Function(Function),
-    /// Something this reader does not know, such as a type kept in another file.
+    /// A type that this reader does not support, such as one in another file.
     Unknown,
 }
 
 /// A struct, class or union.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Composite {
-    /// Its tag, empty when it has none.
+    /// Its tag; empty when it has none.
     pub(super) name: String,
-    /// Bytes; `None` when it is only announced.
+    /// Size in bytes; `None` when it is only declared.
     pub(super) size: Option<u64>,
-    /// Data members in order, bases included.
+    /// Data members in order, including base classes.
     pub(super) members: Vec<Member>,
     /// Virtual functions in order of declaration.
     pub(super) methods: Vec<(String, Function)>,
-    /// First type among the template's arguments.
+    /// The first type among its template arguments.
     pub(super) element: Option<At>,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct Member {
     pub(super) ty: Option<At>,
 }
 
-/// A function or the type of one.
+/// A function, or the type of one.
 #[derive(Clone, Debug)]
 pub(super) struct Function {
     pub(super) result: Option<At>,

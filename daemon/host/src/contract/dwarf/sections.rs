@@ -1,4 +1,4 @@
-//! The debug sections of a library, decompressed where they need be, or why there are none.
+//! The debug sections of a library, decompressed if necessary, or the reason why there are none.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -10,7 +10,7 @@ use object::{CompressionFormat, Object, ObjectSection};
 
 use super::untold::{Damage, Untold};
 
-/// Sections larger than this are not read: a damaged header may announce anything.
+/// Larger sections are not read: a damaged header may claim any size.
 const LARGEST: u64 = 1 << 30;
 
 /// Contents of the debug sections, by name.
@@ -23,7 +23,7 @@ impl<'a> Sections<'a> {
     /// Reads the sections of the ELF file `bytes`.
     ///
     /// # Errors
-    /// There is nothing to read.
+    /// There is no usable debug information.
     pub(super) fn new(bytes: &'a [u8]) -> Result<Self, Untold> {
         let Ok(file) = object::File::parse(bytes) else { return Err(Untold::Nothing) };
         let all = [
@@ -77,7 +77,7 @@ fn plain<'a>(
         CompressionFormat::None => Ok(Cow::Borrowed(data.data)),
         CompressionFormat::Zlib => {
             let mut whole = Vec::new();
-            // One byte more than announced would be one too many.
+            // Reading one byte more than the header says shows that the section is longer.
             let mut decoder = ZlibDecoder::new(data.data).take(data.uncompressed_size + 1);
             decoder.read_to_end(&mut whole).map_err(|why| damaged(why.into()))?;
             if whole.len() as u64 != data.uncompressed_size {

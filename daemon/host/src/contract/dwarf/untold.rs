@@ -1,20 +1,20 @@
-//! Why a library tells nothing of its types.
+//! Why a library has no information on its types.
 
 /// Why there is no debug information to compare with, and what to do.
 #[derive(Debug, thiserror::Error)]
 pub(in crate::contract) enum Untold {
-    /// It was built without.
+    /// The library was built without debug information.
     #[error("the library tells no types (build it with -g)")]
     Nothing,
-    /// It is about other parts of the library.
+    /// The debug information covers other parts of the library only.
     #[error("the library tells no types of them (build all of it with -g)")]
     OfOthers,
-    /// It was left beside the library.
+    /// The debug information is in separate `.dwo` files.
     #[error(
         "types are in .dwo files, which do not go with the library (build it without -gsplit-dwarf)"
     )]
     Split,
-    /// It was taken out of the library.
+    /// The debug information was stripped into another file.
     #[error(
         "its debug information is in another file, {file} (load the library that was not stripped)"
     )]
@@ -27,7 +27,7 @@ pub(in crate::contract) enum Untold {
     Damaged {
         /// Name of the section.
         section: &'static str,
-        /// What is wrong with it.
+        /// The error.
         why: Damage,
     },
     /// A section is compressed by another method.
@@ -39,7 +39,7 @@ pub(in crate::contract) enum Untold {
         /// Name of the section.
         section: &'static str,
     },
-    /// It contradicts itself.
+    /// The debug information is inconsistent.
     #[error("its debug information cannot be read: {0}")]
     Unreadable(#[from] gimli::Error),
 }
@@ -47,16 +47,16 @@ pub(in crate::contract) enum Untold {
 /// What is wrong with a compressed section.
 #[derive(Debug, thiserror::Error)]
 pub(in crate::contract) enum Damage {
-    /// Its header is none.
+    /// Its header is invalid.
     #[error("{0}")]
     Header(#[from] object::Error),
-    /// Its contents are not what the method makes.
+    /// Its content cannot be decompressed.
     #[error("{0}")]
     Contents(#[from] std::io::Error),
-    /// Its header announces more than is ever there.
+    /// Its header claims an unreasonable size.
     #[error("it says it has {0} bytes")]
     Huge(u64),
-    /// Its header announces another length.
+    /// Its header claims another size.
     #[error("it is shorter or longer than it says")]
     Length,
 }

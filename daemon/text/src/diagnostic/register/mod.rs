@@ -1,4 +1,4 @@
-//! What every code means: the rule, why it is there, an example that breaks it.
+//! The meaning of every code: the rule, its reason, and an example that violates it.
 //!
 //! Codes never change their meaning. E01xx to E08xx are errors by group of genom3.md section 3
 //! (row N6 is E0206); W0xxx are warnings.
@@ -32,7 +32,7 @@ const GROUPS: [&[Explanation]; 11] = [
     pauses::ROWS,
 ];
 
-/// The meaning of a code, whatever its case.
+/// The meaning of a code; case does not matter.
 #[must_use]
 pub fn explain(code: &str) -> Option<&'static Explanation> {
     explanations().find(|row| row.code.eq_ignore_ascii_case(code))

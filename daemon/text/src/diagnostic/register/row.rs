@@ -1,6 +1,6 @@
 //! One row of the register.
 
-/// The meaning of a code.
+/// The explanation of a code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Explanation {
     /// The code, e.g. `E0206`.
@@ -9,9 +9,9 @@ pub struct Explanation {
     pub title: &'static str,
     /// Row of the language reference; empty for rules of genomd's own.
     pub rule: &'static str,
-    /// Why, and what to do.
+    /// The reason for the rule, and what to do.
     pub text: &'static str,
-    /// A description that makes this diagnostic.
+    /// A description that causes this diagnostic.
     pub example: &'static str,
 }
 

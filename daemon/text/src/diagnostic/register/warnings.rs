@@ -1,4 +1,4 @@
-//! Wxxxx: what is accepted and surprising.
+//! Wxxxx: descriptions that are accepted but probably not meant so.
 
 use super::row::{Explanation, row};
 
