@@ -1,9 +1,8 @@
-//! Cost of many components: 1, 50 and 500 with five ports each, on local and shared memory.
-//! Measures the time until ready, stop, memory, file descriptors, and the duration of `list` and
-//! `ports`.
+//! What many components cost: 1, 50 and 500 of five ports each, on local and shared memory. Start
+//! until ready, stop, memory, descriptors, and how long `list` and `ports` take meanwhile.
 //!
-//! `cargo bench -p genom-tests --bench many [-- BACKEND... NUMBER...]`. The programs are built with
-//! `--release`, as users build them.
+//! `cargo bench -p genom-tests --bench many [-- BACKEND... NUMBER...]`. The programs are built as
+//! users build them (`--release`).
 
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a benchmark")]
@@ -14,7 +13,7 @@ use std::time::{Duration, Instant};
 
 use genom_tests::{Footprint, Home, Many, Running, repository, request};
 
-/// Number of requests of each kind.
+/// Requests of each kind.
 const REQUESTS: usize = 200;
 
 fn main() {
@@ -45,7 +44,7 @@ fn main() {
     }
 }
 
-/// Path of the release build of the daemon.
+/// The daemon as users have it.
 fn release() -> PathBuf {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);

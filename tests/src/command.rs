@@ -1,4 +1,4 @@
-//! A running program whose output is read line by line, under a watchdog.
+//! A program that runs, its output read line by line, under a watchdog.
 
 use std::io::{BufRead as _, BufReader, Read};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -6,26 +6,26 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// A test step that takes longer counts as hanging.
+/// Nothing in the tests takes so long unless it hangs.
 pub const WATCHDOG: Duration = Duration::from_secs(60);
 
-/// A running program; killed when dropped.
+/// A program that runs; killed when dropped.
 #[derive(Debug)]
 pub struct Running {
     child: Child,
     what: String,
     lines: Receiver<String>,
     errors: Option<JoinHandle<String>>,
-    /// Lines of standard error, for tests that wait for one.
+    /// Lines of standard error, for those who wait for one.
     error_lines: Receiver<String>,
 }
 
-/// A program that has ended.
+/// A program that ended.
 #[derive(Debug)]
 pub struct Finished {
-    /// Exit status; `None` if a signal ended it.
+    /// Its exit status; `None` when a signal ended it.
     pub code: Option<i32>,
-    /// Standard output, without lines that were read before.
+    /// Standard output, as far as nobody took lines of it.
     pub out: String,
     /// Standard error.
     pub err: String,
@@ -60,7 +60,7 @@ impl Running {
             while reader.read_until(b'\n', &mut line).is_ok_and(|read| read > 0) {
                 let text = String::from_utf8_lossy(&line).into_owned();
                 all.push_str(&text);
-                // Fails if nobody waits for lines.
+                // Nobody may wait for lines: that is fine.
                 let _ = sender.send(text.trim_end().to_owned());
                 line.clear();
             }
@@ -77,18 +77,18 @@ impl Running {
         self.child.id()
     }
 
-    /// Waits for the next line of standard output.
+    /// The next line of standard output.
     pub fn line(&self) -> String {
         self.lines.recv_timeout(WATCHDOG).unwrap_or_else(|error| panic!("{}: {error}", self.what))
     }
 
-    /// Discards the lines of standard output that are available now, then waits for the next one.
+    /// The first line of standard output of those that are still to come.
     pub fn line_from_now(&self) -> String {
         while self.lines.try_recv().is_ok() {}
         self.line()
     }
 
-    /// Waits for the next line of standard output that `wanted` accepts.
+    /// The next line of standard output that `wanted` says yes to.
     pub fn line_where(&self, wanted: impl Fn(&str) -> bool) -> String {
         let end = Instant::now() + WATCHDOG;
         let mut seen = Vec::new();
@@ -101,17 +101,16 @@ impl Running {
         }
     }
 
-    /// Waits for the next line of standard error that `wanted` accepts; `None` if the program ended
-    /// first.
+    /// The next line of standard error that `wanted` says yes to; `None` when it ended first.
     pub fn error_line_where(&self, wanted: impl Fn(&str) -> bool) -> Option<String> {
         self.error_line_within(WATCHDOG, wanted)
             .unwrap_or_else(|()| panic!("{}: says nothing", self.what))
     }
 
-    /// Waits for such a line for a limited time.
+    /// The same within a time.
     ///
     /// # Errors
-    /// Neither the line nor the end came within this time.
+    /// It neither says so nor ends within this time.
     #[allow(clippy::result_unit_err, reason = "there is nothing to say of it")]
     pub fn error_line_within(
         &self,
@@ -129,7 +128,7 @@ impl Running {
         }
     }
 
-    /// Sends a signal by its name: `TERM`, `INT`, `KILL`.
+    /// Sends a signal by name: `TERM`, `INT`, `KILL`.
     pub fn signal(&self, name: &str) {
         let status = Command::new("kill")
             .args(["-s", name, &self.child.id().to_string()])
@@ -144,14 +143,14 @@ impl Running {
         self.finish_within(WATCHDOG)
     }
 
-    /// Waits for its end; fails if it takes longer than `longest`.
+    /// Waits for its end; it hangs when it takes longer than this.
     #[must_use]
     pub fn finish_within(self, longest: Duration) -> Finished {
         let what = self.what.clone();
         self.finish_or(longest).unwrap_or_else(|| panic!("{what}: hangs"))
     }
 
-    /// Waits for its end; `None` if it had to be killed after `longest`.
+    /// Waits for its end; `None` when it had to be killed after this time.
     #[must_use]
     pub fn finish_or(mut self, longest: Duration) -> Option<Finished> {
         let status = self.wait(longest)?;
@@ -167,8 +166,7 @@ impl Running {
     fn wait(&mut self, longest: Duration) -> Option<ExitStatus> {
         let pid = self.child.id();
         let (ended, watched) = channel::<()>();
-        // The watchdog kills a hanging program, so that `wait` returns; dropping `ended` stops the
-        // watchdog.
+        // The watchdog kills what hangs, so that `wait` returns; dropping `ended` calls it off.
         let watchdog = thread::spawn(move || {
             if watched.recv_timeout(longest) == Err(RecvTimeoutError::Timeout) {
                 let _ = Command::new("kill").args(["-s", "KILL", &pid.to_string()]).status();
@@ -191,21 +189,21 @@ impl Drop for Running {
 }
 
 impl Finished {
-    /// Fails unless this was the exit status.
+    /// Fails unless it ended with this exit status.
     #[track_caller]
     pub fn expect_code(&self, code: i32) -> &Self {
         assert_eq!(self.code, Some(code), "out: {}\nerr: {}", self.out, self.err);
         self
     }
 
-    /// Fails unless standard error contains this text.
+    /// Fails unless standard error holds this text.
     #[track_caller]
     pub fn expect_err(&self, text: &str) -> &Self {
         assert!(self.err.contains(text), "expected `{text}` in:\n{}", self.err);
         self
     }
 
-    /// Fails unless standard output is exactly this text.
+    /// Fails unless standard output is this text.
     #[track_caller]
     pub fn expect_out(&self, text: &str) -> &Self {
         assert_eq!(self.out, text, "err: {}", self.err);

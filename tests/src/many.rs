@@ -1,7 +1,7 @@
-//! Many components in one daemon, and the resources that a process uses for them.
+//! Many components in one daemon, and what a process holds for them.
 //!
-//! The component is `tests/fixtures/many`: five ports, nine services, one task at 10 Hz that writes
-//! all its out ports. One library is loaded under the names `m0`, `m1`, ...:
+//! The component is `tests/fixtures/many`: five ports, nine services of its own, one task at
+//! 10 Hz that writes all its out ports. One library is loaded under the names `m0`, `m1`, ...:
 //! ```text
 //! let made = tempfile::tempdir().unwrap();
 //! let text = Many { components: 60, chained: true }.configuration("shm", made.path());
@@ -9,8 +9,8 @@
 //! let held = Footprint::of(daemon.process().id());
 //! assert!(held.descriptors < 60 * 6);
 //! ```
-//! By hand: `cargo run -p genom-tests --bin many -- 500 shm DIRECTORY` writes the configuration and
-//! prints how to start it.
+//! By hand: `cargo run -p genom-tests --bin many -- 500 shm DIRECTORY` writes the configuration
+//! and prints how to start it.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -21,19 +21,18 @@ use crate::fixture;
 /// Components of one kind under different names.
 #[derive(Clone, Copy, Debug)]
 pub struct Many {
-    /// Number of components.
+    /// How many.
     pub components: usize,
-    /// Whether each reads the state and the level of the previous one, and the first those of the
-    /// last. If false, no port is connected.
+    /// Whether each reads the state and the level of the one before it, the first those of the
+    /// last; otherwise no port is connected.
     pub chained: bool,
 }
 
 impl Many {
-    /// Builds the component in a directory. Returns the configuration of a daemon that loads it
-    /// this many times.
+    /// Makes the component in a directory; the configuration of a daemon that loads it so often.
     ///
     /// # Panics
-    /// If it cannot be built.
+    /// It cannot be made.
     #[must_use]
     pub fn configuration(self, backend: &str, made: &Path) -> String {
         let library = fixture("many", "many", made);
@@ -54,28 +53,28 @@ impl Many {
     }
 }
 
-/// Resources of a process, as the kernel reports them.
+/// What a process holds of the machine, as the kernel tells it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footprint {
-    /// Open file descriptors.
+    /// Open files, sockets and the like.
     pub descriptors: usize,
-    /// Mapped segments of shared memory.
+    /// Mapped files of shared memory.
     pub segments: usize,
-    /// Resident memory in KiB, including shared memory.
+    /// Memory in RAM, KiB, shared memory included.
     pub resident: u64,
-    /// The shared part of the resident memory, in KiB.
+    /// That part of it which is shared memory, KiB.
     pub shared: u64,
-    /// Peak resident memory in KiB.
+    /// The most that was in RAM at once, KiB.
     pub peak: u64,
     /// Threads.
     pub threads: u64,
 }
 
 impl Footprint {
-    /// Resources of a process now.
+    /// That of a process now.
     ///
     /// # Panics
-    /// If there is no such process.
+    /// There is no such process.
     #[must_use]
     pub fn of(process: u32) -> Self {
         let place = Path::new("/proc").join(process.to_string());

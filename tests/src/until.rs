@@ -1,14 +1,14 @@
-//! Waits for conditions by polling, under a watchdog.
+//! Waits for what comes to be in its own time, by asking again.
 
 use std::fmt::Display;
 use std::time::Instant;
 
 use crate::WATCHDOG;
 
-/// Polls until the condition holds.
+/// Asks again until it is so.
 ///
 /// # Panics
-/// If it does not hold in time.
+/// It does not come to be.
 #[track_caller]
 pub fn until(what: &str, mut so: impl FnMut() -> bool) {
     let end = Instant::now() + WATCHDOG;
@@ -17,10 +17,10 @@ pub fn until(what: &str, mut so: impl FnMut() -> bool) {
     }
 }
 
-/// Polls until the answer is `wanted`.
+/// Asks again until the answer is this one.
 ///
 /// # Panics
-/// If it stays different.
+/// It stays another one.
 #[track_caller]
 pub fn until_answer<T, W>(wanted: &W, mut ask: impl FnMut() -> T)
 where

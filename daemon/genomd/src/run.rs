@@ -8,11 +8,10 @@ use std::time::Duration;
 
 use genom_configuration::{RpcSettings, Spot};
 use genom_host::{KeptProcess, StandardError};
+use genom_supervisor::deploy::ApplyError;
 use genom_supervisor::deploy::Step;
-use genom_supervisor::deploy::apply::{ApplyError, apply};
-use genom_supervisor::deploy::plan::plan;
 use genom_supervisor::limits;
-use genom_supervisor::loading::{self, LoadError};
+use genom_supervisor::loading::LoadError;
 
 use crate::daemon::Daemon;
 use crate::memory;
@@ -205,8 +204,9 @@ async fn work(daemon: &Arc<Daemon>, settings: &Settings) -> Result<(), Refusal> 
 /// Loads the components asked for, in order; stops at the first that is refused. What else the
 /// deployment asks for is given back.
 async fn load_all(daemon: &Arc<Daemon>, settings: &Settings) -> Result<Vec<Step>, Refusal> {
-    let steps = plan(daemon, &settings.deployment, false)
-        .map(|plan| plan.steps)
+    let steps = daemon
+        .steps_to(&settings.deployment, false)
+        .map(|steps| steps.to_take)
         .map_err(|error| Refusal::usage(told(settings, &error.place(), &error)))?;
     let (loads, rest): (Vec<_>, Vec<_>) =
         steps.into_iter().partition(|step| matches!(step, Step::Load(_)));
@@ -221,7 +221,7 @@ async fn load_all(daemon: &Arc<Daemon>, settings: &Settings) -> Result<Vec<Step>
             return Ok(Vec::new());
         }
         let (worker, asked) = (Arc::clone(daemon), request.clone());
-        let mut loading = tokio::task::spawn_blocking(move || loading::load(&worker, &request));
+        let mut loading = tokio::task::spawn_blocking(move || worker.load(&request));
         let loaded = tokio::select! {
             loaded = &mut loading => loaded,
             // Those that run are not to wait for one that starts.
@@ -248,7 +248,7 @@ async fn deploy(daemon: &Arc<Daemon>, settings: &Settings, steps: Vec<Step>) -> 
     let (worker, connections) = (Arc::clone(daemon), settings.deployment.connection.clone());
     let work = move || {
         let _turn = worker.deploying();
-        apply(&worker, &steps, None)?;
+        worker.apply(&steps, None)?;
         worker.connections.declare(&connections);
         if !steps.is_empty() {
             tracing::info!("deployed: everything is wired and started");

@@ -11,7 +11,7 @@ use genom_host::{Component, Library};
 use genom_middleware::{PublishError, Publisher};
 use genom_runtime::body::Body;
 use genom_runtime::{
-    Clock, Instance, Options, Outcome, Plan, Progress, VirtualClock, Wiring, WiringError,
+    Clock, ConnectionError, Instance, Options, Outcome, Plan, Progress, Supervision, VirtualClock,
 };
 use genom_types::Record;
 use serde_json::{Value, json};
@@ -20,12 +20,12 @@ use support::Scratch;
 /// A supervisor that connects nothing.
 struct Alone;
 
-impl Wiring for Alone {
-    fn connect_port(&self, local: &str, _: &str) -> Result<(), WiringError> {
-        Err(WiringError::NoSuchInport(local.to_owned()))
+impl Supervision for Alone {
+    fn connect_port(&self, local: &str, _: &str) -> Result<(), ConnectionError> {
+        Err(ConnectionError::NoSuchInport(local.to_owned()))
     }
-    fn connect_service(&self, _: &str, _: &str) -> Result<(), WiringError> {
-        Err(WiringError::PortIo("alone".to_owned()))
+    fn connect_service(&self, _: &str, _: &str) -> Result<(), ConnectionError> {
+        Err(ConnectionError::PortIo("alone".to_owned()))
     }
     fn kill(&self) {}
 }
@@ -79,7 +79,7 @@ impl Demo {
         let ended = Ended::default();
         let told = Arc::clone(&ended);
         let reply = move |progress| {
-            if let Progress::Done(outcome) = progress {
+            if let Progress::Ended(outcome) = progress {
                 *told.lock().unwrap() = Some(outcome);
             }
         };

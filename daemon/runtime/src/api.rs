@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use crate::plan::Plan;
 
 /// Receives the progress of a request: [`Progress::Accepted`] at most once, for activities, then
-/// [`Progress::Done`] once. Never called by a real-time thread, nor with a lock held.
+/// [`Progress::Ended`] once. Never called by a real-time thread, nor with a lock held.
 pub type Reply = Box<dyn FnMut(Progress) + Send>;
 
 /// Called once, by any thread, when a shutdown is complete: no codel of the instance runs, or will.
@@ -24,7 +24,7 @@ pub enum Progress {
         activity: u32,
     },
     /// The end of the request.
-    Done(Outcome),
+    Ended(Outcome),
 }
 
 /// How a service ended.
@@ -88,18 +88,18 @@ impl fmt::Debug for Inputs {
 ///
 /// Called by a control worker that holds no exclusion; connections are made within
 /// [`Instance::exclusively`](crate::Instance::exclusively).
-pub trait Wiring: Send + Sync {
+pub trait Supervision: Send + Sync {
     /// Connects in port `local` (`port` or `port/element`) to out port `remote`.
     ///
     /// # Errors
     /// One of them does not exist, or the middleware fails.
-    fn connect_port(&self, local: &str, remote: &str) -> Result<(), WiringError>;
+    fn connect_port(&self, local: &str, remote: &str) -> Result<(), ConnectionError>;
 
     /// Connects remote `local` to service `remote` of another component.
     ///
     /// # Errors
     /// One of them does not exist, or the middleware fails.
-    fn connect_service(&self, local: &str, remote: &str) -> Result<(), WiringError>;
+    fn connect_service(&self, local: &str, remote: &str) -> Result<(), ConnectionError>;
 
     /// Asks the supervisor to shut the instance down: for service `kill`, or because a permanent
     /// activity failed.
@@ -110,7 +110,7 @@ pub trait Wiring: Send + Sync {
 
 /// Why something could not be connected.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum WiringError {
+pub enum ConnectionError {
     /// The component has no such in port.
     #[error("there is no in port `{0}`")]
     NoSuchInport(String),
@@ -131,17 +131,17 @@ pub enum WiringError {
     RemoteIo(String),
 }
 
-impl WiringError {
+impl ConnectionError {
     /// Full name of the exception that reports it (genom3.md 4.8).
     #[must_use]
     pub fn exception(&self) -> &'static str {
         match self {
-            WiringError::NoSuchInport(_) => "::genom::no_such_inport",
-            WiringError::NoSuchOutport(_) => "::genom::no_such_outport",
-            WiringError::PortIo(_) => "::genom::port_io",
-            WiringError::NoSuchRemote(_) => "::genom::no_such_remote",
-            WiringError::NoSuchService(_) => "::genom::no_such_service",
-            WiringError::RemoteIo(_) => "::genom::remote_io",
+            ConnectionError::NoSuchInport(_) => "::genom::no_such_inport",
+            ConnectionError::NoSuchOutport(_) => "::genom::no_such_outport",
+            ConnectionError::PortIo(_) => "::genom::port_io",
+            ConnectionError::NoSuchRemote(_) => "::genom::no_such_remote",
+            ConnectionError::NoSuchService(_) => "::genom::no_such_service",
+            ConnectionError::RemoteIo(_) => "::genom::remote_io",
         }
     }
 }

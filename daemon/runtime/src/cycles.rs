@@ -46,7 +46,7 @@ pub(crate) struct Lasting {
 
 /// Totals up to a date, including the cycle under way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Done {
+pub(crate) struct Total {
     pub(crate) cycles: u64,
     pub(crate) busy_ns: u64,
 }
@@ -130,12 +130,12 @@ impl Cycles {
     }
 
     /// Number of cycles until this date, and their total duration.
-    pub(crate) fn done(&self, now: u64) -> Done {
+    pub(crate) fn total(&self, now: u64) -> Total {
         self.consistent(|| {
             let (cycles, busy_ns) = self.over.totals();
             match self.began.load(Ordering::Relaxed) {
-                NONE => Done { cycles, busy_ns },
-                began => Done {
+                NONE => Total { cycles, busy_ns },
+                began => Total {
                     cycles: cycles + 1,
                     busy_ns: busy_ns.saturating_add(now.saturating_sub(began)),
                 },
@@ -146,16 +146,16 @@ impl Cycles {
     /// Figures at this date. Quantiles and the last duration are those of completed cycles, if
     /// there are any.
     pub(crate) fn read(&self, now: u64) -> Durations {
-        let (mut figures, done, lasting) =
-            self.consistent(|| (self.over.read(), self.done(now), self.lasting(now)));
+        let (mut figures, total, lasting) =
+            self.consistent(|| (self.over.read(), self.total(now), self.lasting(now)));
         let Some(Lasting { for_ns, .. }) = lasting else { return figures };
         if figures.count == 0 {
             figures.last_ns = for_ns;
             figures.p50_ns = for_ns;
             figures.p99_ns = for_ns;
         }
-        figures.count = done.cycles;
-        figures.mean_ns = done.busy_ns.checked_div(done.cycles).unwrap_or_default();
+        figures.count = total.cycles;
+        figures.mean_ns = total.busy_ns.checked_div(total.cycles).unwrap_or_default();
         figures.max_ns = figures.max_ns.max(for_ns);
         figures
     }
@@ -171,7 +171,7 @@ mod tests {
         let cycles = Cycles::default();
         assert_eq!(cycles.read(50), Durations::default());
         cycles.begins(100);
-        assert_eq!(cycles.done(130), Done { cycles: 1, busy_ns: 30 });
+        assert_eq!(cycles.total(130), Total { cycles: 1, busy_ns: 30 });
         let figures = cycles.read(130);
         assert_eq!(
             (figures.count, figures.mean_ns, figures.max_ns, figures.p50_ns),
@@ -182,7 +182,7 @@ mod tests {
         let lasting = cycles.lasting(140).unwrap();
         assert_eq!((lasting.for_ns, lasting.steps, lasting.codel), (40, 2, 8));
         cycles.ends(150);
-        assert_eq!(cycles.done(990), Done { cycles: 1, busy_ns: 50 });
+        assert_eq!(cycles.total(990), Total { cycles: 1, busy_ns: 50 });
         assert_eq!(cycles.lasting(990), None);
         cycles.begins(1000);
         assert_eq!(cycles.lasting(1000).unwrap().steps, 0);
@@ -202,15 +202,15 @@ mod tests {
                 }
                 over.store(true, Ordering::Release);
             });
-            let mut last = Done::default();
+            let mut last = Total::default();
             while !over.load(Ordering::Acquire) {
                 // A date before the cycle's begin adds no time.
-                let done = cycles.done(0);
-                assert!(done.cycles >= last.cycles && done.busy_ns >= last.busy_ns, "{done:?}");
-                assert!(done.busy_ns.abs_diff(done.cycles * 10) <= 10, "{done:?}");
-                last = done;
+                let total = cycles.total(0);
+                assert!(total.cycles >= last.cycles && total.busy_ns >= last.busy_ns, "{total:?}");
+                assert!(total.busy_ns.abs_diff(total.cycles * 10) <= 10, "{total:?}");
+                last = total;
             }
         });
-        assert_eq!(cycles.done(0), Done { cycles: 200_000, busy_ns: 2_000_000 });
+        assert_eq!(cycles.total(0), Total { cycles: 200_000, busy_ns: 2_000_000 });
     }
 }

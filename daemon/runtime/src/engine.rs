@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use genom_description::model::{Indexed, Owner, ServiceIx};
 
-use crate::api::Wiring;
+use crate::api::Supervision;
 use crate::body::Frame;
 use crate::control::window::Window;
 use crate::control::{Control, Stage};
@@ -24,7 +24,7 @@ const SPARE_FRAMES: usize = 2;
 pub(crate) struct Engine {
     pub(crate) name: String,
     pub(crate) shared: Arc<Shared>,
-    pub(crate) wiring: Arc<dyn Wiring>,
+    pub(crate) supervision: Arc<dyn Supervision>,
     pub(crate) watcher: Option<Arc<dyn Watcher>>,
     pub(crate) activity_limit: usize,
     /// A codel without period that runs longer counts as stuck.
@@ -103,7 +103,7 @@ impl Engine {
         Self {
             name: options.name,
             shared,
-            wiring: options.wiring,
+            supervision: options.supervision,
             watcher: options.watcher,
             activity_limit: options.activity_limit,
             stuck_after: options.stuck_after,

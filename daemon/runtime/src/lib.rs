@@ -40,7 +40,7 @@ mod watcher;
 pub use genom_description::model::{Indexed, Ix, PortIx, ServiceIx, TaskIx};
 
 pub use api::{
-    Exception, Inputs, OnShutdown, Outcome, Partial, Progress, Reply, Wiring, WiringError,
+    ConnectionError, Exception, Inputs, OnShutdown, Outcome, Partial, Progress, Reply, Supervision,
     input_record,
 };
 pub use clock::{Clock, VirtualClock, nanos};

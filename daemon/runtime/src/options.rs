@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::api::Wiring;
+use crate::api::Supervision;
 use crate::clock::Clock;
 use crate::watcher::Watcher;
 
@@ -20,7 +20,7 @@ pub struct Options {
     /// Instance name, which prefixes its ports, services and threads.
     pub name: String,
     /// The supervisor, which implements the standard services.
-    pub wiring: Arc<dyn Wiring>,
+    pub supervision: Arc<dyn Supervision>,
     /// Real time, or a clock that is stepped.
     pub clock: Clock,
     /// Limit on the activities of services that one task runs at the same time; the permanent one
@@ -63,10 +63,10 @@ pub struct TaskOptions {
 impl Options {
     /// Options with real time, default limits and no overrides.
     #[must_use]
-    pub fn new(name: impl Into<String>, wiring: Arc<dyn Wiring>) -> Self {
+    pub fn new(name: impl Into<String>, supervision: Arc<dyn Supervision>) -> Self {
         Self {
             name: name.into(),
-            wiring,
+            supervision,
             clock: Clock::Monotonic,
             activity_limit: ACTIVITY_LIMIT,
             tasks: HashMap::new(),

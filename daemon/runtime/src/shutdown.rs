@@ -186,7 +186,7 @@ impl Engine {
             control.ended = ended;
             control.ready.clear();
             let waiting = control.services.iter_mut().flat_map(|queue| queue.waiting.drain(..));
-            let refused = || Progress::Done(Outcome::Exception(interrupted("kill")));
+            let refused = || Progress::Ended(Outcome::Exception(interrupted("kill")));
             after.replies.extend(waiting.map(|request| (request.reply, refused())));
             for at in 0..control.entries.len() {
                 if control.entries[at].service.is_some() {
@@ -253,7 +253,7 @@ impl Engine {
 
     /// Answers all open requests with `interrupted`; later results are dropped.
     fn answer_all(&self) {
-        let refused = || Progress::Done(Outcome::Exception(interrupted("kill")));
+        let refused = || Progress::Ended(Outcome::Exception(interrupted("kill")));
         let mut after = Afterwards::default();
         {
             let mut control = self.lock();

@@ -38,7 +38,7 @@ fn codel(event: &'static str) -> Codel {
 fn answer(instance: &Instance, service: ServiceIx, input: Record) -> String {
     let (sender, receiver) = channel();
     let reply = Box::new(move |progress| {
-        if let Progress::Done(Outcome::Exception(exception)) = progress {
+        if let Progress::Ended(Outcome::Exception(exception)) = progress {
             let _ = sender.send(exception.to_string());
         }
     });

@@ -7,7 +7,9 @@ mod support;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
 
-use genom_runtime::{Clock, Instance, Options, Plan, Progress, VirtualClock, Wiring, WiringError};
+use genom_runtime::{
+    Clock, ConnectionError, Instance, Options, Plan, Progress, Supervision, VirtualClock,
+};
 use proptest::prelude::*;
 use support::scripted::{Answer, Script, Scripted, Shared};
 
@@ -75,11 +77,11 @@ fn step() -> impl Strategy<Value = Step> {
 
 struct Nobody;
 
-impl Wiring for Nobody {
-    fn connect_port(&self, _: &str, _: &str) -> Result<(), WiringError> {
+impl Supervision for Nobody {
+    fn connect_port(&self, _: &str, _: &str) -> Result<(), ConnectionError> {
         Ok(())
     }
-    fn connect_service(&self, _: &str, _: &str) -> Result<(), WiringError> {
+    fn connect_service(&self, _: &str, _: &str) -> Result<(), ConnectionError> {
         Ok(())
     }
     fn kill(&self) {}
@@ -122,7 +124,7 @@ fn play(answers: &[(usize, Vec<usize>)], steps: &[Step]) -> (Vec<Vec<String>>, V
                 let reply = Box::new(move |progress| {
                     let text = match progress {
                         Progress::Accepted { .. } => "accepted".into(),
-                        Progress::Done(outcome) => format!("{outcome:?}"),
+                        Progress::Ended(outcome) => format!("{outcome:?}"),
                     };
                     replies.lock().unwrap()[number].push(text);
                 });

@@ -2,7 +2,7 @@
 
 use tracing::Span;
 
-use crate::ending::Ending;
+use crate::outcome::Outcome;
 
 /// Target of these spans.
 pub const TARGET: &str = "genom::service";
@@ -16,11 +16,11 @@ pub fn service(component: &str, service: &str) -> Span {
 }
 
 /// Sets the outcome of the service in its span, which lasts until it is dropped.
-pub fn ended(span: &Span, activity: Option<u64>, ending: &Ending) {
+pub fn ended(span: &Span, activity: Option<u64>, outcome: &Outcome) {
     if let Some(number) = activity {
         span.record("activity", number);
     }
-    if let Some(name) = ending.exception() {
+    if let Some(name) = outcome.exception() {
         span.record("exception", name);
     }
 }

@@ -1,4 +1,4 @@
-//! Addresses of ports and services: which component instance, which port or service.
+//! Names of ports and services across components.
 
 use std::fmt;
 
@@ -7,17 +7,17 @@ use std::fmt;
 pub struct Address {
     /// Instance name of the component.
     pub instance: String,
-    /// Name of the port or service; for an element of a multiple port, `port/element`.
+    /// Port or service, with `/element` for an element of a multiple port.
     pub name: String,
 }
 
 impl Address {
-    /// Builds an address from an instance name and the name of a port or service.
+    /// An address from its two parts.
     pub fn new(instance: impl Into<String>, name: impl Into<String>) -> Self {
         Self { instance: instance.into(), name: name.into() }
     }
 
-    /// Parses `instance/name` or `instance/name/element`. `None` when a part is missing or empty.
+    /// Reads `instance/name` or `instance/name/element`; `None` when a part is missing.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let (instance, name) = text.split_once('/')?;

@@ -1,4 +1,4 @@
-//! How a backend is opened from its section of the configuration.
+//! How a backend is opened: by its section of a configuration.
 
 use std::fmt::Display;
 use std::sync::Arc;
@@ -9,25 +9,24 @@ use crate::Middleware;
 
 /// A middleware that a daemon can be built with.
 ///
-/// The registry lists each backend once. Everything else comes from here: which options its section
-/// of the configuration accepts, whether their values are valid, and the opened middleware.
+/// The daemon names each of its backends in one place and asks here for all the rest: what its
+/// section of the configuration may say, whether what it says makes sense, and the open middleware.
 pub trait Backend {
-    /// Name in configurations and commands; the same as [`Middleware::name`].
+    /// As configurations and commands call it; also [`Middleware::name`].
     const NAME: &'static str;
 
-    /// Name and version of the library underneath, for people to read: `zenoh 1.10`.
+    /// The library behind it, for people who look: `zenoh 1.10`.
     const VERSION: &'static str;
 
-    /// Type of the section `[backends.NAME]`. Every key has a default, and unknown keys are errors
-    /// (`#[serde(default, deny_unknown_fields)]`), so that a typing error is reported with its
-    /// line.
+    /// `[backends.NAME]`. Every key has a default, and unknown ones are errors
+    /// (`#[serde(default, deny_unknown_fields)]`), so that a typo is told with its line.
     type Options: DeserializeOwned;
 
-    /// Why the backend cannot be opened. The message names the key if an option is the cause.
+    /// Why it does not open; it names the key where an option is to blame.
     type Error: Display;
 
-    /// Checks the options without opening anything. The daemon calls this at start for every
-    /// backend, including those it does not use.
+    /// Refuses options that make no sense, and opens nothing: also those of backends that are not
+    /// in use are looked at when the daemon starts.
     ///
     /// # Errors
     /// An option is out of range, or options contradict each other.
@@ -36,9 +35,9 @@ pub trait Backend {
         Ok(())
     }
 
-    /// Opens the middleware.
+    /// Opens it.
     ///
     /// # Errors
-    /// The same as [`check`](Backend::check), or the middleware is not available on this machine.
+    /// As [`check`](Backend::check), or it cannot be had on this machine.
     fn open(options: Self::Options) -> Result<Arc<dyn Middleware>, Self::Error>;
 }

@@ -1,47 +1,46 @@
-//! Discovery: which ports and services exist on a middleware, including those of programs that are
-//! not genomd.
+//! Who is on a middleware: ends of ports, services, and programs of other makes.
 
 use crate::{Address, DiscoverError};
 
-/// Lists ports and services on a middleware. Backends whose peers do not announce themselves do not
-/// implement it.
+/// Lists ports and services on a middleware. One whose peers do not announce themselves does not
+/// implement this.
 pub trait Discovery {
-    /// Everything that is visible now, whether it belongs to this daemon or to others.
+    /// What is visible now, ours and others'.
     ///
     /// # Errors
-    /// When the middleware cannot list it.
+    /// When the middleware cannot tell.
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError>;
 
-    /// The ports at one address, out of those that [`discover`](Discovery::discover) lists.
-    /// Backends override it where listing everything for each of many addresses would be slow.
+    /// Ends of ports at one address, of those that [`discover`](Discovery::discover) lists: for
+    /// callers that ask for many addresses, where listing everything each time costs more.
     ///
     /// # Errors
-    /// The same as [`discover`](Discovery::discover).
+    /// As there.
     fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
         let wanted = self.spelled(at);
         Ok(self.discover()?.into_iter().filter(|end| end.address == wanted).collect())
     }
 
-    /// The address as [`discover`](Discovery::discover) spells it: with the namespace of this side
-    /// in front, if there is one.
+    /// How [`discover`](Discovery::discover) spells an address: with the namespace of this side in
+    /// front, where there is one.
     fn spelled(&self, at: &Address) -> String {
         at.to_string()
     }
 
-    /// Peers that are connected but not listed by [`discover`](Discovery::discover), as far as the
-    /// middleware knows of them. Shown to people who look for a fault.
+    /// Programs that are connected but do not show in [`discover`](Discovery::discover), as far as
+    /// the middleware tells of them. For diagnosis by people.
     fn strangers(&self) -> Vec<Stranger> {
         Vec::new()
     }
 
-    /// Reasons why our ports at an address and those of others do not connect although both exist.
+    /// What keeps our ends at an address and others from meeting, though both are there.
     fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
         let _ = at;
         Vec::new()
     }
 }
 
-/// Kind of an endpoint.
+/// What an endpoint is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EndpointKind {
     /// An out port.
@@ -57,34 +56,34 @@ pub enum EndpointKind {
 pub struct Endpoint {
     /// Out port, in port or service.
     pub kind: EndpointKind,
-    /// Address in the middleware's own spelling; `demo/position` for ours.
+    /// In the middleware's own spelling: `demo/position` for ours.
     pub address: String,
-    /// Name of its type; empty if unknown.
+    /// Name of its type, as far as known.
     pub ty: String,
 }
 
-/// A peer that does not announce what it opens, as programs that are not genomd may not.
+/// Somebody on a middleware who does not tell what it opens, as programs of other makes may.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stranger {
-    /// A reader of one of our out ports; the type that it expects is unknown.
+    /// Somebody reads an out port of this side; as which type is not known.
     Reader {
-        /// Address of the out port.
+        /// Of the out port.
         address: String,
     },
-    /// A connected peer; what it opened is not visible.
+    /// Somebody is connected; what it opened cannot be seen.
     Session {
-        /// Identity of the peer on the middleware.
+        /// By which the middleware tells it from others.
         name: String,
-        /// Role of the peer, in the middleware's terms.
+        /// What it is there, in the middleware's own words.
         role: &'static str,
     },
 }
 
-/// Why two existing ends are not connected, or exchange less than they could.
+/// Why two ends that are there are not connected, or get less from each other than they could.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Obstacle {
-    /// The cause, as a sentence without a full stop.
+    /// What is in the way, as a sentence without a stop.
     pub what: String,
-    /// What to do about it.
+    /// What to do.
     pub fix: String,
 }

@@ -1,4 +1,4 @@
-//! Errors of middlewares, one enum per operation.
+//! What can go wrong, one enum per operation.
 
 use crate::Address;
 
@@ -6,30 +6,30 @@ use crate::Address;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenError {
-    /// The other side uses another type at this address.
+    /// The other side carries another type under this address.
     #[error("{address} carries {theirs}, this side wants {ours}: make the two .gen types equal")]
     TypeMismatch {
-        /// Address that was opened.
+        /// What was opened.
         address: Address,
-        /// Type on this side: name, size and digest as far as they are known.
+        /// Type of this side: name, size and digest as far as known.
         ours: String,
-        /// Type on the other side, in the same form.
+        /// Type of the other side, likewise.
         theirs: String,
     },
-    /// Another publisher has this address.
+    /// Another publisher already owns this address.
     #[error("{address} already has a publisher: give this instance another name (--name)")]
     Taken {
-        /// Address that was opened.
+        /// What was opened.
         address: Address,
     },
-    /// This middleware cannot carry the type.
+    /// This middleware cannot carry such a type.
     #[error("{backend} cannot carry {ty}: {why}")]
     Unsupported {
         /// Name of the middleware.
         backend: String,
         /// Spelling of the type that cannot be carried.
         ty: String,
-        /// The reason.
+        /// What is missing.
         why: String,
     },
     /// The middleware itself failed.
@@ -37,26 +37,26 @@ pub enum OpenError {
     Failed {
         /// Name of the middleware.
         backend: String,
-        /// Address that was opened.
+        /// What was opened.
         address: Address,
-        /// The middleware's own message.
+        /// The middleware's own words.
         why: String,
     },
 }
 
-/// A type or service cannot masquerade: the foreign name does not have the middleware's form.
+/// A type or service cannot be shown as one of the middleware's own: there are no such names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{ours} cannot masquerade as `{foreign}`: write {form}")]
 pub struct NoForeignName {
     /// Full name of the IDL type or service.
     pub ours: String,
-    /// The foreign name as given.
+    /// What was given.
     pub foreign: String,
-    /// Form of the middleware's names, such as `package/msg/Type`.
+    /// How such names are written.
     pub form: &'static str,
 }
 
-/// Publishing failed. Has no heap data, because it is created on the real-time path.
+/// Publishing failed. Small and without allocation: it is made on the real-time path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PublishError {
@@ -68,7 +68,7 @@ pub enum PublishError {
     Refused,
 }
 
-/// Reading failed. Has no heap data, because it is created on the real-time path.
+/// Reading failed. Small and without allocation: it is made on the real-time path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -86,7 +86,7 @@ pub enum ReadError {
 pub struct DiscoverError {
     /// Name of the middleware.
     pub backend: String,
-    /// The middleware's own message.
+    /// The middleware's own words.
     pub why: String,
 }
 
@@ -97,26 +97,26 @@ pub enum CallError {
     /// Nobody serves the address.
     #[error("nobody serves {address}: is the component running on this middleware?")]
     Nobody {
-        /// Address that was called.
+        /// What was called.
         address: Address,
     },
-    /// The service has other input or output types.
+    /// The service takes or gives other types.
     #[error("{address} serves {theirs}, this side calls {ours}: make the two .gen types equal")]
     TypeMismatch {
-        /// Address that was called.
+        /// What was called.
         address: Address,
-        /// Types on this side.
+        /// Types of this side.
         ours: String,
-        /// Types on the other side.
+        /// Types of the other side.
         theirs: String,
     },
-    /// No reply within this time.
+    /// No answer in time.
     #[error("no answer within {0:?}")]
     Timeout(std::time::Duration),
-    /// The service went away before it replied.
+    /// The service went away before it answered.
     #[error("the service went away before it answered")]
     Gone,
-    /// The reply could not be decoded.
+    /// The answer could not be decoded.
     #[error("the answer cannot be decoded: {0}")]
     Serialization(String),
     /// The middleware itself failed.
@@ -124,7 +124,7 @@ pub enum CallError {
     Failed {
         /// Name of the middleware.
         backend: String,
-        /// The middleware's own message.
+        /// The middleware's own words.
         why: String,
     },
 }

@@ -1,21 +1,21 @@
-//! Median and 99th percentile of durations.
+//! The middle and the end of many durations.
 
 use std::fmt;
 
-/// Percentiles of a set of durations.
+/// What is told of many durations.
 #[derive(Clone, Copy, Debug)]
 pub struct Figures {
-    /// Median in nanoseconds.
+    /// Half of them were not longer, in nanoseconds.
     pub p50: f64,
-    /// 99th percentile in nanoseconds.
+    /// 99 of 100 were not longer.
     pub p99: f64,
 }
 
 impl Figures {
-    /// Computes the percentiles of durations given in nanoseconds.
+    /// The figures of these durations in nanoseconds.
     ///
     /// # Panics
-    /// When `durations` is empty.
+    /// When there are none.
     #[must_use]
     pub fn of(mut durations: Vec<f64>) -> Self {
         durations.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What the benchmarks of middlewares share: how they measure and print.
+//! What all benchmarks of middlewares measure and print alike.
 //!
 //! The programs are under `benches`: `cargo bench -p genom-bench`.
 
@@ -17,5 +17,5 @@ pub mod pair;
 
 pub use figures::Figures;
 
-/// Sizes in bytes of the values in every benchmark.
+/// The sizes of values that every benchmark shows.
 pub const SIZES: [usize; 4] = [64, 4 << 10, 64 << 10, 1 << 20];

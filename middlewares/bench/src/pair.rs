@@ -1,27 +1,27 @@
-//! A writing and a reading process in lockstep: one value at a time, over each transport in turn.
+//! A process that writes and one that reads, in step: one value at a time, the ways in turn.
 //!
-//! Through a pipe the writer announces which transport it will use; the reader replies that it is
-//! polling it, and later when the value arrived. Both read the same clock. Because the transports
-//! alternate, a disturbance on the machine affects all of them alike.
+//! Over a pipe the writer says which way it will use, the reader that it is looking there, and
+//! then when the value arrived. Both read the same clock. What a loaded machine does to one way
+//! it does to the others, value by value.
 
 use std::io::{self, Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use crate::{Figures, clock};
 
-/// Time in ns after which a value counts as lost.
+/// A value that does not arrive within this time is lost.
 const PATIENCE: u64 = 200_000_000;
 
-/// Values sent over each transport before measuring begins.
+/// Values of each way before any is counted.
 const WARM_UP: usize = 100;
 
-/// Number of polls between two calls of `yield`.
+/// Looks for a value between two offers of the processor to others.
 const LOOKS: usize = 16;
 
-/// Sent instead of a time when nothing arrived.
+/// Said instead of a date when nothing arrived.
 const LOST: u64 = u64::MAX;
 
-/// The writing end of one transport.
+/// One way from process to process, the writing end.
 pub trait Send {
     /// Sends one value.
     fn send(&mut self);
@@ -29,7 +29,7 @@ pub trait Send {
 
 /// The reading end.
 pub trait Receive {
-    /// Whether a value arrived. If so, it has been copied into the reader's memory.
+    /// Whether a value arrived, which is now in memory of the reader's.
     fn arrived(&mut self) -> bool;
 }
 
@@ -39,16 +39,16 @@ pub struct Reader {
     process: Child,
     to: ChildStdin,
     from: ChildStdout,
-    /// When the last value was sent, in ns. The next is sent a whole number of periods later, as a
-    /// periodic task would.
+    /// When the last value was sent: the next one goes a whole number of periods later, as a
+    /// periodic task writes.
     date: u64,
 }
 
 impl Reader {
-    /// Starts this program again with these arguments, as the reading process.
+    /// Starts this program once more, with these arguments.
     ///
     /// # Errors
-    /// It cannot be started.
+    /// It does not start.
     pub fn start(arguments: &[&str]) -> io::Result<Self> {
         let mut process = Command::new(std::env::current_exe()?)
             .args(arguments)
@@ -72,15 +72,15 @@ impl Reader {
         Ok(u64::from_le_bytes(answer))
     }
 
-    /// Makes the reading process open its ends for values of `bytes` bytes.
+    /// Has the reader open its ends for values of that size.
     ///
     /// # Errors
-    /// The process is gone.
+    /// It is gone.
     pub fn open(&mut self, bytes: usize) -> io::Result<()> {
         self.ask(bytes as u64).map(drop)
     }
 
-    /// Sends a value once the reader is polling. Returns its latency in ns; `None` if it was lost.
+    /// Sends a value, after the reader began to look; how long it was under way.
     fn hop(&mut self, way: usize, end: &mut dyn Send, period: u64) -> io::Result<Option<u64>> {
         self.ask(way as u64)?;
         let passed = clock::now() - self.date;
@@ -92,10 +92,10 @@ impl Reader {
         Ok((arrived != LOST).then(|| arrived.saturating_sub(sent)))
     }
 
-    /// Measures each transport with the given number of values, sent one `period` apart.
+    /// Figures of each way, of so many values each, which are sent one `period` apart.
     ///
     /// # Errors
-    /// The reading process is gone.
+    /// The reader is gone.
     pub fn measure(
         &mut self,
         ends: &mut [Box<dyn Send>],
@@ -103,15 +103,14 @@ impl Reader {
         period: u64,
     ) -> io::Result<Vec<Figures>> {
         let mut durations = vec![Vec::with_capacity(rounds); ends.len()];
-        // Middlewares need time to connect.
+        // Middlewares connect in their own time.
         for (way, end) in ends.iter_mut().enumerate() {
             while self.hop(way, &mut **end, period)?.is_none() {}
         }
         let ways = ends.len();
         for round in 0..WARM_UP + rounds {
             for turn in 0..ways {
-                // Alternate the order, so that each transport comes after each other one and finds
-                // caches alike.
+                // Each way comes after each other one: what that left in caches is shared alike.
                 let step = if round % 2 == 0 { turn } else { ways - turn };
                 let way = (round / 2 + step) % ways;
                 let Some(end) = ends.get_mut(way) else { continue };
@@ -125,10 +124,10 @@ impl Reader {
         Ok(durations.into_iter().map(Figures::of).collect())
     }
 
-    /// Ends the reading process.
+    /// Lets the reader end.
     ///
     /// # Errors
-    /// It failed.
+    /// It did not end well.
     pub fn finish(self) -> io::Result<()> {
         let Self { mut process, to, from, .. } = self;
         drop((to, from));
@@ -151,10 +150,10 @@ fn tell(number: u64) -> io::Result<()> {
     out.flush()
 }
 
-/// The reading process: opens ends for each size it is asked for, and reports when values arrive.
+/// The reading process: opens ends for each size it is asked for, and says when values arrive.
 ///
 /// # Errors
-/// The writing process ended unexpectedly.
+/// The writer is gone in the middle.
 pub fn serve(mut open: impl FnMut(usize) -> Vec<Box<dyn Receive>>) -> io::Result<()> {
     while let Some(bytes) = ask()? {
         let mut ends = open(usize::try_from(bytes).unwrap());

@@ -1,14 +1,14 @@
-//! Lets another thread see whether a sending thread is blocked.
+//! Lets another thread see whether a sending thread is held up.
 //!
-//! A write of a network library may block for seconds, until a stopped reader is given up, and
-//! nothing shows that beforehand. Each sending thread therefore counts where a call begins and
-//! where it ends, and a watching thread reads the counts periodically.
+//! A write of a network's library may wait for seconds, until a reader that stopped is given up. It
+//! cannot be known beforehand that it will. So each thread counts what it begins and what it ends,
+//! and a watching thread looks at the counts from time to time.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
-/// Counts the beginnings and ends of one thread's calls; odd while a call is in progress.
+/// Counts what one thread begins and ends: odd while it is in the middle of something.
 #[derive(Debug)]
 pub(crate) struct Busy {
     count: AtomicU64,
@@ -18,12 +18,12 @@ pub(crate) struct Busy {
 /// Wakes the watching thread, which sleeps while nothing is sent.
 #[derive(Debug, Default)]
 pub(crate) struct Alarm {
-    /// Whether the watching thread is polling, so that it need not be woken.
+    /// Whether it looks from time to time by itself.
     awake: AtomicBool,
     thread: OnceLock<Thread>,
 }
 
-/// A call in progress, until this is dropped.
+/// In the middle of something, until it is dropped.
 #[derive(Debug)]
 pub(crate) struct Working<'a>(&'a Busy);
 
@@ -32,11 +32,10 @@ impl Busy {
         Self { count: AtomicU64::new(0), alarm: Arc::clone(alarm) }
     }
 
-    /// Marks the beginning of a call. Makes a system call only if nothing was sent for a while.
+    /// Begins something. Costs a system call only when nothing was sent for long.
     pub(crate) fn begin(&self) -> Working<'_> {
-        // This thread increments the count, then reads the flag; the watching thread clears the
-        // flag, then reads the count. In either order this thread wakes it, or it does not go to
-        // sleep.
+        // The count first, the flag second. The watching thread clears the flag first and looks at
+        // the count second: so either this thread wakes it, or it does not go to sleep.
         self.count.fetch_add(1, Ordering::SeqCst);
         if !self.alarm.awake.load(Ordering::SeqCst) {
             self.alarm.wake();
@@ -55,7 +54,7 @@ impl Drop for Working<'_> {
     }
 }
 
-/// Whether a call is in progress at this count.
+/// Whether a count says that its thread is in the middle of something.
 pub(crate) fn is_at_work(count: u64) -> bool {
     !count.is_multiple_of(2)
 }
@@ -69,8 +68,8 @@ impl Alarm {
         }
     }
 
-    /// Sleeps until a call begins. Does not sleep if `quiet` finds that one has begun since. Only
-    /// for the watching thread.
+    /// Sleeps until something is begun; not at all if `quiet` finds that something was begun
+    /// meanwhile. For the watching thread only.
     pub(crate) fn sleep(&self, quiet: impl FnOnce() -> bool) {
         self.thread.get_or_init(std::thread::current);
         self.awake.store(false, Ordering::SeqCst);

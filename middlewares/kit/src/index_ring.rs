@@ -1,41 +1,31 @@
-//! A bounded lock-free ring of indices, with one producer and one consumer.
+//! A bounded ring of indices between one producer and one consumer, without locks.
 //!
-//! The indices refer to buffers that are kept elsewhere, so that samples change owner without a
-//! copy. When the ring is full, the producer chooses between dropping the new index and the oldest.
+//! It holds small numbers that name buffers kept elsewhere, so that samples change hands without
+//! being copied. When it is full the producer chooses: give up the new one, or the oldest.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Low bits of a slot that hold the index; the others hold the sequence number plus one.
+/// Bits of a slot that hold the index; the rest is the sequence number plus one.
 const INDEX_BITS: u32 = 16;
 
-/// Greatest index that a slot can hold.
+/// Greatest index that fits.
 pub const MAX_INDEX: usize = (1 << INDEX_BITS) - 1;
 
-/// Value of an empty slot.
+/// Nothing in the slot.
 const EMPTY: u64 = 0;
 
-/// The ring. At any time, at most one thread may push and at most one may pop.
-///
-/// ```
-/// use genom_kit::index_ring::IndexRing;
-///
-/// let ring = IndexRing::new(2);
-/// assert_eq!((ring.push_over(7), ring.push_over(8)), (None, None));
-/// assert_eq!(ring.push_over(9), Some(7), "the oldest is given back");
-/// assert!(!ring.push_if_free(10), "full");
-/// assert_eq!((ring.pop(), ring.pop(), ring.pop()), (Some(8), Some(9), None));
-/// ```
+/// The ring. One thread at a time pushes, one at a time pops.
 #[derive(Debug)]
 pub struct IndexRing {
     slots: Box<[AtomicU64]>,
-    /// Sequence number of the next push. Written by the producer only.
+    /// Sequence number of the next push; the producer's own.
     head: AtomicU64,
-    /// Sequence number of the next pop. Written by the consumer only.
+    /// Sequence number of the next pop; the consumer's own.
     tail: AtomicU64,
 }
 
 impl IndexRing {
-    /// A ring for `capacity` indices; for 1 if `capacity` is 0.
+    /// A ring for `capacity` indices, at least one.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
         let slots = (0..capacity.max(1)).map(|_| AtomicU64::new(EMPTY)).collect();
@@ -52,7 +42,7 @@ impl IndexRing {
         &self.slots[(sequence % self.slots.len() as u64) as usize]
     }
 
-    /// Pushes an index. When the ring is full, removes the oldest index and returns it. Wait-free.
+    /// Adds an index; when full, gives back the oldest one, which is lost. Wait-free.
     pub fn push_over(&self, index: usize) -> Option<usize> {
         let sequence = self.head.load(Ordering::Relaxed);
         let old = self.slot(sequence).swap(pack(sequence, index), Ordering::AcqRel);
@@ -60,7 +50,7 @@ impl IndexRing {
         (old != EMPTY).then(|| unpack(old).1)
     }
 
-    /// Pushes an index unless the ring is full. Returns whether it did. Wait-free.
+    /// Adds an index unless the ring is full; whether it did. Wait-free.
     pub fn push_if_free(&self, index: usize) -> bool {
         let sequence = self.head.load(Ordering::Relaxed);
         let slot = self.slot(sequence);
@@ -72,7 +62,7 @@ impl IndexRing {
         true
     }
 
-    /// Pops the oldest index. Retries only while the producer overwrites the slot being read.
+    /// Takes the oldest index. Retries only while the producer overwrites what it looks at.
     pub fn pop(&self) -> Option<usize> {
         let mut wanted = self.tail.load(Ordering::Relaxed);
         loop {
@@ -84,8 +74,7 @@ impl IndexRing {
             }
             let (sequence, index) = unpack(found);
             if sequence != wanted {
-                // The producer overwrote the slot: `sequence` is one round later than the one
-                // wanted.
+                // Overwritten: `sequence` replaced the one a whole round before it.
                 wanted = sequence + 1 - self.slots.len() as u64;
                 continue;
             }

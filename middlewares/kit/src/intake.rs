@@ -1,27 +1,26 @@
-//! The reading end of a port, on middlewares that receive encoded samples.
+//! The codel's end of an in port on a middleware that receives encoded samples.
 
 use genom_middleware::{OpenError, Policy, ReadError, Reading};
 use genom_types::{DataType, Record};
 
 use crate::mailbox::{Full, MAX_DEPTH};
 
-/// Mailbox settings that implement the policy of a connection.
+/// How a mailbox keeps the samples of an in port, by the policy of its connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Keeping {
-    /// Number of unread samples that are kept.
+    /// Samples that wait to be read.
     pub depth: usize,
-    /// Which sample is dropped when there are more.
+    /// What gives way when there are more.
     pub full: Full,
-    /// Whether dropped samples count as lost. False under [`Policy::Latest`], where only the newest
-    /// matters.
+    /// Whether those are losses: not where only the newest counts.
     pub counts: bool,
 }
 
 impl Keeping {
-    /// The mailbox settings for `policy`.
+    /// What `policy` asks of a mailbox.
     ///
     /// # Errors
-    /// The policy asks for more samples than a mailbox can hold.
+    /// It asks for more samples than a mailbox holds.
     pub fn of(policy: Policy, backend: &str, ty: &DataType) -> Result<Self, OpenError> {
         let (depth, full, counts) = match policy {
             Policy::Latest => (1, Full::Oldest, false),
@@ -42,26 +41,25 @@ impl Keeping {
 /// Decodes samples for a codel.
 #[derive(Debug)]
 pub struct Intake {
-    /// Samples are decoded into this record first, so that one that fails leaves the codel's record
-    /// unchanged.
+    /// Samples are decoded here first: one that fails leaves the codel's record alone.
     scratch: Record,
-    /// Whether a sample has been read yet.
+    /// Whether anything was read yet.
     read: bool,
 }
 
 impl Intake {
-    /// A decoder for samples of type `ty`.
+    /// For samples of a type.
     #[must_use]
     pub fn new(ty: &DataType) -> Self {
         ty.prepare();
         Self { scratch: Record::new(ty), read: false }
     }
 
-    /// Reads the next sample into `into`. `take` passes the next sample, if there is one, to the
-    /// function that it is given, and returns whether that could decode it.
+    /// Reads the next sample into `into`. `take` gives it to the function it gets, if there is
+    /// one, and says whether that could decode it.
     ///
     /// # Errors
-    /// `into` has another type, or the sample cannot be decoded.
+    /// `into` is of another type, or the sample cannot be decoded.
     pub fn read(
         &mut self,
         into: &mut Record,

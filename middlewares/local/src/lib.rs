@@ -1,10 +1,9 @@
 //! Ports and services within one process.
 //!
-//! Samples are exchanged without locks in their C layout, without encoding: the writer makes one
-//! copy however many readers there are, and each reader makes one. Services are plain function
-//! calls.
+//! Samples go through a lock-free exchange in their C layout, without a codec: one copy by the
+//! writer however many readers there are, one by each reader. Services are plain calls.
 //!
-//! All `unsafe` code is in `exchange`.
+//! The `unsafe` code is `exchange`.
 
 mod backend;
 mod exchange;

@@ -1,4 +1,4 @@
-//! The ports that have an open end.
+//! The ports that have an end open.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -8,15 +8,15 @@ use genom_middleware::{Address, EndpointKind};
 
 use crate::exchange::Exchange;
 
-/// A port that has an open end.
+/// A port that has ends.
 pub(crate) struct Port {
     pub(crate) exchange: Arc<Exchange>,
-    /// Number of open writing ends. The port is removed from the list when its last end closes.
+    /// Open ends; the port is forgotten with the last one.
     pub(crate) writers: usize,
     pub(crate) readers: usize,
 }
 
-/// Keeps a port in the list while one of its ends is open.
+/// Keeps an end of a port in the list while it is open.
 pub(crate) struct Opened {
     pub(crate) ports: Arc<Mutex<HashMap<Address, Port>>>,
     pub(crate) at: Address,

@@ -1,4 +1,4 @@
-//! The local backend passes the conformance suite.
+//! The local middleware holds what every middleware must hold.
 
 use std::sync::Arc;
 

@@ -1,12 +1,12 @@
-//! Counts unusable messages of others, and limits the log to one line per second.
+//! Counts useless messages of others, and limits what the log says of them to a line a second.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Minimum time between two lines.
+/// At most one line in this time.
 pub(crate) const BETWEEN_LINES: Duration = Duration::from_secs(1);
 
-/// Counts errors of one kind.
+/// Counts mistakes of one kind.
 #[derive(Debug, Default)]
 pub(crate) struct Complaints(Mutex<State>);
 
@@ -17,7 +17,7 @@ struct State {
 }
 
 impl Complaints {
-    /// Counts one error. Returns the count so far if a line is due.
+    /// Counts one more. Gives the count so far if a line is due.
     pub(crate) fn add(&self) -> Option<u64> {
         self.add_at(Instant::now())
     }

@@ -1,4 +1,4 @@
-//! Activities, each served as a ROS action.
+//! Activities, served: a ROS action each.
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, OnceLock, Weak};
@@ -19,7 +19,7 @@ use crate::post::{Post, Prefix, Target};
 use crate::sender::Orders;
 use crate::wire::{Payload, Writer};
 
-/// Number of finished goals whose results are kept for late requests.
+/// Goals that ended are remembered, for those who ask late; so many of them.
 const REMEMBERED: usize = 64;
 
 /// `action_msgs/msg/GoalStatus`.
@@ -56,14 +56,14 @@ struct Goals {
 
 struct Goal {
     asker: Prefix,
-    /// The goal request, until it is answered.
+    /// Who sent it, until that is answered.
     sent: Option<RequestId>,
     stamp: (i32, u32),
     status: u8,
     run: Option<ActivityId>,
-    /// Status and outcome, once the goal has ended.
+    /// Status and outcome, once it ended.
     result: Option<Vec<u8>>,
-    /// Requests for the result that are not answered yet.
+    /// Who wants the result.
     waiting: Vec<RequestId>,
 }
 
@@ -91,7 +91,7 @@ impl ActionServer {
         Arc::new(Self { ty, style, handler, orders, ends, goals, bad: Complaints::default() })
     }
 
-    /// Handles a goal request.
+    /// Somebody sends a goal.
     pub(crate) fn send_goal(self: &Arc<Self>, by: RequestId, asker: Prefix, message: &[u8]) {
         let Some((fields, id)) = Fields::of(message).and_then(|mut fields| {
             let id = fields.bytes::<16>()?;
@@ -128,7 +128,7 @@ impl ActionServer {
             },
         );
         drop(goals);
-        // The handler may call back into this middleware, so no lock is held here.
+        // The service may call back into this middleware: no lock is held here.
         let replies = ToGoal { server: Arc::downgrade(self), id, ended: false };
         self.handler.request(input, Box::new(replies));
     }
@@ -142,7 +142,7 @@ impl ActionServer {
         }
     }
 
-    /// Handles a request for the result of a goal.
+    /// Somebody wants to know how a goal ends.
     pub(crate) fn get_result(&self, by: RequestId, message: &[u8]) {
         let Some(id) = Fields::of(message).and_then(|mut fields| fields.bytes::<16>()) else {
             return;
@@ -164,8 +164,7 @@ impl ActionServer {
         }
     }
 
-    /// Handles a request to cancel one goal, all goals, or all up to a time
-    /// (`action_msgs/srv/CancelGoal`).
+    /// A caller cancels a goal, all goals, or all up to a time (`action_msgs/srv/CancelGoal`).
     pub(crate) fn cancel_goal(&self, by: RequestId, message: &[u8]) {
         let wanted = Fields::of(message).and_then(|mut fields| {
             let id = fields.bytes::<16>()?;
@@ -188,7 +187,7 @@ impl ActionServer {
         for run in canceling.iter().filter_map(|(_, _, run)| *run) {
             self.handler.cancel(run);
         }
-        // action_msgs/srv/CancelGoal: 0 some are canceling, 2 unknown goal, 3 goal has ended.
+        // action_msgs/srv/CancelGoal: 0 some are canceling, 2 unknown goal, 3 it has ended.
         let code = match (canceling.is_empty(), known) {
             (false, _) => 0,
             (true, false) => 2,
@@ -203,7 +202,7 @@ impl ActionServer {
         self.tell_status();
     }
 
-    /// Publishes the status of all goals.
+    /// The status of all goals, on its topic.
     fn tell_status(&self) {
         let goals = lock(&self.goals);
         let mut message = u32::try_from(goals.by_id.len()).unwrap_or(0).to_le_bytes().to_vec();
@@ -226,7 +225,7 @@ impl ActionServer {
         let Some(goal) = goals.by_id.get_mut(id) else { return };
         goal.run = run.or(goal.run);
         let (sent, stamp) = (goal.sent.take(), goal.stamp);
-        // It was cancelled before the activity had an id; the cancellation is passed on now.
+        // Cancelled before the activity had a number: it is passed on now.
         let cancelled = run.filter(|_| goal.status == CANCELING);
         drop(goals);
         if let Some(by) = sent {
@@ -248,7 +247,7 @@ impl ActionServer {
             self.tell_status();
         }
         if matches!(self.style, Style::Foreign(manner) if !manner.states) {
-            // The feedback of a foreign type cannot express the state.
+            // Its feedback is something else.
             return;
         }
         let Some(ends) = self.ends.get() else { return };
@@ -266,7 +265,7 @@ impl ActionServer {
     }
 
     fn finish(&self, id: &GoalId, outcome: &Outcome) {
-        // In ROS a goal must be accepted before it ends, even if it failed at once.
+        // ROS wants a goal accepted before it ends, also one that failed at once.
         self.accepted(id, None);
         let mut result = vec![0];
         body::put_outcome(&mut result, &self.ty.output, outcome, self.style);
@@ -275,7 +274,7 @@ impl ActionServer {
             return;
         };
         let status = match outcome {
-            // Cancelled, and it stopped in an orderly way (genom3.md 7.6).
+            // Given up, it came to its end in an orderly way (genom3.md 7.6).
             Outcome::Success(_) if goal.status == CANCELING => CANCELED,
             Outcome::Success(_) => SUCCEEDED,
             Outcome::Exception { name, .. } if name == INTERRUPTED => CANCELED,
@@ -311,7 +310,7 @@ impl ActionServer {
     }
 }
 
-/// Passes the activity's replies on to the client.
+/// What the activity gets as the caller's replies.
 struct ToGoal {
     server: Weak<ActionServer>,
     id: GoalId,
@@ -347,7 +346,7 @@ impl Drop for ToGoal {
     }
 }
 
-/// Serves the activity until it is dropped.
+/// Keeps an activity open.
 pub(crate) struct Ros2Action {
     pub(crate) server: Arc<ActionServer>,
     pub(crate) claim: Option<Claim>,
@@ -358,7 +357,7 @@ impl Served for Ros2Action {}
 
 impl Drop for Ros2Action {
     fn drop(&mut self) {
-        // Withdraw the service before answering the last requests.
+        // The service is withdrawn before the last callers are answered.
         self.claim = None;
         self.core.orders().announce_now();
         self.server.leave();

@@ -1,4 +1,4 @@
-//! Types and services that masquerade as ROS's own.
+//! Types and services that go under the names of ROS's own.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{PoisonError, RwLock};
@@ -10,11 +10,11 @@ use genom_types::DataType;
 use crate::names;
 use crate::options::Options;
 
-/// All masquerades, and the definitions against which they are checked.
+/// What goes under which name, and how that is known to be right.
 pub(crate) struct Masquerades {
-    /// By full IDL name of a type or service.
+    /// By full IDL name of a type or a service.
     all: RwLock<BTreeMap<String, TypeName>>,
-    /// Those from the options, which cannot be removed.
+    /// Those of the options, which stay.
     configured: BTreeSet<String>,
     library: Library,
 }
@@ -35,7 +35,7 @@ impl Masquerades {
         self.all.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Adds a masquerade, unless the options contain another one for the same name.
+    /// Adds one, unless the options say something else.
     pub(crate) fn add(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
         let name = TypeName::parse(foreign).ok_or_else(|| NoForeignName {
             ours: ours.to_owned(),
@@ -47,7 +47,7 @@ impl Masquerades {
         Ok(())
     }
 
-    /// Removes a masquerade that was added.
+    /// Takes one back that was added.
     pub(crate) fn remove(&self, ours: &str) {
         if !self.configured.contains(ours) {
             self.all.write().unwrap_or_else(PoisonError::into_inner).remove(ours);
@@ -66,8 +66,7 @@ impl Masquerades {
         Ok(foreign.clone())
     }
 
-    /// The hash by which ROS nodes identify the message of a port; `None` if a message within it is
-    /// unknown.
+    /// The hash that ROS nodes know the message of a port by, as far as all in it is known.
     pub(crate) fn hash(&self, ty: &DataType) -> Option<String> {
         let mut mapper = Mapper::new(ty.table(), self.all());
         let name = mapper.port(ty.id()).ok()?;
@@ -81,7 +80,7 @@ impl Masquerades {
         genom_rosidl::hash(&whole, &find).ok()
     }
 
-    /// The foreign type of a service, if it masquerades.
+    /// The foreign type of a service, if it has one.
     pub(crate) fn service(
         &self,
         ty: &ServiceType,

@@ -23,16 +23,15 @@ use crate::quality;
 use crate::sender::Line;
 use crate::wire;
 
-/// Limit in bytes for the samples of an out port that wait to be sent.
+/// The samples of an out port that wait to be sent may take that much memory.
 const WAITING: usize = 4 << 20;
 
-/// Initial buffer size in bytes for a message of the type.
+/// Bytes to make ready for a message of a type.
 fn room_for(ty: &DataType) -> usize {
     if ty.is_fixed_size() { ty.size() + ty.size() / 8 + 64 } else { 256 }
 }
 
-/// Number of samples that may wait to be sent: fewer if they are large, since their buffers are
-/// preallocated.
+/// Samples that may wait to be sent: fewer of large ones, whose buffers are made beforehand.
 fn depth_of(ty: &DataType, wanted: usize) -> usize {
     wanted.min((WAITING / room_for(ty)).max(1))
 }
@@ -97,10 +96,10 @@ impl Ports for Ros2 {
 /// An out port.
 pub(crate) struct Ros2Publisher {
     outlet: Arc<Outlet>,
-    /// Its number in the sending thread.
+    /// Its number with the sending thread.
     line: usize,
     writer: GUID,
-    /// Announces it to others; dropped after the last sample was sent.
+    /// What shows it to others; goes after the last sample went out.
     claim: Option<Claim>,
     core: Arc<Core>,
 }

@@ -1,4 +1,4 @@
-//! Attributes and functions, each served as a ROS service.
+//! Attributes and functions, served: a ROS service each.
 
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 
@@ -14,20 +14,20 @@ use crate::graph::Claim;
 use crate::lock::lock;
 use crate::parameters::Part;
 
-/// A served attribute or function.
+/// A service without activities.
 pub(crate) struct Server {
     pub(crate) ty: ServiceType,
     pub(crate) style: Style,
     pub(crate) handler: Arc<dyn ServiceHandler>,
     pub(crate) end: OnceLock<ServerEnd>,
-    /// Requests in progress; their callers are notified when the service is withdrawn.
+    /// Requests under way: their callers are told when the service leaves.
     pending: Mutex<Vec<Weak<Request>>>,
     bad: Complaints,
 }
 
 struct Request {
     server: Weak<Server>,
-    /// Taken with the reply.
+    /// Until it is answered.
     id: Mutex<Option<RequestId>>,
 }
 
@@ -80,15 +80,14 @@ impl Request {
             if body::put_outcome(&mut reply, &server.ty.output, outcome, server.style) {
                 end.reply(id, reply);
             } else {
-                // A ROS service cannot report failure: without a reply, its client waits until its
-                // timeout.
+                // A ROS service cannot fail: without a reply, its caller waits until it times out.
                 tracing::warn!(service = server.ty.input.name(), ?outcome, "no reply can say this");
             }
         }
     }
 }
 
-/// Passes the service's replies on to the client.
+/// What the service gets as the caller's replies.
 struct ToCaller(Arc<Request>);
 
 impl Replies for ToCaller {
@@ -102,17 +101,17 @@ impl Replies for ToCaller {
 }
 
 impl Drop for ToCaller {
-    // Has no effect after `finish`, which takes the id.
+    // After `finish` the id is taken, and this does nothing.
     fn drop(&mut self) {
         self.0.end(&Outcome::Lost(CallError::Gone));
     }
 }
 
-/// Serves until it is dropped.
+/// Keeps a service open.
 pub(crate) struct Ros2Served {
     pub(crate) server: Arc<Server>,
     pub(crate) claim: Option<Claim>,
-    /// Its contribution to the node's parameters.
+    /// What it is of the node's parameters.
     pub(crate) parameter: Option<Part>,
     pub(crate) core: Arc<Core>,
 }
@@ -121,7 +120,7 @@ impl Served for Ros2Served {}
 
 impl Drop for Ros2Served {
     fn drop(&mut self) {
-        // Withdraw the service before answering the last requests.
+        // The service is withdrawn before the last callers are answered.
         self.parameter = None;
         self.claim = None;
         self.core.orders().announce_now();

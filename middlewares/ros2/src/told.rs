@@ -1,4 +1,4 @@
-//! Announcements to and from other daemons and ROS nodes.
+//! What daemons tell each other and ROS nodes: what this one announces, and what it hears.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use crate::receiver::{Sample, Sink};
 use crate::sender::Announce;
 use crate::wire::{Payload, Writer};
 
-/// Announces this daemon's nodes and ends.
+/// What this daemon tells of itself.
 pub(crate) struct Told {
     pub(crate) ends: Writer,
     pub(crate) nodes: Writer,
@@ -30,14 +30,14 @@ impl Announce for Told {
         let ends = info::encode(&Ends { process: self.process.clone(), ends });
         let nodes = info::encode(&Graph::nodes(self.participant, nodes));
         [(&self.ends, ends), (&self.nodes, nodes)].into_iter().all(|(writer, payload)| {
-            // Repeating it would fail again.
+            // Trying again would fail again.
             let Some(payload) = payload else { return true };
             writer.write(Payload(Bytes::from(payload)), None).is_ok()
         })
     }
 
     fn settle(&self, longest: Duration) {
-        // Fails if readers disappeared without leaving; they are not waited for any longer.
+        // Those that are gone without a word are not waited for any longer.
         let _ = self.ends.wait_for_acknowledgments(longest);
     }
 
@@ -46,7 +46,7 @@ impl Announce for Told {
     }
 }
 
-/// Receives the announcements of other daemons.
+/// Takes what other daemons tell.
 pub(crate) struct Hear {
     pub(crate) graph: Arc<Graph>,
     pub(crate) feeds: Arc<Feeds>,

@@ -1,5 +1,4 @@
-//! Calls to services of this daemon itself: DDS connects a participant to itself only over
-//! multicast.
+//! Services of this daemon itself: DDS shows a participant to itself only over multicast.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
@@ -9,7 +8,7 @@ use genom_types::Record;
 
 use crate::lock::lock;
 
-/// The services of this daemon, by request topic.
+/// What this daemon serves, by topic of requests.
 #[derive(Default)]
 pub(crate) struct Own(Mutex<HashMap<String, Weak<dyn ServiceHandler>>>);
 
@@ -25,7 +24,7 @@ impl Own {
     }
 }
 
-/// A request to a service of this daemon, passed to its handler directly.
+/// A request to a service of this daemon, handed straight through.
 pub(crate) struct Within {
     handler: Weak<dyn ServiceHandler>,
     id: Arc<OnceLock<ActivityId>>,

@@ -40,7 +40,7 @@ fn both_ends_of_a_port_may_be_in_one_daemon() {
     }
 }
 
-/// Returns its input.
+/// Gives back what it gets.
 struct Echo;
 
 impl ServiceHandler for Echo {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::names::TypeName;
 
-/// Type of a field or of its elements.
+/// What a field holds, but for arrays.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Base {
     /// `bool`
@@ -35,14 +35,14 @@ pub enum Base {
     String(Option<u32>),
     /// `wstring`, `wstring<=n`
     WString(Option<u32>),
-    /// A nested message.
+    /// Another message.
     Message(TypeName),
 }
 
-/// Number of values in a field.
+/// How many of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Shape {
-    /// A single value.
+    /// One.
     One,
     /// `T[n]`
     Array(u32),
@@ -53,13 +53,13 @@ pub enum Shape {
 /// A member of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// Name; valid in ROS.
+    /// Its name, legal in ROS.
     pub name: String,
-    /// Type of the value or of its elements.
+    /// What it holds.
     pub base: Base,
-    /// Number of values.
+    /// How many of them.
     pub shape: Shape,
-    /// Comment at the end of its line.
+    /// Written behind it.
     pub comment: Option<String>,
 }
 
@@ -71,42 +71,42 @@ impl Field {
     }
 }
 
-/// A constant of a message; not part of its encoding.
+/// A constant of a message; it is on no wire.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Constant {
-    /// Name; valid in ROS.
+    /// Its name, legal in ROS.
     pub name: String,
-    /// Type of the value.
+    /// Its type.
     pub base: Base,
-    /// The value as it is written in the file.
+    /// As it is written.
     pub value: String,
 }
 
-/// A message.
+/// Members in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// Full name.
+    /// What it is called.
     pub name: TypeName,
-    /// Fields in order. If there are none, ROS sends one byte.
+    /// Its members; ROS sends one byte where there are none.
     pub fields: Vec<Field>,
-    /// Constants in order.
+    /// Its constants.
     pub constants: Vec<Constant>,
-    /// Comment in the first line of the file: where the message comes from.
+    /// First line of its text: where it comes from.
     pub comment: Option<String>,
 }
 
 impl Message {
-    /// A message without fields.
+    /// Without members, so far.
     #[must_use]
     pub fn new(name: TypeName) -> Self {
         Self { name, fields: Vec::new(), constants: Vec::new(), comment: None }
     }
 }
 
-/// A service: request and response.
+/// Request and response.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Service {
-    /// Full name.
+    /// What it is called.
     pub name: TypeName,
     /// `NAME_Request`
     pub request: Message,
@@ -114,10 +114,10 @@ pub struct Service {
     pub response: Message,
 }
 
-/// An action: goal, result and feedback.
+/// Goal, result and feedback.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Action {
-    /// Full name.
+    /// What it is called.
     pub name: TypeName,
     /// `NAME_Goal`
     pub goal: Message,
@@ -127,7 +127,7 @@ pub struct Action {
     pub feedback: Message,
 }
 
-/// A message, a service or an action.
+/// Any of them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Interface {
     /// `.msg`
@@ -139,7 +139,7 @@ pub enum Interface {
 }
 
 impl Interface {
-    /// Full name.
+    /// What it is called.
     #[must_use]
     pub fn name(&self) -> &TypeName {
         match self {
@@ -149,7 +149,7 @@ impl Interface {
         }
     }
 
-    /// The messages that it consists of.
+    /// The messages it is made of.
     pub fn parts(&self) -> impl Iterator<Item = &Message> {
         match self {
             Interface::Message(message) => vec![message],

@@ -1,4 +1,4 @@
-//! Finds definitions of foreign types: built in, or in folders of packages.
+//! Where definitions of foreign types are found: built in, and in folders of packages.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,35 +9,35 @@ use crate::names::TypeName;
 use crate::parse::{ParseError, parse};
 use crate::standard;
 
-/// A definition cannot be found or read.
+/// A definition could not be had.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LibraryError {
-    /// There is no definition of that name.
+    /// Nothing of that name.
     #[error(
         "{name} is not known: it is none of ROS's common types, and no {file} is in {folders}; \
          name the folder of its package"
     )]
     Unknown {
-        /// Name of the type.
+        /// The type.
         name: Box<TypeName>,
-        /// File that was searched for.
+        /// What was looked for.
         file: String,
-        /// Folders that were searched.
+        /// Where.
         folders: String,
     },
-    /// The file exists but cannot be read.
+    /// It is there and cannot be read.
     #[error("{path}: {why}", path = .path.display())]
     File {
-        /// Path of the file.
+        /// The file.
         path: PathBuf,
-        /// The system's message.
+        /// The system's words.
         why: String,
     },
-    /// The file exists but does not define an interface.
+    /// It is there and no interface.
     #[error("{path}: {error}", path = .path.display())]
     Text {
-        /// Path of the file.
+        /// The file.
         path: PathBuf,
         /// What is wrong.
         error: Box<ParseError>,
@@ -52,14 +52,13 @@ pub struct Library {
 }
 
 impl Library {
-    /// Searches what is built in, then folders that contain packages: `FOLDER/geometry_msgs/msg`.
+    /// What is built in, and what is in folders that hold packages: `FOLDER/geometry_msgs/msg`.
     #[must_use]
     pub fn new(folders: Vec<PathBuf>) -> Self {
         Self { folders, read: Mutex::default() }
     }
 
-    /// The same as [`new`](Library::new), and also searches the folders of a sourced ROS workspace
-    /// (`AMENT_PREFIX_PATH`).
+    /// As [`new`](Library::new), with the folders that a sourced ROS workspace names besides.
     #[must_use]
     pub fn with_ament(mut folders: Vec<PathBuf>, ament_prefix_path: Option<&str>) -> Self {
         let prefixes = ament_prefix_path.unwrap_or_default().split(':');
@@ -71,7 +70,7 @@ impl Library {
     /// The definition of a type.
     ///
     /// # Errors
-    /// It is neither built in nor in one of the folders, or its file cannot be read.
+    /// It is neither built in nor in one of the folders, or cannot be read.
     pub fn find(&self, name: &TypeName) -> Result<Interface, LibraryError> {
         if let Some(known) = standard::all().get(name) {
             return Ok(known.clone());
@@ -99,11 +98,11 @@ impl Library {
     /// The definition of a message.
     ///
     /// # Errors
-    /// The same as [`find`](Library::find).
+    /// As [`find`](Library::find).
     pub fn message(&self, name: &TypeName) -> Result<Message, LibraryError> {
         match self.find(name)? {
             Interface::Message(message) => Ok(message),
-            // Does not happen: services and actions are in other folders.
+            // Names of services and actions are in other folders.
             other => Ok(Message::new(other.name().clone())),
         }
     }

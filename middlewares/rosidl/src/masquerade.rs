@@ -1,4 +1,4 @@
-//! Checks whether an IDL type or service may masquerade as a foreign one.
+//! Whether an IDL type or service may go under the name of a foreign one.
 
 use std::collections::BTreeMap;
 
@@ -10,67 +10,67 @@ use crate::map::{MapError, Mapper};
 use crate::names::TypeName;
 use crate::structure::{Difference, compare};
 
-/// The masquerade is not possible.
+/// It may not.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MasqueradeError {
-    /// Our type has no equivalent in ROS at all.
+    /// It has no equivalent in ROS at all.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// The foreign type is unknown.
+    /// The foreign type is not known.
     #[error(transparent)]
     Library(#[from] LibraryError),
-    /// The structures of the two differ.
+    /// Both are known and differ.
     #[error(transparent)]
     Differs(#[from] Box<Difference>),
-    /// The foreign type has the wrong kind, such as a message instead of a service.
+    /// A message where a service is needed, or the like.
     #[error("{ours} cannot go as {theirs}: it needs {needed}")]
     Kind {
-        /// Our name.
+        /// Ours.
         ours: String,
         /// The foreign type.
         theirs: TypeName,
-        /// Form of the name that is needed, such as `package/srv/Type`.
+        /// `package/srv/Type`
         needed: &'static str,
     },
 }
 
-/// How the response of a masqueraded service or action reports an exception.
+/// How the response of a masqueraded service or action says that an exception ended it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// By output members `boolean success` and `string message`, at these indices.
+    /// The output has `boolean success` and `string message`, at these ranks.
     Members(usize, usize),
-    /// There is no output; the response consists of `success` and `message`.
+    /// There is no output, and the response is just `success` and `message`.
     Added,
-    /// It cannot report exceptions.
+    /// It cannot.
     Silent,
 }
 
-/// How a masqueraded service or action is encoded.
+/// How a masqueraded service or action is put on the wire.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Manner {
-    /// How exceptions are reported.
+    /// How exceptions are shown.
     pub failure: Failure,
-    /// Whether the action's feedback is a single string, which then reports the state.
+    /// Whether the feedback of the action is one string, which tells the state.
     pub states: bool,
 }
 
 /// A type and the table it is in.
 pub type Typed<'a> = (&'a TypeTable, TypeId);
 
-/// Our side of a comparison, and where foreign types are looked up.
+/// What is compared, and with what it is found.
 pub struct Ours<'a> {
     /// All masquerades, by full IDL name.
     pub masquerades: &'a BTreeMap<String, TypeName>,
-    /// Definitions of foreign types.
+    /// The foreign types.
     pub library: &'a Library,
 }
 
 impl Ours<'_> {
-    /// Checks whether a type may masquerade as a message.
+    /// Whether a type may go as a message.
     ///
     /// # Errors
-    /// Their structures differ, or the message is unknown.
+    /// Their structures differ, or the message is not known.
     pub fn message(&self, ty: Typed<'_>, foreign: &TypeName) -> Result<(), MasqueradeError> {
         let ours = ty.0.spelling(ty.1);
         match self.library.find(foreign)? {
@@ -79,10 +79,10 @@ impl Ours<'_> {
         }
     }
 
-    /// Checks whether a service may masquerade as a ROS service.
+    /// Whether a service may go as a service of ROS.
     ///
     /// # Errors
-    /// Their structures differ, or the service is unknown.
+    /// Their structures differ, or the service is not known.
     pub fn service(
         &self,
         name: &str,
@@ -98,11 +98,11 @@ impl Ours<'_> {
         Ok(Manner { failure, states: false })
     }
 
-    /// Checks whether an activity may masquerade as a ROS action. The type of its feedback is
-    /// arbitrary, but only a single string can report the state.
+    /// Whether an activity may go as an action of ROS. Its feedback may be any: only a single
+    /// string can tell the state.
     ///
     /// # Errors
-    /// Their structures differ, or the action is unknown.
+    /// Their structures differ, or the action is not known.
     pub fn action(
         &self,
         name: &str,
@@ -153,7 +153,7 @@ impl Ours<'_> {
         }
         self.part(name, output, theirs)?;
         Ok(match both {
-            // The output's members match the fields one to one unless a struct is flattened.
+            // The members of the output are the fields, unless a struct is flattened.
             (Some(success), Some(message)) if members == theirs.fields.len() => {
                 Failure::Members(success, message)
             }
@@ -167,8 +167,7 @@ impl Ours<'_> {
         (table, ty): Typed<'_>,
         theirs: &Message,
     ) -> Result<(), MasqueradeError> {
-        // Compare the type itself by its own structure, and the types within it as what they
-        // masquerade as.
+        // The type itself is looked at as it is, what is inside as what it goes as.
         let mut masquerades = self.masquerades.clone();
         let mut itself = ty;
         for _ in 0..=table.len() {

@@ -1,4 +1,4 @@
-//! Packages that ROS can build: folders with `package.xml`, `CMakeLists.txt` and interfaces.
+//! Packages that ROS builds: folders with `package.xml`, `CMakeLists.txt` and interfaces.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -6,11 +6,11 @@ use std::fmt::Write as _;
 use crate::interface::{Base, Interface};
 use crate::names::TypeName;
 
-/// The interfaces cannot be split into packages.
+/// Interfaces cannot be packages.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PackageError {
-    /// Two packages depend on each other.
+    /// Each needs the other.
     #[error(
         "packages {0} need each other, and ROS cannot build that: put the types into one scope"
     )]
@@ -20,18 +20,17 @@ pub enum PackageError {
 /// Packages as files.
 #[derive(Clone, Debug)]
 pub struct Packages {
-    /// Contents by path, relative to the folder of all packages: `demo/msg/State.msg`.
+    /// Text by path, from the folder of all packages: `demo/msg/State.msg`.
     pub files: BTreeMap<String, String>,
-    /// Names of the packages; each comes after those it depends on.
+    /// Names of the packages, each after those it needs.
     pub names: Vec<String>,
 }
 
 impl Packages {
-    /// Distributes the interfaces to the packages in their names. `source` is mentioned in the
-    /// files.
+    /// Packages of these interfaces, each in that of its name. `source` is told in them.
     ///
     /// # Errors
-    /// Two packages depend on each other.
+    /// Two packages need each other.
     pub fn new(interfaces: &[Interface], source: &str) -> Result<Self, PackageError> {
         let mut packages: BTreeMap<&str, Vec<&Interface>> = BTreeMap::new();
         for interface in interfaces {
@@ -76,7 +75,7 @@ fn needs<'a>(package: &str, interfaces: &[&'a Interface]) -> BTreeSet<&'a str> {
     needs
 }
 
-/// Sorts packages so that each comes after those it depends on.
+/// Each after those it needs.
 fn in_order(needs: &BTreeMap<&str, BTreeSet<&str>>) -> Result<Vec<String>, PackageError> {
     let mut order: Vec<&str> = Vec::new();
     while order.len() < needs.len() {

@@ -1,17 +1,17 @@
-//! Parses `.msg`, `.srv` and `.action` text.
+//! Reads `.msg`, `.srv` and `.action` text.
 //!
-//! Parses only what affects the encoding: default values and comments are skipped.
+//! Enough of the language to know what is on the wire: defaults and comments are left out.
 
 use crate::interface::{Action, Base, Constant, Field, Interface, Message, Service, Shape};
 use crate::names::TypeName;
 
-/// A text does not define an interface.
+/// A text is no interface.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{name}, line {line}: {why}")]
 pub struct ParseError {
-    /// Name of the interface.
+    /// Of what.
     pub name: TypeName,
-    /// Line number, from 1.
+    /// From 1.
     pub line: usize,
     /// What is wrong there.
     pub why: Mistake,
@@ -21,34 +21,34 @@ pub struct ParseError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Mistake {
-    /// A field or constant without a name.
+    /// A type, or less, where a field or constant should be.
     #[error("`{0}` has no name")]
     NoName(String),
     /// Neither a built-in type nor the name of a message.
     #[error("`{0}` is no type")]
     NoType(String),
-    /// A bound or a length that is not a number.
+    /// A bound or a length that is no number.
     #[error("`{0}` is no size")]
     NoSize(String),
-    /// A line `---` after the last part that is allowed.
+    /// A line `---` after the last part that there may be.
     #[error("a {0} has no more parts")]
     MoreParts(String),
-    /// Too few parts.
+    /// Too few of them.
     #[error("it has {found} parts, a {folder} has {wanted}")]
     Parts {
-        /// Number of parts in the text.
+        /// Parts of the text.
         found: usize,
         /// `msg`, `srv` or `action`.
         folder: String,
-        /// Number of parts that such an interface has.
+        /// Parts of such an interface.
         wanted: usize,
     },
 }
 
-/// Parses the text of an interface. `name` determines its kind.
+/// Reads the text of an interface; `name` says which kind it is.
 ///
 /// # Errors
-/// A line is neither a field nor a constant, or there are too many or too few parts.
+/// A line is neither a field nor a constant, or there are parts too many or too few.
 pub fn parse(name: &TypeName, text: &str) -> Result<Interface, ParseError> {
     let suffixes: &[&str] = match name.folder.as_str() {
         "srv" => &["_Request", "_Response"],
@@ -91,7 +91,7 @@ pub fn parse(name: &TypeName, text: &str) -> Result<Interface, ParseError> {
     })
 }
 
-/// Parses one field or constant.
+/// One field or constant.
 fn member(to: &mut Message, package: &str, code: &str, line: &str) -> Result<(), Mistake> {
     let no_name = || Mistake::NoName(code.to_owned());
     let (ty, rest) = code.split_once(char::is_whitespace).ok_or_else(no_name)?;
@@ -104,7 +104,7 @@ fn member(to: &mut Message, package: &str, code: &str, line: &str) -> Result<(),
     }
     let after = rest.get(name.len()..).unwrap_or_default().trim_start();
     if after.starts_with('=') {
-        // In a string constant, `#` does not begin a comment.
+        // A text may hold what begins a comment elsewhere.
         let whole = if matches!(base, Base::String(_)) { line } else { code };
         let value = whole.split_once('=').map_or("", |(_, value)| value).trim().to_owned();
         to.constants.push(Constant { name, base, value });
@@ -143,7 +143,7 @@ fn field_type(text: &str, package: &str) -> Result<(Base, Shape), Mistake> {
         "float64" => Base::Float64,
         "string" => Base::String(bound),
         "wstring" => Base::WString(bound),
-        // The only message that ROS allows without its package.
+        // As ROS has it: the one message that needs no package.
         "Header" => Base::Message(TypeName::new("std_msgs", "msg", "Header")),
         other => {
             let full = match other.split('/').collect::<Vec<_>>()[..] {

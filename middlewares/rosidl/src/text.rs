@@ -1,10 +1,10 @@
-//! Prints interfaces as `.msg`, `.srv` and `.action` text.
+//! Messages as the text of `.msg`, `.srv` and `.action` files.
 
 use std::fmt::{self, Write as _};
 
 use crate::interface::{Interface, Message};
 
-/// Prints the fields and constants of one part, one per line.
+/// The fields and constants of one part, a line each.
 fn part(message: &Message, out: &mut String) -> fmt::Result {
     if let Some(comment) = &message.comment {
         writeln!(out, "# {comment}")?;

@@ -1,5 +1,4 @@
-//! Opens or creates a service of iceoryx2 while other processes may be creating, removing or
-//! healing it.
+//! Opens a service of iceoryx2 or creates it, whatever others do to it meanwhile.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -10,26 +9,26 @@ use crate::error::failed;
 use crate::room;
 use crate::watch::Watcher;
 
-/// How long to wait for others that are creating or removing a service.
+/// How long others may take to finish what they are doing to a service.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A living process has finished creating a service within this time.
+/// Living processes have finished making a service by then.
 const SOON: Duration = Duration::from_millis(200);
 
-/// Result of an attempt to open or create a service, other than a final error.
+/// How an attempt to open or to create a service ended, unless it failed for good.
 pub(crate) enum Attempt<S> {
-    /// Opened.
+    /// It is open.
     Done(S),
-    /// The service does not exist.
+    /// There is none.
     Absent,
-    /// Others are creating or removing it; the text is iceoryx2's.
+    /// Others are at it, in iceoryx2's words.
     Busy(String),
-    /// It may be incomplete because its creator was killed; the text is iceoryx2's.
+    /// One that was killed may have left it so.
     Broken(String),
 }
 
-/// Opens or creates the service, retrying until one of the two works. Refuses if `keep_free` bytes
-/// or less of shared memory are left.
+/// Opens, or creates, again and again until one of it works, where more than `keep_free` bytes are
+/// left.
 pub(crate) fn attain<S>(
     (watcher, keep_free): (&Watcher, u64),
     at: &Address,
@@ -37,7 +36,7 @@ pub(crate) fn attain<S>(
     create: impl Fn() -> Result<Attempt<S>, OpenError>,
 ) -> Result<S, OpenError> {
     room::check(at, keep_free)?;
-    // A dead process must not keep its end of the service.
+    // Who died has it no more.
     let _ = watcher.heal_dead();
     let begin = Instant::now();
     loop {

@@ -1,4 +1,4 @@
-//! What the services of ports are opened from, and with which settings.
+//! What services of ports are opened from, and how.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -21,24 +21,23 @@ use crate::raw::{self, Ipc, RawPublisher, RawService};
 use crate::typing::{MAX_NAME, Wire, wire};
 use crate::watch::Watcher;
 
-/// Limit for the unread samples of one reader, in bytes; large samples get a smaller queue.
+/// Bytes of unread samples that a reader of large samples may hold.
 const DEPTH_BYTES: usize = 16 << 20;
 
-/// Initial size in bytes for values of variable size; doubles when needed.
+/// First room for values of variable size; it doubles as needed.
 const FIRST_ROOM: usize = 1024;
 
-/// Bytes of sample memory preallocated beyond what is always needed.
+/// Memory for samples that is made beforehand, beyond what is needed in any case.
 const SAMPLE_BYTES: usize = 4 << 20;
 
-/// What services are opened from. Separate from `Inner`, so that the upkeep thread, which holds
-/// this, never owns itself.
+/// What services are opened from. Apart from `Inner`, so that what the upkeep thread holds
+/// never owns that thread.
 pub(crate) struct Ground {
-    /// What this daemon offers; created with the first offer. Dropped before the node.
+    /// What this daemon offers; made with the first offer. Its file goes before the node does.
     catalog: Mutex<Option<Catalog>>,
-    /// What other daemons offer.
+    /// What others do.
     others: Mutex<Reader>,
-    /// Open services. The ends of one port in this daemon share a service, and thereby its file
-    /// descriptors.
+    /// Services that are open: the ends of one port in this daemon share its descriptors.
     services: Mutex<HashMap<String, Weak<RawService>>>,
     pub(crate) node: Node<Ipc>,
     pub(crate) options: Options,
@@ -49,14 +48,14 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Settings with which a service is created.
+/// What a service is made for.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
-    /// When a reader's queue is full: true drops its oldest sample, false the new one.
+    /// Whether a full reader loses its oldest sample, or the new one.
     pub(crate) overflow: bool,
-    /// Whether a new reader gets the last sample.
+    /// Whether a reader that comes gets the last sample.
     pub(crate) history: bool,
-    /// Greatest number of unread samples of one reader.
+    /// Unread samples a reader may hold.
     pub(crate) depth: usize,
 }
 
@@ -67,7 +66,7 @@ impl Ground {
         Self { catalog, others, services, node, options, watcher }
     }
 
-    /// Announces that this daemon offers something at an address, unless the address is taken.
+    /// Tells all that this daemon offers something at an address, unless it is taken.
     pub(crate) fn offer(&self, kind: Kind, at: &Address, offer: Offer) -> Result<(), OpenError> {
         let (address, taken) = (at.to_string(), || OpenError::Taken { address: at.clone() });
         let refused = |error: CatalogError| failed(at, &error.to_string());
@@ -79,8 +78,7 @@ impl Ground {
         if !own.add(kind, &address, offer).map_err(refused)? {
             return Err(taken());
         }
-        // Check after announcing: of two daemons that announce at the same time, at most one keeps
-        // it.
+        // Looked after this daemon said so: of two that come at once, one at most stays.
         if lock(&self.others).is_of_others(&self.node, kind, &address) {
             own.remove(kind, &address);
             return Err(taken());
@@ -88,31 +86,31 @@ impl Ground {
         Ok(())
     }
 
-    /// Withdraws an offer.
+    /// Tells all that it offers it no more.
     pub(crate) fn withdraw(&self, kind: Kind, at: &Address) {
         if let Some(own) = &mut *lock(&self.catalog) {
             own.remove(kind, &at.to_string());
         }
     }
 
-    /// The daemons that offer something at an address, including killed ones.
+    /// Whose offers there are at an address; also of daemons that were killed.
     pub(crate) fn find(&self, kind: Kind, at: &Address) -> Vec<(u128, Offer)> {
         lock(&self.others).find(&self.node, kind, &at.to_string())
     }
 
-    /// The settings of a port's own service.
+    /// The shape of a port's own service.
     pub(crate) fn port(&self, wire: &Wire) -> Shape {
         let fits = if wire.slice { usize::MAX } else { DEPTH_BYTES / wire.size.max(1) };
         let depth = self.options.depth.clamp(2, fits.max(2));
         Shape { overflow: true, history: true, depth }
     }
 
-    /// The name as an iceoryx2 service name.
+    /// The name of a service, which iceoryx2 must like.
     pub(crate) fn service_name(name: &str, at: &Address) -> Result<ServiceName, OpenError> {
         ServiceName::new(name).map_err(|error| failed(at, &format!("illegal name: {error:?}")))
     }
 
-    /// Opens or creates the service; reuses it if this daemon has it open.
+    /// Opens the service, or creates it, unless this daemon has it open already.
     pub(crate) fn service(
         &self,
         at: &Address,
@@ -199,12 +197,12 @@ impl Ground {
         attain(self.keeping(), at, open, create)
     }
 
-    /// The thread that heals what is broken, and how many bytes of shared memory must stay free.
+    /// The thread that heals what is broken, and how many bytes of shared memory to leave to others.
     pub(crate) fn keeping(&self) -> (&Watcher, u64) {
         (&self.watcher, self.options.keep_free)
     }
 
-    /// Compares digests: two types of the same name and size may still differ.
+    /// Two types of one name and size may still differ: the digests tell.
     fn agree(&self, at: &Address, ty: &DataType, service: &RawService) -> Result<(), OpenError> {
         match attribute(service.attributes(), DIGEST_KEY) {
             Some(digest) if digest != ty.digest() => Err(OpenError::TypeMismatch {
@@ -219,8 +217,8 @@ impl Ground {
         }
     }
 
-    /// The wire type with which to open a service that was created for an equal type of another
-    /// name, such as a type with the same members in another component's module (genom3.md 4.9).
+    /// As what to open a service that was made for an equal type of another name: the type of
+    /// another component's module with the same members (genom3.md 4.9).
     fn equal(&self, name: &ServiceName, ty: &DataType, wire: &Wire) -> Option<Wire> {
         let details =
             <Ipc as Service>::details(name, self.node.config(), MessagingPattern::PublishSubscribe);
@@ -239,7 +237,7 @@ impl Ground {
         Some(OpenError::TypeMismatch { address: at.clone(), ours: type_of_port(ty), theirs })
     }
 
-    /// Creates the publisher of a service; a service has only one.
+    /// A writer's end of a service, the only one it has.
     pub(crate) fn writer(
         &self,
         at: &Address,
@@ -250,8 +248,8 @@ impl Ground {
         if service.dynamic_config().number_of_publishers() > 0 {
             return Err(taken());
         }
-        // Enough samples for one reader that never reads, one held by each other reader, the last
-        // value and the one being written. Small types get enough for all readers never to read.
+        // Enough for one reader that never reads, one sample in each other's hand, the last value
+        // and the one being written; for small types, enough for all readers that never read.
         let depth = service.static_config().subscriber_max_buffer_size();
         let needed = depth + self.options.readers + 4;
         let affordable = SAMPLE_BYTES / if wire.slice { FIRST_ROOM } else { wire.size.max(64) };

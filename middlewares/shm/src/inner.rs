@@ -1,4 +1,4 @@
-//! State shared by everything that is opened from one node.
+//! What all that is opened from one node shares.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use crate::ground::Ground;
 use crate::upkeep::Upkeep;
 use crate::watch::Watch;
 
-/// After the node is dropped, removes what others left.
+/// Removes what others left, when the node is gone.
 struct Last(Watch);
 
 impl Drop for Last {
@@ -15,12 +15,12 @@ impl Drop for Last {
     }
 }
 
-/// A node, and the threads that maintain what is opened from it.
+/// A node, and the threads that look after what is opened from it.
 pub(crate) struct Inner {
-    /// Its thread is stopped before the node is dropped.
+    /// Its thread is stopped before the node goes.
     pub(crate) upkeep: Upkeep,
     pub(crate) ground: Arc<Ground>,
-    /// Also covers dropping the node.
+    /// Looks after the end of the node, too.
     _last: Last,
 }
 

@@ -1,10 +1,10 @@
-//! Limits how long calls of iceoryx2 may block.
+//! Keeps what iceoryx2 does within bounds.
 //!
-//! A process that opens an empty segment waits for it to get a size, without a timeout: for ever if
-//! its creator was killed or somebody truncated it. Such a wait ends when the segment is removed.
-//! So a thread monitors all calls of iceoryx2, and removes empty segments when one takes long. Once
-//! a second it also looks for nodes whose process was killed, so that peers need not wait until the
-//! next daemon starts for their remains to be removed.
+//! A process that opens a segment waits until it has bytes: without an end when who made it was
+//! killed, or somebody cut it. Such waits look again for the segment, and end when there is none.
+//! So a thread looks after all that is asked of iceoryx2: when it takes long, the segments without
+//! bytes are removed. Once a second it also looks for nodes whose process was killed, so that
+//! neither peers nor readers wait for a successor to remove what they left.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -17,32 +17,32 @@ use iceoryx2::prelude::Config;
 
 use crate::heal::{self, Places, Turn};
 
-/// Longer than any call that does not wait for another process.
+/// Longer than any call takes that does not wait for another process.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// How long a living process may leave a segment empty.
+/// Who made a segment without bytes and lives has had this long.
 const HOPELESS: Duration = Duration::from_secs(1);
 
-/// Interval between checks of a call that takes long.
+/// Between two looks at something that takes long.
 const TICK: Duration = Duration::from_millis(20);
 
-/// Interval between checks for nodes whose process is gone.
+/// Between two looks for nodes whose process is gone.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// The thread, and what it monitors.
+/// The thread, and what it looks after.
 #[derive(Debug)]
 pub(crate) struct Watch {
     watcher: Watcher,
     thread: Option<JoinHandle<()>>,
 }
 
-/// Handle by which others report calls and request passes.
+/// What asks it to look.
 #[derive(Clone, Debug)]
 pub(crate) struct Watcher {
     shared: Arc<Shared>,
 }
 
-/// A call in progress.
+/// Something that is under way.
 #[derive(Debug)]
 pub(crate) struct Busy<'a> {
     shared: &'a Shared,
@@ -55,7 +55,7 @@ struct Shared {
     places: Places,
     state: Mutex<State>,
     changed: Condvar,
-    /// Whether a pass is running on a separate thread.
+    /// Whether a pass is under way on a thread of its own.
     healing: AtomicBool,
 }
 
@@ -100,18 +100,18 @@ impl Drop for Watch {
 }
 
 impl Watcher {
-    /// Monitors a call until the result is dropped.
+    /// Looks after what is done until the result is dropped.
     pub(crate) fn busy(&self) -> Busy<'_> {
         let mut state = self.shared.lock();
         let number = state.next;
         state.next += 1;
-        // The watching thread is not woken: that would cost more than most of the calls.
+        // The watching thread is not woken: that would cost more than most of what is begun here.
         state.begun.insert(number, Instant::now());
         drop(state);
         Busy { shared: &self.shared, number }
     }
 
-    /// Removes what killed processes left. Returns whether there was a killed one.
+    /// Removes what processes left that were killed; whether there was one.
     pub(crate) fn heal(&self) -> bool {
         let _busy = self.busy();
         let places = &self.shared.places;
@@ -124,8 +124,7 @@ impl Watcher {
         }
     }
 
-    /// Does the same if the process of some node is gone, which takes a few system calls per node
-    /// to find out.
+    /// The same when the process of some node is gone, which a few system calls a node tell.
     pub(crate) fn heal_dead(&self) -> bool {
         heal::somebody_died(&self.shared.places) && self.heal()
     }
@@ -165,8 +164,7 @@ impl Watcher {
         }
     }
 
-    /// Runs a pass on a separate thread, since this one must not wait for what the pass may
-    /// unblock.
+    /// A pass on a thread of its own: this one must not wait for what it is to unblock.
     fn heal_apart(&self) {
         if self.shared.healing.swap(true, Ordering::AcqRel) {
             return;
@@ -194,8 +192,8 @@ impl Drop for Busy<'_> {
     }
 }
 
-/// Removes empty segments: at once if a dead process is involved, else if they have been `empty`
-/// for long, since a living process sets the size right after creating one.
+/// Removes segments without bytes: at once when a dead process has to do with them, and those of
+/// the living when they were `empty` for long; who makes one is done with it at once.
 fn unblock(places: &Places, empty: &mut BTreeMap<PathBuf, Instant>) {
     let now = heal::empty_segments(places);
     empty.retain(|file, _| now.iter().any(|(found, _)| found == file));

@@ -1,4 +1,4 @@
-//! The shared-memory backend passes the conformance suite.
+//! Shared memory holds what every middleware must hold.
 
 mod world;
 

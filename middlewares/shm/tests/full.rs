@@ -1,4 +1,4 @@
-//! Full shared memory is reported as an error and does not end the process.
+//! Shared memory that is full is an error, and no end of the process.
 
 mod world;
 
@@ -19,6 +19,6 @@ fn no_port_is_opened_where_nothing_is_left() {
         panic!("it was opened");
     };
     assert!(why.contains("of shared memory are left: enlarge /dev/shm"), "{why}");
-    // With the memory that is really left, it works.
+    // With what is left in truth there is room.
     world.open().publisher(&PortSpec::new(&at, &state())).unwrap();
 }

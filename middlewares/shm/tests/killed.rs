@@ -1,4 +1,4 @@
-//! Killed processes leave nothing behind that blocks others.
+//! Processes that are killed leave nothing that would be in the way.
 
 mod world;
 
@@ -16,7 +16,7 @@ use genom_types::Record;
 use world::ShmWorld;
 use world::process::Process;
 
-/// Reached only by a test that fails.
+/// Only a failing test waits this long.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
 fn position() -> Address {

@@ -1,32 +1,33 @@
-//! One sample in an inbox: its bytes, either copied or held in zenoh's buffer.
+//! One sample in an inbox: its bytes, copied or held where zenoh received them.
 
 use std::ops::RangeInclusive;
 
 use zenoh::bytes::ZBytes;
 use zenoh::shm::ShmBuf;
 
-/// Sizes in bytes for which an inbox that may hold samples keeps contiguous ones in zenoh's buffer:
-/// large enough to be worth it, but not so large that a few use up the writer's shared memory (16
-/// MiB by default), after which zenoh sends without it.
+/// Sizes of samples that are held if they are in one piece, where the inbox holds at all: worth
+/// it, and not so large that a few use up the shared memory of their writer (16 MiB by default),
+/// after which zenoh goes on without.
 const HELD: RangeInclusive<usize> = (16 << 10)..=(2 << 20);
 
-/// A slot of an inbox; reused.
+/// A place in an inbox, used again and again.
 #[derive(Debug, Default)]
 pub(crate) struct Arrival {
-    /// Its encoding names another type.
+    /// Said to be of another type.
     alien: bool,
     copy: Vec<u8>,
-    /// Used instead of the copy.
+    /// Instead of the copy.
     held: Option<ZBytes>,
 }
 
 impl Arrival {
-    /// A slot with space for copies of `size` bytes.
+    /// With room for copies of that size.
     pub(crate) fn with_room(size: usize) -> Self {
         Self { copy: Vec::with_capacity(size), ..Self::default() }
     }
 
-    /// Replaces the content. Held samples keep a receive buffer or shared memory from zenoh.
+    /// Takes the place of what was here. Held samples keep a receive buffer or shared memory from
+    /// zenoh.
     pub(crate) fn set(&mut self, payload: &ZBytes, alien: bool, holds: bool) {
         self.alien = alien;
         self.copy.clear();
@@ -38,8 +39,7 @@ impl Arrival {
         }
     }
 
-    /// Passes the message to `decode`. Returns false if that does, or if there is nothing to
-    /// decode.
+    /// Gives the message to `decode`; false if that says so, or if there is none to decode.
     pub(crate) fn read(&self, decode: impl FnOnce(&[u8]) -> bool) -> bool {
         let message = match &self.held {
             Some(held) => held.slices().next().unwrap_or_default(),
@@ -48,8 +48,8 @@ impl Arrival {
         !self.alien && self.is_whole() && decode(message) && self.is_whole()
     }
 
-    /// Whether the shared memory is still valid: zenoh returns it to the writer if this process was
-    /// stopped for so long that it seemed dead.
+    /// Whether shared memory is still ours: zenoh gives it to the writer again when this process
+    /// was stopped for so long that it looked dead.
     fn is_whole(&self) -> bool {
         self.held.as_ref().and_then(ZBytes::as_shm).is_none_or(|shm| shm.is_valid())
     }

@@ -1,4 +1,4 @@
-//! The calling end of a service: one query per request.
+//! The calling end of a service: one query a request.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -19,11 +19,11 @@ use crate::error::BACKEND;
 use crate::sending::Orders;
 use crate::wire::{self, ErrorReply, Expected, Refusal};
 
-/// Time after which a reply is lost. zenoh keeps a timer for each query for this long, even after
-/// the reply, so it is short for frequent calls.
+/// An answer that comes later than this is lost. zenoh keeps a timer per query for as long,
+/// answered or not: short for what is called often.
 const ANSWER: Duration = Duration::from_secs(60);
 
-/// The same for activities: the longest run whose end is reported.
+/// The same for activities: the longest run whose end is heard of.
 const RUN: Duration = Duration::from_secs(7 * 24 * 3600);
 
 /// The calling end.
@@ -35,24 +35,23 @@ pub(crate) struct ZenohClient {
     pub(crate) core: Arc<Core>,
 }
 
-/// A request in progress.
+/// A request under way.
 struct Call {
     at: Address,
     ty: ServiceType,
     timeout: Duration,
     cancel: OwnedKeyExpr,
     orders: Orders,
-    /// Taken when the request ends.
+    /// Taken when the request ended.
     replies: Mutex<Option<Box<dyn Replies>>>,
     id: OnceLock<ActivityId>,
-    /// Whether a genomd served it at the time of the call. If so, the end of the query without a
-    /// reply means that the server is gone.
+    /// Somebody of ours served it when it was called: no answer means that they are gone.
     served: bool,
     /// Cancelled before it was accepted.
     cancelled: AtomicBool,
 }
 
-/// Owned by zenoh's callback, which is dropped when no more replies can come.
+/// Held by zenoh's callback, which is dropped when no more replies come.
 struct Listening(Arc<Call>);
 
 impl ZenohClient {
@@ -120,8 +119,7 @@ impl Listening {
 
 impl Drop for Listening {
     fn drop(&mut self) {
-        // No reply can come any more. If the service existed, it went away; otherwise there was
-        // none.
+        // No reply can come any more. If the service was there, it went away; else there was none.
         let error = if self.0.served || self.0.id.get().is_some() {
             CallError::Gone
         } else {
@@ -157,7 +155,7 @@ impl Call {
                     replies.feedback(&text());
                 }
             }
-            // A foreign server attaches nothing.
+            // A server of another make attaches nothing.
             _ => {
                 let mut output = Record::new(&self.ty.output);
                 if !Expected::of(&self.ty.output).admits(sample.encoding()) {
@@ -220,8 +218,7 @@ struct ZenohRunning(Arc<Call>);
 
 impl Running for ZenohRunning {
     fn cancel(&self) {
-        // `accepted` stores the id and then reads this flag; whichever of the two comes second sees
-        // the other and sends the cancellation.
+        // Whoever comes second of `accepted` and this sees the other, and asks.
         self.0.cancelled.store(true, Ordering::SeqCst);
         if let Some(id) = self.0.id.get()
             && self.0.lock().is_some()

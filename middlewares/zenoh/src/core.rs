@@ -1,4 +1,4 @@
-//! What all ends of a session share: its sending thread, and the other ends that it sees.
+//! What all ends of a session share: its sending thread, and which other ends it sees.
 
 use std::fmt::Display;
 use std::sync::Arc;
@@ -21,22 +21,21 @@ use crate::keys::{Keys, Token};
 use crate::rendezvous::Rendezvous;
 use crate::sending::{Orders, Outgoing};
 
-/// What all ends share. The session closes when the last one is dropped.
+/// What all ends share. Closed with the last of them.
 pub(crate) struct Core {
     session: Session,
     keys: Keys,
     graph: Arc<Graph>,
     daemons: Arc<Daemons>,
     sender: Option<Sender<Outgoing>>,
-    /// Name of this session in liveliness tokens.
+    /// This session's name in tokens.
     name: String,
     /// Its files are removed last.
     _rendezvous: Option<Rendezvous>,
     orders: Orders,
 }
 
-/// Runs `run` on a separate thread, since zenoh refuses some calls within a single-threaded tokio
-/// runtime.
+/// Runs what zenoh refuses to do within a single-threaded tokio runtime, whoever calls.
 pub(crate) fn apart<R: Send>(run: impl FnOnce() -> R + Send) -> Option<R> {
     thread::scope(|scope| scope.spawn(run).join().ok())
 }
@@ -52,7 +51,7 @@ impl Drop for Core {
 }
 
 impl Core {
-    /// Starts the sending thread, and begins to watch for ends of other sessions.
+    /// Starts the sending thread, and begins to watch for other sessions' ends.
     pub(crate) fn new(
         session: Session,
         keys: Keys,
@@ -95,12 +94,12 @@ impl Core {
         &self.keys
     }
 
-    /// Name of this session.
+    /// This session's name.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    /// Watches the liveliness tokens of others. Returns after those that exist already were seen.
+    /// Follows the tokens of others. Those that are there already are seen before this returns.
     fn watch(&self) -> zenoh::Result<()> {
         let (graph, keys, own) = (Arc::clone(&self.graph), self.keys.clone(), self.name.clone());
         let (orders, daemons) = (self.orders.clone(), Arc::clone(&self.daemons));
@@ -133,7 +132,7 @@ impl Core {
         self.keys.of(at).map_err(|why| self.failed(at, why))
     }
 
-    /// Claims an address. Others see it after [`show`](Core::show).
+    /// Claims an address; others see it once it is [`shown`](Core::show).
     pub(crate) fn claim(
         &self,
         at: &Address,
@@ -168,7 +167,7 @@ impl Core {
     }
 }
 
-/// Queries the writers of a port for its last value.
+/// Asks the writers of a port for its last value.
 pub(crate) fn ask(session: &Session, key: &OwnedKeyExpr, inbox: Arc<Inbox>) {
     let asked = inbox.ask();
     let get = session.get(key).target(QueryTarget::All).consolidation(ConsolidationMode::None);

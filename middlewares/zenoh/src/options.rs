@@ -1,4 +1,4 @@
-//! Options for opening a session, and the zenoh configuration made from them.
+//! What the user may choose, and the zenoh configuration it gives.
 
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
@@ -11,66 +11,63 @@ use crate::reach;
 use crate::rendezvous;
 use crate::settings;
 
-/// Role of the session in the network.
+/// What the session is among others.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// Communicates with other peers directly.
+    /// Talks to other peers directly.
     #[default]
     Peer,
-    /// Communicates through a single router or peer; needs an endpoint to connect to.
+    /// Talks to one router or peer only; needs an endpoint to connect to.
     Client,
-    /// Also forwards what others send.
+    /// Passes on what others send, too.
     Router,
 }
 
-/// Section `[backends.zenoh]` of the configuration; `configs/zenoh.toml` explains it.
+/// `[backends.zenoh]`; `configs/zenoh.toml` explains it.
 ///
-/// By default the session stays within this machine: it listens on a Unix socket that only this
-/// user can access, does not scout on a network, and finds all other sessions that do the same.
+/// The default stays within this machine: the session listens on a Unix socket of this user only,
+/// looks for nobody on a network, and finds all others that do the same.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Peer, client or router. Ignored if there is a `config_file`, which then sets the mode.
+    /// Peer, client or router. Ignored with a `config_file`, which says it.
     pub mode: Mode,
-    /// Folder in which sessions of this machine find each other. `None` (an empty string in a
-    /// configuration) turns this off.
+    /// Folder in which sessions of this machine find each other; none (in a configuration: an
+    /// empty string): they do not.
     #[serde(deserialize_with = "settings::folder")]
     pub rendezvous: Option<PathBuf>,
-    /// Further endpoints to listen on, such as `tcp/127.0.0.1:7447` or `tcp/0.0.0.0:7447`.
+    /// Endpoints to listen on besides: `tcp/127.0.0.1:7447`, `tcp/0.0.0.0:7447`.
     pub listen: Vec<String>,
-    /// Further endpoints to connect to; retried for as long as the session exists.
+    /// Endpoints to connect to besides; retried as long as the session lives.
     pub connect: Vec<String>,
-    /// Prefix of all keys, to separate groups of robots.
+    /// Put before all keys, to keep groups of robots apart.
     pub prefix: String,
-    /// Path of a zenoh configuration (JSON5 or YAML) that replaces the local defaults. Key:
-    /// `config`.
+    /// A zenoh configuration (JSON5 or YAML) instead of the local defaults. Key: `config`.
     #[serde(rename = "config")]
     pub config_file: Option<PathBuf>,
-    /// Certificates for endpoints `tls/HOST:PORT`.
+    /// For endpoints `tls/HOST:PORT`.
     pub tls: Tls,
-    /// Whether other machines may connect without certificates. Anybody who connects may call
-    /// services.
+    /// Whether other machines may connect without certificates. Whoever connects may call services.
     pub insecure: bool,
-    /// Settings of zenoh's own configuration with JSON5 values, applied last, such as
-    /// `("scouting/multicast/enabled", "true")`. A table in a configuration.
+    /// Keys of zenoh's configuration with JSON5 values, applied last:
+    /// `("scouting/multicast/enabled", "true")`. In a configuration a table.
     #[serde(deserialize_with = "settings::of_zenoh")]
     pub set: Vec<(String, String)>,
 }
 
-/// Section `[backends.zenoh.tls]`: certificates of a session, as PEM files.
+/// `[backends.zenoh.tls]`: certificates of a session, in PEM files.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tls {
-    /// Certificate authority: peers whose certificate it signed are trusted. `None`: the public
-    /// certificate authorities of the web.
+    /// Whoever shows a certificate that this one signed is trusted. None: who has one of the
+    /// authorities known to the web.
     pub authority: Option<PathBuf>,
-    /// Certificate of this session. When it connects to others, it shows this only if
-    /// [`mutual`](Tls::mutual) is set there.
+    /// What this session shows: to those it connects to when [`mutual`](Tls::mutual) is asked for.
     pub certificate: Option<PathBuf>,
-    /// Private key of the certificate.
+    /// The private key to it.
     pub key: Option<PathBuf>,
-    /// Whether those who connect must show a certificate, too.
+    /// Those who connect must show a certificate, too.
     pub mutual: bool,
 }
 
@@ -91,7 +88,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// zenoh's configuration for a session that listens on `own` and connects to `others`.
+    /// zenoh's configuration, when this session listens on `own` and connects to `others`.
     pub(crate) fn to_zenoh(
         &self,
         own: Option<&Path>,
@@ -123,15 +120,14 @@ impl Options {
                 ("scouting/multicast/enabled", "false"),
                 ("scouting/gossip/enabled", "false"),
                 ("adminspace/enabled", "false"),
-                // Queries and replies are not sent in shared memory: under load zenoh may free it
-                // while they are in transit (eclipse-zenoh/zenoh#2628).
+                // Queries and replies stay out of shared memory: under load zenoh may take it
                 // back while they are under way (eclipse-zenoh/zenoh#2628).
                 ("transport/shared_memory/transport_optimization/messages", "[\"put\"]"),
             ] {
                 insert(&mut config, key, value)?;
             }
         }
-        // Without this zenoh would listen on all network interfaces.
+        // Without this zenoh would listen on every network interface.
         if self.config_file.is_none() || !listen.is_empty() {
             insert(&mut config, "listen/endpoints", &json(&listen))?;
         }
@@ -148,15 +144,14 @@ impl Options {
         }
     }
 
-    /// The folder of the sessions' sockets, if this session has no other links. A program that
-    /// connects to the sessions there then reaches everything that this one reaches.
+    /// The folder to meet in, if this session has no other links: then a program that meets the
+    /// sessions there reaches all that this one reaches.
     pub(crate) fn sole_meeting(&self) -> Option<&Path> {
         let more = [&self.listen, &self.connect].iter().any(|endpoints| !endpoints.is_empty());
         self.meeting().filter(|_| !more && self.set.is_empty() && self.mode == Mode::Peer)
     }
 
-    /// The folder of the sessions' sockets. `None` for a client, which does not listen, and with a
-    /// `config_file`, which decides everything.
+    /// The folder to meet in. A client listens nowhere, and a file of the user's says all.
     pub(crate) fn meeting(&self) -> Option<&Path> {
         let meets = self.mode != Mode::Client && self.config_file.is_none();
         self.rendezvous.as_deref().filter(|_| meets)
@@ -169,7 +164,7 @@ impl Tls {
         if certificate.is_some() != key.is_some() {
             return Err(SessionError::HalfTls);
         }
-        // zenoh opens these files only when it connects, and then reports only that it cannot.
+        // zenoh does not open a file before it connects, and then only says that it cannot.
         for (what, path) in [("authority", authority), ("certificate", certificate), ("key", key)] {
             let Some(path) = path else { continue };
             let read = std::fs::File::open(path).and_then(|file| file.metadata());
@@ -230,7 +225,7 @@ mod tests {
         };
         let config = set("scouting/gossip/enabled", "true").to_zenoh(None, &[]).unwrap();
         assert_eq!(config.get_json("scouting/gossip/enabled").unwrap(), "true");
-        // Opening the session to anybody must be requested explicitly.
+        // What lets anybody in has to be asked for twice.
         let open = set("scouting/multicast/enabled", "true");
         let refused = open.to_zenoh(None, &[]).unwrap_err().to_string();
         assert!(refused.contains("insecure = true"), "{refused}");

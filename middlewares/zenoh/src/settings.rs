@@ -1,16 +1,16 @@
-//! Deserialisation of those options that have a special form in configurations.
+//! How the options that are no plain values are written in a configuration.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize as _, Deserializer};
 
-/// A folder; an empty string means none.
+/// A folder; an empty string is none.
 pub(crate) fn folder<'de, D: Deserializer<'de>>(from: D) -> Result<Option<PathBuf>, D::Error> {
     let folder = PathBuf::deserialize(from)?;
     Ok(Some(folder).filter(|folder| !folder.as_os_str().is_empty()))
 }
 
-/// Settings of zenoh's own configuration, with values as JSON (which is valid JSON5).
+/// Keys of zenoh's own configuration, with values as JSON, which is JSON5 as well.
 pub(crate) fn of_zenoh<'de, D: Deserializer<'de>>(
     from: D,
 ) -> Result<Vec<(String, String)>, D::Error> {

@@ -1,4 +1,4 @@
-//! The zenoh backend passes the conformance suite.
+//! The zenoh middleware holds what every middleware must hold.
 
 mod world;
 

@@ -1,4 +1,4 @@
-//! Two sessions that use TLS, with certificates created here.
+//! Two sessions that speak TLS, with certificates made here.
 
 #![allow(clippy::unwrap_used, reason = "test code that stands outside of test functions")]
 
@@ -16,20 +16,19 @@ use genom_zenoh::{Mode, Options, SessionError, Tls, Zenoh};
 use rcgen::{BasicConstraints, CertificateParams, IsCa, Issuer, KeyPair};
 use tempfile::TempDir;
 
-/// Outside the range of ephemeral ports.
+/// Outside of the range that systems give to programs that ask for any port.
 const PORT: u16 = 29447;
 
-/// A loopback address that no other test uses: each process has its own.
+/// An address of this machine that no other test of this machine has: each process has its own.
 fn host() -> String {
     static NEXT: AtomicU8 = AtomicU8::new(0);
     let [_, a, b, c] = std::process::id().to_be_bytes();
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
-    // The two highest bits are free, so that a process has four addresses, more than this file has
-    // tests.
+    // The two highest bits are free: a process has four addresses, and this file fewer tests.
     format!("127.{}.{b}.{c}", a ^ (number << 6))
 }
 
-/// A certificate authority.
+/// Who signs certificates.
 struct Authority {
     place: TempDir,
     issuer: Issuer<'static, KeyPair>,
@@ -47,7 +46,7 @@ impl Authority {
         Self { place, issuer: Issuer::new(params, key), certificate }
     }
 
-    /// The certificate of a session at this address.
+    /// What a session shows that is at this address.
     fn sign(&self, host: &str) -> Tls {
         let key = KeyPair::generate().unwrap();
         let params = CertificateParams::new(vec![host.to_owned()]).unwrap();
@@ -62,7 +61,7 @@ impl Authority {
         Tls { certificate: Some(shown), key: Some(private), ..self.trust() }
     }
 
-    /// What a session needs to trust the certificates of this authority.
+    /// What a session needs to trust those this one signed for.
     fn trust(&self) -> Tls {
         Tls { authority: Some(self.certificate.clone()), ..Tls::default() }
     }
@@ -77,7 +76,7 @@ fn listener(host: &str, tls: Tls) -> Arc<Zenoh> {
     Zenoh::open(&Options { listen, tls, ..alone() }).unwrap()
 }
 
-/// Opens a client. It has one connection or none, and the result says which.
+/// A client: it has one connection or none, and says so when it opens.
 fn client(host: &str, tls: Tls) -> Result<Arc<Zenoh>, SessionError> {
     let connect = vec![format!("tls/{host}:{PORT}")];
     Zenoh::open(&Options { mode: Mode::Client, connect, tls, ..alone() })
@@ -112,7 +111,7 @@ fn another_authority_is_refused_and_said() {
     let _robot = listener(&host, authority.sign(&host));
     let told = refusal(client(&host, Authority::new().trust()));
     assert!(told.contains(&host) && told.contains("authority"), "{told}");
-    // The robot is reachable by a client that trusts the right authority.
+    // The robot is there: who trusts the right one gets in.
     assert!(client(&host, authority.trust()).is_ok());
 }
 

@@ -1,6 +1,6 @@
-//! Counts the allocator calls of a thread, for tests that require none.
+//! Counts what a thread allocates, for tests that say it is nothing.
 //!
-//! A program that links this crate uses its allocator: the system's, with a counter per thread.
+//! A program that links this has its allocator: the system's, with a count for each thread.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -13,37 +13,37 @@ struct Counting;
 static ALLOCATOR: Counting = Counting;
 
 fn add() {
-    // A thread that ends may still free memory after its counter is gone.
+    // A thread that ends may still free; it has nothing to count.
     let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
 }
 
-// SAFETY: everything is delegated to the system's allocator; counting uses no heap.
+// SAFETY: everything is left to the system's allocator; counting touches no heap.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         add();
-        // SAFETY: the caller's promise is passed on.
+        // SAFETY: the caller's promise.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, at: *mut u8, layout: Layout) {
         add();
-        // SAFETY: the caller's promise is passed on.
+        // SAFETY: the caller's promise.
         unsafe { System.dealloc(at, layout) }
     }
 
     unsafe fn realloc(&self, at: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         add();
-        // SAFETY: the caller's promise is passed on.
+        // SAFETY: the caller's promise.
         unsafe { System.realloc(at, layout, size) }
     }
 }
 
-/// How often the current thread has called the allocator: to allocate, reallocate or free.
+/// How often the current thread has called its allocator: to have, to change or to free memory.
 pub fn count() -> u64 {
     CALLS.with(Cell::get)
 }
 
-/// How often the current thread calls the allocator during `work`.
+/// How often some work does.
 pub fn within(work: impl FnOnce()) -> u64 {
     let before = count();
     work();

@@ -1,5 +1,5 @@
-//! `cargo faults`: tries what misbehaving codels do to their process, and ends daemons while they
-//! use shared memory; prints a table of the effects on the daemon and on others.
+//! Tries what codels can do to the process they share, and ends daemons where they use shared
+//! memory; prints what became of it and of all around it: `cargo faults`.
 //!
 //! `faults --peer ROLE...` is a peer that these and other tests run as another process.
 
@@ -34,8 +34,7 @@ Usage: cargo faults [--short] [--json] [--every N] [--backend NAME]... [WORD]...
 
 const BACKENDS: [&str; 4] = ["local", "shm", "zenoh", "ros2"];
 
-/// The short form: the phases in which an ended daemon leaves most, and one fault of each other
-/// kind.
+/// What is tried in short: ends of the daemon where it leaves most, and one of each other kind.
 const SHORT: [(&str, &str, &str); 4] = [
     ("crashes", "segfault", "shm"),
     ("crashes", "leave", "local"),
@@ -51,7 +50,7 @@ struct Asked {
     words: Vec<String>,
 }
 
-/// A row of the table.
+/// One row.
 #[derive(Clone, Copy)]
 enum Chosen<'a> {
     Fault(&'static Fault, &'a str),
@@ -81,7 +80,7 @@ fn asked(mut arguments: impl Iterator<Item = String>) -> Result<Option<Asked>, S
     Ok(Some(asked))
 }
 
-/// The faults with the middlewares to try them on, and the ends of daemons on shared memory.
+/// Faults with the middlewares to try them on, and ends of daemons on shared memory.
 fn chosen(asked: &Asked) -> Vec<Chosen<'_>> {
     let says = |text: String| {
         let text = text.to_lowercase();
@@ -109,7 +108,7 @@ fn chosen(asked: &Asked) -> Vec<Chosen<'_>> {
         .collect()
 }
 
-/// Shows progress: on a terminal in one changing line, otherwise one line each.
+/// What is under way: one line that changes for people, a line each for logs.
 fn tell(progress: &str) {
     if std::io::stderr().is_terminal() {
         eprint!("\r\x1b[K{progress}");
@@ -127,7 +126,7 @@ fn try_all(chosen: &[Chosen<'_>]) -> Result<Vec<Trial>, std::io::Error> {
         trials.push(match *chosen_one {
             Chosen::Fault(fault, backend) => {
                 tell(&format!("{number}: a codel {} on {backend}", fault.what));
-                // Failures are shown in the table instead.
+                // What fails in it is told in the table.
                 std::panic::set_hook(Box::new(|_| {}));
                 let trial = Trial::of(fault, backend);
                 drop(std::panic::take_hook());

@@ -1,4 +1,4 @@
-//! What a daemon does while it is traced.
+//! What a daemon goes through while it is watched.
 
 use std::path::Path;
 
@@ -8,29 +8,29 @@ use crate::http::attempt;
 /// A part of a daemon's life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// Starts and loads a component.
+    /// It starts and loads a component.
     Load,
-    /// The component moves away from shared memory and back.
+    /// The component leaves shared memory and comes back.
     Move,
-    /// Its in port is connected to a port of a peer, then fed with a published value again.
+    /// Its in port is connected to a port of a peer, and fed with a value of its own again.
     Connect,
     /// The component is unloaded.
     Unload,
-    /// The daemon stops while the component is loaded.
+    /// The daemon stops, with the component in it.
     Stop,
 }
 
 impl Phase {
-    /// All phases, in order.
+    /// All of them.
     pub const ALL: [Self; 5] = [Self::Load, Self::Move, Self::Connect, Self::Unload, Self::Stop];
 
-    /// Index in [`Phase::ALL`].
+    /// Its place in [`Phase::ALL`].
     #[must_use]
     pub fn number(self) -> usize {
         Self::ALL.iter().position(|phase| *phase == self).unwrap_or_default()
     }
 
-    /// Name in a table.
+    /// Its name in a table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ impl Phase {
         }
     }
 
-    /// The phases up to and including this one.
+    /// The phases that lead to it, itself included.
     pub(super) fn way(self) -> &'static [Self] {
         match self {
             Self::Load => &[Self::Load],
@@ -53,7 +53,7 @@ impl Phase {
         }
     }
 
-    /// Makes a daemon go through this phase. Returns false if the daemon ended meanwhile.
+    /// Takes a daemon through it; false when the daemon ended meanwhile.
     pub(super) fn drive(self, watched: &Watched, socket: &Path) -> bool {
         let asked =
             |method: &str, path: &str, body: &str| attempt(socket, method, path, body).is_ok();

@@ -1,4 +1,4 @@
-//! Shared memory with active peers, on which daemons are ended and started again.
+//! Shared memory with peers at work, on which daemons are ended and started again.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,23 +16,22 @@ use crate::command::Running;
 use crate::http::attempt;
 use crate::{Daemon, Home, Memory, component, fixture, path};
 
-/// Longest wait for a successor: far more than it may take, so that the table can show how long it
-/// took.
+/// Longest wait for a successor: far beyond what it may take, so that the table tells how long.
 const PATIENCE: Duration = Duration::from_secs(15);
 
 /// Where to end a daemon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// During this phase.
+    /// While it does this.
     pub phase: Phase,
-    /// Before the call with this index.
+    /// Before this call of the phase.
     pub call: usize,
-    /// Whether a peer reads its port and continues afterwards.
+    /// Whether a peer reads its port, and lives on.
     pub followed: bool,
 }
 
-/// The peers: a daemon with two connected components, and a program that uses only iceoryx2, writes
-/// to itself, and reopens its port again and again (the flow).
+/// The peers: a daemon with two connected components, and a program that knows iceoryx2 only and
+/// writes to itself, opening its port anew all the time.
 #[derive(Debug)]
 pub struct Stage {
     memory: Arc<Memory>,
@@ -43,16 +42,16 @@ pub struct Stage {
     library: String,
     /// Files of the peers.
     theirs: BTreeSet<PathBuf>,
-    /// Identities of the flow, whose files appear and disappear.
+    /// Identities of the flow, whose files come and go.
     its: Vec<String>,
     rounds: u32,
-    /// The flow's last line.
+    /// What the flow last said.
     lost: String,
     _made: TempDir,
 }
 
 impl Stage {
-    /// Starts the peers. `program`, called with `--peer`, plays those that use only iceoryx2.
+    /// Starts the peers. `program` plays, asked with `--peer`, those that know iceoryx2 only.
     #[must_use]
     pub fn new(program: &Path) -> Self {
         let memory = Arc::new(Memory::new());
@@ -97,7 +96,7 @@ impl Stage {
         }
         let mut steps = match phase {
             Phase::Stop => watched.finish(),
-            // What it does while stopping belongs to another phase.
+            // What it does when it stops belongs to another phase.
             _ => {
                 watched.enter(usize::MAX);
                 watched.stop();
@@ -107,7 +106,7 @@ impl Stage {
         steps.swap_remove(phase.number())
     }
 
-    /// Ends a daemon at that point, and starts its successor.
+    /// Ends a daemon there, and starts its successor.
     #[must_use]
     pub fn run(&mut self, plan: Plan) -> Outcome {
         let Plan { phase, call, followed } = plan;
@@ -178,7 +177,7 @@ impl Stage {
         }
     }
 
-    /// Uses everything that could hang because of what was left.
+    /// Everything that could hang on what was left.
     fn use_all(&self, outcome: &mut Outcome) {
         let asked = [
             ("GET", "/middlewares?visible=true", ""),
@@ -197,7 +196,7 @@ impl Stage {
         }
     }
 
-    /// Checks that the peers continue: a new value passes through their connections in each round.
+    /// Whether the peers go on: a value of each round passes their connections.
     fn peers(&mut self, outcome: &mut Outcome) {
         self.rounds += 1;
         let (value, sum) =
@@ -210,7 +209,7 @@ impl Stage {
                 outcome.trouble.push(format!("the peer: {arguments:?}: {}", done.err));
             }
         }
-        // The line contains the number of samples lost so far.
+        // Its own line says what it lost so far.
         let lost = self.flow.line_from_now();
         if lost != self.lost {
             outcome.trouble.push(format!("the flow {lost}"));
@@ -218,14 +217,14 @@ impl Stage {
         }
     }
 
-    /// Removes what nobody cleaned up, so that the next point starts clean.
+    /// Removes by hand what nobody healed, so that the next point stands alone.
     fn clear(&self) {
         for file in self.left() {
             let _ = std::fs::remove_file(file);
         }
     }
 
-    /// Files that belong to no peer.
+    /// What is there and belongs to no peer.
     fn left(&self) -> Vec<PathBuf> {
         let of_flow = |file: &PathBuf| {
             let name = file.to_string_lossy();
@@ -235,13 +234,13 @@ impl Stage {
         files.filter(|file| !self.theirs.contains(file) && !of_flow(file)).collect()
     }
 
-    /// Number of periods that tasks of the peers missed so far.
+    /// Periods that tasks of the peers missed so far.
     #[must_use]
     pub fn missed(&self) -> u64 {
         ["sensor", "fuser"].iter().map(|name| self.peer.missed(name)).sum()
     }
 
-    /// Ends the peers. Returns the files that are left.
+    /// Ends the peers; what is left when nobody is there any more.
     #[must_use]
     pub fn end(self) -> Vec<PathBuf> {
         self.flow.signal("TERM");
@@ -257,7 +256,7 @@ fn problem(reply: &Value) -> Option<&Value> {
     all.iter().find_map(|one| one.get("problem"))
 }
 
-/// Starts a peer. Returns it with its identities.
+/// Starts a peer; its identities.
 fn start(program: &Path, role: &str, memory: &Memory) -> (Running, Vec<String>) {
     let mut command = Command::new(program);
     command.arg("--peer").arg(role).arg(memory.prefix()).arg(memory.root());

@@ -1,4 +1,4 @@
-//! Daemons ended at many points of a phase, and the combined result.
+//! Daemons ended at many points of a phase, and what came of them together.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -8,12 +8,12 @@ use super::outcome::Outcome;
 use super::stage::{Plan, Stage};
 use super::watched::Step;
 
-/// The calls of a phase before which a daemon is ended. After the last call is a point, too.
+/// Which calls of a phase a daemon is ended before. After the last call is a point as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Points {
-    /// Every n-th call.
+    /// Every so many calls.
     Every(usize),
-    /// This many calls, evenly distributed, and one at which a file exists but is incomplete.
+    /// So many, spread over all, and one where a file is there and not finished.
     Few(usize),
 }
 
@@ -30,21 +30,21 @@ impl Points {
     }
 }
 
-/// The results of all points of a phase.
+/// What came of all points of a phase.
 #[derive(Debug)]
 pub struct Toll {
     /// What the daemons were doing.
     pub phase: Phase,
-    /// Number of calls in the phase.
+    /// Calls of the phase.
     pub calls: usize,
-    /// One result per point. A peer reads the daemon's port at every second point.
+    /// By point. A peer reads the daemon's port in every second.
     pub outcomes: Vec<Outcome>,
-    /// Number of periods that tasks of the peers missed meanwhile.
+    /// Periods that tasks of the peers missed meanwhile.
     pub missed: u64,
 }
 
 impl Toll {
-    /// Ends a daemon at each of these points of a phase; calls `told` with each result.
+    /// Ends a daemon at each of these points of a phase; `told` hears of each.
     pub fn of(
         stage: &mut Stage,
         phase: Phase,
@@ -62,7 +62,7 @@ impl Toll {
         Self { phase, calls: calls.len(), outcomes, missed: stage.missed() - before }
     }
 
-    /// Time until successors were ready: the median and the maximum.
+    /// How long successors took until they were ready: half of them at most, and the slowest.
     #[must_use]
     pub fn ready(&self) -> [Duration; 2] {
         let mut all: Vec<Duration> = self.outcomes.iter().filter_map(|one| one.ready).collect();

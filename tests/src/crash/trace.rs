@@ -1,5 +1,4 @@
-//! Stops a process before a system call, by `ptrace` and seccomp. Contains all unsafe code of this
-//! crate.
+//! The system's own means to stop a process before a system call. All that is unsafe here.
 
 #![allow(unsafe_code, reason = "the one module of the tests that needs it")]
 
@@ -10,8 +9,8 @@ use std::process::Command;
 
 use libc::{c_int, c_long, c_uint, c_ulong, c_void, pid_t, sock_filter, sock_fprog};
 
-/// System calls that change files, or open and close them. The names are for the table, the numbers
-/// for the filter.
+/// Calls that a program changes files by, and that keep or drop what it has of them. Names are
+/// for the table, numbers for the filter.
 pub(super) const CALLS: &[(&str, c_long)] = &[
     ("openat", libc::SYS_openat),
     ("close", libc::SYS_close),
@@ -45,16 +44,16 @@ pub(super) const CALLS: &[(&str, c_long)] = &[
     ("rmdir", libc::SYS_rmdir),
 ];
 
-/// Why a traced thread has stopped, or that it is gone.
+/// Why a traced thread stands still, or that it is gone.
 #[derive(Debug)]
 pub(super) enum Stop {
-    /// Before a call that the filter selects, with its arguments.
+    /// Before a call of the filter, with its arguments.
     Call { name: &'static str, arguments: [u64; 6] },
-    /// A signal is about to be delivered.
+    /// By a signal that is to be delivered.
     Signal(c_int),
-    /// An event of tracing itself.
+    /// By something of tracing itself.
     Other,
-    /// The thread or its process has ended.
+    /// The thread, or its process, is gone.
     Gone,
 }
 
@@ -66,14 +65,14 @@ fn statement(code: c_uint, k: u32) -> sock_filter {
     sock_filter { code: code as u16, jt: 0, jf: 0, k }
 }
 
-/// Stops at the calls above and allows all others.
+/// Stops at the calls above, lets all others pass.
 fn filter() -> Vec<sock_filter> {
     let load = libc::BPF_LD | libc::BPF_W | libc::BPF_ABS;
     let number = offset_of!(libc::seccomp_data, nr) as u32;
     let mut program = vec![statement(load, number)];
     for (rank, (_, call)) in CALLS.iter().enumerate() {
         let mut jump = statement(libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K, *call as u32);
-        // Jumps over the rest of the comparisons and the statement that allows the call.
+        // Over the rest of the calls, and over the statement that lets pass.
         jump.jt = u8::try_from(CALLS.len() - rank).unwrap_or(u8::MAX);
         program.push(jump);
     }
@@ -82,12 +81,12 @@ fn filter() -> Vec<sock_filter> {
     program
 }
 
-/// Makes the program traceable by the thread that starts it.
+/// Lets the program be traced by the thread that starts it.
 pub(super) fn make_traced(command: &mut Command) {
     let mut filter = filter();
     let install = move || {
         let program = sock_fprog { len: filter.len() as u16, filter: filter.as_mut_ptr() };
-        // SAFETY: these calls take integers, and a pointer to a program that outlives the call.
+        // SAFETY: these calls take numbers, and a pointer to a program that outlives the call.
         unsafe {
             check(libc::ptrace(libc::PTRACE_TRACEME, 0, 0, 0))?;
             check(libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0).into())?;
@@ -101,36 +100,35 @@ pub(super) fn make_traced(command: &mut Command) {
     unsafe { command.pre_exec(install) };
 }
 
-/// Selects the events at which a process stops from now on. It is killed when the tracing thread
-/// ends.
+/// What a process stops for from now on; it ends with the thread that traces it.
 pub(super) fn follow(process: pid_t) -> io::Result<()> {
     let options = libc::PTRACE_O_TRACESECCOMP
         | libc::PTRACE_O_TRACECLONE
         | libc::PTRACE_O_TRACEFORK
         | libc::PTRACE_O_TRACEVFORK
         | libc::PTRACE_O_EXITKILL;
-    // SAFETY: changes how the traced process stops, and nothing in this process.
+    // SAFETY: it changes how the traced process stops, and nothing of this one.
     check(unsafe { libc::ptrace(libc::PTRACE_SETOPTIONS, process, 0, c_long::from(options)) })
         .map(drop)
 }
 
-/// Continues a thread, with a signal or 0.
+/// Lets a thread go on, with a signal or 0.
 pub(super) fn go_on(thread: pid_t, signal: c_int) {
-    // SAFETY: continues the traced thread. If that is gone, the next wait reports it.
+    // SAFETY: it lets the traced thread run. It may be gone, which is told by the next wait.
     let _ = unsafe { libc::ptrace(libc::PTRACE_CONT, thread, 0, c_long::from(signal)) };
 }
 
-/// Kills a process.
+/// Ends a process at once.
 pub(super) fn kill(process: pid_t) {
-    // SAFETY: sends a signal to a process that this thread started and has not waited for.
+    // SAFETY: a signal to a process that this thread started and has not waited for.
     unsafe { libc::kill(process, libc::SIGKILL) };
 }
 
-/// Waits until a process of this thread stops or ends; `None` if there is none left.
+/// Waits until a process of this thread stops or ends; `None` when there is none left.
 pub(super) fn wait() -> Option<(pid_t, Stop)> {
     let mut status = 0;
     let thread = loop {
-        // SAFETY: writes one integer. Waits only for processes of this thread.
+        // SAFETY: it writes one number. Only processes of this very thread are waited for.
         let found = unsafe { libc::waitpid(-1, &raw mut status, libc::__WALL | libc::__WNOTHREAD) };
         if found > 0 {
             break found;
@@ -151,19 +149,19 @@ pub(super) fn wait() -> Option<(pid_t, Stop)> {
     Some((thread, stop))
 }
 
-/// The call before which a thread has stopped.
+/// The call a thread stands before.
 fn call(thread: pid_t) -> Option<Stop> {
-    // SAFETY: all members are integers, for which zero is a valid value.
+    // SAFETY: numbers, for which zero is a value.
     let mut told: libc::ptrace_syscall_info = unsafe { std::mem::zeroed() };
     let size = size_of::<libc::ptrace_syscall_info>();
     let into = (&raw mut told).cast::<c_void>();
-    // SAFETY: the system writes at most `size` bytes.
+    // SAFETY: the system writes at most the size that it is given.
     let got = unsafe { libc::ptrace(libc::PTRACE_GET_SYSCALL_INFO, thread, size, into) };
     check(got).ok()?;
     if told.op != libc::PTRACE_SYSCALL_INFO_SECCOMP {
         return None;
     }
-    // SAFETY: `op` tells which member of the union was written.
+    // SAFETY: `op` says which one of the union was written.
     let told = unsafe { told.u.seccomp };
     let number = c_ulong::from(told.nr) as c_long;
     let name = CALLS.iter().find(|(_, call)| *call == number).map(|(name, _)| *name)?;

@@ -80,7 +80,7 @@ pub(crate) async fn abort(
     let chosen = match activity.parse::<u64>() {
         Ok(number) => {
             let found = find(&hosted, &activity)?;
-            if found.ending().is_some() {
+            if found.outcome().is_some() {
                 let message = format!("activity {number} of {component} has already ended");
                 return Err(RpcError::conflict(Code::Ended, message));
             }
@@ -90,7 +90,7 @@ pub(crate) async fn abort(
     };
     let aborted = chosen
         .iter()
-        .filter(|activity| activity.ending().is_none() && hosted.abort(activity.number))
+        .filter(|activity| activity.outcome().is_none() && hosted.abort(activity.number))
         .map(|activity| activity.number)
         .collect();
     Ok(Json(Aborted { aborted }))

@@ -10,7 +10,7 @@ use genom_protocol::{Code, Component, Components, Description, LeftBehind, LoadR
 use genom_registry::BackendError;
 use genom_runtime::seconds;
 use genom_supervisor::components::{Hosted, UnloadError};
-use genom_supervisor::loading::{self, LoadError};
+use genom_supervisor::loading::LoadError;
 use serde_json::Value;
 
 use crate::daemon::Daemon;
@@ -128,7 +128,7 @@ pub(crate) async fn load(
     Body(request): Body<LoadRequest>,
 ) -> Result<(StatusCode, Json<Component>), RpcError> {
     let worker = Arc::clone(&daemon);
-    let loaded = tokio::task::spawn_blocking(move || loading::load(&worker, &request)).await;
+    let loaded = tokio::task::spawn_blocking(move || worker.load(&request)).await;
     match loaded {
         Ok(Ok(hosted)) => Ok((StatusCode::CREATED, Json(summary(&hosted)))),
         Ok(Err(error)) => Err(refused(&error)),

@@ -9,10 +9,7 @@ use axum::http::StatusCode;
 use axum::{Extension, Json};
 use genom_configuration::{Config, ConfigError, Deployment, Right, Spot};
 use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment};
-use genom_supervisor::deploy::StepError;
-use genom_supervisor::deploy::apply::ApplyError;
-use genom_supervisor::deploy::plan::PlanError;
-use genom_supervisor::deploy::{self, Step};
+use genom_supervisor::deploy::{ApplyError, Contradiction, Step, StepError, Steps};
 use serde_json::{Map, Value};
 
 use crate::daemon::Daemon;
@@ -44,7 +41,7 @@ pub(crate) async fn dump(
         Ok(()) => options(&daemon.settings.backends)?,
         Err(_) => BTreeMap::new(),
     };
-    let (backend, runs) = (daemon.settings.backend.clone(), deploy::dump::dump(&daemon));
+    let (backend, runs) = (daemon.settings.backend.clone(), daemon.dump());
     let deployment = RunningDeployment { backend, backends, runs };
     let text =
         toml::to_string(&deployment).map_err(|error| RpcError::internal(error.to_string()))?;
@@ -73,16 +70,15 @@ pub(crate) async fn apply(
     let deployment = read(&daemon, &wanted)?;
     let work = move || {
         let _turn = daemon.deploying();
-        let plan = deploy::plan::plan(&daemon, &deployment, wanted.prune)
+        let Steps { to_take: steps, beside } = daemon
+            .steps_to(&deployment, wanted.prune)
             .map_err(|error| impossible(&error, &wanted))?;
-        let steps = plan.steps;
         if !wanted.dry_run {
-            deploy::apply::apply(&daemon, &steps, Some(patience))
-                .map_err(|error| failed(&error, &wanted))?;
+            daemon.apply(&steps, Some(patience)).map_err(|error| failed(&error, &wanted))?;
             daemon.connections.declare(&deployment.connection);
         }
         let steps = steps.iter().map(Step::to_string).collect();
-        let beside = if wanted.prune { Vec::new() } else { plan.beside };
+        let beside = if wanted.prune { Vec::new() } else { beside };
         let beside = beside.iter().map(|step| match step {
             Step::Unload(name) => format!("component {name}"),
             Step::Disconnect(entry) => format!("connection {entry}"),
@@ -124,7 +120,7 @@ fn read(daemon: &Daemon, wanted: &DeploymentRequest) -> Result<Deployment, RpcEr
     Ok(deployment)
 }
 
-fn impossible(error: &PlanError, wanted: &DeploymentRequest) -> RpcError {
+fn impossible(error: &Contradiction, wanted: &DeploymentRequest) -> RpcError {
     RpcError::conflict(Code::NoPlan, placed(&error.place(), wanted, error))
         .help("nothing was changed")
 }

@@ -11,7 +11,6 @@ use axum::{Extension, Json};
 use genom_protocol::address::NoAddress;
 use genom_protocol::frames::Start;
 use genom_protocol::{Code, RecordingEnds, RecordingRequest, Subject};
-use genom_supervisor::deploy;
 use genom_supervisor::recording;
 use tokio::sync::mpsc;
 use tokio_stream::StreamExt as _;
@@ -68,7 +67,7 @@ pub(crate) async fn start(
             recording: session.number,
             genomd: env!("CARGO_PKG_VERSION").to_owned(),
             clock: clock::kind(&daemon.clock),
-            deployment: toml::to_string(&deploy::dump::dump(&daemon)).unwrap_or_default(),
+            deployment: toml::to_string(&daemon.dump()).unwrap_or_default(),
         };
         recording::run(&daemon.closed, &session, changes, sender, start);
         daemon.recording_ended(&session);

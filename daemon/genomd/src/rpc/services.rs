@@ -10,7 +10,6 @@ use genom_description::model::{Ix as _, ServiceIx};
 use genom_description_tools as tools;
 use genom_protocol::{CallParameters, CallReply, Code, Inputs, Outcome, Service, Started};
 use genom_supervisor::components::{Answer, Hosted, InputError, Rest};
-use genom_supervisor::ending::Ending;
 use serde_json::Value;
 
 use crate::daemon::Daemon;
@@ -115,8 +114,11 @@ pub(crate) async fn call(
     let asked = hosted.asked(index, &inputs, rest).map_err(refused)?;
     let answer = hosted.request(index, asked).await;
     match answer {
-        Answer::Ended(ending) => refusal(&hosted, &service, &ending)
-            .map_or_else(|| Ok((StatusCode::OK, Json(CallReply::Ended(ending.told())))), Err),
+        Answer::Ended(outcome) => {
+            let refused = outcome.exception().and_then(|name| refusal(&hosted, &service, name));
+            refused
+                .map_or_else(|| Ok((StatusCode::OK, Json(CallReply::Ended(outcome.into())))), Err)
+        }
         Answer::Accepted(activity) if parameters.wait => {
             activity.ended().await;
             Ok((StatusCode::OK, Json(CallReply::Activity(activity.look(None)))))
@@ -135,9 +137,9 @@ pub(crate) async fn call(
 }
 
 /// Exceptions by which a component refuses a request before anything runs.
-fn refusal(hosted: &Hosted, service: &str, ending: &Ending) -> Option<RpcError> {
+fn refusal(hosted: &Hosted, service: &str, exception: &str) -> Option<RpcError> {
     let name = format!("{}/{service}", hosted.name);
-    match ending.exception()? {
+    match exception {
         "::genom::disallowed" => Some(
             RpcError::conflict(Code::Disallowed, format!("{name} is not allowed now"))
                 .help(order(hosted, service)),

@@ -179,7 +179,7 @@ pub(super) struct Objects {
     pub(super) output: Object,
     pub(super) local: Object,
     /// The outputs in C layout, as computed since codels last ran.
-    shown: OnceCell<Record>,
+    output_in_c: OnceCell<Record>,
     /// Memory for that, kept for reuse.
     spare: Cell<Option<Record>>,
 }
@@ -191,7 +191,7 @@ impl Objects {
             input: Object::new(&types.input),
             output: Object::new(&types.output),
             local: Object::new(&types.local),
-            shown: OnceCell::new(),
+            output_in_c: OnceCell::new(),
             spare: Cell::new(Some(Record::new(types.output.c()))),
         }
     }
@@ -207,18 +207,18 @@ impl Objects {
 
     /// Codels may have changed the outputs: discards the computed ones.
     pub(super) fn changed(&mut self) {
-        if let Some(shown) = self.shown.take() {
-            self.spare.set(Some(shown));
+        if let Some(output) = self.output_in_c.take() {
+            self.spare.set(Some(output));
         }
     }
 
     /// The outputs in C layout.
-    pub(super) fn shown(&self) -> &Record {
-        self.shown.get_or_init(|| {
+    pub(super) fn output_in_c(&self) -> &Record {
+        self.output_in_c.get_or_init(|| {
             let spare = self.spare.take();
-            let mut shown = spare.unwrap_or_else(|| Record::new(self.output.ty().c()));
-            self.output.get(&mut shown);
-            shown
+            let mut output = spare.unwrap_or_else(|| Record::new(self.output.ty().c()));
+            self.output.get(&mut output);
+            output
         })
     }
 

@@ -294,6 +294,6 @@ impl Frame for BoundFrame {
     }
 
     fn output(&self) -> &Record {
-        self.objects.as_ref().map_or(&self.output, Objects::shown)
+        self.objects.as_ref().map_or(&self.output, Objects::output_in_c)
     }
 }

@@ -36,7 +36,7 @@ pub(super) struct Element {
     /// Guard zones around the buffer.
     zones: Zones,
     /// Whether `data` returns the buffer (otherwise null).
-    shown: AtomicBool,
+    visible: AtomicBool,
     /// Whether a thread is using `inner`.
     busy: AtomicBool,
     snapshot: Snapshot,
@@ -80,12 +80,12 @@ impl Element {
         let object = cxx.map(Object::new);
         let address = object.as_ref().map_or(buffer.as_mut_ptr(), Object::at) as usize;
         let zones = object.as_ref().map_or(buffer.zones(), Object::zones);
-        let shown = AtomicBool::new(matches!(link, Link::Out(_)));
+        let visible = AtomicBool::new(matches!(link, Link::Out(_)));
         Self {
             inner: UnsafeCell::new(Inner { buffer, object, link }),
             address,
             zones,
-            shown,
+            visible,
             busy: AtomicBool::new(false),
             snapshot: Snapshot::new(ty),
         }
@@ -105,7 +105,7 @@ impl Element {
 
     /// Address of the buffer; 0 while there is no value (genom3.md 7.8).
     pub(super) fn data(&self) -> usize {
-        if self.shown.load(Ordering::Relaxed) { self.address } else { 0 }
+        if self.visible.load(Ordering::Relaxed) { self.address } else { 0 }
     }
 
     /// Guard zones around the buffer.
@@ -125,7 +125,7 @@ impl Element {
                 return Err(Failure::NoSuchInport);
             };
             let reading = subscription.read(&mut inner.buffer);
-            self.shown
+            self.visible
                 .store(matches!(reading, Ok(Reading::New | Reading::Same)), Ordering::Relaxed);
             match reading {
                 Ok(Reading::New) => {
@@ -180,7 +180,7 @@ impl Element {
             let exchanged = self.with(|inner| {
                 let new = link.take()?;
                 // An in port has no value until one of the new connection was read.
-                self.shown.store(matches!(new, Link::Out(_)), Ordering::Relaxed);
+                self.visible.store(matches!(new, Link::Out(_)), Ordering::Relaxed);
                 Some(std::mem::replace(&mut inner.link, new))
             });
             if let Some(Some(old)) = exchanged {

@@ -35,11 +35,11 @@ pub(crate) struct Ports {
 struct Handle {
     name: String,
     buffers: Buffers,
-    shown: Shown,
+    interface: Interface,
 }
 
 /// The handle whose address codels get.
-enum Shown {
+enum Interface {
     /// A struct of functions: `data`, then `read` or `write`, `open`, `close`.
     C { table: Box<[usize]>, _functions: Vec<NativeFunction> },
     /// An object with virtual functions.
@@ -72,20 +72,21 @@ impl Ports {
             } else {
                 Buffers::Simple(Arc::new(Element::new(ty, in_cxx, Link::unbound(direction))))
             };
-            let shown = match cxx {
+            let interface = match cxx {
                 Some(cxx) => {
-                    let shown = Box::new(cxx::PortInCxx { direction, buffers: buffers.clone() });
+                    let interface =
+                        Box::new(cxx::PortInCxx { direction, buffers: buffers.clone() });
                     let out = direction == PortDirection::Out;
                     let kind = (out, port.multiple);
-                    Shown::Cxx(crate::cxx::Handle::new(shown, kind, &cxx.exceptions))
+                    Interface::Cxx(crate::cxx::Handle::new(interface, kind, &cxx.exceptions))
                 }
                 None => {
                     let functions = methods::functions(direction, &buffers, shared)?;
                     let table = functions.iter().map(NativeFunction::address).collect();
-                    Shown::C { table, _functions: functions }
+                    Interface::C { table, _functions: functions }
                 }
             };
-            Some(Handle { name: port.name.clone(), buffers, shown })
+            Some(Handle { name: port.name.clone(), buffers, interface })
         };
         let ports = ports.pairs().map(handle).collect::<Option<_>>()?;
         Some(Self { ports, opener })
@@ -93,9 +94,9 @@ impl Ports {
 
     /// The address that codels get for the port.
     pub(crate) fn handle(&self, port: PortIx) -> *const c_void {
-        match &self.ports[port].shown {
-            Shown::C { table, .. } => table.as_ptr().cast(),
-            Shown::Cxx(handle) => handle.address(),
+        match &self.ports[port].interface {
+            Interface::C { table, .. } => table.as_ptr().cast(),
+            Interface::Cxx(handle) => handle.address(),
         }
     }
 

@@ -4,7 +4,7 @@ use genom_types::Record;
 use serde_json::Value;
 
 use super::genom;
-use crate::api::{Exception, WiringError};
+use crate::api::{ConnectionError, Exception};
 use crate::engine::Engine;
 use crate::plan::Builtin;
 
@@ -12,7 +12,7 @@ impl Engine {
     pub(crate) fn builtin(&self, builtin: Builtin, input: &Record) -> Result<(), Exception> {
         let given = input.to_json();
         let text = |name: &str| given.get(name).and_then(Value::as_str).unwrap_or_default();
-        let wired = |result: Result<(), WiringError>| {
+        let connected = |result: Result<(), ConnectionError>| {
             result.map_err(|error| {
                 tracing::warn!(instance = self.name, "{error}");
                 Exception { name: error.exception().to_owned(), detail: Value::Null }
@@ -24,12 +24,14 @@ impl Engine {
                 let id = u32::try_from(id).unwrap_or_default();
                 self.abort(id, "abort_activity").map_err(|_| genom("no_such_activity", Value::Null))
             }
-            Builtin::ConnectPort => wired(self.wiring.connect_port(text("local"), text("remote"))),
+            Builtin::ConnectPort => {
+                connected(self.supervision.connect_port(text("local"), text("remote")))
+            }
             Builtin::ConnectService => {
-                wired(self.wiring.connect_service(text("local"), text("remote")))
+                connected(self.supervision.connect_service(text("local"), text("remote")))
             }
             Builtin::Kill => {
-                self.wiring.kill();
+                self.supervision.kill();
                 Ok(())
             }
         }

@@ -56,7 +56,7 @@ impl Engine {
             reply(progress);
         }
         if after.kill {
-            self.wiring.kill();
+            self.supervision.kill();
         }
     }
 

@@ -167,7 +167,7 @@ impl Afterwards {
             self.changes.push(Change::Ended { activity: entry.id, service, exception });
         }
         if let Some(reply) = entry.reply.take() {
-            self.replies.push((reply, Progress::Done(outcome)));
+            self.replies.push((reply, Progress::Ended(outcome)));
         }
     }
 }

@@ -38,20 +38,20 @@ impl Engine {
         ticket: Ticket,
     ) {
         let Some(compiled) = self.shared.plan.services().get(service) else {
-            return reply(done(genom("no_such_service", Value::Null)));
+            return reply(refused(genom("no_such_service", Value::Null)));
         };
         let fits = match &inputs {
             Inputs::Whole(input) => input.ty().same_as(&compiled.input),
             Inputs::Partial(_) | Inputs::Look => compiled.kind == ServiceKind::Attribute,
         };
         if !fits {
-            return reply(done(genom("serialization", Value::Null)));
+            return reply(refused(genom("serialization", Value::Null)));
         }
         {
             let mut control = self.lock();
             if matches!(control.phase, Phase::Stopping | Phase::Stopped) {
                 drop(control);
-                return reply(done(interrupted("kill")));
+                return reply(refused(interrupted("kill")));
             }
             let queue = &mut control.services[service];
             queue.waiting.push_back(Request { inputs, reply, ticket });
@@ -120,16 +120,16 @@ impl Engine {
     ) {
         if let Inputs::Look = inputs {
             let now = self.look(service, context);
-            return answer(asker, Progress::Done(Outcome::Success(now)));
+            return answer(asker, Progress::Ended(Outcome::Success(now)));
         }
         let performed = self.perform(service, &mut inputs, context, ticket);
         // genom3.md 7.3.8: something happened in the component, whatever the outcome.
         self.shared.wake_tasks();
         match performed {
-            Err(exception) => answer(asker, done(exception)),
+            Err(exception) => answer(asker, refused(exception)),
             Ok(Performed::Done(output)) => {
                 self.interrupt_from(service);
-                answer(asker, Progress::Done(Outcome::Success(output)));
+                answer(asker, Progress::Ended(Outcome::Success(output)));
             }
             Ok(Performed::Validated(frame)) => match asker.take() {
                 Some(reply) => self.accept(service, frame, reply),
@@ -393,8 +393,8 @@ fn answer(asker: &Asker, progress: Progress) {
     }
 }
 
-fn done(exception: Exception) -> Progress {
-    Progress::Done(Outcome::Exception(exception))
+fn refused(exception: Exception) -> Progress {
+    Progress::Ended(Outcome::Exception(exception))
 }
 
 /// Begins the run with the current values of the IDS, overwritten by what the request gives.

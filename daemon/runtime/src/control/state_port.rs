@@ -7,7 +7,7 @@ use genom_types::Record;
 use serde_json::{Value, json};
 
 use super::window::{Totals, Window};
-use crate::cycles::Done;
+use crate::cycles::Total;
 use crate::engine::Engine;
 use crate::lock::lock;
 use crate::shared::TaskShared;
@@ -81,7 +81,7 @@ impl Engine {
 #[allow(clippy::cast_precision_loss)]
 fn rusage(task: &TaskShared, window: &mut Window, date: u64) -> Value {
     let durations = task.figures.cycles.read(date);
-    let Done { cycles, busy_ns } = task.figures.cycles.done(date);
+    let Total { cycles, busy_ns } = task.figures.cycles.total(date);
     let recent = window.look(Totals { date, cycles, busy_ns });
     let seconds = |ns: f64| ns * 1e-9;
     let (last, max) = (durations.last_ns as f64, durations.max_ns as f64);

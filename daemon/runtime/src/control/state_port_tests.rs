@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 
 use crate::body::{Body, Frame, Opener, RemoteCall, Returned};
 use crate::engine::Engine;
-use crate::{Clock, Plan, VirtualClock, Wiring, WiringError};
+use crate::{Clock, ConnectionError, Plan, Supervision, VirtualClock};
 
 /// Keeps the last value of the state port.
 struct Kept {
@@ -58,11 +58,11 @@ impl Frame for Empty {
 
 struct Nobody;
 
-impl Wiring for Nobody {
-    fn connect_port(&self, _: &str, _: &str) -> Result<(), WiringError> {
+impl Supervision for Nobody {
+    fn connect_port(&self, _: &str, _: &str) -> Result<(), ConnectionError> {
         Ok(())
     }
-    fn connect_service(&self, _: &str, _: &str) -> Result<(), WiringError> {
+    fn connect_service(&self, _: &str, _: &str) -> Result<(), ConnectionError> {
         Ok(())
     }
     fn kill(&self) {}

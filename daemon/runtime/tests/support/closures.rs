@@ -9,7 +9,8 @@ use genom_description::model::{Ix as _, Owner, PortIx, ServiceIx};
 use genom_middleware::{Publisher, Subscription};
 use genom_runtime::body::{Body, EventId, Frame, Opener, RemoteCall, Returned};
 use genom_runtime::{
-    Instance, Options, Outcome, Plan, Progress, StartError, Wiring, WiringError, input_record,
+    ConnectionError, Instance, Options, Outcome, Plan, Progress, StartError, Supervision,
+    input_record,
 };
 use genom_types::Record;
 use serde_json::{Value, json};
@@ -92,8 +93,8 @@ pub(crate) fn request(instance: &Instance, service: &str) -> Receiver<String> {
     let reply = Box::new(move |progress| {
         let _ = sender.send(match progress {
             Progress::Accepted { activity } => format!("accepted {activity}"),
-            Progress::Done(Outcome::Success(_)) => "done".into(),
-            Progress::Done(Outcome::Exception(exception)) => exception.to_string(),
+            Progress::Ended(Outcome::Success(_)) => "done".into(),
+            Progress::Ended(Outcome::Exception(exception)) => exception.to_string(),
         });
     });
     instance.request(rank, input_record(plan, rank).unwrap().unwrap(), reply);
@@ -169,12 +170,12 @@ impl Frame for ClosureFrame {
 /// A supervisor that does nothing.
 struct Nobody;
 
-impl Wiring for Nobody {
-    fn connect_port(&self, _: &str, _: &str) -> Result<(), WiringError> {
+impl Supervision for Nobody {
+    fn connect_port(&self, _: &str, _: &str) -> Result<(), ConnectionError> {
         Ok(())
     }
 
-    fn connect_service(&self, _: &str, _: &str) -> Result<(), WiringError> {
+    fn connect_service(&self, _: &str, _: &str) -> Result<(), ConnectionError> {
         Ok(())
     }
 

@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 use genom_runtime::{
-    Clock, Instance, Options, Outcome, Progress, VirtualClock, Wiring, WiringError, input_record,
+    Clock, ConnectionError, Instance, Options, Outcome, Progress, Supervision, VirtualClock,
+    input_record,
 };
 use serde_json::Value;
 
@@ -14,18 +15,18 @@ use super::scripted::{Answer, Script, Scripted, Shared};
 /// A supervisor that records what it is asked to do.
 struct Supervisor(Shared);
 
-impl Wiring for Supervisor {
-    fn connect_port(&self, local: &str, remote: &str) -> Result<(), WiringError> {
+impl Supervision for Supervisor {
+    fn connect_port(&self, local: &str, remote: &str) -> Result<(), ConnectionError> {
         self.note(format!("supervisor: connect_port {local} {remote}"));
         if local == "none" {
-            return Err(WiringError::NoSuchInport(local.into()));
+            return Err(ConnectionError::NoSuchInport(local.into()));
         }
         Ok(())
     }
 
-    fn connect_service(&self, local: &str, remote: &str) -> Result<(), WiringError> {
+    fn connect_service(&self, local: &str, remote: &str) -> Result<(), ConnectionError> {
         self.note(format!("supervisor: connect_service {local} {remote}"));
-        Err(WiringError::NoSuchService(remote.into()))
+        Err(ConnectionError::NoSuchService(remote.into()))
     }
 
     fn kill(&self) {
@@ -130,8 +131,8 @@ impl Play {
     }
 
     fn start(&mut self) {
-        let wiring = Arc::new(Supervisor(Arc::clone(&self.script)));
-        let mut options = Options::new(self.body.plan.component().name.clone(), wiring);
+        let supervision = Arc::new(Supervisor(Arc::clone(&self.script)));
+        let mut options = Options::new(self.body.plan.component().name.clone(), supervision);
         options.clock = Clock::Virtual(Arc::clone(&self.clock));
         options.activity_limit = self.limit;
         let body = Arc::clone(&self.body);
@@ -154,10 +155,10 @@ impl Play {
         let reply = Box::new(move |progress| {
             let line = match progress {
                 Progress::Accepted { activity } => format!("{letter} accepted as {activity}"),
-                Progress::Done(Outcome::Success(output)) => {
+                Progress::Ended(Outcome::Success(output)) => {
                     format!("{letter} done {}", output.to_json())
                 }
-                Progress::Done(Outcome::Exception(exception)) => {
+                Progress::Ended(Outcome::Exception(exception)) => {
                     format!("{letter} failed {exception}")
                 }
             };

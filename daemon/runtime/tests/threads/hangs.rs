@@ -58,8 +58,8 @@ fn a_start_codel_that_hangs_is_named_by_the_start() {
             }),
         )],
     );
-    let wiring = Arc::new(Deaf);
-    let mut options = genom_runtime::Options::new("test", wiring);
+    let supervision = Arc::new(Deaf);
+    let mut options = genom_runtime::Options::new("test", supervision);
     options.start_timeout = Some(Duration::from_millis(20));
     let plan = Arc::clone(&body.plan);
     let (sender, started) = channel();
@@ -77,11 +77,11 @@ fn a_start_codel_that_hangs_is_named_by_the_start() {
 
 struct Deaf;
 
-impl genom_runtime::Wiring for Deaf {
-    fn connect_port(&self, _: &str, _: &str) -> Result<(), genom_runtime::WiringError> {
+impl genom_runtime::Supervision for Deaf {
+    fn connect_port(&self, _: &str, _: &str) -> Result<(), genom_runtime::ConnectionError> {
         Ok(())
     }
-    fn connect_service(&self, _: &str, _: &str) -> Result<(), genom_runtime::WiringError> {
+    fn connect_service(&self, _: &str, _: &str) -> Result<(), genom_runtime::ConnectionError> {
         Ok(())
     }
     fn kill(&self) {}

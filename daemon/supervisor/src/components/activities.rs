@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use genom_protocol::{Activity as Look, Status};
 use tokio::sync::watch;
 
-use crate::ending::Ending;
+use crate::outcome::Outcome;
 use crate::waiting::wait;
 
 /// An activity, shared by all who wait for it.
@@ -18,52 +18,52 @@ pub struct Activity {
     pub number: u64,
     /// Name of its service.
     pub service: String,
-    ending: watch::Sender<Option<Ended>>,
+    outcome: watch::Sender<Option<Ended>>,
 }
 
 #[derive(Clone, Debug)]
 struct Ended {
-    ending: Ending,
+    outcome: Outcome,
     at: Instant,
 }
 
 impl Activity {
     /// Its outcome, if it has ended.
-    pub fn ending(&self) -> Option<Ending> {
-        self.ending.borrow().as_ref().map(|ended| ended.ending.clone())
+    pub fn outcome(&self) -> Option<Outcome> {
+        self.outcome.borrow().as_ref().map(|ended| ended.outcome.clone())
     }
 
     /// Waits for its outcome.
-    pub async fn ended(&self) -> Option<Ending> {
-        let mut ending = self.ending.subscribe();
-        let ended = ending.wait_for(Option::is_some).await.ok()?;
-        ended.as_ref().map(|ended| ended.ending.clone())
+    pub async fn ended(&self) -> Option<Outcome> {
+        let mut outcome = self.outcome.subscribe();
+        let ended = outcome.wait_for(Option::is_some).await.ok()?;
+        ended.as_ref().map(|ended| ended.outcome.clone())
     }
 
     /// Waits for its outcome. Blocks the thread.
-    pub fn wait(&self) -> Option<Ending> {
+    pub fn wait(&self) -> Option<Outcome> {
         wait(self.ended(), None).flatten()
     }
 
     /// Waits for its outcome, at most this long. Blocks the thread.
-    pub fn wait_at_most(&self, time: Duration) -> Option<Ending> {
+    pub fn wait_at_most(&self, time: Duration) -> Option<Outcome> {
         wait(self.ended(), Some(Instant::now() + time)).flatten()
     }
 
     /// The activity as the control plane reports it; `state` is used only if it still runs.
     pub fn look(&self, state: Option<String>) -> Look {
-        let ending = self.ending();
-        let status = match &ending {
+        let outcome = self.outcome();
+        let status = match &outcome {
             None => Status::Running,
-            Some(Ending::Done(_)) => Status::Done,
-            Some(Ending::Exception { .. }) => Status::Exception,
+            Some(Outcome::Success(_)) => Status::Done,
+            Some(Outcome::Exception { .. }) => Status::Exception,
         };
         Look {
             activity: self.number,
             service: self.service.clone(),
             status,
-            state: state.filter(|_| ending.is_none()),
-            outcome: ending.map(|ending| ending.told()).unwrap_or_default(),
+            state: state.filter(|_| outcome.is_none()),
+            outcome: outcome.map(Into::into).unwrap_or_default(),
         }
     }
 }
@@ -88,15 +88,15 @@ impl ActivityLog {
 
     /// Adds an activity that was accepted.
     pub fn started(&self, number: u64, service: &str) -> Arc<Activity> {
-        let ending = watch::Sender::new(None);
-        let activity = Arc::new(Activity { number, service: service.to_owned(), ending });
+        let outcome = watch::Sender::new(None);
+        let activity = Arc::new(Activity { number, service: service.to_owned(), outcome });
         self.edit(|entries| entries.insert(number, Arc::clone(&activity)));
         activity
     }
 
     /// Stores the outcome of an activity.
-    pub fn ended(&self, activity: &Activity, ending: Ending) {
-        activity.ending.send_replace(Some(Ended { ending, at: Instant::now() }));
+    pub fn ended(&self, activity: &Activity, outcome: Outcome) {
+        activity.outcome.send_replace(Some(Ended { outcome, at: Instant::now() }));
     }
 
     /// The activity of that number.
@@ -111,14 +111,14 @@ impl ActivityLog {
 
     /// Number of running activities.
     pub fn running(&self) -> usize {
-        self.all().iter().filter(|activity| activity.ending.borrow().is_none()).count()
+        self.all().iter().filter(|activity| activity.outcome.borrow().is_none()).count()
     }
 
     /// Calls `work` with the entries, after removing those that were kept long enough.
     fn edit<T>(&self, work: impl FnOnce(&mut BTreeMap<u64, Arc<Activity>>) -> T) -> T {
         let mut entries = self.entries.lock().unwrap_or_else(PoisonError::into_inner);
         let mut excess = entries.len().saturating_sub(MOST_KEPT);
-        entries.retain(|_, activity| match &*activity.ending.borrow() {
+        entries.retain(|_, activity| match &*activity.outcome.borrow() {
             None => true,
             Some(ended) => {
                 let excessive = excess > 0;
@@ -139,12 +139,12 @@ mod tests {
     fn a_result_stays_readable_for_the_time_asked() {
         let log = ActivityLog::new(Duration::from_secs(3600));
         let first = log.started(1, "goto");
-        log.ended(&first, Ending::Done(json!({})));
-        assert_eq!(log.get(1).unwrap().ending(), Some(Ending::Done(json!({}))));
+        log.ended(&first, Outcome::Success(json!({})));
+        assert_eq!(log.get(1).unwrap().outcome(), Some(Outcome::Success(json!({}))));
         let log = ActivityLog::new(Duration::ZERO);
         let first = log.started(1, "goto");
         assert_eq!(log.running(), 1);
-        log.ended(&first, Ending::Done(json!({})));
+        log.ended(&first, Outcome::Success(json!({})));
         assert_eq!(log.running(), 0);
     }
 
@@ -152,11 +152,11 @@ mod tests {
     async fn several_may_wait_for_one_activity() {
         let log = ActivityLog::new(Duration::from_secs(3600));
         let activity = log.started(7, "goto");
-        let ending = Ending::Exception { name: "::x::E".into(), detail: json!({"a": 1}) };
+        let outcome = Outcome::Exception { name: "::x::E".into(), detail: json!({"a": 1}) };
         let (one, two, ()) = tokio::join!(activity.ended(), activity.ended(), async {
-            log.ended(&activity, ending.clone());
+            log.ended(&activity, outcome.clone());
         });
-        assert_eq!((one, two), (Some(ending.clone()), Some(ending)));
+        assert_eq!((one, two), (Some(outcome.clone()), Some(outcome)));
         assert_eq!(
             serde_json::to_string(&activity.look(None)).unwrap(),
             r#"{"activity":7,"service":"goto","status":"exception","exception":"::x::E","detail":{"a":1}}"#
@@ -168,7 +168,7 @@ mod tests {
         let log = ActivityLog::new(Duration::from_secs(3600));
         for number in 0..MOST_KEPT as u64 + 10 {
             let activity = log.started(number, "tick");
-            log.ended(&activity, Ending::Done(Value::Null));
+            log.ended(&activity, Outcome::Success(Value::Null));
         }
         assert!(log.all().len() <= MOST_KEPT);
         assert!(log.get(0).is_none());

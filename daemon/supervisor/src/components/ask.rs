@@ -9,9 +9,9 @@ use genom_runtime::Ticket;
 use tokio::sync::mpsc;
 use tokio::time::timeout;
 
-use super::hosted::ending;
 use super::hosted::{Answer, Heard, Hosted};
 use super::input::Asked;
+use crate::outcome::Outcome;
 
 /// How often to check whether a stuck codel blocks a request that has not been answered.
 const LOOK: Duration = Duration::from_millis(250);
@@ -72,7 +72,7 @@ impl Hosted {
 fn first(heard: Heard) -> Answer {
     match heard {
         Heard::Accepted(activity) => Answer::Accepted(activity),
-        Heard::Ended(outcome) => Answer::Ended(ending(&outcome)),
+        Heard::Ended(outcome) => Answer::Ended(Outcome::from(&outcome)),
         Heard::Refused(error) => Answer::Refused(error),
     }
 }

@@ -72,7 +72,7 @@ impl Hosted {
         let (sender, told) = channel();
         let ticket = Ticket::default();
         let reply = Box::new(move |progress| {
-            if let Progress::Done(Outcome::Success(record)) = progress {
+            if let Progress::Ended(Outcome::Success(record)) = progress {
                 let _ = sender.send(record.to_json());
             }
         });

@@ -12,7 +12,7 @@ use genom_ports::PortKey;
 use genom_runtime::body::{Body, RemoteCall};
 use genom_runtime::plan::Plan;
 use genom_runtime::{
-    ActivityPhase, Clock, HeldUp, Instance, Options, Outcome, Progress, RunningCodel, StartError,
+    ActivityPhase, Clock, HeldUp, Instance, Options, Progress, RunningCodel, StartError,
     Statistics, Ticket, Watcher, seconds,
 };
 use genom_types::{DataType, Record};
@@ -25,8 +25,8 @@ use super::spins::{Spin, Spins, times_of};
 use super::standing::Standing;
 use super::watch::{BusWatcher, Follower};
 use crate::bus::Bus;
-use crate::ending::Ending;
 use crate::flag::Flag;
+use crate::outcome::Outcome;
 use crate::recording::{Call, Recordings};
 use crate::spans;
 use crate::ties::Ties;
@@ -36,7 +36,7 @@ use genom_configuration::{BackendNames, LoadRequest};
 #[derive(Debug)]
 pub enum Answer {
     /// The outcome of an attribute or a function, or of an activity that was not accepted.
-    Ended(Ending),
+    Ended(Outcome),
     /// An activity was accepted.
     Accepted(Arc<Activity>),
     /// The component stopped before it replied.
@@ -257,9 +257,9 @@ impl Hosted {
                 Progress::Accepted { activity } => {
                     progress(Heard::Accepted(tracked.started(activity)));
                 }
-                Progress::Done(outcome) => {
+                Progress::Ended(outcome) => {
                     let refused = tracked.completed();
-                    tracked.ended(ending(&outcome));
+                    tracked.ended(Outcome::from(&outcome));
                     progress(refused.map_or(Heard::Ended(outcome), Heard::Refused));
                 }
             }),
@@ -390,7 +390,7 @@ pub enum Heard {
     /// It is an activity, and was accepted.
     Accepted(Arc<Activity>),
     /// It ended.
-    Ended(Outcome),
+    Ended(genom_runtime::Outcome),
     /// The inputs cannot be combined with the present values of the component. Nothing was changed.
     Refused(InputError),
 }
@@ -431,19 +431,19 @@ impl Tracked {
         activity
     }
 
-    fn ended(&mut self, ending: Ending) {
+    fn ended(&mut self, outcome: Outcome) {
         let activity = self.running.as_ref().map(|activity| activity.number);
         if let Some(call) = self.call.take() {
-            call.ended(activity, &ending);
+            call.ended(activity, &outcome);
         }
         // The span ends when its last handle is dropped.
-        spans::ended(&std::mem::replace(&mut self.span, Span::none()), activity, &ending);
-        if let Some(inputs) = self.inputs.take().filter(|_| ending.exception().is_none()) {
+        spans::ended(&std::mem::replace(&mut self.span, Span::none()), activity, &outcome);
+        if let Some(inputs) = self.inputs.take().filter(|_| outcome.exception().is_none()) {
             self.standing.attribute(&self.service, inputs);
         }
         if let Some(activity) = self.running.take() {
             self.standing.ended(activity.number);
-            self.log.ended(&activity, ending);
+            self.log.ended(&activity, outcome);
         }
     }
 }
@@ -452,20 +452,11 @@ impl Drop for Tracked {
     fn drop(&mut self) {
         // The component could not be stopped in time: callers must not wait forever.
         let (name, detail) = ("::genom::interrupted".to_owned(), json!({"by": "kill"}));
-        self.ended(Ending::Exception { name, detail });
+        self.ended(Outcome::Exception { name, detail });
     }
 }
 
 /// How a codel that does not return is described to users.
 fn stuck_in(codel: &RunningCodel) -> String {
     format!("stuck in {} for {}", codel.codel, seconds(codel.for_ns))
-}
-
-pub(super) fn ending(outcome: &Outcome) -> Ending {
-    match outcome {
-        Outcome::Success(outputs) => Ending::Done(outputs.to_json()),
-        Outcome::Exception(exception) => {
-            Ending::Exception { name: exception.name.clone(), detail: exception.detail.clone() }
-        }
-    }
 }

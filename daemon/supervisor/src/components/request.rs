@@ -10,7 +10,7 @@ use super::activities::Activity;
 use super::hosted::{Answer, Hosted};
 use super::input::{InputError, Rest};
 use super::running::Components;
-use crate::ending::Ending;
+use crate::outcome::Outcome;
 
 /// Why a request was refused.
 #[derive(Debug, thiserror::Error)]
@@ -41,7 +41,7 @@ pub fn send(all: &Components, entry: &CallEntry) -> Result<Option<u64>, RequestE
 pub fn send_to(hosted: &Hosted, entry: &CallEntry) -> Result<Option<u64>, RequestError> {
     match ask(hosted, &entry.service, &entry.inputs)? {
         First::Accepted(activity) => Ok(Some(activity.number)),
-        First::Ended(ending) => match ending.exception() {
+        First::Ended(outcome) => match outcome.exception() {
             None => Ok(None),
             Some(exception) => {
                 let (instance, service) = (&hosted.name, &entry.service);
@@ -61,10 +61,10 @@ impl Hosted {
     /// # Errors
     /// There is no such service, the inputs are not valid, or a stuck codel blocks the request.
     /// Nothing was executed.
-    pub fn call(&self, service: &str, inputs: &Value) -> Result<Ending, RequestError> {
+    pub fn call(&self, service: &str, inputs: &Value) -> Result<Outcome, RequestError> {
         let stopped = || RequestError::new(&[], format!("{} stops", self.name));
         match ask(self, service, inputs)? {
-            First::Ended(ending) => Ok(ending),
+            First::Ended(outcome) => Ok(outcome),
             First::Accepted(activity) => activity.wait().ok_or_else(stopped),
         }
     }
@@ -72,7 +72,7 @@ impl Hosted {
 
 /// The first reply to a request.
 enum First {
-    Ended(Ending),
+    Ended(Outcome),
     Accepted(Arc<Activity>),
 }
 
@@ -94,6 +94,6 @@ fn ask(hosted: &Hosted, service: &str, inputs: &Value) -> Result<First, RequestE
         Answer::Accepted(activity) => Ok(First::Accepted(activity)),
         Answer::HeldUp(error) => Err(RequestError::new(&[], error.to_string())),
         Answer::Gone => Err(RequestError::new(&[], format!("{} stops", hosted.name))),
-        Answer::Ended(ending) => Ok(First::Ended(ending)),
+        Answer::Ended(outcome) => Ok(First::Ended(outcome)),
     }
 }

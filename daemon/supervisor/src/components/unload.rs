@@ -21,7 +21,7 @@ const HELPERS: usize = 8;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Called for each component when it is gone, or was left behind.
-pub(crate) type Told<'a> = &'a (dyn Fn(&str, &Result<(), UnloadError>) + Sync);
+pub(crate) type OnGone<'a> = &'a (dyn Fn(&str, &Result<(), UnloadError>) + Sync);
 
 /// Progress of one component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,11 +34,11 @@ enum State {
 }
 
 /// A component that ended or ran out of time: its index and its deadline.
-type Finished = (usize, Instant);
+type Departed = (usize, Instant);
 
 impl Components {
     /// Stops components, waits for their codels and frees their names. Blocks.
-    pub fn remove(&self, names: &[String], timeout: Duration, told: Told<'_>) {
+    pub fn remove(&self, names: &[String], timeout: Duration, told: OnGone<'_>) {
         let mut going = Vec::with_capacity(names.len());
         for name in names {
             match self.exchange_running(name, Slot::Stopping) {
@@ -46,11 +46,11 @@ impl Components {
                 _ => told(name, &Err(UnloadError::NotThere(name.clone()))),
             }
         }
-        let (sender, finished) = channel();
-        let finished = Mutex::new(finished);
+        let (sender, departed) = channel();
+        let departed = Mutex::new(departed);
         let hosted: Vec<Mutex<Option<Arc<Hosted>>>> =
             going.iter().map(|one| Mutex::new(Some(Arc::clone(one)))).collect();
-        let help = || self.take_down(&hosted, &finished, told);
+        let help = || self.take_down(&hosted, &departed, told);
         thread::scope(|scope| {
             let mut helped = false;
             for _ in 0..going.len().min(HELPERS) {
@@ -68,11 +68,11 @@ impl Components {
     fn take_down(
         &self,
         all: &[Mutex<Option<Arc<Hosted>>>],
-        finished: &Mutex<Receiver<Finished>>,
-        told: Told<'_>,
+        departed: &Mutex<Receiver<Departed>>,
+        told: OnGone<'_>,
     ) {
         loop {
-            let next = finished.lock().unwrap_or_else(PoisonError::into_inner).recv();
+            let next = departed.lock().unwrap_or_else(PoisonError::into_inner).recv();
             let Ok((place, deadline)) = next else { return };
             let hosted = all[place].lock().unwrap_or_else(PoisonError::into_inner).take();
             let Some(hosted) = hosted else { continue };
@@ -124,9 +124,9 @@ impl Departures {
     ///
     /// They are handed over in batches, when no other component ends at the moment: closing a
     /// library inspects all threads of the process, and their number is decreasing.
-    fn run(mut self, finished: Sender<Finished>) {
+    fn run(mut self, departed: Sender<Departed>) {
         let (tell, ended) = channel();
-        let mut ready: Vec<Finished> = Vec::new();
+        let mut ready: Vec<Departed> = Vec::new();
         loop {
             self.ask(&tell);
             let asked = || {
@@ -137,13 +137,13 @@ impl Departures {
             };
             let first = asked().map(|(_, deadline)| deadline).min();
             let Some(first) = first else {
-                return hand_on(&mut ready, &finished);
+                return hand_on(&mut ready, &departed);
             };
             let left = first.saturating_duration_since(Instant::now());
             let look = !ready.is_empty() || self.state.contains(&State::Waits);
             let place = ended.recv_timeout(if look { left.min(LOOK) } else { left }).ok();
             let now = Instant::now();
-            let over: Vec<Finished> =
+            let over: Vec<Departed> =
                 asked().filter(|(one, by)| Some(*one) == place || *by <= now).collect();
             for &(place, _) in &over {
                 self.state[place] = State::Ended;
@@ -151,7 +151,7 @@ impl Departures {
             }
             ready.extend(over);
             if place.is_none() {
-                hand_on(&mut ready, &finished);
+                hand_on(&mut ready, &departed);
             }
         }
     }
@@ -213,7 +213,7 @@ impl Departures {
     }
 }
 
-fn hand_on(ready: &mut Vec<Finished>, helpers: &Sender<Finished>) {
+fn hand_on(ready: &mut Vec<Departed>, helpers: &Sender<Departed>) {
     for one in ready.drain(..) {
         // Fails only if all helpers have ended, which they do after the sender is dropped.
         let _ = helpers.send(one);

@@ -11,7 +11,7 @@ const LOOK: Duration = Duration::from_millis(100);
 
 /// Starts the thread that keeps connections up, until `stop` is raised.
 pub(crate) fn watch(connections: Connections, stop: Flag) -> std::io::Result<()> {
-    std::thread::Builder::new().name("genomd-wiring".to_owned()).spawn(move || {
+    std::thread::Builder::new().name("genomd-connect".to_owned()).spawn(move || {
         while !stop.is_up() {
             connections.look();
             std::thread::park_timeout(LOOK);

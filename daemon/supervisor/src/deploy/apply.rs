@@ -6,14 +6,13 @@ use std::time::{Duration, Instant};
 
 use genom_description::model::ServiceKind;
 
-use super::Step;
 use super::error::StepError;
+use super::step::Step;
 use super::undo::{Gone, Requested, Running, Undo, move_to, take_away, take_back};
-use crate::bus::{Change, StepStatus};
-use crate::components::{UnloadError, request};
+use crate::bus::{Bus, Change, StepStatus};
+use crate::components::{Components, UnloadError, request};
 use crate::connections::Wanted;
-use crate::ending::Ending;
-use crate::loading;
+use crate::outcome::Outcome;
 use crate::supervisor::Supervisor;
 use genom_configuration::{CallEntry, ConnectionEntry, Spot};
 
@@ -44,12 +43,12 @@ fn remaining(left: &[String]) -> String {
 
 /// Takes all steps in order. Each connection waits for its other side for at most `patience`.
 /// Blocks.
-pub fn apply(
+pub(super) fn apply(
     supervisor: &Arc<Supervisor>,
     steps: &[Step],
     patience: Option<Duration>,
 ) -> Result<(), ApplyError> {
-    let ran = Running::now(supervisor);
+    let ran = Running::now(&supervisor.components);
     let mut undo = Vec::new();
     let mut rest = steps;
     while let Some((step, after)) = rest.split_first() {
@@ -61,9 +60,9 @@ pub fn apply(
             connect_all(supervisor, connects, patience, &mut undo)
         } else {
             rest = after;
-            tell(supervisor, step, StepStatus::Begun);
+            tell(&supervisor.bus, step, StepStatus::Begun);
             take(supervisor, step, &ran, &mut undo)
-                .inspect(|()| tell(supervisor, step, StepStatus::Done))
+                .inspect(|()| tell(&supervisor.bus, step, StepStatus::Done))
         };
         if let Err(Refused { step, why, place }) = taken {
             let left = take_back(supervisor, undo);
@@ -73,8 +72,8 @@ pub fn apply(
     Ok(())
 }
 
-fn tell(supervisor: &Supervisor, step: &Step, status: StepStatus) {
-    supervisor.bus.tell(&Change::DeploymentStep { step: step.to_string(), status });
+fn tell(bus: &Bus, step: &Step, status: StepStatus) {
+    bus.tell(&Change::DeploymentStep { step: step.to_string(), status });
 }
 
 /// A step that failed.
@@ -112,9 +111,10 @@ fn take(
     ran: &Running,
     undo: &mut Vec<Undo>,
 ) -> Result<(), Refused> {
+    let (components, connections) = (&supervisor.components, &supervisor.connections);
     match step {
         Step::Load(request) => {
-            let loaded = loading::load(supervisor, request);
+            let loaded = supervisor.load(request);
             let hosted = loaded.map_err(|error| Refused::new(step, error.key(), error))?;
             undo.push(Undo::Unload(hosted.name.clone()));
         }
@@ -122,7 +122,7 @@ fn take(
             let name = request.instance();
             let none: [&str; 0] = [];
             take_down(supervisor, &name, undo).map_err(|why| Refused::new(step, none, why))?;
-            let loaded = loading::load(supervisor, request);
+            let loaded = supervisor.load(request);
             loaded.map_err(|error| Refused::new(step, error.key(), error))?;
         }
         Step::Unload(name) => {
@@ -130,19 +130,19 @@ fn take(
             take_down(supervisor, name, undo).map_err(|why| Refused::new(step, none, why))?;
         }
         Step::Disconnect(entry) => {
-            let before = supervisor.connections.present(&entry.inport);
-            take_away(supervisor.connections.disconnect(&entry.inport))
+            let before = connections.present(&entry.inport);
+            take_away(connections.disconnect(&entry.inport))
                 .map_err(|error| Refused::new(step, ["in"], StepError::Disconnect(error)))?;
             undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
         }
         Step::Move { component, port, to } => {
             let key = port.as_ref().map_or(vec!["backend"], |port| vec!["ports", port]);
-            let moved = move_to(supervisor, component, port.as_deref(), to);
+            let moved = move_to(components, connections, component, port.as_deref(), to);
             undo.push(Undo::Move(moved.map_err(|why| Refused::new(step, key, why))?));
         }
         Step::Set(entry) => {
-            let before = Requested::before(supervisor, entry, step.to_string(), ran);
-            request::send(&supervisor.components, entry).map_err(|error| {
+            let before = Requested::before(components, entry, step.to_string(), ran);
+            request::send(components, entry).map_err(|error| {
                 // In the file the inputs stand directly under the service's name.
                 let members = error.key.iter().filter(|key| *key != "inputs").cloned();
                 let key = ["attributes".to_owned(), entry.service.clone()];
@@ -155,13 +155,13 @@ fn take(
         Step::Connect(_) => {}
         Step::Call(entry) | Step::Start(entry) => {
             if let Step::Start(_) = step {
-                is_activity(supervisor, entry)
+                is_activity(components, entry)
                     .map_err(|why| Refused::new(step, ["service"], why))?;
             }
-            let before = Requested::before(supervisor, entry, step.to_string(), ran);
-            let activity = request::send(&supervisor.components, entry)
+            let before = Requested::before(components, entry, step.to_string(), ran);
+            let activity = request::send(components, entry)
                 .map_err(|error| Refused::new(step, error.key.clone(), error))?;
-            let hosted = supervisor.components.get(&entry.component);
+            let hosted = components.get(&entry.component);
             match (step, activity, &hosted) {
                 (Step::Start(_), Some(number), _) => {
                     undo.push(Undo::Request(before.started(number)));
@@ -170,7 +170,7 @@ fn take(
                     undo.push(Undo::Request(before));
                     // Waits for the end, because later steps may depend on it.
                     let ended = hosted.activities.get(number).map(|activity| activity.wait());
-                    if let Some(Some(Ending::Exception { name, .. })) = ended {
+                    if let Some(Some(Outcome::Exception { name, .. })) = ended {
                         return Err(Refused::new(step, ["service"], StepError::Exception(name)));
                     }
                 }
@@ -196,8 +196,8 @@ fn take_down(
 }
 
 /// Fails if the service is not an activity: an attribute or function would be over at once.
-fn is_activity(supervisor: &Supervisor, entry: &CallEntry) -> Result<(), StepError> {
-    let hosted = supervisor.components.get(&entry.component);
+fn is_activity(components: &Components, entry: &CallEntry) -> Result<(), StepError> {
+    let hosted = components.get(&entry.component);
     let services = hosted.as_ref().map_or(&[][..], |hosted| &hosted.model().services);
     let kind = match services.iter().find(|one| one.name == entry.service).map(|one| one.kind) {
         Some(ServiceKind::Attribute) => "an attribute",
@@ -224,7 +224,7 @@ fn connect_all(
             let before = supervisor.connections.present(&entry.inport);
             match supervisor.connections.make(&Wanted::from(entry)) {
                 Ok(_) => {
-                    tell(supervisor, &step, StepStatus::Done);
+                    tell(&supervisor.bus, &step, StepStatus::Done);
                     undo.push(Undo::Reconnect { inport: entry.inport.clone(), before });
                 }
                 // The other side may appear with its daemon. A misspelt name is therefore waited

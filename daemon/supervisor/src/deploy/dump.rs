@@ -4,16 +4,16 @@ use std::collections::BTreeMap;
 
 use genom_description::model::ServiceKind;
 
-use crate::components::Hosted;
-use crate::supervisor::Supervisor;
+use crate::components::{Components, Hosted};
+use crate::connections::Connections;
 use crate::ties::Connection;
 use genom_configuration::{BackendNames, CallEntry, Deployment, LoadRequest};
 
 /// Components, connections and requests that run now; applied to a new daemon the deployment gives
 /// the same system.
-pub fn dump(supervisor: &Supervisor) -> Deployment {
+pub(super) fn dump(components: &Components, connections: &Connections) -> Deployment {
     let mut all = Deployment::default();
-    for hosted in supervisor.components.all() {
+    for hosted in components.all() {
         all.component.push(component(&hosted));
         all.connection.extend(hosted.ties.connections().iter().map(Connection::entry));
         let entry = |service: &str, inputs| CallEntry {
@@ -35,7 +35,7 @@ pub fn dump(supervisor: &Supervisor) -> Deployment {
         }
     }
     // Declared connections of which one side is missing.
-    for declared in supervisor.connections.declared() {
+    for declared in connections.declared() {
         if !all.connection.iter().any(|made| made.inport == declared.inport) {
             all.connection.push(declared);
         }

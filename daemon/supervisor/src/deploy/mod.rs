@@ -1,81 +1,53 @@
 //! Deployments: compares what is wanted with what runs, and takes the steps in between.
 
-pub mod apply;
-pub mod dump;
+mod apply;
+mod dump;
 mod error;
-pub mod plan;
+mod step;
+mod steps;
 mod undo;
 
+pub use apply::ApplyError;
 pub use error::{MoveError, StepError};
+pub use step::Step;
+pub use steps::{Contradiction, Steps};
 
-use std::fmt;
+use std::sync::Arc;
+use std::time::Duration;
 
-use genom_configuration::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
+use genom_configuration::Deployment;
 
-/// A step towards a deployment.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Step {
-    /// Loads a component and sets its attributes.
-    Load(Box<LoadRequest>),
-    /// Unloads a component and loads it again, because it differs in something that cannot change
-    /// while it runs.
-    Reload {
-        /// The request that loads it.
-        request: Box<LoadRequest>,
-        /// What differs.
-        why: &'static str,
-    },
-    /// Unloads a component.
-    Unload(String),
-    /// Disconnects an in port or a remote.
-    Disconnect(ConnectionEntry),
-    /// Moves a component or port to other middlewares.
-    Move {
-        /// Instance name.
-        component: String,
-        /// Name of the port, if only one moves.
-        port: Option<String>,
-        /// The new middlewares.
-        to: BackendNames,
-    },
-    /// Sets an attribute.
-    Set(CallEntry),
-    /// Connects an in port or a remote.
-    Connect(ConnectionEntry),
-    /// Calls a service and waits for its end.
-    Call(CallEntry),
-    /// Starts an activity.
-    Start(CallEntry),
-}
+use self::steps::Present;
+use crate::supervisor::Supervisor;
 
-impl Step {
-    /// The connection that the step makes, if it makes one.
-    fn connection(&self) -> Option<&ConnectionEntry> {
-        if let Step::Connect(entry) = self { Some(entry) } else { None }
+impl Supervisor {
+    /// Components, connections and requests that run now; applied to a new daemon the deployment
+    /// gives the same system.
+    #[must_use]
+    pub fn dump(&self) -> Deployment {
+        dump::dump(&self.components, &self.connections)
     }
-}
 
-impl fmt::Display for Step {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let call = |f: &mut fmt::Formatter<'_>, word: &str, entry: &CallEntry| {
-            write!(f, "{word} {}/{} {}", entry.component, entry.service, entry.inputs)
-        };
-        match self {
-            Step::Load(request) => {
-                write!(f, "load {} from {}", request.instance(), request.library.display())?;
-                request.backend.as_ref().map_or(Ok(()), |backend| write!(f, " on {backend}"))
-            }
-            Step::Reload { request, why } => write!(f, "reload {}: {why}", request.instance()),
-            Step::Unload(name) => write!(f, "unload {name}"),
-            Step::Disconnect(entry) => write!(f, "disconnect {entry}"),
-            Step::Move { component, port: None, to } => write!(f, "move {component} to {to}"),
-            Step::Move { component, port: Some(port), to } => {
-                write!(f, "move {component}/{port} to {to}")
-            }
-            Step::Set(entry) => call(f, "set", entry),
-            Step::Connect(entry) => write!(f, "connect {entry}"),
-            Step::Call(entry) => call(f, "call", entry),
-            Step::Start(entry) => call(f, "start", entry),
-        }
+    /// Computes the steps from what runs to a deployment. With `prune`, what the deployment does not
+    /// contain is removed.
+    ///
+    /// # Errors
+    /// The deployment contradicts itself or what runs.
+    pub fn steps_to(&self, wanted: &Deployment, prune: bool) -> Result<Steps, Contradiction> {
+        let (components, connections) = (&self.components, &self.connections);
+        let present = Present { components, connections, backend: &self.settings.backend };
+        steps::steps(present, wanted, prune)
+    }
+
+    /// Takes steps, in order; connections wait for the other side at most this long each. Blocks.
+    ///
+    /// # Errors
+    /// A step was refused; those before it were taken back, as far as they could be.
+    pub fn apply(
+        self: &Arc<Self>,
+        steps: &[Step],
+        patience: Option<Duration>,
+    ) -> Result<(), ApplyError> {
+        apply::apply(self, steps, patience)
     }
 }

@@ -2,16 +2,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
+use std::time::Duration;
 
 use genom_runtime::Clock;
 use serde_json::Value;
 
 use super::dump;
 use super::error::{MoveError, UndoError};
-use super::plan::entries;
-use crate::components::{Hosted, request};
-use crate::connections::{ConnectError, Wanted};
-use crate::loading;
+use super::steps::entries;
+use crate::components::{Components, Hosted, request};
+use crate::connections::{ConnectError, Connections, Wanted};
 use crate::supervisor::Supervisor;
 use crate::ties::Connection;
 use genom_configuration::{BackendNames, CallEntry, ConnectionEntry, LoadRequest};
@@ -41,7 +41,7 @@ pub(super) struct Gone {
 impl Gone {
     pub(super) fn of(hosted: &Hosted) -> Self {
         let running = hosted.activities.all().into_iter();
-        let running = running.filter(|activity| activity.ending().is_none());
+        let running = running.filter(|activity| activity.outcome().is_none());
         Self {
             request: dump::component(hosted),
             connections: entries(hosted),
@@ -58,11 +58,11 @@ impl Gone {
         {
             return vec![error.to_string()];
         }
-        if let Err(error) = loading::load(supervisor, &self.request) {
+        if let Err(error) = supervisor.load(&self.request) {
             return vec![format!("{name} does not run: {error}")];
         }
         let connected = self.connections.iter().filter_map(|entry| {
-            let failed = make_anyway(supervisor, entry).err();
+            let failed = make_anyway(&supervisor.connections, entry).err();
             failed.map(|error| format!("{entry}: {}", error.sentence()))
         });
         let stopped =
@@ -105,13 +105,13 @@ pub(super) struct Left {
 pub(super) struct Running(BTreeSet<(String, u64)>);
 
 impl Running {
-    pub(super) fn now(supervisor: &Supervisor) -> Self {
+    pub(super) fn now(components: &Components) -> Self {
         let of = |hosted: Arc<Hosted>| {
             let all = hosted.activities.all().into_iter();
-            all.filter(|activity| activity.ending().is_none())
+            all.filter(|activity| activity.outcome().is_none())
                 .map(move |activity| (hosted.name.clone(), activity.number))
         };
-        Self(supervisor.components.all().into_iter().flat_map(of).collect())
+        Self(components.all().into_iter().flat_map(of).collect())
     }
 
     /// Services of the running activities that a request interrupts. They are reported and not
@@ -123,7 +123,7 @@ impl Running {
         };
         let stops = |name: &str| service.interrupts.iter().any(|&one| services[one].name == name);
         let all = hosted.activities.all().into_iter();
-        all.filter(|one| one.ending().is_none() && stops(&one.service))
+        all.filter(|one| one.outcome().is_none() && stops(&one.service))
             .filter(|one| self.0.contains(&(hosted.name.clone(), one.number)))
             .map(|one| one.service.clone())
             .collect()
@@ -132,19 +132,20 @@ impl Running {
 
 /// Moves a component or port, and returns where it was.
 pub(super) fn move_to(
-    supervisor: &Arc<Supervisor>,
+    components: &Components,
+    connections: &Connections,
     component: &str,
     port: Option<&str>,
     to: &BackendNames,
 ) -> Result<Moved, MoveError> {
-    let Some(hosted) = supervisor.components.get(component) else {
+    let Some(hosted) = components.get(component) else {
         return Err(MoveError::NotThere(component.to_owned()));
     };
     let bindings = &hosted.ties.bindings;
     let before = port.map_or_else(|| bindings.component(), |port| bindings.port(port));
     let ports = if port.is_none() { bindings.ports() } else { BTreeMap::new() };
     let index = port.and_then(|port| hosted.model().ports.find(|known| known.name == port));
-    supervisor.connections.move_to(&hosted, index, to)?;
+    connections.move_to(&hosted, index, to)?;
     let port = port.map(str::to_owned);
     Ok(Moved { component: component.to_owned(), port, before, ports })
 }
@@ -152,12 +153,12 @@ pub(super) fn move_to(
 impl Requested {
     /// To be called before the request is sent.
     pub(super) fn before(
-        supervisor: &Supervisor,
+        components: &Components,
         entry: &CallEntry,
         step: String,
         ran: &Running,
     ) -> Self {
-        let hosted = supervisor.components.get(&entry.component);
+        let hosted = components.get(&entry.component);
         let remembered = hosted.as_ref().and_then(|hosted| {
             let mut all = hosted.standing.attributes();
             all.remove(&entry.service)
@@ -173,16 +174,20 @@ impl Requested {
         Self { activity: Some(activity), ..self }
     }
 
-    fn take_back(self, supervisor: &Supervisor) -> Result<(), UndoError> {
-        let Some(hosted) = supervisor.components.get(&self.entry.component) else { return Ok(()) };
+    /// `patience`: how long an activity that it started is waited for; not at all without.
+    fn take_back(
+        self,
+        components: &Components,
+        patience: Option<Duration>,
+    ) -> Result<(), UndoError> {
+        let Some(hosted) = components.get(&self.entry.component) else { return Ok(()) };
         hosted.standing.not_deployed(&self.entry.service, &self.entry.inputs);
         if let Some(number) = self.activity {
             hosted.abort(number);
-            // Waits until it has ended, as before. While a virtual clock stands still nothing can
-            // end.
-            if matches!(supervisor.clock, Clock::Monotonic)
+            // Waits until it has ended, as before.
+            if let Some(patience) = patience
                 && let Some(activity) = hosted.activities.get(number)
-                && activity.wait_at_most(supervisor.settings.stop_timeout).is_none()
+                && activity.wait_at_most(patience).is_none()
             {
                 return Err(UndoError::Endless(self.step));
             }
@@ -213,27 +218,31 @@ pub(super) fn take_away(taken: Result<bool, ConnectError>) -> Result<(), Connect
 }
 
 /// Makes the connection of an entry, even if the other side does not exist.
-fn make_anyway(supervisor: &Supervisor, entry: &ConnectionEntry) -> Result<(), ConnectError> {
+fn make_anyway(connections: &Connections, entry: &ConnectionEntry) -> Result<(), ConnectError> {
     let wanted = Wanted { wait: true, ..Wanted::from(entry) };
-    supervisor.connections.make(&wanted).map(drop)
+    connections.make(&wanted).map(drop)
 }
 
 /// Restores the previous connection of an in port or remote, or disconnects it.
 fn put_back(
-    supervisor: &Supervisor,
+    connections: &Connections,
     inport: &str,
     before: Option<&Connection>,
 ) -> Result<(), UndoError> {
     let Some(before) = before else {
-        return Ok(take_away(supervisor.connections.take_away(inport))?);
+        return Ok(take_away(connections.take_away(inport))?);
     };
     let entry = before.entry();
-    make_anyway(supervisor, &entry)
+    make_anyway(connections, &entry)
         .map_err(|source| UndoError::Connect { entry: entry.to_string(), source })
 }
 
 /// Undoes steps, the last first. Returns what could not be restored.
 pub(super) fn take_back(supervisor: &Arc<Supervisor>, undo: Vec<Undo>) -> Vec<String> {
+    let (components, connections) = (&supervisor.components, &supervisor.connections);
+    // While a virtual clock stands still nothing can end.
+    let patience =
+        matches!(supervisor.clock, Clock::Monotonic).then_some(supervisor.settings.stop_timeout);
     let mut left: Vec<Left> = Vec::new();
     let mut back = undo.into_iter().rev().peekable();
     while let Some(one) = back.next() {
@@ -263,14 +272,14 @@ pub(super) fn take_back(supervisor: &Arc<Supervisor>, undo: Vec<Undo>) -> Vec<St
             }
             Undo::Move(moved) => {
                 let Moved { component, port, before, ports } = moved;
-                let back = move_to(supervisor, &component, port.as_deref(), &before);
+                let back = move_to(components, connections, &component, port.as_deref(), &before);
                 let ports = ports.iter().try_for_each(|(port, on)| {
-                    move_to(supervisor, &component, Some(port), on).map(drop)
+                    move_to(components, connections, &component, Some(port), on).map(drop)
                 });
                 (component, back.and(ports).map_err(UndoError::from))
             }
             Undo::Reconnect { inport, before } => {
-                let undone = put_back(supervisor, &inport, before.as_ref());
+                let undone = put_back(connections, &inport, before.as_ref());
                 (inport.split('/').next().unwrap_or_default().to_owned(), undone)
             }
             Undo::Request(mut requested) => {
@@ -279,7 +288,7 @@ pub(super) fn take_back(supervisor: &Arc<Supervisor>, undo: Vec<Undo>) -> Vec<St
                     let what = format!("{component}/{service} was interrupted");
                     Left { component: component.clone(), what }
                 }));
-                (component, requested.take_back(supervisor))
+                (component, requested.take_back(components, patience))
             }
         };
         left.extend(undone.err().map(|error| Left { component, what: error.to_string() }));

@@ -91,13 +91,13 @@ impl Reading {
         let (analysis, seen) = match description {
             Description::File(_) => {
                 let seen = Seen::through(&Disk, None);
-                (read_files(&inputs, &options, &seen), seen.done())
+                (read_files(&inputs, &options, &seen), seen.finish())
             }
             Description::Embedded { name, text } => {
                 let mut files = Memory::over_disk();
                 files.insert(name, text.as_str());
                 let seen = Seen::through(&files, Some(name));
-                (read_files(&inputs, &options, &seen), seen.done())
+                (read_files(&inputs, &options, &seen), seen.finish())
             }
         };
         let warnings = drawn(&analysis)?;

@@ -41,7 +41,7 @@ impl Seen {
 
 impl Witness<'_> {
     /// What was recorded.
-    pub(super) fn done(self) -> Seen {
+    pub(super) fn finish(self) -> Seen {
         self.seen.into_inner()
     }
 

@@ -31,36 +31,31 @@ impl Supervisor {
     /// # Errors
     /// A step failed; everything done for the component was undone.
     pub fn load(self: &Arc<Self>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
-        load(self, request)
+        if self.stopping() {
+            return Err(LoadError::Stopping);
+        }
+        let hosted = bring_up(self, request)?;
+        if let Err((service, RequestError { key, why })) = set_attributes(&hosted, request) {
+            let name = hosted.name.clone();
+            drop(hosted);
+            self.components.remove(
+                std::slice::from_ref(&name),
+                self.settings.stop_timeout,
+                &|_, stopped| {
+                    if let Err(error) = stopped {
+                        tracing::error!("{error}");
+                    }
+                },
+            );
+            // In the file the inputs stand directly under the service's name.
+            let members = key.into_iter().filter(|key| key != "inputs");
+            let mut key = vec!["attributes".to_owned(), service];
+            key.extend(members);
+            return Err(LoadError::Attribute { name, key, why });
+        }
+        self.runs(&hosted);
+        Ok(hosted)
     }
-}
-
-/// Loads a component, starts it and sets its attributes. Blocks for file access and start codels.
-pub fn load(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<Hosted>, LoadError> {
-    if supervisor.stopping() {
-        return Err(LoadError::Stopping);
-    }
-    let hosted = bring_up(supervisor, request)?;
-    if let Err((service, RequestError { key, why })) = set_attributes(&hosted, request) {
-        let name = hosted.name.clone();
-        drop(hosted);
-        supervisor.components.remove(
-            std::slice::from_ref(&name),
-            supervisor.settings.stop_timeout,
-            &|_, stopped| {
-                if let Err(error) = stopped {
-                    tracing::error!("{error}");
-                }
-            },
-        );
-        // In the file the inputs stand directly under the service's name.
-        let members = key.into_iter().filter(|key| key != "inputs");
-        let mut key = vec!["attributes".to_owned(), service];
-        key.extend(members);
-        return Err(LoadError::Attribute { name, key, why });
-    }
-    supervisor.runs(&hosted);
-    Ok(hosted)
 }
 
 /// Sets the attributes; on failure returns the one that was refused.
@@ -110,7 +105,7 @@ fn bring_up(supervisor: &Arc<Supervisor>, request: &LoadRequest) -> Result<Arc<H
     Ok(hosted)
 }
 
-/// Performs the checks of [`load`] without starting anything, and reports the result.
+/// Performs the checks of [`Supervisor::load`] without starting anything, and reports the result.
 pub fn fit(settings: &Settings, request: &LoadRequest) -> Result<String, LoadError> {
     let mut located = locate::locate(request, &settings.path)?;
     let reading = Reading::new(&located.description, &settings.include)?;

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Weak};
 
-use genom_runtime::{Wiring, WiringError};
+use genom_runtime::{ConnectionError, Supervision};
 
 use crate::components::UnloadError;
 use crate::connections::{ConnectError, Kind, Patience, Wanted};
@@ -27,10 +27,10 @@ impl StandardServices {
 
     /// Connects the in port or remote `local` of this instance. The request replaces what a
     /// deployment declared.
-    fn connect(&self, kind: Kind, local: &str, remote: &str) -> Result<(), WiringError> {
+    fn connect(&self, kind: Kind, local: &str, remote: &str) -> Result<(), ConnectionError> {
         let failed = |why: String| match kind {
-            Kind::Port => WiringError::PortIo(why),
-            Kind::Service => WiringError::RemoteIo(why),
+            Kind::Port => ConnectionError::PortIo(why),
+            Kind::Service => ConnectionError::RemoteIo(why),
         };
         let supervisor =
             self.supervisor.upgrade().ok_or_else(|| failed("the daemon stops".to_owned()))?;
@@ -46,16 +46,16 @@ impl StandardServices {
         let made = supervisor.connections.connect(&wanted);
         made.map(drop).map_err(|error| match (error, kind) {
             (ConnectError::NoSuchInport { .. }, Kind::Port) => {
-                WiringError::NoSuchInport(local.to_owned())
+                ConnectionError::NoSuchInport(local.to_owned())
             }
             (ConnectError::NoSuchInport { .. }, Kind::Service) => {
-                WiringError::NoSuchRemote(local.to_owned())
+                ConnectionError::NoSuchRemote(local.to_owned())
             }
             (ConnectError::NoSuchOutport { .. }, Kind::Port) => {
-                WiringError::NoSuchOutport(remote.to_owned())
+                ConnectionError::NoSuchOutport(remote.to_owned())
             }
             (ConnectError::NoSuchOutport { .. }, Kind::Service) => {
-                WiringError::NoSuchService(remote.to_owned())
+                ConnectionError::NoSuchService(remote.to_owned())
             }
             (error, _) => failed(error.to_string()),
         })
@@ -79,12 +79,12 @@ pub(super) fn unload_killed(supervisor: &Weak<Supervisor>, instance: &str) {
     }
 }
 
-impl Wiring for StandardServices {
-    fn connect_port(&self, local: &str, remote: &str) -> Result<(), WiringError> {
+impl Supervision for StandardServices {
+    fn connect_port(&self, local: &str, remote: &str) -> Result<(), ConnectionError> {
         self.connect(Kind::Port, local, remote)
     }
 
-    fn connect_service(&self, local: &str, remote: &str) -> Result<(), WiringError> {
+    fn connect_service(&self, local: &str, remote: &str) -> Result<(), ConnectionError> {
         self.connect(Kind::Service, local, remote)
     }
 

@@ -19,7 +19,7 @@ use genom_types::{DataType, message};
 use serde_json::{Value, json};
 
 use crate::bus::Numbered;
-use crate::ending::Ending;
+use crate::outcome::Outcome;
 use notes::{Notes, Subject};
 pub use pump::run;
 
@@ -209,7 +209,7 @@ pub struct Call {
 
 impl Call {
     /// The service ended.
-    pub fn ended(&self, activity: Option<u64>, ending: &Ending) {
+    pub fn ended(&self, activity: Option<u64>, outcome: &Outcome) {
         let Self { recordings, component, service, .. } = self;
         let now = recordings.dates.moment();
         let told = |more: Value| {
@@ -217,11 +217,11 @@ impl Call {
             if let (Value::Object(note), Value::Object(more)) = (&mut note, more) {
                 note.extend(activity.map(|number| ("activity".to_owned(), number.into())));
                 note.extend(more);
-                match ending {
-                    Ending::Done(outputs) => {
+                match outcome {
+                    Outcome::Success(outputs) => {
                         note.insert("result".to_owned(), outputs.clone());
                     }
-                    Ending::Exception { name, detail } => {
+                    Outcome::Exception { name, detail } => {
                         note.insert("exception".to_owned(), name.as_str().into());
                         note.insert("detail".to_owned(), detail.clone());
                     }
@@ -235,7 +235,7 @@ impl Call {
                 "duration_ns": now.saturating_sub(self.begin),
             }))
         });
-        if ending.exception().is_some() {
+        if outcome.exception().is_some() {
             recordings.note(Subject::Exceptions, component, now, || told(json!({})));
         }
     }

@@ -3,7 +3,7 @@
 use genom_configuration::BackendNames;
 use genom_supervisor::components::Hosted;
 use genom_supervisor::connections::{Patience, Wanted};
-use genom_supervisor::ending::Ending;
+use genom_supervisor::outcome::Outcome;
 use serde_json::json;
 
 use crate::own::Own;
@@ -75,7 +75,7 @@ eye_see(const eye_frame *frame, sequence_octet *seen, const genom_context self)
 fn seen(eye: &Hosted, size: usize) -> Vec<u8> {
     until("an image", || {
         eye.call("see", &json!({})).unwrap();
-        let Ending::Done(outputs) = eye.call("tell", &json!({})).unwrap() else { panic!() };
+        let Outcome::Success(outputs) = eye.call("tell", &json!({})).unwrap() else { panic!() };
         let all = outputs["seen"].as_array()?.iter();
         let all: Vec<u8> = all.map(|byte| byte.as_u64().unwrap() as u8).collect();
         (all.len() == 16 + size).then_some(all)

@@ -1,5 +1,4 @@
-//! RustDDS: bytes copied in by the writer, and copied out by the reader from where a waiting thread
-//! stored them.
+//! RustDDS: bytes, copied in and, by the reader of what a waiting thread left, out.
 
 use std::convert::Infallible;
 use std::hint::black_box;
@@ -23,7 +22,7 @@ use rustdds::{
 use crate::Backend;
 use crate::place::{Looks, Place};
 
-/// A DDS domain that robots and tests are unlikely to use.
+/// A domain that robots and tests do not use.
 const DOMAIN: u16 = 101;
 
 pub(crate) struct Both {
@@ -86,7 +85,7 @@ impl Send for Out {
     }
 }
 
-/// The thread that waits for samples.
+/// The thread that waits.
 struct Waits {
     stop: Arc<AtomicBool>,
     waker: Arc<Waker>,
@@ -101,7 +100,7 @@ impl Drop for Waits {
     }
 }
 
-/// The same QoS as genomd's backend: reliable, keep last 1.
+/// As ours: reliable, the last value kept.
 fn qos() -> QosPolicies {
     QosPolicyBuilder::new()
         .reliable(Duration::from_millis(100))

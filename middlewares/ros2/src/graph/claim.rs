@@ -1,4 +1,4 @@
-//! Addresses claimed by our ends, and conflicts with the ends of others.
+//! Addresses that ends of ours have, and what keeps others from having them.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -9,19 +9,19 @@ use genom_rosidl::TypeName;
 use super::ends::{Entities, Made, Own, Wanted, kind_of};
 use super::known::{Graph, State};
 
-/// How long the news that an end was closed elsewhere may take to arrive.
+/// News of an end that is just being closed elsewhere may be under way for so long.
 const GRACE: Duration = Duration::from_millis(100);
 
-/// Keeps an end of ours registered, here and for others.
+/// Keeps an end of ours known, here and to others.
 pub(crate) struct Claim {
     graph: Arc<Graph>,
     number: u64,
     own: Arc<Own>,
-    /// Schedules an announcement of our ends.
+    /// Has others told of the change.
     announce: Box<dyn Fn() + Send + Sync>,
 }
 
-/// Keeps DDS writers and readers registered as a node's.
+/// Keeps writers and readers known as a node's.
 pub(crate) struct Belonging {
     graph: Arc<Graph>,
     number: u64,
@@ -34,7 +34,7 @@ enum Conflict {
 }
 
 impl Graph {
-    /// Registers an end of ours, unless it conflicts with another one.
+    /// Registers an end of ours, unless another one is in the way.
     pub(crate) fn claim(
         self: &Arc<Self>,
         at: &Address,
@@ -66,7 +66,7 @@ impl Graph {
         Ok(Claim { graph: Arc::clone(self), number, own, announce })
     }
 
-    /// Registers DDS writers and readers that are not an end of ours.
+    /// Tells of writers and readers that are no end of ours.
     pub(crate) fn belong(
         self: &Arc<Self>,
         entities: Entities,
@@ -83,7 +83,7 @@ impl Graph {
 }
 
 impl State {
-    /// The conflict with an existing end, if any, and whether that end is ours.
+    /// What is in the way of an end, and whether that is ours.
     fn conflict(&self, wanted: &Wanted) -> Option<(Conflict, bool)> {
         let port = wanted.kind != EndpointKind::Service;
         let alone = wanted.kind != EndpointKind::Subscription;
@@ -125,7 +125,7 @@ impl Claim {
         &self.own.wanted
     }
 
-    /// The end's DDS writers and readers now exist; schedules an announcement.
+    /// The DDS writers and readers of the end are made: others are told.
     pub(crate) fn made(&self, made: Made) {
         *self.own.made() = Some(made);
         self.graph.touch();

@@ -1,4 +1,4 @@
-//! Ends of our own and of others.
+//! Ends, ours and those of others, and what is known of one.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -13,15 +13,15 @@ pub(crate) struct Wanted {
     pub(crate) kind: EndpointKind,
     /// The address with the namespace in front.
     pub(crate) address: String,
-    /// The types as error messages spell them.
+    /// Full types, for messages.
     pub(crate) types: String,
     pub(crate) digest: String,
-    /// DDS names of the topic (for a service, of its requests) and of its type.
+    /// DDS name of the topic (of a service, of its requests) and of its type.
     pub(crate) topic: String,
     pub(crate) dds_type: String,
-    /// Type hash by which ROS nodes identify the message of a port.
+    /// By which ROS nodes know the message of a port.
     pub(crate) hash: Option<String>,
-    /// The ROS node that it belongs to: the component instance.
+    /// The node it belongs to: the instance.
     pub(crate) node: String,
 }
 
@@ -29,17 +29,17 @@ pub(crate) struct Wanted {
 #[derive(Debug)]
 pub(super) struct Own {
     pub(super) wanted: Wanted,
-    /// `None` until they exist. Locked only briefly, while the lock of the graph is held.
+    /// `None` until they are made. Locked for an instant, with the lock of the graph held.
     pub(super) made: Mutex<Option<Made>>,
 }
 
-/// The DDS entities of an end of ours.
+/// What an end of ours is in DDS.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Made {
-    /// The first writer or reader identifies the end in announcements.
+    /// The first one, of the writers or of the readers, stands for the end in announcements.
     pub(crate) writers: Vec<Gid>,
     pub(crate) readers: Vec<Gid>,
-    /// QoS that the writer of an out port offers.
+    /// What the writer of an out port offers.
     pub(crate) offers: Option<QosPolicies>,
 }
 
@@ -49,22 +49,22 @@ impl Own {
     }
 }
 
-/// What DDS discovery tells about an end of others.
+/// What DDS tells of an end of others.
 #[derive(Clone, Debug)]
 pub(crate) struct Found {
     pub(crate) topic: String,
     pub(crate) dds_type: String,
     pub(crate) writer: bool,
-    /// QoS that it offers or requests.
+    /// What it offers, or asks for.
     pub(crate) qos: QosPolicies,
-    /// Type hash by which ROS nodes identify the message, if it is announced.
+    /// By which ROS nodes know the message, where it is told.
     pub(crate) hash: Option<String>,
 }
 
 impl Found {
-    /// From DDS's description of an end.
+    /// The end that DDS describes.
     pub(crate) fn new(end: EndpointDescription, writer: bool) -> Self {
-        // REP-2016: USER_DATA contains `typehash=RIHS01_...;` among other keys, after a length.
+        // REP-2016: `typehash=RIHS01_...;` among other words, after the length of all.
         let text = String::from_utf8_lossy(&end.user_data);
         let hash = text.split_once("typehash=").and_then(|(_, rest)| rest.split(';').next());
         let hash = hash.map(str::to_owned);
@@ -87,7 +87,7 @@ pub(crate) enum Verdict {
     Right,
     /// It writes another type.
     Wrong,
-    /// It is not known, or not known yet.
+    /// It is not there, or not yet.
     Unknown,
 }
 
@@ -100,7 +100,7 @@ impl Verdict {
 /// What is known of a service that is to be called.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Service {
-    /// It exists. With its reader of requests; `None` if it is in this daemon.
+    /// With its reader of requests; none when it is of this daemon.
     There(Option<GUID>),
     Nobody,
     /// It has these types instead.
@@ -113,7 +113,7 @@ impl Service {
     }
 }
 
-/// A kind of end, from its number in messages.
+/// A kind of end, by its number in messages.
 pub(super) fn kind_of(kind: u8) -> Option<EndpointKind> {
     match kind {
         info::PUBLISHER => Some(EndpointKind::Publisher),

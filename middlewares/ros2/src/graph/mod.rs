@@ -1,4 +1,4 @@
-//! The graph: our ends, and those of others as DDS and their daemons announce them.
+//! Who is there: our ends, and those of others as DDS and their daemons tell.
 
 mod claim;
 mod ends;

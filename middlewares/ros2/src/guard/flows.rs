@@ -1,8 +1,8 @@
-//! Tracks the sequence numbers of foreign writers: which they may announce, and which DDS may see.
+//! How far the writers of others are: what they may announce, and what DDS may look at of it.
 //!
-//! The numbers themselves may be large: a writer that runs for weeks at 1 kHz reaches 2^31. What is
-//! harmful is a wide range, because RustDDS iterates over all numbers between those received and
-//! those announced, and a jump, because RustDDS gives up all numbers before it.
+//! Sequence numbers may be of any size: a writer that runs for weeks at 1 kHz is at 2^31. What
+//! harms is a range, since RustDDS looks at each number between what it has and what is announced,
+//! and a jump, since it gives up all that lies before.
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -13,17 +13,17 @@ use super::tally::Reason;
 
 #[derive(Clone, Copy, Debug)]
 struct Flow {
-    /// Greatest number that was received, or declared not to come.
+    /// The greatest number received, or declared void.
     high: i64,
-    /// First number that is missing, and a bit set of the 64 from there on that were received.
+    /// The first number that did not come yet, and which of the 64 after it did.
     next: i64,
     after: u64,
-    /// Greatest number announced.
+    /// The greatest number told of.
     told: i64,
-    /// How much further the writer may announce.
+    /// By so much it may go on.
     ahead: i64,
     at: Duration,
-    /// Since when all its announcements have been too far ahead.
+    /// Since when it only was where it could not be.
     elsewhere: Option<Duration>,
 }
 
@@ -32,7 +32,7 @@ impl Flow {
         Self { high: 0, next: 1, after: 0, told, ahead: AHEAD, at: now, elsewhere: None }
     }
 
-    /// Marks all numbers before `end` as received or never coming.
+    /// All before `end` came, or will not come.
     fn skip_to(&mut self, end: i64) {
         while self.next < end && self.after != 0 {
             self.step();
@@ -43,14 +43,13 @@ impl Flow {
         }
     }
 
-    /// Advances by one number; the lowest bit of `after` stands for `next` itself.
+    /// Goes on by one number; the lowest bit of `after` is that of `next` itself.
     fn step(&mut self) {
         self.next += 1;
         self.after >>= 1;
     }
 
-    /// Marks a number as received. One that is too far ahead of `next` is not recorded, and is sent
-    /// again.
+    /// A sample came; one far ahead of the first that is missing is not noted, and comes again.
     fn came(&mut self, number: i64) {
         self.high = self.high.max(number);
         if let Ok(bit @ 0..64) = u32::try_from(number - self.next) {
@@ -67,7 +66,7 @@ impl Flow {
     }
 }
 
-/// The part of a heartbeat that DDS may see.
+/// A heartbeat as DDS may hear it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Heard {
     pub(crate) first: i64,
@@ -77,7 +76,7 @@ pub(crate) struct Heard {
 #[derive(Debug)]
 pub(crate) struct Flows {
     flows: HashMap<(Prefix, Entity), Flow>,
-    /// How many wide heartbeats may still pass in the current second, and when it began.
+    /// Wide heartbeats that may come, and since when.
     wide: u32,
     second: Duration,
 }
@@ -87,13 +86,13 @@ impl Flows {
         Self { flows: HashMap::new(), wide: WIDE, second: Duration::ZERO }
     }
 
-    /// Checks whether a writer may announce this number.
+    /// The writer tells of a number: whether that can be.
     fn tell(&mut self, writer: (Prefix, Entity), number: i64, now: Duration) -> Result<(), Reason> {
         if number > LAST_NUMBER {
             return Err(Reason::Range);
         }
         if self.flows.len() >= FLOWS && !self.flows.contains_key(&writer) {
-            // Forget writers that have been silent for a minute.
+            // Those that were silent longest are of no use any more.
             self.flows.retain(|_, flow| now.saturating_sub(flow.at) < Duration::from_secs(60));
         }
         let known = self.flows.len();
@@ -127,7 +126,7 @@ impl Flows {
         self.flows.get_mut(&writer)
     }
 
-    /// A sample, or a fragment of one.
+    /// A sample, or a part of one.
     pub(crate) fn sample(
         &mut self,
         writer: (Prefix, Entity),
@@ -144,11 +143,11 @@ impl Flows {
         Ok(())
     }
 
-    /// Limits a heartbeat (8.3.8.6) to what DDS may see.
+    /// A heartbeat (8.3.8.6): what DDS may hear of it.
     ///
-    /// DDS iterates over all numbers from the last received, or `first`, to `last`, and requests at
-    /// most 256 of them. So it is enough if it sees those that follow the received ones; once they
-    /// have arrived, the next heartbeat announces more.
+    /// DDS looks at each number from what it has, or `first`, to `last`, and asks for 256 of them
+    /// at most. So it suffices that it hears of those that follow what was received; when they
+    /// have come, the next heartbeat tells of more.
     pub(crate) fn heartbeat(
         &mut self,
         writer: (Prefix, Entity),
@@ -164,12 +163,11 @@ impl Flows {
         }
         self.tell(writer, last, now)?;
         let Some(flow) = self.flow(writer) else { return Err(Reason::Ends) };
-        // Numbers before `first` will never come.
+        // What comes before the first one will never come.
         flow.high = flow.high.max(first - 1);
         flow.skip_to(first);
-        // RustDDS processes each announcement once. When it rediscovers a participant, it would
-        // request those it has already, and a participant that did not lose us does not send them
-        // again.
+        // Announcements RustDDS takes once: when it meets somebody again, it would ask for those
+        // it has, and who did not lose it does not send them again.
         let first = if is_builtin(writer.1) { first.max(flow.next.min(last + 1)) } else { first };
         if last - first < WINDOW {
             return Ok(Heard { first, last });
@@ -191,11 +189,11 @@ impl Flows {
         may
     }
 
-    /// Limits a gap (8.3.8.4), the numbers from `start` up to but not including `end` that will not
-    /// come. Returns the end that DDS may see.
+    /// Numbers that will not come, from `start` to before `end` (8.3.8.4): the end as DDS may hear
+    /// it.
     ///
-    /// DDS keeps an entry for each of these numbers unless all before them have come. That is
-    /// always so for a gap that begins at the first number, which a late reader gets.
+    /// DDS keeps a note for each of them, unless all before them has come: that is so of the first
+    /// number of all, which is where the gap of a late reader begins.
     pub(crate) fn gap(
         &mut self,
         writer: (Prefix, Entity),
@@ -217,7 +215,7 @@ impl Flows {
         Ok(end)
     }
 
-    /// Forgets the writers of a participant that is gone.
+    /// A participant is gone, and its writers with it.
     pub(crate) fn forget(&mut self, participant: &Prefix) {
         self.flows.retain(|(prefix, _), _| prefix != participant);
     }

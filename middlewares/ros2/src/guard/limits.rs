@@ -1,17 +1,16 @@
-//! Limits for what others may cause here: far above what peers need, and below what does harm.
+//! How much of others this daemon bears: bounds far above what peers do, and below what hurts.
 
 use std::time::Duration;
 
-/// Limits that options set.
+/// What peers may have this daemon hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Limits {
-    /// Size in bytes of the largest sample that is reassembled from fragments. Default: 64 MiB.
+    /// Bytes of the greatest sample that is put together of fragments. Default: 64 MiB.
     pub(crate) sample: u32,
-    /// Number of participants at a time; one address may have half of them. Default: 1024.
+    /// Participants that are known at a time; one address may have half of them. Default: 1024.
     pub(crate) participants: usize,
-    /// Longest lease: a participant that is silent for this long counts as gone, whatever lease it
-    /// announces. Default: 50 s, the lease of this daemon, so that both sides give up at the same
-    /// time.
+    /// A participant that is silent for so long is gone, however long it asks to be waited for.
+    /// Default: 50 s, as long as others wait for this daemon, so that both give up.
     pub(crate) silence: Duration,
 }
 
@@ -22,61 +21,61 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Bytes of samples being reassembled at a time; one participant may use half of them.
+    /// Bytes of samples that are put together at a time; one participant may have half of them.
     pub(crate) fn assembly(&self) -> u64 {
         u64::from(self.sample) * 8
     }
 
-    /// Number of fragments of one sample. DDS libraries use fragments of at least 1 KiB.
+    /// Fragments of one sample. DDS libraries cut at 1 KiB and more.
     pub(crate) fn fragments(&self) -> u32 {
         (self.sample / 1024).max(1 << 16)
     }
 }
 
-/// Writers and readers that one participant may have at a time.
+/// Writers and readers that one participant may have announced at a time.
 pub(crate) const ENDS: usize = 4096;
 
-/// Writers and readers that all participants together may have at a time.
+/// Writers and readers that all participants may have announced at a time.
 pub(crate) const ALL_ENDS: usize = 32_768;
 
-/// Greatest valid sequence number; a writer at 1 MHz needs 2000 years to reach it.
+/// The greatest sequence number that counts as one: at 1 MHz it takes a writer 2000 years.
 pub(crate) const LAST_NUMBER: i64 = 1 << 56;
 
-/// Width up to which the range of a heartbeat is not limited; DDS iterates over it.
+/// Sequence numbers that a heartbeat may name as they are: DDS looks at each of them.
 pub(crate) const WINDOW: i64 = 4096;
 
-/// How far before the last received number a range may begin.
+/// Sequence numbers behind the last one received that may still be looked at.
 pub(crate) const REACH: i64 = 1 << 18;
 
-/// Greatest number of samples that a writer may claim to hold; no writer has memory for more.
+/// Samples that a heartbeat says a writer holds: no writer has the memory for more.
 pub(crate) const HELD: i64 = 1 << 24;
 
-/// How far a writer may get ahead of what was heard of it: at once, and additionally per second.
+/// By so much a writer may be ahead of what was heard of it, at once and for each second.
 pub(crate) const AHEAD: i64 = 1 << 20;
 
-/// A jump is accepted if the writer's numbers have all been ahead for this long.
+/// A writer whose numbers went on elsewhere for so long is believed.
 pub(crate) const BELIEVED: Duration = Duration::from_secs(3);
 
-/// Heartbeats wider than [`WINDOW`] that may pass per second.
+/// Heartbeats of more than [`WINDOW`] numbers that are let through in a second.
 pub(crate) const WIDE: u32 = 50;
 
-/// Number of writers whose sequence numbers are tracked.
+/// Writers whose numbers are followed.
 pub(crate) const FLOWS: usize = 32_768;
 
-/// Number of samples being reassembled at a time.
+/// Samples that are put together at a time.
 pub(crate) const ASSEMBLIES: usize = 4096;
 
-/// Time without fragments after which DDS gives up a sample: the first if its writer sends others,
-/// else the second.
+/// DDS gives up a sample whose fragments stopped coming for so long, when others of its writer
+/// come; else it counts for the longer time.
 pub(crate) const GIVEN_UP: (Duration, Duration) =
     (Duration::from_secs(13), Duration::from_secs(60));
 
-/// Number of locators of a participant, an end or a reply; DDS sends to each of them.
+/// Locators of a participant, an end or a reply: each is sent to.
 pub(crate) const LOCATORS: u32 = 32;
 
-/// Number of parameters in one list.
+/// Parameters of one list.
 pub(crate) const PARAMETERS: usize = 512;
 
-/// Size in bytes of a name in an announcement, and of user data.
+/// Bytes of a name in an announcement, and of data that a user attaches.
 pub(crate) const NAME: usize = 1024;
 pub(crate) const USER_DATA: usize = 16 << 10;

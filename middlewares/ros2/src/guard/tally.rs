@@ -1,4 +1,4 @@
-//! Counts what was kept from DDS, by reason; logs at most one line per second.
+//! What was kept from DDS: counted by reason, and told in one line a second at most.
 
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,26 +9,25 @@ use crate::complaints::Complaints;
 /// Why something was kept from DDS.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reason {
-    /// It is not a valid RTPS message.
+    /// It is no message of the protocol.
     Malformed,
-    /// Its participant has not announced itself (yet). Normal while participants appear and
-    /// disappear.
+    /// Its participant did not announce itself (yet): usual when others come and go.
     Stranger,
-    /// It claims to be from another participant, or combines ends that do not belong together.
+    /// It speaks in the name of another participant, or mixes up ends.
     Name,
     /// It names more sequence numbers than a writer can hold.
     Range,
-    /// Its sequence number is far ahead of what was heard of its writer.
+    /// It runs far ahead of what was heard of its writer.
     Ahead,
-    /// Its sample is larger than allowed.
+    /// Its sample is greater than samples may be.
     Sample,
-    /// Too many samples are being reassembled.
+    /// More samples are being put together than fit.
     Assembly,
     /// There are too many participants.
     Participants,
     /// There are too many writers and readers.
     Ends,
-    /// Its announcement is larger than any peer needs.
+    /// It announces more than anybody needs.
     Announcement,
 }
 
@@ -62,7 +61,7 @@ impl Reason {
     }
 }
 
-/// Counters, written by DDS's threads and read by any thread.
+/// Counts what was kept from DDS. Written by DDS's threads, read by anybody.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     counts: [AtomicU64; Reason::ALL.len()],
@@ -90,7 +89,7 @@ impl Tally {
         }
     }
 
-    /// Each reason with its count and the sender of the last one; without reasons that are normal.
+    /// How many, why, and who sent the last one; those that are usual are left out.
     pub(crate) fn list(&self) -> Vec<(Reason, u64, Option<IpAddr>)> {
         let last = *self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let counts = Reason::ALL.into_iter().zip(&self.counts).zip(last);

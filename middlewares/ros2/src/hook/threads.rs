@@ -1,21 +1,21 @@
-//! Recognises RustDDS's own threads.
+//! Which threads are RustDDS's own.
 
 use std::cell::Cell;
 
-/// Prefix of their names.
+/// How the names of its threads begin.
 const RUSTDDS: &[u8] = b"RustDDS ";
 
 thread_local! {
-    /// Whether this thread is one; `None` until it was checked.
+    /// Whether this is one, once that was looked at.
     static OURS: Cell<Option<bool>> = const { Cell::new(None) };
 }
 
-/// Whether this thread is RustDDS's. Its name is set before it does anything.
+/// Whether this is a thread of RustDDS's: it has its name before it does anything.
 pub(super) fn is_rustdds() -> bool {
     let looked = || {
-        // A thread's name has at most 16 bytes including the NUL.
+        // With its end, the name of a thread has at most 16 bytes.
         let mut name = [0_u8; 16];
-        // SAFETY: the system writes at most 16 bytes.
+        // SAFETY: the system writes no more than that.
         let told = unsafe { libc::prctl(libc::PR_GET_NAME, name.as_mut_ptr()) };
         told == 0 && name.starts_with(RUSTDDS)
     };

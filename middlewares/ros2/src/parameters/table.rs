@@ -1,9 +1,9 @@
-//! Maps attributes to parameters.
+//! Which attributes make which parameters.
 //!
-//! An attribute that returns a single plain value makes a parameter named after that member, and
-//! one that takes such a value makes it settable: `get_speed(out velocity)` and `set_speed(in
-//! velocity)` are the parameter `velocity`. If unrelated attributes have members of the same name,
-//! these become separate parameters named `attribute.member`.
+//! An attribute that gives one plain value makes a parameter under the name of that member, and
+//! one that takes such a value makes it settable: `get_speed(out velocity)` and
+//! `set_speed(in velocity)` are the parameter `velocity`. Members of one name that do not belong
+//! together are parameters of their own, named `attribute.member`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -13,7 +13,7 @@ use genom_middleware::{ServiceHandler, ServiceType};
 
 use super::value::{Shape, Type};
 
-/// A served attribute that is suitable for a parameter.
+/// An attribute that is served, and fits a parameter.
 pub(crate) struct Attribute {
     pub(crate) name: String,
     pub(crate) ty: ServiceType,
@@ -29,7 +29,7 @@ pub(crate) enum Way {
 }
 
 impl Way {
-    /// What an attribute can do for a parameter; `None` if it is not suitable.
+    /// How an attribute serves as (a part of) a parameter, if it does.
     pub(crate) fn of(ty: &ServiceType) -> Option<Self> {
         if ty.input.member_count() == 0 {
             Shape::of(&ty.output).map(Self::Get)
@@ -45,7 +45,7 @@ impl Way {
     }
 }
 
-/// A parameter. At least one of `get` and `set` is present.
+/// A parameter: at least one of both.
 #[derive(Clone, Default)]
 pub(crate) struct Parameter {
     pub(crate) get: Option<(Arc<Attribute>, Shape)>,
@@ -53,7 +53,7 @@ pub(crate) struct Parameter {
 }
 
 impl Parameter {
-    /// The shape that it takes or, if read-only, that it returns.
+    /// What it takes, or else what it gives.
     fn shape(&self) -> Option<&Shape> {
         self.set.as_ref().or(self.get.as_ref()).map(|(_, shape)| shape)
     }
@@ -70,7 +70,7 @@ impl Parameter {
         self.shape().map_or("", |shape| &shape.constraint)
     }
 
-    /// How it is read and set, for users.
+    /// How it comes to its value, for users.
     pub(crate) fn description(&self) -> String {
         let mut out = String::new();
         if let Some((attribute, _)) = &self.get {
@@ -92,7 +92,7 @@ impl Parameter {
     }
 }
 
-/// All parameters, by name. The result does not depend on the order of the attributes.
+/// All parameters, by name. The same whatever the order the attributes came in.
 pub(crate) fn parameters<'a>(
     attributes: impl Iterator<Item = &'a Arc<Attribute>>,
 ) -> BTreeMap<String, Parameter> {

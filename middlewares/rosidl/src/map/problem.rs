@@ -1,4 +1,4 @@
-//! Reasons why a type has no equivalent in ROS.
+//! Why a type has no equivalent in ROS.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use genom_types::ScopedName;
 
 use crate::names::TypeName;
 
-/// A place in a description.
+/// Where in a description something stands.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
     /// A type.
@@ -14,7 +14,7 @@ pub enum Place {
     /// A member of a struct, union or exception; or a parameter, whose struct is
     /// `::component::service::input` or `::output`.
     Member(ScopedName, String),
-    /// An unnamed type that the caller asked for.
+    /// A type without a name, which the caller asked for.
     Nameless,
 }
 
@@ -32,53 +32,53 @@ impl fmt::Display for Place {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {problem}; {}", .problem.help())]
 pub struct MapError {
-    /// Where the problem is.
+    /// What it is about.
     pub place: Place,
-    /// What the problem is.
+    /// What is wrong with it.
     pub problem: Box<Problem>,
 }
 
-/// What is wrong with a type.
+/// What is wrong.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// A `native` type: a pointer that only codels understand.
+    /// A pointer that only codels understand.
     #[error("a native type has no equivalent in ROS")]
     Native,
-    /// `any`, or a type that was declared and never defined.
+    /// `any`, or what was never defined.
     #[error("a type without definite content has no equivalent in ROS")]
     Incomplete,
-    /// The type contains itself.
+    /// It contains itself.
     #[error("a type that contains itself has no equivalent in ROS")]
     Recursive,
-    /// A string that can hold only the empty string.
+    /// A string that only holds the empty one.
     #[error("a string that can only be empty has no equivalent in ROS")]
     EmptyString,
-    /// An array without elements.
+    /// No elements.
     #[error("an array of no elements has no equivalent in ROS")]
     EmptyArray,
-    /// A struct without members.
+    /// No members.
     #[error("a struct without members has no equivalent in ROS within another type")]
     EmptyStruct,
-    /// The name cannot be turned into a valid member name.
+    /// A name of which nothing legal can be made.
     #[error("`{0}` cannot be the name of a field in ROS")]
     Member(String),
-    /// Two members would get the same name.
+    /// Two members that would be called the same.
     #[error("it would be called `{0}` in ROS, as `{1}` is")]
     MemberClash(String, String),
-    /// Two types would get the same name.
+    /// Two types that would be called the same.
     #[error("it would be {0} in ROS, as {1} is")]
     TypeClash(TypeName, String),
-    /// The name cannot be turned into a valid type name.
+    /// A name of which nothing legal can be made.
     #[error("{0} is no legal name in ROS")]
     TypeName(TypeName),
-    /// The name is longer than DDS allows.
+    /// DDS has a limit.
     #[error("{0} is longer than the {1} characters that DDS allows for the name of a type")]
     TooLong(TypeName, usize),
 }
 
 impl Problem {
-    /// How to solve it.
+    /// The way out.
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {

@@ -1,4 +1,4 @@
-//! The event that wakes the worker threads of all daemons, including this one.
+//! What wakes the threads of all daemons, ours among them.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -11,12 +11,12 @@ pub(super) struct Bell(pub(super) Notifier<Ipc>);
 
 impl Bell {
     pub(super) fn ring(&self) {
-        // A daemon that could not be notified polls a little later anyway.
+        // Whoever could not be woken looks by itself a little later.
         let _ = self.0.notify();
     }
 }
 
-/// Locks a mutex, whether or not a thread panicked while holding it.
+/// Whoever held it before.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

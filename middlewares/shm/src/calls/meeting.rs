@@ -1,4 +1,4 @@
-//! The iceoryx2 service through which a daemon receives requests.
+//! Where a daemon takes requests: the service of iceoryx2 that its callers and it meet at.
 
 use genom_middleware::{Address, OpenError};
 use iceoryx2::prelude::*;
@@ -12,28 +12,27 @@ use crate::error::failed;
 use crate::ground::Ground;
 use crate::raw::Ipc;
 
-/// A request-response service whose messages are byte slices.
+/// A service of requests and responses as byte slices.
 pub(super) type CallService = CallFactory<Ipc, [u8], (), [u8], ()>;
 
-/// Prefix of the names of these services; the id of the daemon's node follows.
+/// Start of the names of these services; the node of the daemon comes after it.
 const PREFIX: &str = "genom.calls/";
 
-/// Requests from one daemon to another that may be in progress at a time.
+/// Requests of one daemon to another that are under way at a time.
 pub(super) const REQUESTS: usize = 128;
-/// Responses to one request that may wait for the caller's thread. Beyond that the oldest are lost,
-/// never the last.
+/// Responses to one request that wait for the caller's thread; more lose the oldest, never the last.
 const RESPONSES: usize = 32;
-/// Number of daemons that may call one daemon.
+/// Daemons that call one daemon.
 const CALLERS: usize = 64;
-/// Initial size of messages in bytes; doubles when needed.
+/// First room for messages; it doubles as needed.
 pub(super) const FIRST_ROOM: usize = 512;
 
-/// Name of the service of the daemon whose node is `owner`.
+/// The name of the service of a daemon, by its node.
 fn name(owner: u128, at: &Address) -> Result<ServiceName, OpenError> {
     Ground::service_name(&format!("{PREFIX}{owner:032x}"), at)
 }
 
-/// Creates the service of this daemon.
+/// Makes that of this daemon.
 pub(super) fn create(ground: &Ground, at: &Address) -> Result<CallService, OpenError> {
     let name = name(ground.node.id().value(), at)?;
     let create = || {
@@ -61,7 +60,7 @@ pub(super) fn create(ground: &Ground, at: &Address) -> Result<CallService, OpenE
     attain(ground.keeping(), at, || Ok(Attempt::Absent), create)
 }
 
-/// Opens the service of another daemon; `None` if it is gone.
+/// Opens that of a daemon; `None` when it is gone.
 pub(super) fn open(
     ground: &Ground,
     owner: u128,

@@ -1,4 +1,4 @@
-//! A service that is served until this is dropped.
+//! One service that is served, until it is dropped.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The thread that passes on requests and responses.
+//! The thread that hands on requests and responses.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -14,11 +14,11 @@ use super::hub::Hub;
 use crate::error::failed;
 use crate::ground::Ground;
 
-/// Name of the event that wakes all daemons with the same prefix.
+/// The event that wakes all daemons of a prefix.
 const WAKE: &str = "genom.wake";
-/// Greatest number of daemons on one machine.
+/// Daemons on one machine.
 const DAEMONS: usize = 64;
-/// How often the thread polls without being woken, to notice peers that were killed.
+/// How often it looks though nobody rang: for peers that were killed.
 const PERIOD: Duration = Duration::from_millis(200);
 
 pub(crate) struct Worker {
@@ -30,7 +30,7 @@ pub(crate) struct Worker {
 
 #[derive(Default)]
 struct Shared {
-    /// Created when the first service is served.
+    /// Made when the first service is served.
     hub: Mutex<Option<Arc<Hub>>>,
     calls: Mutex<Vec<Arc<Call>>>,
     stop: AtomicBool,
@@ -78,7 +78,7 @@ impl Worker {
         &self.bell
     }
 
-    /// The serving side; creates it if necessary.
+    /// The serving end.
     pub(super) fn hub(&self, ground: &Arc<Ground>, at: &Address) -> Result<Arc<Hub>, OpenError> {
         let mut hub = lock(&self.shared.hub);
         if let Some(hub) = &*hub {
@@ -93,7 +93,7 @@ impl Worker {
 }
 
 impl Shared {
-    /// Passes on everything that arrived. Holds no lock while foreign code runs.
+    /// Hands on all there is. No lock is held while somebody else's code runs.
     fn work(&self) {
         let hub = lock(&self.hub).clone();
         if let Some(hub) = hub {
@@ -121,7 +121,7 @@ impl Drop for Worker {
             let _ = thread.join();
         }
         self.callers.clear();
-        // Must be dropped before the node, which others may still hold through it.
+        // Ends before the node, which others may hold through it.
         drop(lock(&self.shared.hub).take());
     }
 }

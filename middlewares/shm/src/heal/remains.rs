@@ -1,4 +1,4 @@
-//! Incomplete segments, and segments of ports that no living node has open.
+//! Segments that are not whole, and ports that nobody has any more.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -12,15 +12,15 @@ use super::nodes::{self, Tags};
 use super::places::{Places, entries};
 use super::services;
 
-/// How long creating the node counter may take: system calls with no wait in between.
+/// How long the counter of nodes may take to be made: system calls without a wait between them.
 const BIRTH: Duration = Duration::from_millis(50);
 
-/// Size of the counter in bytes: a version and a count.
+/// Its bytes: a version, and a count.
 const COUNTER: u64 = 16;
 
-/// The segments with one prefix.
+/// The segments of a prefix.
 pub(super) struct Segments {
-    /// Names of segments, by each identity in them.
+    /// Names, by each of the identities in them.
     by_id: BTreeMap<u128, Vec<String>>,
 }
 
@@ -40,7 +40,7 @@ impl Segments {
     }
 }
 
-/// Empty segments, with the process ids in their names.
+/// Segments without bytes, and the processes their names tell of.
 pub(super) fn empty(places: &Places) -> Vec<(PathBuf, Vec<u32>)> {
     let own = entries(&places.segments).filter(|name| name.starts_with(&places.prefix));
     let found = own.map(|name| {
@@ -50,14 +50,13 @@ pub(super) fn empty(places: &Places) -> Vec<(PathBuf, Vec<u32>)> {
     found.filter(|(file, _)| is_empty(file)).collect()
 }
 
-/// The node counters of a prefix: one per version of iceoryx2.
+/// The counters of nodes of a prefix: one a version of iceoryx2.
 pub(super) fn counters(places: &Places) -> Vec<PathBuf> {
     let named = |name: &String| name.starts_with(&places.prefix) && name.ends_with(&places.counter);
     entries(&places.segments).filter(named).map(|name| places.segments.join(name)).collect()
 }
 
-/// Removes the node counter if it was never completed or was truncated, since no node could start
-/// with it.
+/// Removes the counter of nodes when it was never finished, or cut: no node starts with it.
 pub(super) fn counter(places: &Places, healed: &mut Healed) {
     for file in counters(places) {
         let short = || fs::symlink_metadata(&file).is_ok_and(|told| told.len() < COUNTER);
@@ -72,7 +71,7 @@ pub(super) fn counter(places: &Places, healed: &mut Healed) {
     }
 }
 
-/// Removes what dead nodes were creating: segments of their ports, and services.
+/// Removes what dead nodes began: segments of their ports, services they were making.
 pub(super) fn unfinished(
     places: &Places,
     segments: &Segments,
@@ -102,9 +101,9 @@ pub(super) fn unfinished(
     }
 }
 
-/// Removes segments of ports that no living node has open.
+/// Removes segments of ports that nobody alive has an end of.
 pub(super) fn ports(places: &Places, dead: &Tags, healed: &mut Healed) {
-    // Listeners also have a socket in the root folder.
+    // Listeners have a socket in the folder, too.
     for folder in [&places.segments, &places.root] {
         for name in entries(folder) {
             let mut ends = ids(places, &name).peekable();

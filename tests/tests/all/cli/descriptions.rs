@@ -1,4 +1,4 @@
-//! Verbs that work on descriptions; no daemon runs.
+//! Verbs on descriptions: no daemon runs.
 
 use std::fs;
 use std::process::Command;

@@ -1,4 +1,4 @@
-//! Components: what they can be, and what they may do to a daemon.
+//! What components are, and what they may do to a daemon.
 
 mod bounds;
 mod crashes;

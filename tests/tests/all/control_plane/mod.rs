@@ -1,4 +1,4 @@
-//! Requests to a daemon: who may make them, and the replies.
+//! What is asked of a daemon, by whom, and what it answers.
 
 mod access;
 mod daemons;

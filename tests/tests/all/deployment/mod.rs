@@ -1,4 +1,4 @@
-//! Deployment files.
+//! Files that say what is to run.
 
 mod applied;
 mod configs;

@@ -1,9 +1,10 @@
-//! Rules for the files of this repository.
+//! What holds for the files of this repository.
 
 mod backend_page;
 mod circles;
 mod citations;
 mod errors;
+mod names;
 mod printed;
 mod readme;
 mod reference;

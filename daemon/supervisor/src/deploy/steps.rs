@@ -3,9 +3,9 @@
 use genom_nearest::suggest;
 use serde_json::Value;
 
-use super::Step;
-use crate::components::Hosted;
-use crate::supervisor::Supervisor;
+use super::step::Step;
+use crate::components::{Components, Hosted};
+use crate::connections::Connections;
 use crate::ties::Connection;
 use genom_configuration::{
     BackendNames, CallEntry, ConnectionEntry, Deployment, LoadRequest, Spot,
@@ -15,7 +15,7 @@ use genom_configuration::{
 /// changed.
 #[derive(Debug, thiserror::Error)]
 #[allow(missing_docs, reason = "the messages say what the fields are")]
-pub enum PlanError {
+pub enum Contradiction {
     /// The `after` of components form a circle.
     #[error("{0} comes after itself: look at the `after` of the components")]
     Circle(String),
@@ -32,11 +32,13 @@ pub enum PlanError {
     Other { name: String, place: Spot },
 }
 
-impl PlanError {
+impl Contradiction {
     /// The entry of the file that is wrong.
     pub fn place(&self) -> Spot {
         match self {
-            PlanError::Unknown { place, .. } | PlanError::Other { place, .. } => place.clone(),
+            Contradiction::Unknown { place, .. } | Contradiction::Other { place, .. } => {
+                place.clone()
+            }
             _ => Spot::default(),
         }
     }
@@ -44,31 +46,44 @@ impl PlanError {
 
 /// The steps from what runs to a deployment.
 #[derive(Debug, Default)]
-pub struct Plan {
+pub struct Steps {
     /// The steps in order; empty if everything is as wanted.
-    pub steps: Vec<Step>,
+    pub to_take: Vec<Step>,
     /// Steps that remove what the deployment does not contain. With `prune` they are in `steps`,
     /// too.
     pub beside: Vec<Step>,
 }
 
+/// What runs, as far as steps depend on it.
+#[derive(Clone, Copy)]
+pub(super) struct Present<'a> {
+    pub(super) components: &'a Components,
+    pub(super) connections: &'a Connections,
+    /// The middleware of components that name none.
+    pub(super) backend: &'a str,
+}
+
 /// Computes the steps. With `prune`, what the deployment does not contain is removed.
-pub fn plan(supervisor: &Supervisor, wanted: &Deployment, prune: bool) -> Result<Plan, PlanError> {
-    let beside = beside(supervisor, wanted);
-    let mut steps = plan_steps(supervisor, wanted, prune)?;
+pub(super) fn steps(
+    present: Present<'_>,
+    wanted: &Deployment,
+    prune: bool,
+) -> Result<Steps, Contradiction> {
+    let beside = beside(present.components, wanted);
+    let mut to_take = wanted_steps(present, wanted, prune)?;
     if prune {
         let (leave, cut): (Vec<_>, Vec<_>) =
             beside.iter().cloned().partition(|step| matches!(step, Step::Unload(_)));
-        steps.splice(0..0, cut);
-        steps.extend(leave);
+        to_take.splice(0..0, cut);
+        to_take.extend(leave);
     }
-    Ok(Plan { steps, beside })
+    Ok(Steps { to_take, beside })
 }
 
 /// The steps that remove what the deployment does not contain: first connections, then components,
 /// each before those it uses.
-fn beside(supervisor: &Supervisor, wanted: &Deployment) -> Vec<Step> {
-    let mut all = supervisor.components.all();
+fn beside(components: &Components, wanted: &Deployment) -> Vec<Step> {
+    let mut all = components.all();
     all.reverse();
     let said = |name: &str| wanted.component.iter().any(|one| one.instance() == name);
     let declared =
@@ -81,21 +96,22 @@ fn beside(supervisor: &Supervisor, wanted: &Deployment) -> Vec<Step> {
     cut.chain(leave.map(|hosted| Step::Unload(hosted.name.clone()))).collect()
 }
 
-fn plan_steps(
-    supervisor: &Supervisor,
+/// The steps that the deployment asks for.
+fn wanted_steps(
+    present: Present<'_>,
     wanted: &Deployment,
     prune: bool,
-) -> Result<Vec<Step>, PlanError> {
+) -> Result<Vec<Step>, Contradiction> {
     let mut steps = Vec::new();
     for request in ordered(&wanted.component)? {
         let name = request.instance();
-        match supervisor.components.get(&name) {
+        match present.components.get(&name) {
             None => steps.push(Step::Load(Box::new(request.clone()))),
-            Some(hosted) => adapt(supervisor, &hosted, request, &mut steps)?,
+            Some(hosted) => adapt(&hosted, request, present.backend, &mut steps)?,
         }
     }
     let known = |instance: &str| {
-        supervisor.components.get(instance).is_some()
+        present.components.get(instance).is_some()
             || wanted.component.iter().any(|request| request.instance() == instance)
     };
     let check = |what: String, instance: &str, place: Spot| {
@@ -103,23 +119,21 @@ fn plan_steps(
             return Ok(());
         }
         let mut names: Vec<String> = wanted.component.iter().map(LoadRequest::instance).collect();
-        names.extend(supervisor.components.all().iter().map(|hosted| hosted.name.clone()));
+        names.extend(present.components.all().iter().map(|hosted| hosted.name.clone()));
         let help = suggest(instance, names.iter().map(String::as_str));
-        Err(PlanError::Unknown { what, typed: instance.to_owned(), help, place })
+        Err(Contradiction::Unknown { what, typed: instance.to_owned(), help, place })
     };
     for connection in &wanted.connection {
         let place = Spot::connection(connection).key(["in"]);
         check(format!("in = \"{}\"", connection.inport), connection.reader(), place)?;
-        let present = supervisor.connections.present(&connection.inport);
-        if anew(&steps, connection.reader())
-            || !present.is_some_and(|present| present.is(connection))
-        {
+        let made = present.connections.present(&connection.inport);
+        if anew(&steps, connection.reader()) || !made.is_some_and(|made| made.is(connection)) {
             steps.push(Step::Connect(connection.clone()));
         }
     }
     // Connections of a component that is reloaded are made again if the deployment does not mention
     // them.
-    for hosted in supervisor.components.all() {
+    for hosted in present.components.all() {
         if prune || !anew(&steps, &hosted.name) {
             continue;
         }
@@ -134,7 +148,7 @@ fn plan_steps(
         let section = if matches!(step, Step::Call(_)) { "call" } else { "activity" };
         let place = Spot::request(section, entry).key(["component"]);
         check(format!("the call of {}", entry.service), &entry.component, place)?;
-        if anew(&steps, &entry.component) || !done(supervisor, entry) {
+        if anew(&steps, &entry.component) || !is_met(present.components, entry) {
             steps.push(step);
         }
     }
@@ -154,7 +168,7 @@ fn anew(steps: &[Step], name: &str) -> bool {
 }
 
 /// The components in an order that respects their `after`.
-fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
+fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, Contradiction> {
     let mut left: Vec<&LoadRequest> = all.iter().collect();
     let mut names: Vec<String> = Vec::new();
     for request in all {
@@ -162,7 +176,7 @@ fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
         // A component without a name in the request gets that of its description, which is not read
         // yet.
         if names.contains(&name) && request.name.is_some() {
-            return Err(PlanError::Twice(name));
+            return Err(Contradiction::Twice(name));
         }
         names.push(name);
     }
@@ -176,13 +190,13 @@ fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
             !request.after.contains(&request.instance())
                 && !pending.iter().any(|name| waits(request, name))
         });
-        let Some(free) = free else { return Err(PlanError::Circle(pending[0].clone())) };
+        let Some(free) = free else { return Err(Contradiction::Circle(pending[0].clone())) };
         let request = left.remove(free);
         if let Some(unknown) = request.after.iter().find(|after| !names.contains(after)) {
             let what = format!("after of {}", request.instance());
             let help = suggest(unknown, names.iter().map(String::as_str));
             let place = Spot::component(request).key(["after"]);
-            return Err(PlanError::Unknown { what, typed: unknown.clone(), help, place });
+            return Err(Contradiction::Unknown { what, typed: unknown.clone(), help, place });
         }
         order.push(request);
     }
@@ -191,15 +205,15 @@ fn ordered(all: &[LoadRequest]) -> Result<Vec<&LoadRequest>, PlanError> {
 
 /// Steps for a component that is running already.
 fn adapt(
-    supervisor: &Supervisor,
     hosted: &Hosted,
     request: &LoadRequest,
+    backend: &str,
     steps: &mut Vec<Step>,
-) -> Result<(), PlanError> {
+) -> Result<(), Contradiction> {
     let name = hosted.name.clone();
     if hosted.request.library != request.library && hosted.library != request.library {
         let place = Spot::component(request).key(["library"]);
-        return Err(PlanError::Other { name, place });
+        return Err(Contradiction::Other { name, place });
     }
     let other = if hosted.request.tasks != request.tasks {
         Some("other settings of tasks")
@@ -222,7 +236,7 @@ fn adapt(
         steps.push(Step::Reload { request: Box::new(request), why });
         return Ok(());
     }
-    let default = || BackendNames::one(supervisor.settings.backend.as_str());
+    let default = || BackendNames::one(backend);
     let to = request.backend.clone().unwrap_or_else(default);
     let bindings = &hosted.ties.bindings;
     let moves = bindings.component() != to;
@@ -265,8 +279,8 @@ fn merged(hosted: &Hosted, service: &str, set: &Value, inputs: &Value) -> Option
 
 /// Whether a deployment already called this service with these inputs since the component was
 /// loaded, or such an activity is running.
-fn done(supervisor: &Supervisor, entry: &CallEntry) -> bool {
-    let Some(hosted) = supervisor.components.get(&entry.component) else { return false };
+fn is_met(components: &Components, entry: &CallEntry) -> bool {
+    let Some(hosted) = components.get(&entry.component) else { return false };
     let Some(wanted) = full(&hosted, &entry.service, &entry.inputs) else { return false };
     let equal = |service: &str, inputs: &Value| {
         service == entry.service && full(&hosted, service, inputs).as_ref() == Some(&wanted)
@@ -303,13 +317,13 @@ mod tests {
     #[test]
     fn circles_unknown_and_double_names_are_refused() {
         let circle = ordered(&[request("a", &["b"]), request("b", &["a"])]).unwrap_err();
-        assert!(matches!(circle, PlanError::Circle(_)), "{circle}");
+        assert!(matches!(circle, Contradiction::Circle(_)), "{circle}");
         assert!(ordered(&[request("a", &["a"])]).is_err());
         let unknown = ordered(&[request("arm", &[]), request("b", &["amr"])]).unwrap_err();
         assert!(unknown.to_string().contains("`arm`"), "{unknown}");
         assert!(matches!(
             ordered(&[request("a", &[]), request("a", &[])]),
-            Err(PlanError::Twice(_))
+            Err(Contradiction::Twice(_))
         ));
     }
 }
