@@ -4,9 +4,9 @@
     cargo build --release -p genomd -p genomctl
     tests/benches/cli_times.py target/release target/components/demo/demo.so [COUNT]
 
-Prints p50, p99 and the longest of COUNT runs (10,000 by default) of `list`, of completion with
-live names, and of `call`; beside them the same for /bin/true, which is what starting a process
-costs here. A query must stay below 50 ms.
+Prints p50, p99 and the maximum of COUNT runs (10,000 by default) of `list`, of completion with
+live names, and of `call`; for comparison also of /bin/true, which shows the cost of starting a
+process. A query must take less than 50 ms.
 """
 
 import os

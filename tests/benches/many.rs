@@ -1,8 +1,9 @@
-//! What many components cost: 1, 50 and 500 of five ports each, on local and shared memory. Start
-//! until ready, stop, memory, descriptors, and how long `list` and `ports` take meanwhile.
+//! Cost of many components: 1, 50 and 500 with five ports each, on local and shared memory.
+//! Measures the time until ready, stop, memory, file descriptors, and the duration of `list` and
+//! `ports`.
 //!
-//! `cargo bench -p genom-tests --bench many [-- BACKEND... NUMBER...]`. The programs are built as
-//! users build them (`--release`).
+//! `cargo bench -p genom-tests --bench many [-- BACKEND... NUMBER...]`. The programs are built with
+//! `--release`, as users build them.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a benchmark")]
@@ -13,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use genom_tests::{Footprint, Home, Many, Running, repository, request};
 
-/// Requests of each kind.
+/// Number of requests of each kind.
 const REQUESTS: usize = 200;
 
 fn main() {
@@ -44,7 +45,7 @@ fn main() {
     }
 }
 
-/// The daemon as users have it.
+/// Path of the release build of the daemon.
 fn release() -> PathBuf {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""What the Python client makes of ports: samples a second there and back, and a loop at 1 kHz.
+"""Performance of ports in the Python client: round trips per second, and a loop at 1 kHz.
 
     cargo build --release -p genomd
     pip install iceoryx2==0.10.0 eclipse-zenoh==1.10.2
     tests/benches/python_rates.py target/release target/components/demo/demo.so [STEPS]
 
-Runs the tests that measure (clients/python/tests), against a daemon built for speed: round trips
-over zenoh beside the same by zenoh alone, round trips over shared memory, and late steps with the
-p50 and p99 of a step's period, beside those of a loop that exchanges nothing. 10,000 STEPS.
+Runs the client's measuring tests (clients/python/tests) against a release build of the daemon:
+round trips over zenoh, compared with bare zenoh; round trips over shared memory; and late steps
+with the p50 and p99 of a step's period, compared with a loop without ports. Default: 10,000 STEPS.
 """
 
 import os

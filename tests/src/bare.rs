@@ -1,11 +1,11 @@
-//! Peers that know iceoryx2 and the C types of ports, and nothing of genomd. A program of the
-//! tests plays one: its own process is what makes it a peer.
+//! Peers that use only iceoryx2 and the C types of ports. They run in a separate process of the
+//! test program, because a peer must be another process.
 
 use std::time::Duration;
 
 use iceoryx2::prelude::*;
 
-/// What the description of the demo calls `::demo::state`.
+/// The type `::demo::state` of the demo's description.
 #[derive(Clone, Copy, Debug, ZeroCopySend)]
 #[type_name("demo::state")]
 #[repr(C)]
@@ -14,11 +14,11 @@ struct State {
     velocity: f64,
 }
 
-/// Plays `ROLE PREFIX ROOT [GOAL]` until SIGTERM; false when there is no such role.
+/// Plays `ROLE PREFIX ROOT [GOAL]` until SIGTERM. Returns false if there is no such role.
 ///
-/// - `flow` writes to itself, opening its port anew all the time, and says what it lost;
-/// - `follow` reads the position of the demo as soon as it is there, and never lets the port go;
-/// - `arrive` reads the position, which is there, until it is GOAL and stands still.
+/// - `flow` writes to itself, reopens its port again and again, and prints what it lost;
+/// - `follow` reads the position of the demo as soon as it exists, and keeps the port open;
+/// - `arrive` reads the existing position until it is GOAL and no longer changes.
 #[must_use]
 pub fn play(arguments: &[&str]) -> bool {
     match arguments {
@@ -34,14 +34,14 @@ fn node(prefix: &str, root: &str) -> Node<ipc::Service> {
     let mut config = Config::default();
     config.global.prefix = FileName::new(prefix.as_bytes()).unwrap();
     config.global.set_root_path(&Path::new(root.as_bytes()).unwrap());
-    // It cleans nothing up: it is there to be undisturbed.
+    // It must not clean up after others, so that it only shows whether it is disturbed.
     config.global.node.cleanup_dead_nodes_on_creation = false;
     config.global.node.cleanup_dead_nodes_on_destruction = false;
     config.global.service.cleanup_dead_nodes_on_open = false;
     NodeBuilder::new().config(&config).create::<ipc::Service>().unwrap()
 }
 
-/// Numbers, each read from an old and from a new connection.
+/// Numbers, each read through an old and through a new connection.
 fn flow(node: &Node<ipc::Service>) {
     let name = ServiceName::new("peer/flow").unwrap();
     let service = || {
@@ -102,7 +102,7 @@ fn arrive(node: &Node<ipc::Service>, goal: f64) {
     }
 }
 
-/// Standard output is how it tells the test.
+/// Prints a line, by which it informs the test.
 #[allow(clippy::print_stdout, reason = "a program of the tests")]
 fn say(line: &str) {
     println!("{line}");

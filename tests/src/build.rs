@@ -1,4 +1,4 @@
-//! Programs and components under test, built once a test process.
+//! Builds the programs and components under test, once per test process.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -8,16 +8,16 @@ use genom_components::{Artifact, Paths, build, build_programs};
 
 use crate::Running;
 
-/// Root of the repository.
+/// Root folder of the repository.
 #[must_use]
 pub fn repository() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ is in the repository").to_owned()
 }
 
-/// Files of the tree by extension, in order; what cargo and git make is left out.
+/// Files of the repository with an extension, sorted; without those that cargo and git create.
 ///
 /// # Panics
-/// There is none.
+/// If there are none.
 #[must_use]
 pub fn files(extension: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
@@ -43,7 +43,7 @@ fn paths() -> &'static Paths {
     PATHS.get_or_init(|| Paths::of_workspace().unwrap_or_else(|error| panic!("{error}")))
 }
 
-/// `genomd` or `genomctl`, up to date.
+/// Path of `genomd` or `genomctl`, after building it.
 #[must_use]
 pub fn program(name: &str) -> PathBuf {
     static BUILT: OnceLock<[PathBuf; 2]> = OnceLock::new();
@@ -57,16 +57,17 @@ pub fn program(name: &str) -> PathBuf {
     }
 }
 
-/// A component of the repository, up to date: its library, with its description beside it.
+/// A component of the repository, after building it: its library with its description beside it.
 #[must_use]
 pub fn component(name: &str) -> Artifact {
     build(paths(), name).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Makes a component of `tests/fixtures` in a directory, as its author does: a header from its
-/// description, then a C compiler. The path of its description there.
+/// Builds a component of `tests/fixtures` in a directory, as its author would: header from the
+/// description, then C compiler. Returns the path of the description there.
 ///
 /// # Panics
+/// If it cannot be built.
 /// It cannot be made.
 #[must_use]
 pub fn fixture(folder: &str, name: &str, into: &Path) -> String {
@@ -93,7 +94,7 @@ pub fn fixture(folder: &str, name: &str, into: &Path) -> String {
     path(&into.join(file("gen"))).to_owned()
 }
 
-/// A path as an argument.
+/// A path as a command line argument.
 #[must_use]
 pub fn path(path: &Path) -> &str {
     path.to_str().expect("UTF-8")

@@ -1,4 +1,4 @@
-//! A program that runs, its output read line by line, under a watchdog.
+//! A running program whose output is read line by line, under a watchdog.
 
 use std::io::{BufRead as _, BufReader, Read};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -6,26 +6,26 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Nothing in the tests takes so long unless it hangs.
+/// A test step that takes longer counts as hanging.
 pub const WATCHDOG: Duration = Duration::from_secs(60);
 
-/// A program that runs; killed when dropped.
+/// A running program; killed when dropped.
 #[derive(Debug)]
 pub struct Running {
     child: Child,
     what: String,
     lines: Receiver<String>,
     errors: Option<JoinHandle<String>>,
-    /// Lines of standard error, for those who wait for one.
+    /// Lines of standard error, for tests that wait for one.
     error_lines: Receiver<String>,
 }
 
-/// A program that ended.
+/// A program that has ended.
 #[derive(Debug)]
 pub struct Finished {
-    /// Its exit status; `None` when a signal ended it.
+    /// Exit status; `None` if a signal ended it.
     pub code: Option<i32>,
-    /// Standard output, as far as nobody took lines of it.
+    /// Standard output, without lines that were read before.
     pub out: String,
     /// Standard error.
     pub err: String,
@@ -60,7 +60,7 @@ impl Running {
             while reader.read_until(b'\n', &mut line).is_ok_and(|read| read > 0) {
                 let text = String::from_utf8_lossy(&line).into_owned();
                 all.push_str(&text);
-                // Nobody may wait for lines: that is fine.
+                // Fails if nobody waits for lines.
                 let _ = sender.send(text.trim_end().to_owned());
                 line.clear();
             }
@@ -77,18 +77,18 @@ impl Running {
         self.child.id()
     }
 
-    /// The next line of standard output.
+    /// Waits for the next line of standard output.
     pub fn line(&self) -> String {
         self.lines.recv_timeout(WATCHDOG).unwrap_or_else(|error| panic!("{}: {error}", self.what))
     }
 
-    /// The first line of standard output of those that are still to come.
+    /// Discards the lines of standard output that are available now, then waits for the next one.
     pub fn line_from_now(&self) -> String {
         while self.lines.try_recv().is_ok() {}
         self.line()
     }
 
-    /// The next line of standard output that `wanted` says yes to.
+    /// Waits for the next line of standard output that `wanted` accepts.
     pub fn line_where(&self, wanted: impl Fn(&str) -> bool) -> String {
         let end = Instant::now() + WATCHDOG;
         let mut seen = Vec::new();
@@ -101,16 +101,17 @@ impl Running {
         }
     }
 
-    /// The next line of standard error that `wanted` says yes to; `None` when it ended first.
+    /// Waits for the next line of standard error that `wanted` accepts; `None` if the program ended
+    /// first.
     pub fn error_line_where(&self, wanted: impl Fn(&str) -> bool) -> Option<String> {
         self.error_line_within(WATCHDOG, wanted)
             .unwrap_or_else(|()| panic!("{}: says nothing", self.what))
     }
 
-    /// The same within a time.
+    /// Waits for such a line for a limited time.
     ///
     /// # Errors
-    /// It neither says so nor ends within this time.
+    /// Neither the line nor the end came within this time.
     #[allow(clippy::result_unit_err, reason = "there is nothing to say of it")]
     pub fn error_line_within(
         &self,
@@ -128,7 +129,7 @@ impl Running {
         }
     }
 
-    /// Sends a signal by name: `TERM`, `INT`, `KILL`.
+    /// Sends a signal by its name: `TERM`, `INT`, `KILL`.
     pub fn signal(&self, name: &str) {
         let status = Command::new("kill")
             .args(["-s", name, &self.child.id().to_string()])
@@ -143,14 +144,14 @@ impl Running {
         self.finish_within(WATCHDOG)
     }
 
-    /// Waits for its end; it hangs when it takes longer than this.
+    /// Waits for its end; fails if it takes longer than `longest`.
     #[must_use]
     pub fn finish_within(self, longest: Duration) -> Finished {
         let what = self.what.clone();
         self.finish_or(longest).unwrap_or_else(|| panic!("{what}: hangs"))
     }
 
-    /// Waits for its end; `None` when it had to be killed after this time.
+    /// Waits for its end; `None` if it had to be killed after `longest`.
     #[must_use]
     pub fn finish_or(mut self, longest: Duration) -> Option<Finished> {
         let status = self.wait(longest)?;
@@ -166,7 +167,8 @@ impl Running {
     fn wait(&mut self, longest: Duration) -> Option<ExitStatus> {
         let pid = self.child.id();
         let (ended, watched) = channel::<()>();
-        // The watchdog kills what hangs, so that `wait` returns; dropping `ended` calls it off.
+        // The watchdog kills a hanging program, so that `wait` returns; dropping `ended` stops the
+        // watchdog.
         let watchdog = thread::spawn(move || {
             if watched.recv_timeout(longest) == Err(RecvTimeoutError::Timeout) {
                 let _ = Command::new("kill").args(["-s", "KILL", &pid.to_string()]).status();
@@ -189,21 +191,21 @@ impl Drop for Running {
 }
 
 impl Finished {
-    /// Fails unless it ended with this exit status.
+    /// Fails unless this was the exit status.
     #[track_caller]
     pub fn expect_code(&self, code: i32) -> &Self {
         assert_eq!(self.code, Some(code), "out: {}\nerr: {}", self.out, self.err);
         self
     }
 
-    /// Fails unless standard error holds this text.
+    /// Fails unless standard error contains this text.
     #[track_caller]
     pub fn expect_err(&self, text: &str) -> &Self {
         assert!(self.err.contains(text), "expected `{text}` in:\n{}", self.err);
         self
     }
 
-    /// Fails unless standard output is this text.
+    /// Fails unless standard output is exactly this text.
     #[track_caller]
     pub fn expect_out(&self, text: &str) -> &Self {
         assert_eq!(self.out, text, "err: {}", self.err);

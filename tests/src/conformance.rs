@@ -1,20 +1,20 @@
-//! The table of properties that every middleware must hold, from what the test programs print.
+//! The table of properties and backends, made from the output of the conformance tests.
 //!
-//! It knows neither the properties nor the backends: those are what the programs name.
+//! Properties and backends are not listed here: they are taken from the names of the tests.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// How one property fared on one backend.
+/// Result of one property on one backend.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// It holds.
+    /// The test passed.
     Holds,
-    /// It does not.
+    /// The test failed.
     Fails,
 }
 
-/// Properties by backend.
+/// Results by property and backend.
 #[derive(Debug, Default)]
 pub struct Table {
     backends: Vec<String>,
@@ -22,7 +22,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads lines like `test shm::many_ports_do_not_mix ... ok`; others are left out.
+    /// Parses lines like `test shm::many_ports_do_not_mix ... ok`; ignores others.
     pub fn read(&mut self, printed: &str) {
         for line in printed.lines() {
             let Some((name, outcome)) =
@@ -40,7 +40,7 @@ impl Table {
         }
     }
 
-    /// Whether there is something, and every property holds on every backend.
+    /// Whether there are results, and all of them passed.
     #[must_use]
     pub fn is_green(&self) -> bool {
         let whole = |row: &BTreeMap<String, Outcome>| {

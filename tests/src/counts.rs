@@ -1,4 +1,4 @@
-//! What a daemon counts of one out port and of the task and codel that write it.
+//! Counters of one out port, and of the task and the codel that write it.
 
 use std::path::Path;
 
@@ -6,26 +6,26 @@ use serde_json::Value;
 
 use crate::{Daemon, request};
 
-/// Counts since the component was loaded.
+/// Counters since the component was loaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
-    /// Ticks the task had.
+    /// Ticks of the task.
     pub ticks: u64,
-    /// Ticks it missed.
+    /// Ticks that the task missed.
     pub missed: u64,
     /// Runs of the codel.
     pub runs: u64,
-    /// Samples it wrote.
+    /// Samples written.
     pub written: u64,
     /// Writes that failed.
     pub failed: u64,
-    /// Samples that the middleware gave up.
+    /// Samples that the middleware dropped.
     pub dropped: u64,
 }
 
 impl Daemon {
-    /// Counts of a component's first task, one of its codels and one of its out ports; of one
-    /// moment only while a stepped clock stands still.
+    /// Counters of a component's first task, one of its codels and one of its out ports. They are
+    /// consistent with each other only while a stepped clock stands still.
     #[track_caller]
     #[must_use]
     pub fn counts(&self, component: &str, codel: &str, port: &str) -> Counts {
@@ -38,7 +38,7 @@ impl Daemon {
         Counts {
             ticks: number(&task["cycles"]["count"]),
             missed: number(&task["overruns"]),
-            // One that never ran is not listed.
+            // A codel that never ran is not listed.
             runs: codel.map_or(0, |codel| number(&codel["durations"]["count"])),
             written: number(&traffic["samples"]),
             failed: number(&traffic["failed"]),
@@ -46,17 +46,17 @@ impl Daemon {
         }
     }
 
-    /// Steps the virtual clock; all ticks on the way have been run when this returns.
+    /// Steps the virtual clock. When this returns, all ticks within that time have been run.
     #[track_caller]
     pub fn step(&self, milliseconds: u64) {
         step(&self.home().socket(), milliseconds);
     }
 }
 
-/// The same from another thread.
+/// The same, for another thread.
 ///
 /// # Panics
-/// The daemon refuses, as its clock is that of the machine.
+/// If the daemon refuses because its clock is the machine's.
 #[track_caller]
 pub fn step(socket: &Path, milliseconds: u64) {
     let body = format!(r#"{{"nanoseconds":{}}}"#, milliseconds * 1_000_000);

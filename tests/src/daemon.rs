@@ -1,4 +1,4 @@
-//! A daemon of a test: its own socket, its own shared memory, gone with the test.
+//! A daemon for one test: with its own socket and shared memory, removed after the test.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -19,7 +19,7 @@ pub struct Memory {
 }
 
 impl Memory {
-    /// Shared memory that nobody else uses.
+    /// Creates a new root folder and prefix.
     #[must_use]
     pub fn new() -> Self {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
@@ -28,25 +28,25 @@ impl Memory {
         Self { root: TempDir::new().expect("a directory can be made"), prefix }
     }
 
-    /// Directory of the files that say what is there.
+    /// Root folder of iceoryx2's files.
     #[must_use]
     pub fn root(&self) -> &Path {
         self.root.path()
     }
 
-    /// Start of the names of everything.
+    /// Prefix of the names of all segments.
     #[must_use]
     pub fn prefix(&self) -> &str {
         &self.prefix
     }
 
-    /// A ROS domain; another test may have the same by chance, but not the same names in it.
+    /// A ROS domain. Another test may have the same by chance, but uses other names in it.
     #[must_use]
     pub fn domain(&self) -> u32 {
         self.prefix.bytes().fold(0, |sum, byte| (sum * 31 + u32::from(byte)) % 100) + 1
     }
 
-    /// Every file of it, wherever.
+    /// All files that belong to it, in all folders.
     #[must_use]
     pub fn files(&self) -> Vec<PathBuf> {
         let mut found = Vec::new();
@@ -60,7 +60,7 @@ impl Memory {
         let segments = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
         found.extend(segments.map(|entry| entry.path()).filter(|path| {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            // One lock a prefix stays for good: iceoryx2's own, by which starting nodes take turns.
+            // The segment in which iceoryx2 counts nodes remains: one per prefix.
             name.starts_with(&self.prefix) && !name.ends_with(".global_mgmt")
         }));
         found.sort();
@@ -76,7 +76,7 @@ impl Default for Memory {
 
 impl Drop for Memory {
     fn drop(&mut self) {
-        // What a killed daemon left, so that tests do not fill the machine.
+        // Removes what a killed daemon left, so that tests do not fill up the machine.
         let all = std::fs::read_dir("/dev/shm").into_iter().flatten().flatten();
         for entry in all {
             if entry.file_name().to_string_lossy().starts_with(&self.prefix) {
@@ -86,7 +86,7 @@ impl Drop for Memory {
     }
 }
 
-/// Where a daemon keeps its own files.
+/// Directory for a daemon's files.
 #[derive(Debug)]
 pub struct Home {
     scratch: TempDir,
@@ -94,13 +94,13 @@ pub struct Home {
 }
 
 impl Home {
-    /// A home, and shared memory of its own.
+    /// A new directory with new shared memory.
     #[must_use]
     pub fn new() -> Self {
         Self::with(&Arc::new(Memory::new()))
     }
 
-    /// A home, on shared memory that others use too.
+    /// A new directory with shared memory that others use, too.
     #[must_use]
     pub fn with(memory: &Arc<Memory>) -> Self {
         let scratch = TempDir::new().expect("a directory can be made");
@@ -117,7 +117,7 @@ impl Home {
         Self { scratch, memory: Arc::clone(memory) }
     }
 
-    /// The daemon's socket.
+    /// Path of the daemon's socket.
     #[must_use]
     pub fn socket(&self) -> PathBuf {
         self.scratch.path().join("run/genomd.sock")
@@ -129,13 +129,13 @@ impl Home {
         &self.memory
     }
 
-    /// A directory for files of the test.
+    /// The directory, for files of the test.
     #[must_use]
     pub fn path(&self) -> &Path {
         self.scratch.path()
     }
 
-    /// The same home, with more configuration: `text` comes first in the file.
+    /// Adds to the configuration: `text` comes first in the file.
     #[must_use]
     pub fn configured(self, text: &str) -> Self {
         let path = self.path().join("genomd.toml");
@@ -168,7 +168,7 @@ impl Home {
         self.start_by(&[], arguments)
     }
 
-    /// The same through a program that becomes it, such as `prlimit --rtprio=0`.
+    /// The same through a program that executes it, such as `prlimit --rtprio=0`.
     #[must_use]
     #[track_caller]
     pub fn start_by(self, prefix: &[&str], arguments: &[&str]) -> Daemon {
@@ -179,19 +179,19 @@ impl Home {
         Daemon { running, home: self }
     }
 
-    /// Starts a daemon here and waits for nothing.
+    /// Starts a daemon here without waiting.
     #[must_use]
     pub fn spawn(&self, arguments: &[&str]) -> Running {
         self.spawn_by(&[], arguments)
     }
 
-    /// The same through a program that becomes it.
+    /// The same through a program that executes it.
     #[must_use]
     pub fn spawn_by(&self, prefix: &[&str], arguments: &[&str]) -> Running {
         Running::start(&mut self.command(prefix, arguments))
     }
 
-    /// Starts a daemon here that is expected to refuse.
+    /// Starts a daemon here that must refuse to start.
     #[must_use]
     pub fn refused(&self, arguments: &[&str]) -> Finished {
         self.spawn(arguments).finish()
@@ -204,7 +204,7 @@ impl Default for Home {
     }
 }
 
-/// A daemon that runs; killed when dropped.
+/// A running daemon; killed when dropped.
 #[derive(Debug)]
 pub struct Daemon {
     running: Running,
@@ -212,14 +212,14 @@ pub struct Daemon {
 }
 
 impl Daemon {
-    /// A daemon with these arguments, in a home of its own.
+    /// Starts a daemon with these arguments in a new home.
     #[must_use]
     #[track_caller]
     pub fn start(arguments: &[&str]) -> Self {
         Home::new().start(arguments)
     }
 
-    /// A daemon with the demo on this backend.
+    /// Starts a daemon with the demo on this backend.
     #[must_use]
     #[track_caller]
     pub fn demo(backend: &str) -> Self {
@@ -227,7 +227,7 @@ impl Daemon {
         Self::start(&["--backend", backend, path(&demo.library)])
     }
 
-    /// Where its files are.
+    /// The directory of its files.
     #[must_use]
     pub fn home(&self) -> &Home {
         &self.home
@@ -247,7 +247,7 @@ impl Daemon {
         Running::start(&mut command)
     }
 
-    /// Runs a `genomctl` to its end, on a terminal of so many columns. Steps: see
+    /// Runs a `genomctl` to its end on a terminal with this many columns. Steps: see
     /// tests/fixtures/terminal.py.
     #[must_use]
     pub fn on_terminal(
@@ -279,7 +279,7 @@ impl Daemon {
         self.spawn(arguments).finish()
     }
 
-    /// Runs a `genomctl --json` that must succeed; its reply.
+    /// Runs a `genomctl --json` that must succeed, and returns its reply.
     #[track_caller]
     #[must_use]
     pub fn json(&self, arguments: &[&str]) -> Value {
@@ -288,7 +288,7 @@ impl Daemon {
         serde_json::from_str(&finished.out).expect("JSON")
     }
 
-    /// Periods that the tasks of a component missed so far.
+    /// Number of periods that the tasks of a component missed so far.
     #[track_caller]
     #[must_use]
     pub fn missed(&self, component: &str) -> u64 {
@@ -297,7 +297,7 @@ impl Daemon {
         tasks.iter().map(|task| task["overruns"].as_u64().expect("a number")).sum()
     }
 
-    /// A port as the daemon tells it: type, connection, value.
+    /// A port as the daemon reports it: type, connection, value.
     #[track_caller]
     #[must_use]
     pub fn port(&self, component: &str, name: &str) -> Value {
@@ -306,19 +306,19 @@ impl Daemon {
         ports.find(|port| port["name"] == name).expect("the port").clone()
     }
 
-    /// Follows what changes; events told after this returns are heard.
+    /// Opens the stream of events; those after this returns are received.
     #[must_use]
     pub fn events(&self) -> crate::Events {
         crate::Events::open(&self.home.socket())
     }
 
-    /// Waits for its end, which something else brings about.
+    /// Waits for its end, which something else causes.
     #[must_use]
     pub fn finish(self) -> (Finished, Home) {
         (self.running.finish(), self.home)
     }
 
-    /// The same; it hangs when it takes longer than this.
+    /// The same; fails if it takes longer than `longest`.
     #[must_use]
     pub fn finish_within(self, longest: std::time::Duration) -> (Finished, Home) {
         (self.running.finish_within(longest), self.home)

@@ -1,39 +1,39 @@
-//! What codels can do to the process they share, as a table: which component does it, on which
-//! call, and what becomes of it.
+//! What misbehaving codels can do to the process that they share, as a table: which component does
+//! it, in which service, and what must happen.
 //!
 //! Each row is a codel of `components/faults`. To try one, start a daemon with the demo, load
-//! `row.component`, call `row.service` with `row.inputs` and wait for the end: [`Fault::provoke`]
-//! does all but the first step and says what happened. `tests/faults.rs` compares that with
-//! `row.outcome`, `row.told` and `row.stays`; whoever prints the table uses the same rows, on any
-//! backend.
+//! `row.component`, call `row.service` and wait for it to end: [`Fault::provoke`] does everything
+//! but the first step and returns what happened. The tests (`tests/all/components/table.rs`)
+//! compare that with `row.outcome`, `row.told` and `row.stays`; `cargo faults` prints the same rows
+//! as a table for any backend.
 
 use std::fmt;
 
 use crate::{Daemon, component, path};
 
-/// A way to misbehave, and what is to become of it.
+/// A misbehaviour and its expected effects.
 #[derive(Clone, Copy, Debug)]
 pub struct Fault {
-    /// What the codel does: "a codel ..." begins the sentence.
+    /// What the codel does; completes "a codel ...".
     pub what: &'static str,
-    /// A folder of `components/faults`.
+    /// Folder of the component in `components/faults`.
     pub component: &'static str,
-    /// The service that does it. No row needs inputs that have no default.
+    /// The service that misbehaves. None needs inputs without a default.
     pub service: &'static str,
-    /// What happens to the service and the daemon.
+    /// Effect on the service and the daemon.
     pub outcome: Outcome,
-    /// Part of what the daemon then says on standard error; empty when it is to say nothing.
+    /// Part of the daemon's message on standard error; empty if there must be none.
     pub told: &'static str,
-    /// Whether the library stays mapped when the component is unloaded.
+    /// Whether the library stays mapped after the component is unloaded.
     pub stays: bool,
 }
 
-/// What becomes of a service that misbehaves, and of its daemon.
+/// Effect of a misbehaving service on itself and on its daemon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
-    /// The service succeeds, and everything goes on.
+    /// The service succeeds, and everything continues.
     GoesOn,
-    /// The service ends with this exception, and everything else goes on.
+    /// The service ends with this exception, and everything else continues.
     Exception(&'static str),
     /// The daemon stops its components and ends with this status.
     Stops(i32),
@@ -42,7 +42,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// Whether the daemon and its other components go on.
+    /// Whether the daemon and its other components continue.
     #[must_use]
     pub fn goes_on(self) -> bool {
         matches!(self, Self::GoesOn | Self::Exception(_))
@@ -70,7 +70,7 @@ const fn row(
     Fault { what, component, service, outcome, told, stays: false }
 }
 
-/// One after which the library stays mapped.
+/// A row after which the library stays mapped.
 const fn stays(what: &'static str, service: &'static str, told: &'static str) -> Fault {
     let outcome = Outcome::GoesOn;
     Fault { what, component: "remains", service, outcome, told, stays: true }
@@ -80,9 +80,9 @@ const UNKEX: Outcome = Outcome::Exception("::genom::unkex");
 const BAD: Outcome = Outcome::Exception("::genom::bad_transition");
 const ON: Outcome = Outcome::GoesOn;
 
-/// Every row.
+/// All rows.
 pub const FAULTS: &[Fault] = &[
-    // What is left behind at unload; what is told of it is told then.
+    // Codels that leave something behind at unload, which is when the message comes.
     stays("leaves a thread that spins", "spin", "threads that it started run on"),
     stays("leaves a thread that spins and masks signals", "spin_masked", "cannot be looked at"),
     stays("leaves a timer that calls it in a thread", "tick_by_thread", "a timer still calls it"),
@@ -152,7 +152,7 @@ pub const FAULTS: &[Fault] = &[
     row("jumps by longjmp within the codel", ("leaves", "jump_within"), ON, ""),
     row("returns a pointer to nothing", ("leaves", "wild"), UNKEX, "leaves_wild"),
     row("returns a small number as its event", ("leaves", "small"), UNKEX, "leaves_small"),
-    // Codels that take from the process what the daemon needs.
+    // Codels that take away from the process what the daemon needs.
     row("allows 8 files", ("grabs", "limit_files"), ON, "RLIMIT_NOFILE"),
     row("allows 1 MB of memory", ("grabs", "limit_memory"), ON, "RLIMIT_AS"),
     row("allows files of a byte", ("grabs", "limit_file_size"), ON, "RLIMIT_FSIZE"),
@@ -161,7 +161,7 @@ pub const FAULTS: &[Fault] = &[
     row("raises SIGALRM", ("grabs", "alarm"), ON, "SIGALRM"),
     row("raises SIGUSR1", ("grabs", "user_signal"), ON, "SIGUSR1"),
     row("puts SIGALRM back to its default", ("grabs", "default_signal"), ON, "SIGALRM"),
-    // Codels that write past what they were given.
+    // Codels that write beyond their memory.
     row("writes past the ids", ("overwrites", "past_ids"), UNKEX, "past the end of the ids"),
     row("writes before the ids", ("overwrites", "before_ids"), UNKEX, "the beginning of the ids"),
     row("writes past an output", ("overwrites", "past_output"), UNKEX, "past the end of"),
@@ -169,7 +169,7 @@ pub const FAULTS: &[Fault] = &[
     row("writes past an argument", ("overwrites", "past_argument"), UNKEX, "past the end of"),
     row("writes all that it may write", ("overwrites", "within"), ON, ""),
     row("writes past the ids and goes on", ("overwrites", "past_ids_and_on"), UNKEX, "the ids"),
-    // Returns that are wrong and harmless.
+    // Return values that are wrong but harmless.
     row("returns an event that does not exist", ("strays", "unknown"), BAD, ""),
     row("lets a C++ exception escape", ("escapes", "fail"), UNKEX, "the motor is on fire"),
 ];
@@ -177,9 +177,9 @@ pub const FAULTS: &[Fault] = &[
 /// What a fault did.
 #[derive(Debug)]
 pub struct Seen {
-    /// Exit status of the call; 3: the daemon was gone.
+    /// Exit status of the call; 3 if the daemon was gone.
     pub code: Option<i32>,
-    /// What the call printed, results and errors.
+    /// Output of the call, results and errors.
     pub said: String,
 }
 
@@ -187,7 +187,7 @@ impl Fault {
     /// The row of this component and service.
     ///
     /// # Panics
-    /// There is none.
+    /// If there is none.
     #[must_use]
     pub fn of(component: &str, service: &str) -> &'static Self {
         let is = |row: &&Self| (row.component, row.service) == (component, service);

@@ -1,11 +1,11 @@
-//! Two daemons that share nothing but zenoh: a robot, which asks for tokens, and a desk.
+//! Two daemons that share only zenoh: a robot that requires tokens, and a desk.
 
 use std::process::Command;
 use std::sync::Arc;
 
 use crate::{Daemon, Finished, Home, Memory, Running, component, path, program};
 
-/// A robot with the demo, and a desk without components; they share nothing but zenoh.
+/// A robot with the demo, and a desk without components; they share only zenoh.
 #[must_use]
 pub fn fleet() -> (Daemon, Daemon) {
     let memory = Arc::new(Memory::new());
@@ -37,7 +37,7 @@ pub fn fleet() -> (Daemon, Daemon) {
     (robot, desk)
 }
 
-/// A `genomctl` at the desk that means the robot.
+/// Runs a `genomctl` through the desk's daemon for the robot's.
 #[must_use]
 pub fn at_the_robot(robot: &Daemon, desk: &Daemon, token: &str, arguments: &[&str]) -> Finished {
     let token = robot.home().path().join(token);

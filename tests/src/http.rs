@@ -1,4 +1,4 @@
-//! Raw HTTP on the daemon's socket, for what genomctl never sends.
+//! Raw HTTP on the daemon's socket, for requests that genomctl never sends.
 
 use std::io::{self, BufRead as _, BufReader, Read as _, Write as _};
 use std::os::unix::net::UnixStream;
@@ -13,19 +13,19 @@ use crate::WATCHDOG;
 pub struct Reply {
     /// HTTP status.
     pub status: u16,
-    /// Body as JSON; null when it is none.
+    /// Body as JSON; null if it is not JSON.
     pub body: Value,
 }
 
 impl Reply {
-    /// Stable name of the reason of a refusal.
+    /// Stable code of a refusal.
     #[must_use]
     pub fn code(&self) -> &str {
         self.body["error"]["code"].as_str().unwrap_or_default()
     }
 }
 
-/// A connection to a daemon.
+/// Opens a connection to a daemon.
 #[must_use]
 pub fn connect(socket: &Path) -> UnixStream {
     let stream = UnixStream::connect(socket).expect("the daemon listens");
@@ -33,13 +33,13 @@ pub fn connect(socket: &Path) -> UnixStream {
     stream
 }
 
-/// One request on a connection of its own.
+/// Sends one request on a connection of its own.
 #[must_use]
 pub fn request(socket: &Path, method: &str, path: &str, body: &str) -> Reply {
     attempt(socket, method, path, body).expect("the daemon answers")
 }
 
-/// The same to a daemon that may be gone, or go meanwhile.
+/// The same for a daemon that may be gone, or end meanwhile.
 pub(crate) fn attempt(socket: &Path, method: &str, path: &str, body: &str) -> io::Result<Reply> {
     let mut stream = UnixStream::connect(socket)?;
     stream.set_read_timeout(Some(WATCHDOG))?;
@@ -57,7 +57,7 @@ pub(crate) fn attempt(socket: &Path, method: &str, path: &str, body: &str) -> io
     Ok(Reply { status, body: serde_json::from_str(body).unwrap_or_default() })
 }
 
-/// What changes in a daemon, as it happens.
+/// Stream of a daemon's events.
 #[derive(Debug)]
 pub struct Events {
     lines: std::io::Lines<BufReader<UnixStream>>,
@@ -72,12 +72,12 @@ impl Events {
         let mut lines = BufReader::new(stream).lines();
         let status = lines.next().expect("an answer").expect("a line");
         assert!(status.contains("200"), "{status}");
-        // The head ends with an empty line; the daemon listens before it sends it.
+        // The head ends with an empty line; the daemon subscribes before it sends it.
         while !lines.next().expect("a head").expect("a line").is_empty() {}
         Self { lines }
     }
 
-    /// The next change that `wanted` says yes to; those before it are given up.
+    /// Waits for the next event that `wanted` accepts; skips those before it.
     #[track_caller]
     pub fn wait_for(&mut self, wanted: impl Fn(&Value) -> bool) -> Value {
         let mut seen = Vec::new();
@@ -95,7 +95,7 @@ impl Events {
         }
     }
 
-    /// Changes until one that `last` says yes to, that one included.
+    /// Events up to and including one that `last` accepts.
     #[track_caller]
     pub fn until(&mut self, last: impl Fn(&Value) -> bool) -> Vec<Value> {
         let all = std::cell::RefCell::new(Vec::new());

@@ -1,6 +1,6 @@
-//! What the black-box tests share: daemons and commands run as users run them.
+//! Shared by the black-box tests: runs daemons and commands as users do.
 //!
-//! It knows the programs, not their code: everything goes through command lines and sockets.
+//! It uses the programs through command lines and sockets only, and no code of theirs.
 
 #![deny(unsafe_code)]
 #![allow(

@@ -1,7 +1,7 @@
-//! Many components in one daemon, and what a process holds for them.
+//! Many components in one daemon, and the resources that a process uses for them.
 //!
-//! The component is `tests/fixtures/many`: five ports, nine services of its own, one task at
-//! 10 Hz that writes all its out ports. One library is loaded under the names `m0`, `m1`, ...:
+//! The component is `tests/fixtures/many`: five ports, nine services, one task at 10 Hz that writes
+//! all its out ports. One library is loaded under the names `m0`, `m1`, ...:
 //! ```text
 //! let made = tempfile::tempdir().unwrap();
 //! let text = Many { components: 60, chained: true }.configuration("shm", made.path());
@@ -9,8 +9,8 @@
 //! let held = Footprint::of(daemon.process().id());
 //! assert!(held.descriptors < 60 * 6);
 //! ```
-//! By hand: `cargo run -p genom-tests --bin many -- 500 shm DIRECTORY` writes the configuration
-//! and prints how to start it.
+//! By hand: `cargo run -p genom-tests --bin many -- 500 shm DIRECTORY` writes the configuration and
+//! prints how to start it.
 
 use std::fmt::Write as _;
 use std::fs;
@@ -21,18 +21,19 @@ use crate::fixture;
 /// Components of one kind under different names.
 #[derive(Clone, Copy, Debug)]
 pub struct Many {
-    /// How many.
+    /// Number of components.
     pub components: usize,
-    /// Whether each reads the state and the level of the one before it, the first those of the
-    /// last; otherwise no port is connected.
+    /// Whether each reads the state and the level of the previous one, and the first those of the
+    /// last. If false, no port is connected.
     pub chained: bool,
 }
 
 impl Many {
-    /// Makes the component in a directory; the configuration of a daemon that loads it so often.
+    /// Builds the component in a directory. Returns the configuration of a daemon that loads it
+    /// this many times.
     ///
     /// # Panics
-    /// It cannot be made.
+    /// If it cannot be built.
     #[must_use]
     pub fn configuration(self, backend: &str, made: &Path) -> String {
         let library = fixture("many", "many", made);
@@ -53,28 +54,28 @@ impl Many {
     }
 }
 
-/// What a process holds of the machine, as the kernel tells it.
+/// Resources of a process, as the kernel reports them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footprint {
-    /// Open files, sockets and the like.
+    /// Open file descriptors.
     pub descriptors: usize,
-    /// Mapped files of shared memory.
+    /// Mapped segments of shared memory.
     pub segments: usize,
-    /// Memory in RAM, KiB, shared memory included.
+    /// Resident memory in KiB, including shared memory.
     pub resident: u64,
-    /// That part of it which is shared memory, KiB.
+    /// The shared part of the resident memory, in KiB.
     pub shared: u64,
-    /// The most that was in RAM at once, KiB.
+    /// Peak resident memory in KiB.
     pub peak: u64,
     /// Threads.
     pub threads: u64,
 }
 
 impl Footprint {
-    /// That of a process now.
+    /// Resources of a process now.
     ///
     /// # Panics
-    /// There is no such process.
+    /// If there is no such process.
     #[must_use]
     pub fn of(process: u32) -> Self {
         let place = Path::new("/proc").join(process.to_string());

@@ -1,6 +1,6 @@
 //! Transcripts: commands as a user types them, with the exact output each must give.
 //!
-//! A file of lines, each known by its first characters:
+//! The first characters of a line tell what it is:
 //!
 //! | | |
 //! |---|---|
@@ -13,24 +13,24 @@
 //! | anything else | standard output must have this line; after `\` if it starts as above |
 //!
 //! `{demo}` stands for the library of a component, `{home}` for the working directory. `[..]`
-//! stands for anything within a line: what depends on the machine. With `UPDATE_EXPECT=1` in
-//! the environment, a file is rewritten with what really comes.
+//! stands for any text within a line, for what depends on the machine. With `UPDATE_EXPECT=1` in
+//! the environment, the file is rewritten with the actual output.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::{Daemon, Home, Running, component, path, program};
 
-/// One command with what came, or what must come.
+/// One command with its actual or expected output.
 struct Step {
     command: String,
     output: Vec<String>,
 }
 
-/// Runs a transcript and compares; panics with both when they differ.
+/// Runs a transcript and compares; on a difference it panics and shows both.
 ///
 /// # Panics
-/// When the output is another.
+/// If the output differs.
 #[track_caller]
 pub fn transcript(file: &Path) {
     let text =
@@ -57,7 +57,7 @@ pub fn transcript(file: &Path) {
             while let Some(line) = lines.next_if(|line| !starts_step(line)) {
                 wanted.push(line.to_owned());
             }
-            // An empty line before the next step is for the reader.
+            // An empty line before the next step only separates steps.
             let blank = wanted.last().is_some_and(String::is_empty)
                 && output.last().is_none_or(|line| !line.is_empty());
             if blank {
@@ -94,7 +94,7 @@ impl Step {
             && self.output.iter().zip(&came.output).all(|(wanted, line)| matches(wanted, line))
     }
 
-    /// What came, with the lines kept that allow it.
+    /// The actual output; where an expected line matches it, that line.
     fn merged(&self, came: &Step) -> String {
         let same = self.output.len() == came.output.len();
         let line = |(rank, line): (usize, &String)| {
@@ -108,7 +108,7 @@ impl Step {
     }
 }
 
-/// Whether a line is as wanted, with `[..]` for anything.
+/// Whether a line is as expected; `[..]` matches any text.
 fn matches(wanted: &str, line: &str) -> bool {
     let mut parts = wanted.split("[..]");
     let Some(mut rest) = parts.next().and_then(|first| line.strip_prefix(first)) else {
@@ -123,12 +123,12 @@ fn matches(wanted: &str, line: &str) -> bool {
     rest.ends_with(last)
 }
 
-/// Where a transcript plays.
+/// State of a running transcript.
 struct Stage {
-    /// Before the daemon starts.
+    /// Present until the daemon starts.
     home: Option<Home>,
     daemon: Option<Daemon>,
-    /// Names that stand for paths.
+    /// Placeholders and their paths.
     names: Vec<(String, PathBuf)>,
 }
 
@@ -146,7 +146,7 @@ impl Stage {
         self.daemon = Some(home.start(&arguments));
     }
 
-    /// Paths in place of the names that stand for them.
+    /// Replaces placeholders by paths.
     fn named(&mut self, text: &str) -> String {
         let text = text.replace("{home}", path(&self.path()));
         let mut pieces = text.split('{');
@@ -173,7 +173,7 @@ impl Stage {
         out
     }
 
-    /// Names in place of the paths.
+    /// Replaces paths by placeholders.
     fn unnamed(&self, line: &str) -> String {
         let home = self.path();
         let mut line = line.replace(path(&home), "{home}");

@@ -1,5 +1,5 @@
-//! One fault, tried: in a daemon that also runs a well-behaved component, beside another daemon
-//! on the same middleware. What became of it, of these two, and of the next start.
+//! Tries one fault in a daemon that also runs a well-behaved component, next to another daemon on
+//! the same middleware; reports what became of all of them and of the next start.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
@@ -12,27 +12,27 @@ use crate::crash::{Outcome, Phase, Toll};
 use crate::faults::{self, Fault};
 use crate::{Daemon, Finished, Home, Memory, component, path};
 
-/// What a trial showed.
+/// Result of a trial.
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// What was done: "a codel ...", or where a daemon was ended.
     pub fault: String,
-    /// The middleware.
+    /// Name of the middleware.
     pub backend: String,
-    /// What happened to whoever did it.
+    /// Effect on the daemon that was tried.
     pub happened: String,
-    /// What happened to the others: periods that they missed.
+    /// Effect on the others: number of periods that they missed.
     pub neighbours: String,
-    /// How the next start went.
+    /// Result of the next start.
     pub next: String,
-    /// What stayed of the daemon after everything had ended.
+    /// What was left of the daemon after everything had ended.
     pub left: String,
-    /// Why this is not what is to become of it; none when it is.
+    /// How this differs from the expected effect; `None` if it does not.
     pub wrong: Option<String>,
 }
 
 impl Trial {
-    /// As data.
+    /// As JSON.
     #[must_use]
     pub fn json(&self) -> Value {
         json!({
@@ -42,7 +42,7 @@ impl Trial {
         })
     }
 
-    /// Tries a fault on a middleware. A step that fails or hangs is told as what is wrong.
+    /// Tries a fault on a middleware. A step that fails or hangs is reported in `wrong`.
     #[must_use]
     pub fn of(fault: &Fault, backend: &str) -> Self {
         let mut trial = Self {
@@ -63,13 +63,13 @@ impl Trial {
         trial
     }
 
-    /// What the end of daemons is called.
+    /// Name of a row about killed daemons.
     #[must_use]
     pub fn killed_in(phase: Phase) -> String {
         format!("SIGKILL in {}", phase.name())
     }
 
-    /// What came of ending daemons with SIGKILL while they used shared memory.
+    /// Result for daemons that were killed with SIGKILL while they used shared memory.
     #[must_use]
     pub fn of_killed(toll: &Toll) -> Self {
         let [half, most] = toll.ready().map(|ready| ready.as_millis());
@@ -141,7 +141,7 @@ impl Trial {
     }
 }
 
-/// Files in a cell of the table.
+/// Names of files for a cell of the table.
 fn told(left: &[PathBuf]) -> String {
     match left {
         [] => "nothing".to_owned(),
@@ -150,13 +150,13 @@ fn told(left: &[PathBuf]) -> String {
     }
 }
 
-/// The exception that a call ended with.
+/// The exception with which a call ended.
 fn exception(said: &str) -> &str {
     let after = said.split_once("ended with ").map_or("", |(_, after)| after);
     after.split_whitespace().next().unwrap_or("?")
 }
 
-/// What differs from what is to become of it.
+/// Differences from the expected effect.
 fn wrong(fault: &Fault, happened: &str, ended: &Finished, said: &str) -> Option<String> {
     let fits = match fault.outcome {
         faults::Outcome::GoesOn => happened == "goes on",

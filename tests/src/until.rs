@@ -1,14 +1,14 @@
-//! Waits for what comes to be in its own time, by asking again.
+//! Waits for conditions by polling, under a watchdog.
 
 use std::fmt::Display;
 use std::time::Instant;
 
 use crate::WATCHDOG;
 
-/// Asks again until it is so.
+/// Polls until the condition holds.
 ///
 /// # Panics
-/// It does not come to be.
+/// If it does not hold in time.
 #[track_caller]
 pub fn until(what: &str, mut so: impl FnMut() -> bool) {
     let end = Instant::now() + WATCHDOG;
@@ -17,10 +17,10 @@ pub fn until(what: &str, mut so: impl FnMut() -> bool) {
     }
 }
 
-/// Asks again until the answer is this one.
+/// Polls until the answer is `wanted`.
 ///
 /// # Panics
-/// It stays another one.
+/// If it stays different.
 #[track_caller]
 pub fn until_answer<T, W>(wanted: &W, mut ask: impl FnMut() -> T)
 where

@@ -1,4 +1,4 @@
-//! Names of ports and services across components.
+//! Addresses of ports and services: which component instance, which port or service.
 
 use std::fmt;
 
@@ -7,17 +7,17 @@ use std::fmt;
 pub struct Address {
     /// Instance name of the component.
     pub instance: String,
-    /// Port or service, with `/element` for an element of a multiple port.
+    /// Name of the port or service; for an element of a multiple port, `port/element`.
     pub name: String,
 }
 
 impl Address {
-    /// An address from its two parts.
+    /// Builds an address from an instance name and the name of a port or service.
     pub fn new(instance: impl Into<String>, name: impl Into<String>) -> Self {
         Self { instance: instance.into(), name: name.into() }
     }
 
-    /// Reads `instance/name` or `instance/name/element`; `None` when a part is missing.
+    /// Parses `instance/name` or `instance/name/element`. `None` when a part is missing or empty.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let (instance, name) = text.split_once('/')?;

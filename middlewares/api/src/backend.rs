@@ -1,4 +1,4 @@
-//! How a backend is opened: by its section of a configuration.
+//! How a backend is opened from its section of the configuration.
 
 use std::fmt::Display;
 use std::sync::Arc;
@@ -9,24 +9,25 @@ use crate::Middleware;
 
 /// A middleware that a daemon can be built with.
 ///
-/// The daemon names each of its backends in one place and asks here for all the rest: what its
-/// section of the configuration may say, whether what it says makes sense, and the open middleware.
+/// The registry lists each backend once. Everything else comes from here: which options its section
+/// of the configuration accepts, whether their values are valid, and the opened middleware.
 pub trait Backend {
-    /// As configurations and commands call it; also [`Middleware::name`].
+    /// Name in configurations and commands; the same as [`Middleware::name`].
     const NAME: &'static str;
 
-    /// The library behind it, for people who look: `zenoh 1.10`.
+    /// Name and version of the library underneath, for people to read: `zenoh 1.10`.
     const VERSION: &'static str;
 
-    /// `[backends.NAME]`. Every key has a default, and unknown ones are errors
-    /// (`#[serde(default, deny_unknown_fields)]`), so that a typo is told with its line.
+    /// Type of the section `[backends.NAME]`. Every key has a default, and unknown keys are errors
+    /// (`#[serde(default, deny_unknown_fields)]`), so that a typing error is reported with its
+    /// line.
     type Options: DeserializeOwned;
 
-    /// Why it does not open; it names the key where an option is to blame.
+    /// Why the backend cannot be opened. The message names the key if an option is the cause.
     type Error: Display;
 
-    /// Refuses options that make no sense, and opens nothing: also those of backends that are not
-    /// in use are looked at when the daemon starts.
+    /// Checks the options without opening anything. The daemon calls this at start for every
+    /// backend, including those it does not use.
     ///
     /// # Errors
     /// An option is out of range, or options contradict each other.
@@ -35,9 +36,9 @@ pub trait Backend {
         Ok(())
     }
 
-    /// Opens it.
+    /// Opens the middleware.
     ///
     /// # Errors
-    /// As [`check`](Backend::check), or it cannot be had on this machine.
+    /// The same as [`check`](Backend::check), or the middleware is not available on this machine.
     fn open(options: Self::Options) -> Result<Arc<dyn Middleware>, Self::Error>;
 }

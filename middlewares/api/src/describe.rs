@@ -1,10 +1,10 @@
-//! How types are named in errors, so that two that differ never read alike.
+//! Spells types for error messages, with enough detail that two different types never read alike.
 
 use genom_types::DataType;
 
 use crate::service::ServiceType;
 
-/// Spelling, size where it is fixed, and digest of a type.
+/// Name of a port's type, its size in bytes if it is fixed, and its digest.
 #[must_use]
 pub fn type_of_port(ty: &DataType) -> String {
     if ty.is_fixed_size() {
@@ -14,7 +14,7 @@ pub fn type_of_port(ty: &DataType) -> String {
     }
 }
 
-/// Input and output of a service, and the digest of what else it agrees on.
+/// Input and output types of a service, and the digest of its description.
 #[must_use]
 pub fn types_of_service(service: &ServiceType) -> String {
     let types = format!("{} -> {}", type_of_port(&service.input), type_of_port(&service.output));

@@ -1,46 +1,47 @@
-//! Who is on a middleware: ends of ports, services, and programs of other makes.
+//! Discovery: which ports and services exist on a middleware, including those of programs that are
+//! not genomd.
 
 use crate::{Address, DiscoverError};
 
-/// Lists ports and services on a middleware. One whose peers do not announce themselves does not
-/// implement this.
+/// Lists ports and services on a middleware. Backends whose peers do not announce themselves do not
+/// implement it.
 pub trait Discovery {
-    /// What is visible now, ours and others'.
+    /// Everything that is visible now, whether it belongs to this daemon or to others.
     ///
     /// # Errors
-    /// When the middleware cannot tell.
+    /// When the middleware cannot list it.
     fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError>;
 
-    /// Ends of ports at one address, of those that [`discover`](Discovery::discover) lists: for
-    /// callers that ask for many addresses, where listing everything each time costs more.
+    /// The ports at one address, out of those that [`discover`](Discovery::discover) lists.
+    /// Backends override it where listing everything for each of many addresses would be slow.
     ///
     /// # Errors
-    /// As there.
+    /// The same as [`discover`](Discovery::discover).
     fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
         let wanted = self.spelled(at);
         Ok(self.discover()?.into_iter().filter(|end| end.address == wanted).collect())
     }
 
-    /// How [`discover`](Discovery::discover) spells an address: with the namespace of this side in
-    /// front, where there is one.
+    /// The address as [`discover`](Discovery::discover) spells it: with the namespace of this side
+    /// in front, if there is one.
     fn spelled(&self, at: &Address) -> String {
         at.to_string()
     }
 
-    /// Programs that are connected but do not show in [`discover`](Discovery::discover), as far as
-    /// the middleware tells of them. For diagnosis by people.
+    /// Peers that are connected but not listed by [`discover`](Discovery::discover), as far as the
+    /// middleware knows of them. Shown to people who look for a fault.
     fn strangers(&self) -> Vec<Stranger> {
         Vec::new()
     }
 
-    /// What keeps our ends at an address and others from meeting, though both are there.
+    /// Reasons why our ports at an address and those of others do not connect although both exist.
     fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
         let _ = at;
         Vec::new()
     }
 }
 
-/// What an endpoint is.
+/// Kind of an endpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EndpointKind {
     /// An out port.
@@ -56,34 +57,34 @@ pub enum EndpointKind {
 pub struct Endpoint {
     /// Out port, in port or service.
     pub kind: EndpointKind,
-    /// In the middleware's own spelling: `demo/position` for ours.
+    /// Address in the middleware's own spelling; `demo/position` for ours.
     pub address: String,
-    /// Name of its type, as far as known.
+    /// Name of its type; empty if unknown.
     pub ty: String,
 }
 
-/// Somebody on a middleware who does not tell what it opens, as programs of other makes may.
+/// A peer that does not announce what it opens, as programs that are not genomd may not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stranger {
-    /// Somebody reads an out port of this side; as which type is not known.
+    /// A reader of one of our out ports; the type that it expects is unknown.
     Reader {
-        /// Of the out port.
+        /// Address of the out port.
         address: String,
     },
-    /// Somebody is connected; what it opened cannot be seen.
+    /// A connected peer; what it opened is not visible.
     Session {
-        /// By which the middleware tells it from others.
+        /// Identity of the peer on the middleware.
         name: String,
-        /// What it is there, in the middleware's own words.
+        /// Role of the peer, in the middleware's terms.
         role: &'static str,
     },
 }
 
-/// Why two ends that are there are not connected, or get less from each other than they could.
+/// Why two existing ends are not connected, or exchange less than they could.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Obstacle {
-    /// What is in the way, as a sentence without a stop.
+    /// The cause, as a sentence without a full stop.
     pub what: String,
-    /// What to do.
+    /// What to do about it.
     pub fix: String,
 }

@@ -1,4 +1,4 @@
-//! What can go wrong, one enum per operation.
+//! Errors of middlewares, one enum per operation.
 
 use crate::Address;
 
@@ -6,30 +6,30 @@ use crate::Address;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OpenError {
-    /// The other side carries another type under this address.
+    /// The other side uses another type at this address.
     #[error("{address} carries {theirs}, this side wants {ours}: make the two .gen types equal")]
     TypeMismatch {
-        /// What was opened.
+        /// Address that was opened.
         address: Address,
-        /// Type of this side: name, size and digest as far as known.
+        /// Type on this side: name, size and digest as far as they are known.
         ours: String,
-        /// Type of the other side, likewise.
+        /// Type on the other side, in the same form.
         theirs: String,
     },
-    /// Another publisher already owns this address.
+    /// Another publisher has this address.
     #[error("{address} already has a publisher: give this instance another name (--name)")]
     Taken {
-        /// What was opened.
+        /// Address that was opened.
         address: Address,
     },
-    /// This middleware cannot carry such a type.
+    /// This middleware cannot carry the type.
     #[error("{backend} cannot carry {ty}: {why}")]
     Unsupported {
         /// Name of the middleware.
         backend: String,
         /// Spelling of the type that cannot be carried.
         ty: String,
-        /// What is missing.
+        /// The reason.
         why: String,
     },
     /// The middleware itself failed.
@@ -37,26 +37,26 @@ pub enum OpenError {
     Failed {
         /// Name of the middleware.
         backend: String,
-        /// What was opened.
+        /// Address that was opened.
         address: Address,
-        /// The middleware's own words.
+        /// The middleware's own message.
         why: String,
     },
 }
 
-/// A type or service cannot be shown as one of the middleware's own: there are no such names.
+/// A type or service cannot masquerade: the foreign name does not have the middleware's form.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{ours} cannot masquerade as `{foreign}`: write {form}")]
 pub struct NoForeignName {
     /// Full name of the IDL type or service.
     pub ours: String,
-    /// What was given.
+    /// The foreign name as given.
     pub foreign: String,
-    /// How such names are written.
+    /// Form of the middleware's names, such as `package/msg/Type`.
     pub form: &'static str,
 }
 
-/// Publishing failed. Small and without allocation: it is made on the real-time path.
+/// Publishing failed. Has no heap data, because it is created on the real-time path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PublishError {
@@ -68,7 +68,7 @@ pub enum PublishError {
     Refused,
 }
 
-/// Reading failed. Small and without allocation: it is made on the real-time path.
+/// Reading failed. Has no heap data, because it is created on the real-time path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {
@@ -86,7 +86,7 @@ pub enum ReadError {
 pub struct DiscoverError {
     /// Name of the middleware.
     pub backend: String,
-    /// The middleware's own words.
+    /// The middleware's own message.
     pub why: String,
 }
 
@@ -97,26 +97,26 @@ pub enum CallError {
     /// Nobody serves the address.
     #[error("nobody serves {address}: is the component running on this middleware?")]
     Nobody {
-        /// What was called.
+        /// Address that was called.
         address: Address,
     },
-    /// The service takes or gives other types.
+    /// The service has other input or output types.
     #[error("{address} serves {theirs}, this side calls {ours}: make the two .gen types equal")]
     TypeMismatch {
-        /// What was called.
+        /// Address that was called.
         address: Address,
-        /// Types of this side.
+        /// Types on this side.
         ours: String,
-        /// Types of the other side.
+        /// Types on the other side.
         theirs: String,
     },
-    /// No answer in time.
+    /// No reply within this time.
     #[error("no answer within {0:?}")]
     Timeout(std::time::Duration),
-    /// The service went away before it answered.
+    /// The service went away before it replied.
     #[error("the service went away before it answered")]
     Gone,
-    /// The answer could not be decoded.
+    /// The reply could not be decoded.
     #[error("the answer cannot be decoded: {0}")]
     Serialization(String),
     /// The middleware itself failed.
@@ -124,7 +124,7 @@ pub enum CallError {
     Failed {
         /// Name of the middleware.
         backend: String,
-        /// The middleware's own words.
+        /// The middleware's own message.
         why: String,
     },
 }

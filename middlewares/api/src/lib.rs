@@ -1,13 +1,13 @@
-//! The contract of a middleware: what the runtime may ask of any of them.
+//! The interface between the runtime and a middleware.
 //!
-//! A middleware moves [`Record`](genom_types::Record)s between ports, and requests between
-//! callers and services, by address. Nothing here says how: topics, keys and segments are each
-//! backend's own affair.
+//! A middleware carries [`Record`](genom_types::Record)s between ports, and requests and replies
+//! between callers and services. Both are identified by an [`Address`]. How a backend maps
+//! addresses to its own topics, keys or segments is not visible here.
 //!
-//! A backend implements [`Middleware`] and [`Ports`], and of [`Services`], [`Discovery`] and
-//! [`Relay`] what it has; [`Backend`] says how it is opened. `docs/backend.md` shows how one is written; the crate
-//! `genom-conformance` states what all of them must hold, as tests, and `genom-kit` has parts that
-//! most need.
+//! A backend implements [`Middleware`] and [`Ports`]; [`Services`], [`Discovery`] and [`Relay`] are
+//! optional; [`Backend`] says how it is opened. `docs/backend.md` shows how to write one. The crate
+//! `genom-conformance` tests what every backend must provide, and `genom-kit` has parts that most
+//! backends need.
 
 #![forbid(unsafe_code)]
 

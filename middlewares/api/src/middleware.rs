@@ -1,8 +1,8 @@
-//! A middleware as a whole: what it is called, what it can do, and what it leaves out.
+//! A middleware as a whole: its name, its capabilities, and the optional concerns it implements.
 //!
-//! Every middleware opens ports. Services, discovery and the way to other daemons are concerns of
-//! their own: a backend implements [`Services`], [`Discovery`] or [`Relay`] where it can, and says
-//! so here. Callers ask the middleware and are told, in one and the same sentence, what it cannot.
+//! Every middleware opens ports. [`Services`], [`Discovery`] and [`Relay`] are separate traits: a
+//! backend implements those it can, and returns itself from the method of that name. Callers use
+//! the methods of `dyn Middleware`, which answer with one uniform error where a concern is missing.
 
 use std::sync::Arc;
 
@@ -11,91 +11,91 @@ use crate::{
     Relay, Served, ServiceHandler, ServiceType, Services, Stranger,
 };
 
-/// A middleware, open and ready. One value serves a whole daemon.
+/// An open middleware. A daemon has one value of each, shared by all its components.
 pub trait Middleware: Ports + Send + Sync {
-    /// As configurations call it: `local`, `shm`, `zenoh`, `ros2`.
+    /// Name in configurations: `local`, `shm`, `zenoh`, `ros2`.
     fn name(&self) -> &'static str;
 
-    /// What the daemon may ask of it; what is missing is refused at load.
+    /// What this middleware can do. A component that needs more is refused when it is loaded.
     fn capabilities(&self) -> Capabilities;
 
-    /// Serves and calls services; none if [`Capabilities::services`] is false.
+    /// The services of this middleware; `None` if [`Capabilities::services`] is false.
     fn services(&self) -> Option<&dyn Services> {
         None
     }
 
-    /// Lists ports and services on the middleware; none if its peers do not announce themselves.
+    /// Discovery on this middleware; `None` if its peers do not announce themselves.
     fn discovery(&self) -> Option<&dyn Discovery> {
         None
     }
 
-    /// Passes requests to other daemons on this middleware; none if it has no way for that.
+    /// Requests to other daemons through this middleware; `None` if it has no way for them.
     fn relay(&self) -> Option<&dyn Relay> {
         None
     }
 
-    /// What a program of another make must be told to meet the ports of this middleware, by name:
-    /// nothing, when all on the machine or the network meet.
+    /// Settings that a foreign program needs to find the ports of this middleware, as names and
+    /// values (for example a domain number). Empty if none are needed.
     fn meeting_point(&self) -> Vec<(&'static str, String)> {
         Vec::new()
     }
 
-    /// Shows a type or service (`::demo::pose`, by its full name) as one of the middleware's own,
-    /// from now on. A backend without such types has nothing to do.
+    /// From now on, exposes a type or service (`ours`, its full name such as `::demo::pose`) as the
+    /// middleware's own type `foreign`. A backend without types of its own ignores this.
     ///
     /// # Errors
-    /// The foreign name is none; the error says what would be.
+    /// `foreign` is not a valid name; the text says what would be one.
     fn masquerade(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
         let _ = (ours, foreign);
         Ok(())
     }
 
-    /// Shows a type or service under its own name again, wherever it is opened from now on.
+    /// Undoes [`masquerade`](Middleware::masquerade) for whatever is opened from now on.
     fn unmask(&self, ours: &str) {
         let _ = ours;
     }
 
-    /// What peers sent that would have harmed, and was refused.
+    /// Harmful input from peers that was refused, counted by reason.
     fn refused(&self) -> Vec<Refused> {
         Vec::new()
     }
 }
 
-/// What a middleware can do; the daemon refuses at load what it cannot.
+/// What a middleware can do. The daemon refuses components that need more when it loads them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Capabilities {
     /// Carries types that hold unbounded strings or sequences.
     pub variable_size: bool,
-    /// Readers see the writer's memory without a copy by the middleware.
+    /// Readers access the writer's memory; the middleware makes no copy.
     pub zero_copy: bool,
-    /// Reaches other processes of the machine.
+    /// Reaches other processes on this machine.
     pub cross_process: bool,
     /// Reaches other machines.
     pub cross_host: bool,
     /// Serves and calls services.
     pub services: bool,
-    /// Shows services to peers that are no genomd.
+    /// Peers that are not genomd can call the services.
     pub native_services: bool,
 }
 
-/// What came from others and was not let in: counted by reason.
+/// Input from peers that was refused for one reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Refused {
-    /// The reason, in the words of the log.
+    /// The reason, worded as in the log.
     pub why: &'static str,
-    /// How many there were so far.
+    /// How often so far.
     pub count: u64,
-    /// Who sent the last one, as far as known.
+    /// Sender of the last one, if known.
     pub peer: Option<std::net::IpAddr>,
 }
 
-/// The optional concerns, for callers that do not care whether a middleware has them: where it has
-/// not, they get an error that says so.
+/// The optional concerns, for callers that do not check whether a middleware has them: if it has
+/// not, they return an error that says so.
 impl dyn Middleware + '_ {
-    /// As [`Services::serve`].
+    /// The same as [`Services::serve`].
     ///
     /// # Errors
-    /// As there, or the middleware has no services.
+    /// The same, or the middleware has no services.
     pub fn serve(
         &self,
         at: &Address,
@@ -108,10 +108,10 @@ impl dyn Middleware + '_ {
         }
     }
 
-    /// As [`Services::client`].
+    /// The same as [`Services::client`].
     ///
     /// # Errors
-    /// As there, or the middleware has no services.
+    /// The same, or the middleware has no services.
     pub fn client(
         &self,
         at: &Address,
@@ -131,18 +131,18 @@ impl dyn Middleware + '_ {
         }
     }
 
-    /// As [`Discovery::discover`].
+    /// The same as [`Discovery::discover`].
     ///
     /// # Errors
-    /// As there, or the middleware does not know who is there.
+    /// The same, or the middleware has no discovery.
     pub fn discover(&self) -> Result<Vec<Endpoint>, DiscoverError> {
         self.known()?.discover()
     }
 
-    /// As [`Discovery::ends_at`].
+    /// The same as [`Discovery::ends_at`].
     ///
     /// # Errors
-    /// As there, or the middleware does not know who is there.
+    /// The same, or the middleware has no discovery.
     pub fn ends_at(&self, at: &Address) -> Result<Vec<Endpoint>, DiscoverError> {
         self.known()?.ends_at(at)
     }
@@ -154,19 +154,19 @@ impl dyn Middleware + '_ {
         })
     }
 
-    /// As [`Discovery::spelled`]: the address as it is, where nothing is listed.
+    /// The same as [`Discovery::spelled`]; the plain address if the middleware has no discovery.
     #[must_use]
     pub fn spelled(&self, at: &Address) -> String {
         self.discovery().map_or_else(|| at.to_string(), |discovery| discovery.spelled(at))
     }
 
-    /// As [`Discovery::strangers`]: nobody, where nobody is known.
+    /// The same as [`Discovery::strangers`]; empty if the middleware has no discovery.
     #[must_use]
     pub fn strangers(&self) -> Vec<Stranger> {
         self.discovery().map(Discovery::strangers).unwrap_or_default()
     }
 
-    /// As [`Discovery::obstacles`]: none, where nobody is known.
+    /// The same as [`Discovery::obstacles`]; empty if the middleware has no discovery.
     #[must_use]
     pub fn obstacles(&self, at: &Address) -> Vec<Obstacle> {
         self.discovery().map(|discovery| discovery.obstacles(at)).unwrap_or_default()

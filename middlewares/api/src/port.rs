@@ -1,10 +1,10 @@
-//! Ports on a middleware: what is opened, how it is read, and the two ends.
+//! Ports on a middleware: what is needed to open one, how samples are read, and its two ends.
 
 use genom_types::{DataType, Record};
 
 use crate::{Address, OpenError, PublishError, Quality, ReadError};
 
-/// A port to be opened: where it is, what it carries, and in what quality.
+/// A port to be opened: its address, the type of its samples, and its quality of service.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -22,65 +22,68 @@ use crate::{Address, OpenError, PublishError, Quality, ReadError};
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct PortSpec<'a> {
-    /// Of the out port, also for those who read it.
+    /// Address of the out port, for the writing and for the reading end alike.
     pub address: &'a Address,
     /// Type of the samples.
     pub ty: &'a DataType,
-    /// What is asked of this end, where the middleware leaves a choice.
+    /// Quality of service of this end, on middlewares that offer a choice.
     pub quality: Quality,
 }
 
 impl<'a> PortSpec<'a> {
-    /// A port in the quality that the middleware is configured for.
+    /// A port with the quality of service that the middleware is configured for.
     #[must_use]
     pub fn new(address: &'a Address, ty: &'a DataType) -> Self {
         Self { address, ty, quality: Quality::default() }
     }
 
-    /// The same port in this quality.
+    /// The same port with another quality of service.
     #[must_use]
     pub fn of(self, quality: Quality) -> Self {
         Self { quality, ..self }
     }
 }
 
-/// What a reader wants of the samples it has not read yet.
+/// Which of the unread samples a reader gets, and how many of them are kept.
 ///
-/// Whatever the policy, a new reader starts with the last value, if there is one.
+/// Under each policy a new reader starts with the last value, if there is one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Policy {
-    /// The newest value only: the semantics of GenoM ports.
+    /// Only the newest value, as GenoM3 ports do.
     #[default]
     Latest,
-    /// Oldest first, at most this many unread; when full, new samples are dropped and counted.
+    /// Oldest first; keeps at most this many unread samples. When full, new samples are dropped and
+    /// counted.
     Queue(usize),
-    /// Oldest first, at most this many unread; when full, the oldest are overwritten and counted.
+    /// Oldest first; keeps at most this many unread samples. When full, the oldest are overwritten
+    /// and counted.
     Ring(usize),
 }
 
-/// What a read found.
+/// Result of a read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reading {
-    /// A sample that had not been read before is now in the record.
+    /// The record now holds a sample that had not been read before.
     New,
-    /// Nothing new: the record still holds the last value.
+    /// There is no new sample; the record still holds the last value.
     Same,
-    /// Nothing was ever published.
+    /// Nothing has been published yet.
     Never,
 }
 
-/// Opens ports: what every middleware can.
+/// Opens ports. Every middleware implements this.
 pub trait Ports {
-    /// Opens the writing end of a port. It shows at once; its value is undefined until written.
+    /// Opens the writing end of a port. The port is visible to others at once and has no value
+    /// until the first [`publish`](Publisher::publish).
     ///
     /// # Errors
-    /// When the address is taken, the type differs from a reader's, or the middleware fails.
+    /// The address is taken, a reader has another type, or the middleware fails.
     fn publisher(&self, port: &PortSpec<'_>) -> Result<Box<dyn Publisher>, OpenError>;
 
-    /// Opens the reading end of a port. The writer may come later, go and come back.
+    /// Opens the reading end of a port. The writer may appear later, disappear and come back.
     ///
     /// # Errors
-    /// When the writer's type differs (both are named), or the middleware fails.
+    /// The writer has another type (the message names both), or the middleware fails.
     fn subscription(
         &self,
         port: &PortSpec<'_>,
@@ -88,34 +91,35 @@ pub trait Ports {
     ) -> Result<Box<dyn Subscription>, OpenError>;
 }
 
-/// The writing end of an out port (or of one element of a multiple port).
+/// The writing end of an out port, or of one element of a multiple port.
 ///
-/// The last value is offered to late readers as long as the publisher lives. Dropping it frees
-/// the address; readers keep what they have read.
+/// New readers get the last value for as long as the publisher exists. Dropping it frees the
+/// address; readers keep the value that they have read.
 pub trait Publisher: Send {
-    /// Publishes a copy of the value; a reader that comes later still sees it.
+    /// Publishes a copy of the value, which readers that are opened later get as well.
     ///
-    /// Real-time: a bounded copy, no blocking, and no allocation of ours for types of fixed size.
+    /// Real-time: copies a bounded amount, does not block and, for types of fixed size, allocates
+    /// nothing in our own code.
     ///
     /// # Errors
-    /// When the value has no encoding or the middleware refuses it; nothing was published then.
+    /// The value cannot be encoded, or the middleware refuses it. Nothing was published then.
     fn publish(&mut self, value: &Record) -> Result<(), PublishError>;
 
-    /// Samples given up so far because the middleware did not keep up.
+    /// Number of samples dropped so far because the middleware could not keep up.
     fn dropped(&self) -> u64;
 }
 
 /// The reading end of an in port (or of one element of a multiple port).
 pub trait Subscription: Send {
-    /// Puts the next value, by the connection's policy, into `into`.
+    /// Copies the next sample according to the connection's policy into `into`.
     ///
-    /// Real-time as [`Publisher::publish`]. `into` is of the type the subscription was opened
-    /// with, and is left alone unless the result is [`Reading::New`].
+    /// Real-time in the same sense as [`Publisher::publish`]. `into` must have the type that the
+    /// subscription was opened with, and is unchanged unless the result is [`Reading::New`].
     ///
     /// # Errors
-    /// When the sample is not decodable or the middleware fails.
+    /// The sample cannot be decoded, or the middleware fails.
     fn read(&mut self, into: &mut Record) -> Result<Reading, ReadError>;
 
-    /// Samples lost so far: overwritten (ring), refused (queue) or undecodable.
+    /// Number of samples lost so far: overwritten (ring), dropped (queue) or not decodable.
     fn dropped(&self) -> u64;
 }

@@ -1,42 +1,44 @@
-//! Requests passed from daemon to daemon on a middleware, for supervisors that can reach one daemon
-//! and want to talk to another. The bytes are opaque here: daemons seal them.
+//! Requests from one daemon to another through a middleware, for clients that can reach only one of
+//! the two. The bytes are opaque to the middleware: the daemons encrypt and authenticate them.
 
 use std::time::Duration;
 
 use crate::error::DiscoverError;
 
-/// Takes one request and a function that sends the answer, to be called once, from any thread. If
-/// it is dropped instead, the other side is told that no answer comes.
+/// Handles one request. The second argument sends the reply; it is called once, from any thread.
+/// Dropping it instead tells the other side that there will be no reply.
 pub type OnRequest = dyn Fn(Vec<u8>, Box<dyn FnOnce(Vec<u8>) + Send>) + Send + Sync;
 
-/// A middleware by which daemons reach each other.
+/// A middleware through which daemons reach each other.
 pub trait Relay: Send + Sync {
-    /// Shows a daemon under a name and takes the requests to it, until the result is dropped.
+    /// Makes a daemon reachable under a name, and passes requests for that name to `on_request`,
+    /// until the result is dropped.
     ///
     /// # Errors
-    /// When a daemon of that name is there already, or the middleware fails.
+    /// Another daemon has that name, or the middleware fails.
     fn announce(
         &self,
         name: &str,
         requests: Box<OnRequest>,
     ) -> Result<Box<dyn Send + Sync>, AnnounceError>;
 
-    /// Names of the daemons that are visible now, this one included.
+    /// Names of the daemons that are visible now, including this one.
     ///
     /// # Errors
-    /// When the middleware cannot tell.
+    /// When the middleware cannot list them.
     fn daemons(&self) -> Result<Vec<String>, DiscoverError>;
 
-    /// Identity of this end on the middleware, which others get together with its answers.
+    /// Identity of this end on the middleware. Others receive it along with its replies.
     fn own(&self) -> String;
 
-    /// Sends a request to all that take requests to that name, and gathers what they answer, each
-    /// with the end of the middleware that it came from, until none is left to answer or
-    /// `patience` is over. A daemon that does not show yet is waited for, but not for long.
+    /// Sends a request to every end that serves that name and collects the replies, each with the
+    /// identity of the end that sent it. Returns when all have replied or after `patience`. If no
+    /// such daemon is visible yet, waits a short time for it.
     ///
-    /// Anybody on the network can answer to a name: the answers have to prove who they are from.
+    /// Anybody on the network can reply under any name, so callers must authenticate the replies.
     ///
     /// # Errors
+    /// No daemon of that name is visible, or the middleware fails.
     /// No daemon of that name shows, or the middleware fails.
     fn ask_all(
         &self,
@@ -45,11 +47,10 @@ pub trait Relay: Send + Sync {
         patience: Duration,
     ) -> Result<Vec<(String, Vec<u8>)>, AskError>;
 
-    /// Sends a request to the one daemon of that name that is at that end, and waits for the
-    /// answer.
+    /// Sends a request to the daemon of that name at that end, and waits for the reply.
     ///
     /// # Errors
-    /// It did not answer within `patience`.
+    /// There was no reply within `patience`.
     fn ask(
         &self,
         name: &str,
@@ -59,17 +60,17 @@ pub trait Relay: Send + Sync {
     ) -> Result<Vec<u8>, AskError>;
 }
 
-/// A daemon cannot be shown.
+/// A daemon cannot be made reachable.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnnounceError {
-    /// Another one has its name.
+    /// Another daemon has this name.
     #[error(
         "another daemon named `{name}` is reachable on {backend}: start one of the two with a name \
          of its own, `--daemon NAME`"
     )]
     Taken {
-        /// As the daemon is called.
+        /// Name of the daemon.
         name: String,
         /// The middleware that was used.
         backend: String,
@@ -77,35 +78,35 @@ pub enum AnnounceError {
     /// The middleware itself failed.
     #[error("daemon `{name}` is not reachable on {backend}: {why}")]
     Failed {
-        /// As the daemon is called.
+        /// Name of the daemon.
         name: String,
         /// The middleware that was used.
         backend: String,
-        /// The middleware's own words.
+        /// The middleware's own message.
         why: String,
     },
 }
 
-/// A request to another daemon came to nothing.
+/// A request to another daemon failed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum AskError {
-    /// No daemon of that name shows.
+    /// No daemon of that name is visible.
     #[error("no daemon `{name}` shows on {backend}")]
     Unknown {
-        /// As the daemon is called.
+        /// Name of the daemon.
         name: String,
         /// The middleware that was used.
         backend: String,
     },
-    /// It did not answer.
+    /// It did not reply.
     #[error("daemon {name} on {backend} does not answer: {why}")]
     Silent {
-        /// As the daemon is called.
+        /// Name of the daemon.
         name: String,
         /// The middleware that was used.
         backend: String,
-        /// What is known of the reason.
+        /// The reason, as far as it is known.
         why: String,
     },
 }

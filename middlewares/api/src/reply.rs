@@ -1,4 +1,4 @@
-//! What comes back for one request, and a place to wait for it.
+//! The replies to one request, and a channel to wait for them.
 
 use std::fmt;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::CallError;
 
-/// One accepted run of an activity, unique within the instance that serves it.
+/// One accepted run of an activity; unique within the component instance that serves it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ActivityId(pub u64);
 
@@ -22,35 +22,35 @@ impl fmt::Display for ActivityId {
 /// How a request ended.
 #[derive(Debug)]
 pub enum Outcome {
-    /// It ended well; the record is of the service's output type.
+    /// Success; the record has the service's output type.
     Success(Record),
-    /// It ended with an exception; an interrupted activity ends with `::genom::interrupted`.
+    /// An exception. An interrupted activity ends with `::genom::interrupted`.
     Exception {
-        /// Full name: `::demo::TOO_FAR_AWAY`.
+        /// Full name of the exception, such as `::demo::TOO_FAR_AWAY`.
         name: String,
-        /// Its members as JSON; null when it has none.
+        /// Members of the exception as JSON; null when it has none.
         detail: Value,
     },
-    /// The connection ended first; how the service ended is not known.
+    /// The connection broke first; how the service ended is unknown.
     Lost(CallError),
 }
 
-/// Takes what comes back for one request. Called from any thread, one call at a time.
+/// Receives the replies to one request. Called from any thread, one call at a time.
 ///
-/// Dropping it without [`finish`](Replies::finish) tells the caller [`CallError::Gone`]:
-/// implementations that somebody waits on must do so in `Drop`.
+/// Dropping it without [`finish`](Replies::finish) means [`CallError::Gone`]: an implementation
+/// whose caller waits must report that in `Drop`.
 pub trait Replies: Send {
-    /// The activity was accepted under this id. Comes first, and for activities only.
+    /// The activity was accepted under this id. Called first, and only for activities.
     fn accepted(&mut self, id: ActivityId);
 
-    /// The activity entered this state.
+    /// The activity entered the given state.
     fn feedback(&mut self, state: &str);
 
     /// The request ended.
     fn finish(self: Box<Self>, outcome: Outcome);
 }
 
-/// What came back, in order.
+/// One reply; they arrive in order.
 #[derive(Debug)]
 pub enum Reply {
     /// The activity was accepted.
@@ -61,22 +61,39 @@ pub enum Reply {
     Finished(Outcome),
 }
 
-/// The end a service writes to.
+/// The service's end of the channel.
 #[derive(Debug)]
 pub struct ReplySender(Sender<Reply>);
 
-/// The end a caller waits on.
+/// The caller's end of the channel.
 #[derive(Debug)]
 pub struct ReplyReceiver(Receiver<Reply>);
 
-/// Two ends of one request.
+/// Creates a channel for the replies to one request.
+///
+/// ```
+/// use std::time::Duration;
+/// use genom_middleware::reply::{Reply, pair};
+/// use genom_middleware::{CallError, Outcome, Replies};
+///
+/// let (sender, replies) = pair();
+/// let mut service: Box<dyn Replies> = Box::new(sender);
+/// service.feedback("main");
+/// let (name, detail) = ("::demo::TOO_FAR_AWAY".to_owned(), serde_json::Value::Null);
+/// service.finish(Outcome::Exception { name, detail });
+/// let first = replies.next(Duration::from_secs(1))?;
+/// assert!(matches!(first, Reply::Feedback(state) if state == "main"));
+/// let outcome = replies.wait(Duration::from_secs(1))?;
+/// assert!(matches!(outcome, Outcome::Exception { name, .. } if name == "::demo::TOO_FAR_AWAY"));
+/// # Ok::<(), CallError>(())
+/// ```
 #[must_use]
 pub fn pair() -> (ReplySender, ReplyReceiver) {
     let (sender, receiver) = channel();
     (ReplySender(sender), ReplyReceiver(receiver))
 }
 
-// The receiving end is gone when the caller gave up waiting: nothing to report to the service.
+// Sending fails when the caller gave up waiting; the service need not know.
 impl Replies for ReplySender {
     fn accepted(&mut self, id: ActivityId) {
         let _ = self.0.send(Reply::Accepted(id));
@@ -92,7 +109,7 @@ impl Replies for ReplySender {
 }
 
 impl ReplyReceiver {
-    /// The next thing that comes back, within `timeout`.
+    /// Waits at most `timeout` for the next reply.
     ///
     /// # Errors
     /// Nothing came in time, or the service went away.
@@ -103,10 +120,11 @@ impl ReplyReceiver {
         })
     }
 
-    /// How the request ended, within `timeout`.
+    /// Waits at most `timeout` for the outcome, and skips the replies before it.
     ///
     /// # Errors
-    /// It did not end in time, or the service went away.
+    /// The request did not end in time, the service went away, or the outcome is
+    /// [`Outcome::Lost`].
     pub fn wait(&self, timeout: Duration) -> Result<Outcome, CallError> {
         let end = Instant::now() + timeout;
         loop {

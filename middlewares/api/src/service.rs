@@ -1,9 +1,9 @@
 //! Services on a middleware: attributes, functions and activities, served and called.
 //!
-//! One shape for all: a request carries an input record, and a [`Replies`] takes what comes back.
-//! Attributes and functions only finish; an activity is first accepted, may tell its states,
-//! and can be cancelled. Served and calling side use the same trait, so that a backend within
-//! one process hands it straight through.
+//! All three have the same shape: a request carries an input record, and a [`Replies`] receives
+//! what comes back. Attributes and functions only finish. An activity is first accepted, may report
+//! its states, and can be cancelled. The serving and the calling side use the same trait, so that a
+//! backend within one process can pass it on unchanged.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,14 +13,14 @@ use genom_types::{DataType, Record};
 use crate::reply::{self, ActivityId, Outcome, Replies};
 use crate::{Address, CallError, OpenError};
 
-/// What kind of service an address names.
+/// Kind of a service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ServiceKind {
     /// Reads or sets data of the component; replies at once.
     Attribute,
-    /// A computation; replies at once.
+    /// Computes a result; replies at once.
     Function,
-    /// Runs for a while: accepted, then states, then a result; can be cancelled.
+    /// Runs for some time: is accepted, reports states, ends with a result; can be cancelled.
     Activity,
 }
 
@@ -30,28 +30,30 @@ pub enum ServiceKind {
 pub struct ServiceType {
     /// Attribute, function or activity.
     pub kind: ServiceKind,
-    /// Struct of the `in` and `inout` parameters.
+    /// Struct type of the `in` and `inout` parameters.
     pub input: DataType,
-    /// Struct of the `out` and `inout` parameters.
+    /// Struct type of the `out` and `inout` parameters.
     pub output: DataType,
-    /// Digest of its parameters and exceptions (genom3.md 4.9). Empty without a description.
+    /// Digest of the parameters and exceptions in its description (genom3.md 4.9); empty if
+    /// unknown.
     pub described: String,
 }
 
 impl ServiceType {
-    /// A service without description.
+    /// A service whose description is unknown.
     #[must_use]
     pub fn new(kind: ServiceKind, input: DataType, output: DataType) -> Self {
         Self { kind, input, output, described: String::new() }
     }
 
-    /// The same, with the digest of its description.
+    /// The same service with the digest of its description.
     #[must_use]
     pub fn described(self, digest: impl Into<String>) -> Self {
         Self { described: digest.into(), ..self }
     }
 
-    /// By which a caller and a server of one kind agree (genom3.md 4.9, 7.3).
+    /// Digest of kind, types and description. Caller and server must have the same one (genom3.md
+    /// 4.9, 7.3).
     #[must_use]
     pub fn digest(&self) -> String {
         let types = format!("{}-{}", self.input.digest(), self.output.digest());
@@ -64,7 +66,7 @@ pub trait Services {
     /// Serves a service until the result is dropped.
     ///
     /// # Errors
-    /// When the address is served already, or the middleware cannot serve.
+    /// The address is already served, or the middleware cannot serve.
     fn serve(
         &self,
         at: &Address,
@@ -72,29 +74,29 @@ pub trait Services {
         handler: Arc<dyn ServiceHandler>,
     ) -> Result<Box<dyn Served>, OpenError>;
 
-    /// Opens the calling end of a service. The service may come later, go and come back.
+    /// Opens the calling end of a service. The service may appear later, disappear and come back.
     ///
     /// # Errors
     /// When the middleware cannot call.
     fn client(&self, at: &Address, service: &ServiceType) -> Result<Box<dyn Client>, OpenError>;
 }
 
-/// What serves a service.
+/// Handles the requests to a service.
 pub trait ServiceHandler: Send + Sync {
-    /// A request arrived. Does not wait for the service: the answer goes into `replies`, from
-    /// here or later.
+    /// Called for each request. Must not block until the service ends: the reply goes into
+    /// `replies`, before this returns or later.
     fn request(&self, input: Record, replies: Box<dyn Replies>);
 
-    /// The caller gives up an activity. Nothing happens when it already ended.
+    /// The caller cancels an activity. Does nothing if the activity has already ended.
     fn cancel(&self, id: ActivityId);
 }
 
-/// A service being served. Dropping it withdraws the service.
+/// A served service. Dropping it withdraws the service.
 pub trait Served: Send {}
 
 /// The calling end of a service.
 pub trait Client: Send {
-    /// Sends a request and returns; the answer goes into `replies`.
+    /// Sends a request and returns; the reply goes into `replies`.
     ///
     /// # Errors
     /// Nobody serves the address, the types differ, or the middleware fails.
@@ -104,10 +106,10 @@ pub trait Client: Send {
         replies: Box<dyn Replies>,
     ) -> Result<Box<dyn Running>, CallError>;
 
-    /// Sends a request and waits until it ended, at most `timeout`.
+    /// Sends a request and waits at most `timeout` for its outcome.
     ///
     /// # Errors
-    /// As [`request`](Client::request), or nothing came back in time.
+    /// The same as [`request`](Client::request), or nothing came in time.
     fn call(&mut self, input: &Record, timeout: Duration) -> Result<Outcome, CallError> {
         let (replies, answer) = reply::pair();
         let _running = self.request(input, Box::new(replies))?;
@@ -115,8 +117,8 @@ pub trait Client: Send {
     }
 }
 
-/// A request under way. Dropping it changes nothing: the service runs on.
+/// A request in progress. Dropping it does not cancel it.
 pub trait Running: Send {
-    /// Asks an activity to stop. It still ends through its [`Replies`].
+    /// Cancels an activity. Its outcome still arrives through its [`Replies`].
     fn cancel(&self);
 }

@@ -1,4 +1,4 @@
-//! How long a value takes from a writer to a reader within one process.
+//! Latency of a value from a writer to a reader within one process.
 //!
 //! `cargo bench -p genom-bench --bench exchange`
 

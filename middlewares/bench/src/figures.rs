@@ -1,21 +1,21 @@
-//! The middle and the end of many durations.
+//! Median and 99th percentile of durations.
 
 use std::fmt;
 
-/// What is told of many durations.
+/// Percentiles of a set of durations.
 #[derive(Clone, Copy, Debug)]
 pub struct Figures {
-    /// Half of them were not longer, in nanoseconds.
+    /// Median in nanoseconds.
     pub p50: f64,
-    /// 99 of 100 were not longer.
+    /// 99th percentile in nanoseconds.
     pub p99: f64,
 }
 
 impl Figures {
-    /// The figures of these durations in nanoseconds.
+    /// Computes the percentiles of durations given in nanoseconds.
     ///
     /// # Panics
-    /// When there are none.
+    /// When `durations` is empty.
     #[must_use]
     pub fn of(mut durations: Vec<f64>) -> Self {
         durations.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What all benchmarks of middlewares measure and print alike.
+//! What the benchmarks of middlewares share: how they measure and print.
 //!
 //! The programs are under `benches`: `cargo bench -p genom-bench`.
 
@@ -17,5 +17,5 @@ pub mod pair;
 
 pub use figures::Figures;
 
-/// The sizes of values that every benchmark shows.
+/// Sizes in bytes of the values in every benchmark.
 pub const SIZES: [usize; 4] = [64, 4 << 10, 64 << 10, 1 << 20];

@@ -2,7 +2,7 @@
 
 use genom_types::{DataType, Kind, Record, TypeTable};
 
-/// An array of that many octets, all 1: of fixed size.
+/// An array of `length` octets, all 1: a type of fixed size.
 ///
 /// # Panics
 /// Never: such a type can be laid out.
@@ -16,7 +16,7 @@ pub fn array(length: usize) -> Record {
     record
 }
 
-/// A sequence of that many octets, all 1: of variable size.
+/// A sequence of `length` octets, all 1: a type of variable size.
 ///
 /// # Panics
 /// Never: such a type can be laid out.

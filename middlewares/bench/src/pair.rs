@@ -1,27 +1,27 @@
-//! A process that writes and one that reads, in step: one value at a time, the ways in turn.
+//! A writing and a reading process in lockstep: one value at a time, over each transport in turn.
 //!
-//! Over a pipe the writer says which way it will use, the reader that it is looking there, and
-//! then when the value arrived. Both read the same clock. What a loaded machine does to one way
-//! it does to the others, value by value.
+//! Through a pipe the writer announces which transport it will use; the reader replies that it is
+//! polling it, and later when the value arrived. Both read the same clock. Because the transports
+//! alternate, a disturbance on the machine affects all of them alike.
 
 use std::io::{self, Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use crate::{Figures, clock};
 
-/// A value that does not arrive within this time is lost.
+/// Time in ns after which a value counts as lost.
 const PATIENCE: u64 = 200_000_000;
 
-/// Values of each way before any is counted.
+/// Values sent over each transport before measuring begins.
 const WARM_UP: usize = 100;
 
-/// Looks for a value between two offers of the processor to others.
+/// Number of polls between two calls of `yield`.
 const LOOKS: usize = 16;
 
-/// Said instead of a date when nothing arrived.
+/// Sent instead of a time when nothing arrived.
 const LOST: u64 = u64::MAX;
 
-/// One way from process to process, the writing end.
+/// The writing end of one transport.
 pub trait Send {
     /// Sends one value.
     fn send(&mut self);
@@ -29,7 +29,7 @@ pub trait Send {
 
 /// The reading end.
 pub trait Receive {
-    /// Whether a value arrived, which is now in memory of the reader's.
+    /// Whether a value arrived. If so, it has been copied into the reader's memory.
     fn arrived(&mut self) -> bool;
 }
 
@@ -39,16 +39,16 @@ pub struct Reader {
     process: Child,
     to: ChildStdin,
     from: ChildStdout,
-    /// When the last value was sent: the next one goes a whole number of periods later, as a
-    /// periodic task writes.
+    /// When the last value was sent, in ns. The next is sent a whole number of periods later, as a
+    /// periodic task would.
     date: u64,
 }
 
 impl Reader {
-    /// Starts this program once more, with these arguments.
+    /// Starts this program again with these arguments, as the reading process.
     ///
     /// # Errors
-    /// It does not start.
+    /// It cannot be started.
     pub fn start(arguments: &[&str]) -> io::Result<Self> {
         let mut process = Command::new(std::env::current_exe()?)
             .args(arguments)
@@ -72,15 +72,15 @@ impl Reader {
         Ok(u64::from_le_bytes(answer))
     }
 
-    /// Has the reader open its ends for values of that size.
+    /// Makes the reading process open its ends for values of `bytes` bytes.
     ///
     /// # Errors
-    /// It is gone.
+    /// The process is gone.
     pub fn open(&mut self, bytes: usize) -> io::Result<()> {
         self.ask(bytes as u64).map(drop)
     }
 
-    /// Sends a value, after the reader began to look; how long it was under way.
+    /// Sends a value once the reader is polling. Returns its latency in ns; `None` if it was lost.
     fn hop(&mut self, way: usize, end: &mut dyn Send, period: u64) -> io::Result<Option<u64>> {
         self.ask(way as u64)?;
         let passed = clock::now() - self.date;
@@ -92,10 +92,10 @@ impl Reader {
         Ok((arrived != LOST).then(|| arrived.saturating_sub(sent)))
     }
 
-    /// Figures of each way, of so many values each, which are sent one `period` apart.
+    /// Measures each transport with the given number of values, sent one `period` apart.
     ///
     /// # Errors
-    /// The reader is gone.
+    /// The reading process is gone.
     pub fn measure(
         &mut self,
         ends: &mut [Box<dyn Send>],
@@ -103,14 +103,15 @@ impl Reader {
         period: u64,
     ) -> io::Result<Vec<Figures>> {
         let mut durations = vec![Vec::with_capacity(rounds); ends.len()];
-        // Middlewares connect in their own time.
+        // Middlewares need time to connect.
         for (way, end) in ends.iter_mut().enumerate() {
             while self.hop(way, &mut **end, period)?.is_none() {}
         }
         let ways = ends.len();
         for round in 0..WARM_UP + rounds {
             for turn in 0..ways {
-                // Each way comes after each other one: what that left in caches is shared alike.
+                // Alternate the order, so that each transport comes after each other one and finds
+                // caches alike.
                 let step = if round % 2 == 0 { turn } else { ways - turn };
                 let way = (round / 2 + step) % ways;
                 let Some(end) = ends.get_mut(way) else { continue };
@@ -124,10 +125,10 @@ impl Reader {
         Ok(durations.into_iter().map(Figures::of).collect())
     }
 
-    /// Lets the reader end.
+    /// Ends the reading process.
     ///
     /// # Errors
-    /// It did not end well.
+    /// It failed.
     pub fn finish(self) -> io::Result<()> {
         let Self { mut process, to, from, .. } = self;
         drop((to, from));
@@ -150,10 +151,10 @@ fn tell(number: u64) -> io::Result<()> {
     out.flush()
 }
 
-/// The reading process: opens ends for each size it is asked for, and says when values arrive.
+/// The reading process: opens ends for each size it is asked for, and reports when values arrive.
 ///
 /// # Errors
-/// The writer is gone in the middle.
+/// The writing process ended unexpectedly.
 pub fn serve(mut open: impl FnMut(usize) -> Vec<Box<dyn Receive>>) -> io::Result<()> {
     while let Some(bytes) = ask()? {
         let mut ends = open(usize::try_from(bytes).unwrap());

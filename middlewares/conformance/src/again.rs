@@ -1,11 +1,11 @@
-//! Another process, for tests that kill one: their own program once more.
+//! Starts the test program again as another process, for tests that kill one.
 
 use std::process::Command;
 
-/// The command that runs one test of this test program in a process of its own.
+/// The command that runs one test of this test program in a separate process.
 ///
-/// The test is marked `#[ignore]`, so that it does not run with the others, and does nothing when
-/// it is not told by a variable of its environment what it is to do:
+/// That test is marked `#[ignore]`, so that it does not run with the others, and does nothing
+/// unless environment variables tell it what to do:
 ///
 /// ```no_run
 /// let mut peer = genom_conformance::again("writes_until_it_is_killed")
@@ -17,12 +17,12 @@ use std::process::Command;
 /// ```
 ///
 /// # Panics
-/// When the system does not say which program this is.
+/// When the path of the running program is unknown.
 #[must_use]
 pub fn again(test: &str) -> Command {
     let program = std::env::current_exe().expect("the path of this program");
     let mut command = Command::new(program);
-    // With one thread, the harness would put its words on the line of the first output.
+    // With a single thread, the harness would print on the same line as the test's first output.
     command.args(["--exact", test, "--ignored", "--nocapture", "--test-threads=2"]);
     command
 }

@@ -1,4 +1,4 @@
-//! Runs one property: a world to run in, a watchdog, and waiting for a condition.
+//! Runs one property in a world of its own under a watchdog, and waits for conditions.
 
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -7,19 +7,19 @@ use std::time::{Duration, Instant};
 
 use genom_middleware::Middleware;
 
-/// A property that takes longer than this hangs.
+/// A property that takes longer counts as hanging.
 const WATCHDOG: Duration = Duration::from_secs(120);
 
-/// A condition that is not met within this time never will be.
+/// A condition that does not hold within this time counts as failed.
 const PATIENCE: Duration = Duration::from_secs(40);
 
-/// Where a property runs: apart from all other tests, with as many participants as it asks for.
+/// Where a property runs: isolated from all other tests, with as many participants as it needs.
 pub trait World: Send + Sync + 'static {
-    /// One more participant, as one more daemon would be. All participants reach each other.
+    /// Adds a participant, which corresponds to one more daemon. All participants reach each other.
     fn join(&self) -> Arc<dyn Middleware>;
 
-    /// What this world's participants left on the machine: files, shared memory. Nothing, for
-    /// middlewares that leave nothing by nature.
+    /// Names of what this world's participants left on the machine, such as files and shared
+    /// memory. Empty for middlewares that leave nothing by design.
     fn leftovers(&self) -> Vec<String> {
         Vec::new()
     }
@@ -57,7 +57,7 @@ pub fn run<W: World>(name: &str, world: Arc<W>, property: fn(&dyn World)) {
 /// Waits until a condition holds.
 ///
 /// # Panics
-/// When it does not hold for long.
+/// When it still does not hold after 40 s.
 #[track_caller]
 pub fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
     let end = Instant::now() + PATIENCE;

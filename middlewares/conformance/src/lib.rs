@@ -1,14 +1,14 @@
-//! What every middleware must hold, stated once and run against each.
+//! The properties that every middleware must have, as tests that run against each.
 //!
-//! A backend has this crate as a development dependency, and says in `tests/conformance.rs` how
-//! its participants are made; it gets one test per property:
+//! A backend has this crate as a development dependency, and says in `tests/conformance.rs` how its
+//! participants are created; it gets one test per property:
 //!
 //! ```
 //! use std::sync::Arc;
 //! use genom_middleware::Middleware;
 //! # use genom_conformance::World;
 //!
-//! /// Where one test runs, apart from all others. The participants of a world reach each other.
+//! /// The isolated place where one test runs. Its participants reach each other.
 //! struct Here;
 //!
 //! impl World for Here {
@@ -20,8 +20,8 @@
 //! genom_conformance::conformance! { mine: Here }
 //! ```
 //!
-//! The expression after the name makes a fresh [`World`] for each test. What a backend does not
-//! have, services or discovery, it refuses: then the properties of these check that it says so.
+//! The expression after the name creates a new [`World`] for each test. Services or discovery that
+//! a backend does not have must be refused; their properties then check that they are.
 
 #![forbid(unsafe_code)]
 #![allow(
@@ -42,9 +42,9 @@ pub mod types;
 pub use again::again;
 pub use harness::{World, eventually, run};
 
-/// One test per property of this suite, in a module of the given name.
+/// Defines one test per property of this suite, in a module of the given name.
 ///
-/// `conformance! { NAME: EXPRESSION }`, where the expression makes a [`World`] of its own.
+/// `conformance! { NAME: EXPRESSION }`, where the expression creates a new [`World`].
 #[macro_export]
 macro_rules! conformance {
     ($($name:ident: $world:expr),+ $(,)?) => {$(

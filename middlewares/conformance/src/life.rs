@@ -1,4 +1,4 @@
-//! Opening, closing, coming back, leaving nothing.
+//! Opening, closing and reopening of ports and backends; nothing stays behind.
 
 use genom_types::Record;
 
@@ -7,7 +7,7 @@ use crate::ports::{position, read, read_until, reader, writer};
 use crate::samples::{note, numbered, other_state, state};
 use genom_middleware::{Address, EndpointKind, OpenError, Policy, PortSpec, Reading};
 
-/// Capabilities are no promises: what is not there is refused, with the reason.
+/// Capabilities are what the backend really does; the rest is refused with a reason.
 pub fn what_a_backend_says_it_can_do_it_does(world: &dyn World) {
     let one = world.join();
     assert_eq!(one.services().is_some(), one.capabilities().services, "its services");
@@ -19,7 +19,7 @@ pub fn what_a_backend_says_it_can_do_it_does(world: &dyn World) {
     }
 }
 
-/// One address, one writer.
+/// An address has one writer.
 pub fn a_second_writer_of_an_address_is_refused(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let first = writer(&a);
@@ -28,7 +28,7 @@ pub fn a_second_writer_of_an_address_is_refused(world: &dyn World) {
             match side.publisher(&PortSpec::new(&position(), &state())) {
                 Err(OpenError::Taken { address }) => address == position(),
                 Err(other) => panic!("refused for another reason: {other}"),
-                // Not seen yet, on middlewares that discover in the background.
+                // Middlewares that discover in the background may not have seen the first yet.
                 Ok(second) => {
                     drop(second);
                     false
@@ -42,7 +42,7 @@ pub fn a_second_writer_of_an_address_is_refused(world: &dyn World) {
     });
 }
 
-/// A reader stays connected to the address, not to one writer.
+/// A reader stays connected to the address, whichever writer has it.
 pub fn a_writer_may_go_and_come_back(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let mut reader = reader(&b, Policy::Latest);
@@ -69,7 +69,7 @@ pub fn a_late_reader_sees_nothing_of_a_writer_that_left(world: &dyn World) {
     read_until(&mut *late, 6);
 }
 
-/// What was open before does not bind what is opened after.
+/// After a port is closed, its address can be opened with another type.
 pub fn a_closed_address_takes_another_type(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let (mut old_writer, mut old_reader) = (writer(&a), reader(&b, Policy::Latest));
@@ -90,7 +90,7 @@ pub fn a_closed_address_takes_another_type(world: &dyn World) {
     assert_eq!(got.bytes(), sent.bytes());
 }
 
-/// Open ports are seen by all, with their types; closed ones by none.
+/// All participants see open ports and their types, and none sees closed ones.
 pub fn discovery_shows_what_is_open_only(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     if a.discovery().is_none() {
@@ -108,7 +108,7 @@ pub fn discovery_shows_what_is_open_only(world: &dyn World) {
     assert!(ty.as_ref().is_some_and(|ty| ty.contains("state")), "its type is named: {ty:?}");
     eventually("the in port shows", || shows(EndpointKind::Subscription, &position()).is_some());
     assert_eq!(shows(EndpointKind::Publisher, &position()), None);
-    // The same to who asks at their address.
+    // Listing a single address gives the same result.
     let kinds = |address: &Address| -> Vec<EndpointKind> {
         b.ends_at(address).expect("a list").iter().map(|end| end.kind).collect()
     };
@@ -122,7 +122,7 @@ pub fn discovery_shows_what_is_open_only(world: &dyn World) {
     assert_eq!(kinds(&at), []);
 }
 
-/// Like a daemon that ends and starts again, while another one stays.
+/// A daemon ends and starts again while another one stays.
 pub fn a_backend_may_be_closed_and_opened_again(world: &dyn World) {
     let stays = world.join();
     let mut reader = reader(&stays, Policy::Latest);
@@ -134,7 +134,7 @@ pub fn a_backend_may_be_closed_and_opened_again(world: &dyn World) {
     }
 }
 
-/// No file, no shared memory, no name.
+/// Neither files nor shared memory nor names stay behind.
 pub fn closing_leaves_nothing_behind(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let (mut writer, mut reader) = (writer(&a), reader(&b, Policy::Queue(3)));
@@ -149,7 +149,7 @@ pub fn closing_leaves_nothing_behind(world: &dyn World) {
     assert_eq!(world.leftovers(), Vec::<String>::new());
 }
 
-/// Ports keep what they need of the backend alive.
+/// A port keeps alive what it needs of the backend.
 pub fn ports_outlive_the_handle_they_were_opened_from(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let (mut writer, mut reader) = (writer(&a), reader(&b, Policy::Latest));

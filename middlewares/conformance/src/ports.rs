@@ -9,7 +9,7 @@ use crate::harness::{World, eventually};
 use crate::samples::{number, numbered, set_number, state};
 use genom_middleware::{Address, Middleware, Policy, PortSpec, Publisher, Reading, Subscription};
 
-/// The address most properties use.
+/// The address that most properties use.
 pub(super) fn position() -> Address {
     Address::new("demo", "position")
 }
@@ -22,10 +22,10 @@ pub(super) fn reader(on: &Arc<dyn Middleware>, policy: Policy) -> Box<dyn Subscr
     on.subscription(&PortSpec::new(&position(), &state()), policy).expect("an in port")
 }
 
-/// What a record holds before it is read into.
+/// Number in a record before it is read into.
 const UNTOUCHED: u64 = 1 << 40;
 
-/// Reads once; a record is left alone unless there is something new.
+/// Reads once, and checks that the record is unchanged if nothing new was read.
 #[track_caller]
 pub(super) fn read(from: &mut dyn Subscription) -> (Reading, u64) {
     let mut record = numbered(UNTOUCHED);
@@ -35,7 +35,7 @@ pub(super) fn read(from: &mut dyn Subscription) -> (Reading, u64) {
     (reading, number)
 }
 
-/// Reads until this number comes.
+/// Reads until this number arrives.
 #[track_caller]
 pub(super) fn read_until(from: &mut dyn Subscription, wanted: u64) {
     let mut seen = Vec::new();
@@ -48,9 +48,9 @@ pub(super) fn read_until(from: &mut dyn Subscription, wanted: u64) {
     });
 }
 
-/// Sees 0 and then 1 through: from then on nothing else is under way between the two.
+/// Publishes 0, then 1, and reads both. Afterwards no other sample is in transit between the two.
 ///
-/// Each is published once, whoever came first: a reader that comes late sees the last value.
+/// Each is published once, whichever end was opened first: a late reader gets the last value.
 #[track_caller]
 pub(super) fn connect(writer: &mut dyn Publisher, reader: &mut dyn Subscription) {
     for n in [0, 1] {
@@ -59,7 +59,7 @@ pub(super) fn connect(writer: &mut dyn Publisher, reader: &mut dyn Subscription)
     }
 }
 
-/// What is written is read, once.
+/// A reader gets what was written, once.
 pub fn a_reader_sees_what_was_written(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let (mut writer, mut reader) = (writer(&a), reader(&b, Policy::Latest));
@@ -72,7 +72,7 @@ pub fn a_reader_sees_what_was_written(world: &dyn World) {
     assert_eq!((writer.dropped(), reader.dropped()), (0, 0));
 }
 
-/// The last value is there for readers that come later, though the writer does nothing more.
+/// Readers opened later get the last value, although the writer does nothing more.
 pub fn a_late_reader_sees_the_last_value(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let mut writer = writer(&a);
@@ -87,7 +87,7 @@ pub fn a_late_reader_sees_the_last_value(world: &dyn World) {
     }
 }
 
-/// The order of opening does not matter.
+/// A reader may be opened before its writer.
 pub fn a_reader_may_come_before_its_writer(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let mut readers = [Policy::Latest, Policy::Queue(4), Policy::Ring(4)].map(|p| reader(&b, p));
@@ -101,7 +101,7 @@ pub fn a_reader_may_come_before_its_writer(world: &dyn World) {
     }
 }
 
-/// genom3.md 7.8: connected but nothing ever written is no error.
+/// genom3.md 7.8: reading a connected port that was never written is not an error.
 pub fn nothing_is_read_before_the_first_write(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let writer = writer(&a);
@@ -113,7 +113,7 @@ pub fn nothing_is_read_before_the_first_write(world: &dyn World) {
     assert_eq!(read(&mut *reader).0, Reading::Never);
 }
 
-/// genom3.md 7.8: no queue, last value semantics.
+/// genom3.md 7.8: no queue, only the last value.
 pub fn latest_skips_to_the_newest(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let (mut writer, mut reader) = (writer(&a), reader(&b, Policy::Latest));
@@ -136,18 +136,20 @@ pub fn latest_skips_to_the_newest(world: &dyn World) {
     assert_eq!(reader.dropped(), 0, "skipping is what `latest` asks for");
 }
 
-/// Waits until `count` samples sent after [`connect`] are held or given up by the reader's side.
+/// Publishes `count` samples after [`connect`], and waits until the reader's side holds or has
+/// dropped all of them.
 ///
-/// A second reader of the same policy but ample room tells that all arrived.
+/// `witness` is a second reader of the same policy with a sufficient depth; it shows that all
+/// samples arrived.
 fn publish_all(writer: &mut dyn Publisher, witness: &mut dyn Subscription, count: u64) {
     for n in 2..2 + count {
         writer.publish(&numbered(n)).unwrap();
-        // A reader that keeps up: also slow middlewares have then delivered to all.
+        // The witness keeps up, so slow middlewares, too, have delivered to all readers then.
         read_until(witness, n);
     }
 }
 
-/// A full queue refuses new samples.
+/// A full queue drops new samples.
 pub fn a_queue_keeps_the_oldest_and_counts_the_rest(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let mut writer = writer(&a);
@@ -184,7 +186,7 @@ pub fn a_ring_keeps_the_newest_and_counts_the_rest(world: &dyn World) {
     assert_eq!(ring.dropped(), 7);
 }
 
-/// Whenever it reads, and as much as it likes: what it did not read was counted as lost.
+/// However often a reader reads, samples that it did not get were counted as lost.
 pub fn every_sample_is_read_or_counted(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     for (port, policy) in [("ring", Policy::Ring(4)), ("queue", Policy::Queue(4))] {
@@ -204,7 +206,7 @@ pub fn every_sample_is_read_or_counted(world: &dyn World) {
             let found = (0..reads).map(|_| read(&mut *reader).0);
             seen += found.filter(|reading| *reading == Reading::New).count() as u64;
         }
-        // What came after its last read is lost as well, or still there.
+        // Samples after its last read are lost as well, or still unread.
         eventually("all is read or counted", || {
             seen += u64::from(read(&mut *reader).0 == Reading::New);
             seen + reader.dropped() == written
@@ -214,8 +216,8 @@ pub fn every_sample_is_read_or_counted(world: &dyn World) {
     }
 }
 
-/// However fast they are written, and whoever comes meanwhile: what a reader does not get was
-/// counted, by it or by the writer.
+/// However fast samples are written, and whoever joins meanwhile: those that a reader does not get
+/// are counted, by it or by the writer.
 pub fn a_burst_is_read_or_counted(world: &dyn World) {
     const WRITTEN: u64 = 20_000;
     let (a, b) = (world.join(), world.join());
@@ -246,7 +248,7 @@ pub fn a_burst_is_read_or_counted(world: &dyn World) {
     assert_eq!(seen + reader.dropped() + writer.dropped(), WRITTEN);
 }
 
-/// A reader that does not read takes nothing from the others.
+/// A reader that does not read does not affect the others.
 pub fn readers_go_at_their_own_pace(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let mut writer = writer(&a);
@@ -266,7 +268,7 @@ pub fn readers_go_at_their_own_pace(world: &dyn World) {
     assert!(awake.iter().all(|reader| reader.dropped() == 0));
 }
 
-/// Under load, from another thread: none twice, none out of order, none torn, the last one comes.
+/// Under load from another thread: no sample twice, out of order or torn, and the last one arrives.
 pub fn samples_arrive_in_order(world: &dyn World) {
     const LAST: u64 = 20_000;
     let (a, b) = (world.join(), world.join());
@@ -290,11 +292,11 @@ pub fn samples_arrive_in_order(world: &dyn World) {
                 let mut record = Record::new(&state());
                 let mut previous = 0;
                 eventually("the last sample comes", || {
-                    // Many reads per look at the clock.
+                    // Many reads per check of the clock.
                     for _ in 0..1000 {
                         if reader.read(&mut record).unwrap() == Reading::New {
                             let n = number(&record);
-                            // 1 may come once more from the connecting of the other readers.
+                            // 1 may arrive again, sent for a later reader.
                             assert!(n > previous || n <= 1, "{n} after {previous}");
                             previous = n;
                         }

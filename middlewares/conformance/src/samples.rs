@@ -1,11 +1,11 @@
-//! Types and values the properties use.
+//! Types and values that the properties use.
 
 use std::sync::Arc;
 
 use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeId, TypeTable};
 use serde_json::{Value, json};
 
-/// Bytes of the large sample.
+/// Size in bytes of the large sample.
 pub const LARGE: u32 = 4 << 20;
 
 fn lay_out(table: TypeTable, id: TypeId) -> DataType {
@@ -30,7 +30,7 @@ pub fn state() -> DataType {
     state_named(["demo", "state"])
 }
 
-/// `::other::pose`: the members of a `::demo::state`, in the module of another component.
+/// `::other::pose`: the same members as `::demo::state`, in another component's module.
 #[must_use]
 pub fn twin() -> DataType {
     state_named(["other", "pose"])
@@ -45,7 +45,7 @@ fn state_named(name: [&str; 2]) -> DataType {
     lay_out(table, id)
 }
 
-/// A `::demo::state` of the same size with other members.
+/// A `::demo::state` of the same size with different members.
 #[must_use]
 pub fn other_state() -> DataType {
     let mut table = TypeTable::default();
@@ -67,7 +67,7 @@ pub fn note() -> DataType {
     lay_out(table, id)
 }
 
-/// `::demo::image`: 4 MiB in an array.
+/// `::demo::image`: an array of 4 MiB.
 #[must_use]
 pub fn image() -> DataType {
     let mut table = TypeTable::default();
@@ -77,7 +77,7 @@ pub fn image() -> DataType {
     lay_out(table, id)
 }
 
-/// Structures of one to three bytes on the wire, with values of their only member `it`.
+/// Structs of one to three bytes in CDR, with values of their only member `it`.
 #[must_use]
 pub fn small() -> [(DataType, Value); 4] {
     let of = |name: &str, kind: Kind, length: u32, values: Value| {
@@ -97,7 +97,7 @@ pub fn small() -> [(DataType, Value); 4] {
     ]
 }
 
-/// A type without a name of its own.
+/// A type without a name, such as `double`.
 #[must_use]
 pub fn basic(kind: Kind) -> DataType {
     let mut table = TypeTable::default();
@@ -105,7 +105,7 @@ pub fn basic(kind: Kind) -> DataType {
     lay_out(table, id)
 }
 
-/// The `count`th state.
+/// A state with this number.
 #[must_use]
 pub fn numbered(count: u64) -> Record {
     let mut record = Record::new(&state());
@@ -113,7 +113,7 @@ pub fn numbered(count: u64) -> Record {
     record
 }
 
-/// Makes a state the `count`th one, without allocation.
+/// Writes a number into a state, without allocating.
 pub fn set_number(record: &mut Record, count: u64) {
     let mut bytes = [0; 64];
     bytes[..8].copy_from_slice(&count.to_ne_bytes());
@@ -123,7 +123,7 @@ pub fn set_number(record: &mut Record, count: u64) {
     record.set_bytes(&bytes).expect("64 bytes are a state");
 }
 
-/// Which state it is; it must be a whole one.
+/// The number of a state. Fails if its members disagree.
 #[must_use]
 pub fn number(record: &Record) -> u64 {
     let bytes = record.bytes().expect("a state is plain bytes");

@@ -15,7 +15,7 @@ use genom_middleware::{
     Running, ServiceHandler, ServiceKind, ServiceType,
 };
 
-/// Long enough for any middleware; only a failing test waits as long.
+/// Enough for any middleware; only a failing test waits this long.
 const PATIENCE: Duration = Duration::from_secs(30);
 
 fn goto() -> Address {
@@ -28,7 +28,7 @@ fn service(kind: ServiceKind) -> ServiceType {
 
 type Side = Arc<dyn Middleware>;
 
-/// Two participants, unless the backend has no services; then it must say so.
+/// Two participants. `None` if the backend has no services, after checking that it says so.
 fn sides(world: &dyn World) -> Option<(Side, Side)> {
     let (a, b) = (world.join(), world.join());
     if a.capabilities().services {
@@ -44,8 +44,8 @@ fn sides(world: &dyn World) -> Option<(Side, Side)> {
     None
 }
 
-/// Adds 1000 to what it gets, and refuses multiples of 100 with an exception. As an activity it
-/// is accepted, enters two states, and then waits to be finished or cancelled.
+/// Adds 1000 to its input, and answers multiples of 100 with an exception. As an activity it is
+/// accepted, enters two states, and then waits to be finished or cancelled.
 #[derive(Default)]
 struct Adder {
     activity: bool,
@@ -80,7 +80,8 @@ impl ServiceHandler for Adder {
             return replies.finish(Self::outcome(n));
         }
         let id = ActivityId(n);
-        // Held from before the caller knows of the activity: who finishes it finds it.
+        // Locked before the caller knows of the activity, so that whoever finishes it finds it in
+        // the list.
         let mut running = self.running.lock().unwrap();
         replies.accepted(id);
         replies.feedback("::demo::start");
@@ -99,7 +100,7 @@ impl ServiceHandler for Adder {
     }
 }
 
-/// Calls until somebody answers: the service may not be seen yet.
+/// Calls until somebody answers, since the service may not be visible yet.
 #[track_caller]
 fn answered(client: &mut dyn Client, n: u64) -> Outcome {
     let mut outcome = None;
@@ -108,7 +109,7 @@ fn answered(client: &mut dyn Client, n: u64) -> Outcome {
             outcome = Some(answer);
             true
         }
-        // Gone: one that left before was asked, while that was not known here.
+        // `Gone`: the call reached a server that left earlier, before that was known here.
         Err(CallError::Nobody { .. } | CallError::Timeout(_) | CallError::Gone) => false,
         Err(other) => panic!("{other}"),
     });
@@ -123,7 +124,7 @@ fn success(outcome: Outcome) -> u64 {
     }
 }
 
-/// Request in, reply out.
+/// A request gets its reply.
 pub fn a_function_replies(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     for kind in [ServiceKind::Attribute, ServiceKind::Function] {
@@ -135,7 +136,7 @@ pub fn a_function_replies(world: &dyn World) {
     }
 }
 
-/// Name and members of an exception reach the caller.
+/// The caller gets the name and the members of the exception.
 pub fn an_exception_comes_back_with_its_detail(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     let function = service(ServiceKind::Function);
@@ -149,7 +150,7 @@ pub fn an_exception_comes_back_with_its_detail(world: &dyn World) {
     assert_eq!(success(answered(&mut *client, 3)), 1003);
 }
 
-/// Starts activity `n`, until it is accepted.
+/// Starts activity `n`, and retries until it is accepted.
 #[track_caller]
 fn start(client: &mut dyn Client, n: u64) -> (Box<dyn Running>, ReplyReceiver) {
     let mut started = None;
@@ -179,7 +180,7 @@ fn next_state(reply: &ReplyReceiver) -> String {
     }
 }
 
-/// Accepted, each state in order, the result.
+/// The caller gets the acceptance, each state in order, and the result.
 pub fn an_activity_tells_its_states_and_its_end(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     let (activity, handler) = (service(ServiceKind::Activity), Arc::new(Adder::activity()));
@@ -217,7 +218,7 @@ pub fn an_activity_is_cancelled_by_its_caller(world: &dyn World) {
     cancelled.cancel();
 }
 
-/// Each caller gets its own answer.
+/// Each caller gets its own reply.
 pub fn requests_overlap_and_are_answered_apart(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     let (activity, handler) = (service(ServiceKind::Activity), Arc::new(Adder::activity()));
@@ -233,7 +234,7 @@ pub fn requests_overlap_and_are_answered_apart(world: &dyn World) {
     }
 }
 
-/// No server is an answer, not a hang.
+/// A call without a server fails at once, and does not hang.
 pub fn a_call_to_nobody_says_so(world: &dyn World) {
     let Some((_, b)) = sides(world) else { return };
     let mut client = b.client(&goto(), &service(ServiceKind::Function)).unwrap();
@@ -243,7 +244,7 @@ pub fn a_call_to_nobody_says_so(world: &dyn World) {
     }
 }
 
-/// The order of opening does not matter, and a service may come back.
+/// Caller and service may be opened in either order, and a service may come back.
 pub fn a_service_may_come_after_its_caller(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     let function = service(ServiceKind::Function);
@@ -255,7 +256,7 @@ pub fn a_service_may_come_after_its_caller(world: &dyn World) {
     }
 }
 
-/// A caller never waits for a service that is gone.
+/// A caller does not wait for a service that is gone.
 pub fn a_service_that_leaves_tells_its_caller(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     let activity = service(ServiceKind::Activity);
@@ -269,7 +270,7 @@ pub fn a_service_that_leaves_tells_its_caller(world: &dyn World) {
     }
 }
 
-/// One address, one server.
+/// An address has one server.
 pub fn a_second_server_of_an_address_is_refused(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     let function = service(ServiceKind::Function);
@@ -283,7 +284,7 @@ pub fn a_second_server_of_an_address_is_refused(world: &dyn World) {
     });
 }
 
-/// Input and output types must be the server's, and the exceptions it declares.
+/// Input, output and declared exceptions must be the server's.
 pub fn a_service_of_other_types_is_refused(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     let function = service(ServiceKind::Function);
@@ -305,7 +306,7 @@ pub fn a_service_of_other_types_is_refused(world: &dyn World) {
     }
 }
 
-/// Services are seen while they are served, and leave nothing behind.
+/// Services are visible while they are served, and leave nothing behind.
 pub fn services_show_while_they_are_served(world: &dyn World) {
     let Some((a, b)) = sides(world) else { return };
     if a.discovery().is_none() {

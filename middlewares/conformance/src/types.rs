@@ -1,4 +1,4 @@
-//! What travels: kinds, sizes, and refusals of types that differ.
+//! Which types and sizes are carried, and which mismatches are refused.
 
 use std::sync::Arc;
 
@@ -12,11 +12,11 @@ use genom_middleware::{
     Address, Middleware, OpenError, Policy, PortSpec, Publisher, Reading, Subscription,
 };
 
-/// Opens an end until it is refused for its type, and checks that both types are named.
+/// Opens an end until it is refused because of its type; checks that the error names both types.
 #[track_caller]
 fn refused<T>(ours: &DataType, theirs: &DataType, mut open: impl FnMut() -> Result<T, OpenError>) {
     eventually("the other type is refused", || match open() {
-        // Not seen yet, on middlewares that discover in the background.
+        // Middlewares that discover in the background may not have seen the other end yet.
         Ok(_) => false,
         Err(OpenError::TypeMismatch { address, ours: mine, theirs: other }) => {
             assert_eq!(address, position());
@@ -29,7 +29,7 @@ fn refused<T>(ours: &DataType, theirs: &DataType, mut open: impl FnMut() -> Resu
     });
 }
 
-/// Another reader's type is refused.
+/// A reader of another type is refused.
 pub fn another_type_is_refused_with_both_named(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let _writer = writer(&a);
@@ -42,7 +42,7 @@ pub fn another_type_is_refused_with_both_named(world: &dyn World) {
     );
 }
 
-/// Another writer's type is refused too, when the reader came first.
+/// A writer of another type is refused if the reader was opened first.
 pub fn a_writer_of_another_type_is_refused_with_both_named(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     let _reader = reader(&b, Policy::Latest);
@@ -51,7 +51,7 @@ pub fn a_writer_of_another_type_is_refused_with_both_named(world: &dyn World) {
     drop(a.publisher(&PortSpec::new(&position(), &state())).expect("the right type"));
 }
 
-/// The name and the size say too little: the digest decides (genom3.md 4.9).
+/// Equal name and size are not enough: the digest decides (genom3.md 4.9).
 pub fn types_of_one_name_and_other_members_are_refused(world: &dyn World) {
     let (a, b) = (world.join(), world.join());
     assert_eq!((state().name(), state().size()), (other_state().name(), other_state().size()));
@@ -61,14 +61,15 @@ pub fn types_of_one_name_and_other_members_are_refused(world: &dyn World) {
     });
 }
 
-/// The name says too much: two components may each define a type of these members (genom3.md 4.9).
+/// Equal names are not needed: two components may each define a type with these members (genom3.md
+/// 4.9).
 pub fn types_of_other_names_and_equal_members_connect(world: &dyn World) {
     assert_eq!(state().digest(), twin().digest());
     let (a, b) = (world.join(), world.join());
     for (n, (first, second)) in [(state(), twin()), (twin(), state())].into_iter().enumerate() {
         let at = Address::new("demo", format!("position{n}"));
         let policies = [Policy::Latest, Policy::Queue(4)];
-        // Once the reader is there first, once the writer.
+        // First the reader is opened first, then the writer.
         let early = b.subscription(&PortSpec::new(&at, &first), policies[n]).expect("an in port");
         let mut writer = a.publisher(&PortSpec::new(&at, &second)).expect("an out port");
         let late =
@@ -86,7 +87,7 @@ pub fn types_of_other_names_and_equal_members_connect(world: &dyn World) {
 
 type Ends = (Box<dyn Publisher>, Box<dyn Subscription>);
 
-/// Opens both ends, or checks that the backend says why it cannot.
+/// Opens both ends; `None` if the backend cannot carry the type, after checking that it says why.
 fn open(world: &dyn World, ty: &DataType) -> Option<(Vec<Arc<dyn Middleware>>, Ends)> {
     let (a, b) = (world.join(), world.join());
     let at = Address::new("demo", "value");
@@ -111,7 +112,7 @@ fn open(world: &dyn World, ty: &DataType) -> Option<(Vec<Arc<dyn Middleware>>, E
     Some((vec![a, b], ends))
 }
 
-/// Sends values one by one; each arrives as it was.
+/// Sends values one by one, and checks that each arrives unchanged.
 #[track_caller]
 fn travel(world: &dyn World, ty: &DataType, values: impl IntoIterator<Item = Value>) {
     let Some((_backends, (mut writer, mut reader))) = open(world, ty) else { return };
@@ -125,18 +126,18 @@ fn travel(world: &dyn World, ty: &DataType, values: impl IntoIterator<Item = Val
     }
 }
 
-/// Unbounded strings and sequences within sequences.
+/// Unbounded strings, and sequences within sequences.
 pub fn strings_and_nested_sequences_travel(world: &dyn World) {
     travel(world, &note(), [0, 1, 2, 9, 0, 40].map(note_of));
 }
 
-/// Values that grow by much, and shrink again.
+/// Values that grow a lot and shrink again.
 pub fn growing_values_travel(world: &dyn World) {
     travel(world, &note(), (0..15).map(|n| note_of(1 << n)));
     travel(world, &note(), (0..15).rev().map(|n| note_of(1 << n)));
 }
 
-/// 4 MiB arrive whole, several times.
+/// Samples of 4 MiB arrive complete, several times.
 pub fn samples_of_4_mib_travel(world: &dyn World) {
     let ty = image();
     let Some((_backends, (mut writer, mut reader))) = open(world, &ty) else { return };
@@ -150,7 +151,7 @@ pub fn samples_of_4_mib_travel(world: &dyn World) {
     }
 }
 
-/// Types without a name of their own.
+/// Types without a name, such as `double`.
 pub fn basic_types_travel(world: &dyn World) {
     for (kind, value) in [
         (Kind::Boolean, json!(true)),

@@ -1,4 +1,4 @@
-//! What stands in for a network: a board on which participants of one process find each other.
+//! Replaces a network: a shared board through which participants of one process exchange samples.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -8,11 +8,11 @@ use genom_middleware::describe::type_of_port;
 use genom_middleware::{Address, OpenError, PortSpec};
 use genom_types::DataType;
 
-/// Each port that has an end, with its type, its last value and its readers.
+/// Every port that has an open end, with its type, last value and readers.
 #[derive(Default)]
 pub(crate) struct Board(Mutex<HashMap<Address, Port>>);
 
-/// A port that has an end.
+/// A port that has an open end.
 pub(crate) struct Port {
     ty: DataType,
     pub(crate) has_writer: bool,
@@ -35,13 +35,13 @@ impl Inbox {
             buffer.extend_from_slice(sample);
             Ok::<_, ()>(())
         };
-        // What does not fit is counted by the mailbox.
+        // The mailbox counts samples for which it has no space.
         let _ = self.mailbox.put(copy);
     }
 }
 
 impl Board {
-    /// The board of that name, which lasts as long as somebody has it.
+    /// Finds or creates the board of that name. It exists until its last user drops it.
     pub(crate) fn named(name: &str) -> Arc<Self> {
         static BOARDS: Mutex<BTreeMap<String, Weak<Board>>> = Mutex::new(BTreeMap::new());
         let mut boards = lock(&BOARDS);
@@ -54,7 +54,7 @@ impl Board {
         })
     }
 
-    /// Opens an end of a port: `end` makes it what it is, or refuses.
+    /// Opens an end of a port. `end` registers it, or refuses.
     pub(crate) fn open(
         &self,
         port: &PortSpec<'_>,
@@ -77,7 +77,7 @@ impl Board {
         end(port)
     }
 
-    /// A sample of a port goes to all its readers, and stays for those that come.
+    /// Delivers a sample to all readers of a port, and keeps it for readers that come later.
     pub(crate) fn deliver(&self, at: &Address, sample: &[u8]) {
         if let Some(port) = lock(&self.0).get_mut(at) {
             port.readers.iter().filter_map(Weak::upgrade).for_each(|reader| reader.put(sample));
@@ -85,7 +85,7 @@ impl Board {
         }
     }
 
-    /// The writer of a port is gone, and its value with it.
+    /// Removes the writer of a port, and its last value.
     pub(crate) fn leave(&self, at: &Address) {
         if let Some(port) = lock(&self.0).get_mut(at) {
             (port.has_writer, port.last) = (false, None);
@@ -94,7 +94,7 @@ impl Board {
 }
 
 impl Port {
-    /// Adds a reader: it has the last value, and each one that is delivered from now on.
+    /// Adds a reader: it gets the last value at once, and every sample from now on.
     pub(crate) fn join(&mut self, reader: &Arc<Inbox>) {
         self.last.iter().for_each(|last| reader.put(last));
         self.readers.retain(|other| other.strong_count() > 0);

@@ -1,5 +1,5 @@
-//! A backend to learn from, which `docs/backend.md` explains part by part: ports between the
-//! participants of one process that name the same board.
+//! An example of a backend, explained step by step in `docs/backend.md`: ports between the
+//! participants of one process that use the same board.
 
 #![forbid(unsafe_code)]
 
@@ -21,24 +21,24 @@ use serde::Deserialize;
 
 use board::{Board, Inbox};
 
-/// `[backends.example]`
+/// Section `[backends.example]` of the configuration.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Participants that name the same board meet.
+    /// Name of the board. Participants with the same board see each other.
     pub board: String,
 }
 
 /// A participant.
 pub struct Example(Arc<Core>);
 
-/// What all ends of a participant share.
+/// Shared by all ends of a participant.
 struct Core {
     board: Arc<Board>,
     sender: Sender<Nothing>,
 }
 
-/// What the sending thread does beside sending.
+/// Duty of the sending thread beside sending: none.
 struct Nothing;
 
 impl Duty for Nothing {
@@ -55,7 +55,7 @@ struct Line {
 impl sender::Line for Line {
     fn send(&mut self) -> bool {
         let Some(sample) = self.outlet.take() else { return false };
-        // Where a middleware would call its library, which takes the time it takes.
+        // A real backend calls its library here; the call may take any time.
         self.board.deliver(&self.at, sample.as_ref());
         true
     }
@@ -98,7 +98,7 @@ impl Ports for Example {
             let taken = std::mem::replace(&mut port.has_writer, true);
             if taken { Err(OpenError::Taken { address: at.clone() }) } else { Ok(()) }
         })?;
-        // Few large samples wait, and many small ones; CDR is seldom larger than the C layout.
+        // Keeps few large samples or many small ones. CDR is seldom larger than the C layout.
         let depth = if ty.size() > 1 << 16 { 2 } else { 16 };
         let outlet = Arc::new(Outlet::new(ty, depth, ty.size() * 2 + 64));
         let (at, board) = (at.clone(), Arc::clone(&core.board));
@@ -154,7 +154,7 @@ impl Drop for Out {
 struct In {
     intake: Intake,
     inbox: Arc<Inbox>,
-    /// Whether samples that gave way are losses.
+    /// Whether overwritten samples count as lost.
     counts: bool,
     _core: Arc<Core>,
 }

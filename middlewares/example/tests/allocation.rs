@@ -1,4 +1,4 @@
-//! The real-time paths of the example allocate nothing, as those of any backend.
+//! The real-time paths of the example allocate nothing, as every backend must.
 
 use genom_allocations as allocations;
 use genom_conformance::eventually;
@@ -24,7 +24,7 @@ fn writing_and_reading_fixed_types_allocates_nothing() {
             counted += allocations::within(|| reading = reader.read(&mut got).unwrap());
             reading == Reading::New && number(&got) == n
         });
-        // The first round makes what the thread itself needs.
+        // The first round allocates what the thread itself needs.
         if n == 1 {
             counted = 0;
         }

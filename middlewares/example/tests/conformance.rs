@@ -1,4 +1,4 @@
-//! The example holds what every middleware must hold.
+//! The example passes the conformance suite.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use genom_example::{Example, Options};
 use genom_middleware::{Backend as _, Middleware};
 
-/// A board that no other test has.
+/// Name of a board that no other test uses.
 fn board() -> String {
     static BOARDS: AtomicU32 = AtomicU32::new(0);
     BOARDS.fetch_add(1, Ordering::Relaxed).to_string()

@@ -1,22 +1,33 @@
-//! Wakes the one thread that waits for work, from real-time threads.
+//! Wakes one waiting thread from real-time threads.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, Thread};
 use std::time::{Duration, Instant};
 
-/// A bell that one thread listens to and any thread may ring.
+/// A wake-up flag that one thread waits for and any thread may set.
 ///
-/// Ringing never blocks and never allocates; a ring while nobody waits is kept.
+/// Ringing neither blocks nor allocates. A ring while nobody waits is kept for the next wait.
+///
+/// ```
+/// use std::time::Duration;
+/// use genom_kit::bell::Bell;
+///
+/// let bell = Bell::default();
+/// bell.ring();
+/// assert!(bell.wait(Some(Duration::ZERO)), "the ring was kept");
+/// assert!(!bell.wait(Some(Duration::ZERO)));
+/// ```
 #[derive(Debug, Default)]
 pub struct Bell {
     rung: AtomicBool,
-    /// The listener, known since it first waited.
+    /// The waiting thread; known after its first wait.
     listener: OnceLock<Thread>,
 }
 
 impl Bell {
-    /// Rings. It costs a system call only when the listener sleeps and was not rung before.
+    /// Wakes the waiting thread. Makes a system call only if that thread sleeps and was not woken
+    /// yet.
     pub fn ring(&self) {
         if !self.rung.swap(true, Ordering::SeqCst)
             && let Some(listener) = self.listener.get()
@@ -25,8 +36,8 @@ impl Bell {
         }
     }
 
-    /// Waits for a ring, at most `timeout` if there is one; whether it rang. To be called by one
-    /// thread only, for as long as the bell lives.
+    /// Waits for a ring, at most `timeout` (`None`: without limit). Returns whether it rang. Only
+    /// one thread may call this during the life of the bell.
     pub fn wait(&self, timeout: Option<Duration>) -> bool {
         self.listener.get_or_init(thread::current);
         let end = timeout.map(|timeout| Instant::now() + timeout);

@@ -1,14 +1,14 @@
-//! Lets another thread see whether a sending thread is held up.
+//! Lets another thread see whether a sending thread is blocked.
 //!
-//! A write of a network's library may wait for seconds, until a reader that stopped is given up. It
-//! cannot be known beforehand that it will. So each thread counts what it begins and what it ends,
-//! and a watching thread looks at the counts from time to time.
+//! A write of a network library may block for seconds, until a stopped reader is given up, and
+//! nothing shows that beforehand. Each sending thread therefore counts where a call begins and
+//! where it ends, and a watching thread reads the counts periodically.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::thread::Thread;
 
-/// Counts what one thread begins and ends: odd while it is in the middle of something.
+/// Counts the beginnings and ends of one thread's calls; odd while a call is in progress.
 #[derive(Debug)]
 pub(crate) struct Busy {
     count: AtomicU64,
@@ -18,12 +18,12 @@ pub(crate) struct Busy {
 /// Wakes the watching thread, which sleeps while nothing is sent.
 #[derive(Debug, Default)]
 pub(crate) struct Alarm {
-    /// Whether it looks from time to time by itself.
+    /// Whether the watching thread is polling, so that it need not be woken.
     awake: AtomicBool,
     thread: OnceLock<Thread>,
 }
 
-/// In the middle of something, until it is dropped.
+/// A call in progress, until this is dropped.
 #[derive(Debug)]
 pub(crate) struct Working<'a>(&'a Busy);
 
@@ -32,10 +32,11 @@ impl Busy {
         Self { count: AtomicU64::new(0), alarm: Arc::clone(alarm) }
     }
 
-    /// Begins something. Costs a system call only when nothing was sent for long.
+    /// Marks the beginning of a call. Makes a system call only if nothing was sent for a while.
     pub(crate) fn begin(&self) -> Working<'_> {
-        // The count first, the flag second. The watching thread clears the flag first and looks at
-        // the count second: so either this thread wakes it, or it does not go to sleep.
+        // This thread increments the count, then reads the flag; the watching thread clears the
+        // flag, then reads the count. In either order this thread wakes it, or it does not go to
+        // sleep.
         self.count.fetch_add(1, Ordering::SeqCst);
         if !self.alarm.awake.load(Ordering::SeqCst) {
             self.alarm.wake();
@@ -54,7 +55,7 @@ impl Drop for Working<'_> {
     }
 }
 
-/// Whether a count says that its thread is in the middle of something.
+/// Whether a call is in progress at this count.
 pub(crate) fn is_at_work(count: u64) -> bool {
     !count.is_multiple_of(2)
 }
@@ -68,8 +69,8 @@ impl Alarm {
         }
     }
 
-    /// Sleeps until something is begun; not at all if `quiet` finds that something was begun
-    /// meanwhile. For the watching thread only.
+    /// Sleeps until a call begins. Does not sleep if `quiet` finds that one has begun since. Only
+    /// for the watching thread.
     pub(crate) fn sleep(&self, quiet: impl FnOnce() -> bool) {
         self.thread.get_or_init(std::thread::current);
         self.awake.store(false, Ordering::SeqCst);

@@ -1,31 +1,41 @@
-//! A bounded ring of indices between one producer and one consumer, without locks.
+//! A bounded lock-free ring of indices, with one producer and one consumer.
 //!
-//! It holds small numbers that name buffers kept elsewhere, so that samples change hands without
-//! being copied. When it is full the producer chooses: give up the new one, or the oldest.
+//! The indices refer to buffers that are kept elsewhere, so that samples change owner without a
+//! copy. When the ring is full, the producer chooses between dropping the new index and the oldest.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Bits of a slot that hold the index; the rest is the sequence number plus one.
+/// Low bits of a slot that hold the index; the others hold the sequence number plus one.
 const INDEX_BITS: u32 = 16;
 
-/// Greatest index that fits.
+/// Greatest index that a slot can hold.
 pub const MAX_INDEX: usize = (1 << INDEX_BITS) - 1;
 
-/// Nothing in the slot.
+/// Value of an empty slot.
 const EMPTY: u64 = 0;
 
-/// The ring. One thread at a time pushes, one at a time pops.
+/// The ring. At any time, at most one thread may push and at most one may pop.
+///
+/// ```
+/// use genom_kit::index_ring::IndexRing;
+///
+/// let ring = IndexRing::new(2);
+/// assert_eq!((ring.push_over(7), ring.push_over(8)), (None, None));
+/// assert_eq!(ring.push_over(9), Some(7), "the oldest is given back");
+/// assert!(!ring.push_if_free(10), "full");
+/// assert_eq!((ring.pop(), ring.pop(), ring.pop()), (Some(8), Some(9), None));
+/// ```
 #[derive(Debug)]
 pub struct IndexRing {
     slots: Box<[AtomicU64]>,
-    /// Sequence number of the next push; the producer's own.
+    /// Sequence number of the next push. Written by the producer only.
     head: AtomicU64,
-    /// Sequence number of the next pop; the consumer's own.
+    /// Sequence number of the next pop. Written by the consumer only.
     tail: AtomicU64,
 }
 
 impl IndexRing {
-    /// A ring for `capacity` indices, at least one.
+    /// A ring for `capacity` indices; for 1 if `capacity` is 0.
     #[must_use]
     pub fn new(capacity: usize) -> Self {
         let slots = (0..capacity.max(1)).map(|_| AtomicU64::new(EMPTY)).collect();
@@ -42,7 +52,7 @@ impl IndexRing {
         &self.slots[(sequence % self.slots.len() as u64) as usize]
     }
 
-    /// Adds an index; when full, gives back the oldest one, which is lost. Wait-free.
+    /// Pushes an index. When the ring is full, removes the oldest index and returns it. Wait-free.
     pub fn push_over(&self, index: usize) -> Option<usize> {
         let sequence = self.head.load(Ordering::Relaxed);
         let old = self.slot(sequence).swap(pack(sequence, index), Ordering::AcqRel);
@@ -50,7 +60,7 @@ impl IndexRing {
         (old != EMPTY).then(|| unpack(old).1)
     }
 
-    /// Adds an index unless the ring is full; whether it did. Wait-free.
+    /// Pushes an index unless the ring is full. Returns whether it did. Wait-free.
     pub fn push_if_free(&self, index: usize) -> bool {
         let sequence = self.head.load(Ordering::Relaxed);
         let slot = self.slot(sequence);
@@ -62,7 +72,7 @@ impl IndexRing {
         true
     }
 
-    /// Takes the oldest index. Retries only while the producer overwrites what it looks at.
+    /// Pops the oldest index. Retries only while the producer overwrites the slot being read.
     pub fn pop(&self) -> Option<usize> {
         let mut wanted = self.tail.load(Ordering::Relaxed);
         loop {
@@ -74,7 +84,8 @@ impl IndexRing {
             }
             let (sequence, index) = unpack(found);
             if sequence != wanted {
-                // Overwritten: `sequence` replaced the one a whole round before it.
+                // The producer overwrote the slot: `sequence` is one round later than the one
+                // wanted.
                 wanted = sequence + 1 - self.slots.len() as u64;
                 continue;
             }

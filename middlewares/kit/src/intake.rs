@@ -1,26 +1,27 @@
-//! The codel's end of an in port on a middleware that receives encoded samples.
+//! The reading end of a port, on middlewares that receive encoded samples.
 
 use genom_middleware::{OpenError, Policy, ReadError, Reading};
 use genom_types::{DataType, Record};
 
 use crate::mailbox::{Full, MAX_DEPTH};
 
-/// How a mailbox keeps the samples of an in port, by the policy of its connection.
+/// Mailbox settings that implement the policy of a connection.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Keeping {
-    /// Samples that wait to be read.
+    /// Number of unread samples that are kept.
     pub depth: usize,
-    /// What gives way when there are more.
+    /// Which sample is dropped when there are more.
     pub full: Full,
-    /// Whether those are losses: not where only the newest counts.
+    /// Whether dropped samples count as lost. False under [`Policy::Latest`], where only the newest
+    /// matters.
     pub counts: bool,
 }
 
 impl Keeping {
-    /// What `policy` asks of a mailbox.
+    /// The mailbox settings for `policy`.
     ///
     /// # Errors
-    /// It asks for more samples than a mailbox holds.
+    /// The policy asks for more samples than a mailbox can hold.
     pub fn of(policy: Policy, backend: &str, ty: &DataType) -> Result<Self, OpenError> {
         let (depth, full, counts) = match policy {
             Policy::Latest => (1, Full::Oldest, false),
@@ -41,25 +42,26 @@ impl Keeping {
 /// Decodes samples for a codel.
 #[derive(Debug)]
 pub struct Intake {
-    /// Samples are decoded here first: one that fails leaves the codel's record alone.
+    /// Samples are decoded into this record first, so that one that fails leaves the codel's record
+    /// unchanged.
     scratch: Record,
-    /// Whether anything was read yet.
+    /// Whether a sample has been read yet.
     read: bool,
 }
 
 impl Intake {
-    /// For samples of a type.
+    /// A decoder for samples of type `ty`.
     #[must_use]
     pub fn new(ty: &DataType) -> Self {
         ty.prepare();
         Self { scratch: Record::new(ty), read: false }
     }
 
-    /// Reads the next sample into `into`. `take` gives it to the function it gets, if there is
-    /// one, and says whether that could decode it.
+    /// Reads the next sample into `into`. `take` passes the next sample, if there is one, to the
+    /// function that it is given, and returns whether that could decode it.
     ///
     /// # Errors
-    /// `into` is of another type, or the sample cannot be decoded.
+    /// `into` has another type, or the sample cannot be decoded.
     pub fn read(
         &mut self,
         into: &mut Record,

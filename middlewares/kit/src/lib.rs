@@ -1,10 +1,9 @@
-//! Parts that most middlewares need between real-time threads and a network.
+//! Parts that most backends need between real-time threads and a network.
 //!
-//! A codel's `write` must neither wait nor allocate, and what a network's library does takes what
-//! time it likes. Between the two stand, outgoing, an [`outlet`] of encoded samples and a thread
-//! that sends ([`sender`]); incoming, a [`mailbox`] that the library's thread fills, and an
-//! [`intake`] that decodes for the codel's `read`. A backend takes of this what fits it; none has
-//! to.
+//! A codel's `write` must not block or allocate, while a call of a network library may take any
+//! time. So outgoing samples go through an [`outlet`] of encoded samples to a thread that sends
+//! them ([`sender`]). Incoming samples go into a [`mailbox`], which the library's thread fills, and
+//! an [`intake`] decodes them when a codel calls `read`. A backend uses those parts that fit it.
 
 #![deny(unsafe_code)]
 

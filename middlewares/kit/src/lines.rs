@@ -1,22 +1,22 @@
-//! The out ports that a sending thread sends for, and which of them have something to send.
+//! The out ports that a sending thread serves, and which of them have something to send.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use crate::busy::Busy;
 
-/// Words of the bit set of lines that have something to send.
+/// Number of words in the bit set of lines that have something to send.
 const WORDS: usize = 64;
 
-/// Bits of all words. Lines share one when there are more.
+/// Number of bits in the set. With more lines than bits, several share one.
 const BITS: usize = WORDS * 64;
 
-/// Messages of one line sent in a row, before others have their turn.
+/// Messages sent in a row for one line before it is the next one's turn.
 const TURN: usize = 8;
 
 /// An out port as the sending thread sees it.
 pub trait Line: Send + 'static {
-    /// Sends one message, if there is one; whether there was.
+    /// Sends one message if there is one. Returns whether there was.
     fn send(&mut self) -> bool;
 }
 
@@ -24,9 +24,9 @@ pub trait Line: Send + 'static {
 #[derive(Debug)]
 pub struct Lines<L> {
     slots: Mutex<Slots<L>>,
-    /// A line came back.
+    /// Signalled when a thread returns a line.
     back: Condvar,
-    /// Set by real-time threads, which take no lock.
+    /// Bit set, written by real-time threads without a lock.
     marked: Box<[AtomicU64]>,
 }
 
@@ -40,11 +40,11 @@ struct Slots<L> {
 enum Slot<L> {
     Empty,
     Here(L),
-    /// A thread is at work with it.
+    /// A thread is using it.
     Out,
 }
 
-/// A line in the hands of one thread. It goes back to its place when this is dropped.
+/// A line that one thread is using. Dropping this returns the line.
 #[derive(Debug)]
 struct Taken<'a, L> {
     lines: &'a Lines<L>,
@@ -75,7 +75,7 @@ impl<L> Lines<L> {
         self.slots.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds a line; its number.
+    /// Adds a line and returns its number.
     pub(crate) fn add(&self, line: L) -> usize {
         let mut slots = self.lock();
         let number = slots.free.pop().unwrap_or(slots.all.len());
@@ -86,13 +86,13 @@ impl<L> Lines<L> {
         number
     }
 
-    /// Takes a line away for good, once no thread is at work with it. Its number stays taken
-    /// until it is [freed](Lines::free).
+    /// Removes a line, after waiting until no thread uses it. Its number stays in use until
+    /// [`free`](Lines::free).
     pub(crate) fn remove(&self, number: usize) -> Option<L> {
         self.take(number, true)?.line.take()
     }
 
-    /// The number may be given to another line.
+    /// Allows the number to be used for another line.
     pub(crate) fn free(&self, number: usize) {
         let mut slots = self.lock();
         if let Some(slot) = slots.all.get_mut(number) {
@@ -103,25 +103,26 @@ impl<L> Lines<L> {
         self.back.notify_all();
     }
 
-    /// Lets go of all lines.
+    /// Drops all lines.
     pub(crate) fn clear(&self) {
         let all = std::mem::take(&mut self.lock().all);
-        // Dropped without the lock: their destructors may use the lines.
+        // Drop them after releasing the lock: their destructors may use the lines.
         drop(all);
     }
 
-    /// Does something with a line, once no other thread is at work with it.
+    /// Calls `work` with a line, after waiting until no other thread uses it.
     pub fn with<R>(&self, number: usize, work: impl FnOnce(&mut L) -> R) -> Option<R> {
         self.take(number, true)?.line.as_mut().map(work)
     }
 
-    /// The first that `wanted` gives something for, of all lines in turn.
+    /// Calls `wanted` for one line after the other until it returns something.
     pub fn find<R>(&self, mut wanted: impl FnMut(&mut L) -> Option<R>) -> Option<R> {
         let count = self.lock().all.len();
         (0..count).find_map(|number| self.with(number, &mut wanted).flatten())
     }
 
-    /// Takes a line out for a while. If another thread has it, waits for it or gives none.
+    /// Takes a line for a while. If another thread uses it, waits for it or returns `None`, by
+    /// `wait`.
     fn take(&self, number: usize, wait: bool) -> Option<Taken<'_, L>> {
         let mut slots = self.lock();
         loop {
@@ -140,7 +141,7 @@ impl<L> Lines<L> {
         }
     }
 
-    /// Says that a line has something to send. Wait-free.
+    /// Marks a line as having something to send. Wait-free.
     pub(crate) fn mark(&self, number: usize) {
         if let Some(word) = self.marked.get(number % BITS / 64) {
             word.fetch_or(1 << (number % 64), Ordering::Release);
@@ -148,27 +149,27 @@ impl<L> Lines<L> {
     }
 }
 
-/// What is left of the lines of one bit after a turn.
+/// State of the lines of one bit after their turn.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rest {
     /// Some may have more to send.
     more: bool,
-    /// Another thread is at work with one, which may have more by now.
+    /// Another thread is using one of them, which may have more to send by now.
     elsewhere: bool,
 }
 
 impl<L: Line> Lines<L> {
-    /// Sends for all lines that have something; whether some may have more.
+    /// Sends for all marked lines. Returns whether some may have more to send.
     pub(crate) fn send(&self, busy: &Busy) -> bool {
         let mut more = false;
         for (index, word) in self.marked.iter().enumerate() {
-            // Most words are zero, and a plain load is cheaper than an atomic exchange.
+            // Most words are zero, and a plain load costs less than an atomic exchange.
             let mut bits = word.load(Ordering::Relaxed);
             while bits != 0 {
                 let mask = bits & bits.wrapping_neg();
                 bits &= !mask;
-                // Each bit is cleared just before its line is sent: were all bits taken at once, a
-                // thread that is held up by one line would keep the others from being seen.
+                // Clear each bit just before its line is served. If all bits were cleared at once,
+                // a thread that blocks on one line would hide the others from its relief.
                 if word.fetch_and(!mask, Ordering::Acquire) & mask == 0 {
                     continue;
                 }

@@ -1,17 +1,17 @@
-//! A bounded queue between two threads, whose buffers are used again and again.
+//! A bounded queue between two threads that reuses its buffers.
 //!
-//! Outgoing, the real-time writer fills and the middleware empties; incoming, the middleware
-//! fills and the real-time reader empties. Neither side waits for the other.
+//! For outgoing samples the real-time thread puts and the middleware takes; for incoming samples
+//! the other way round. Neither side waits for the other.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::index_ring::{IndexRing, MAX_INDEX};
 
-/// Greatest number of messages a mailbox holds.
+/// Greatest number of messages that a mailbox can hold.
 pub const MAX_DEPTH: usize = MAX_INDEX - 2;
 
-/// What gives way in a full mailbox.
+/// Which message is dropped when the mailbox is full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Full {
     /// The oldest message.
@@ -20,47 +20,61 @@ pub enum Full {
     Newest,
 }
 
-/// One producer and one consumer at a time: the caller has to see to it.
+/// The queue. At any time, at most one thread may put and at most one may take; the caller must
+/// ensure this.
+///
+/// ```
+/// use genom_kit::mailbox::{Full, Mailbox};
+///
+/// // Two messages, with buffers of 16 bytes; when full, the oldest is dropped.
+/// let mailbox: Mailbox = Mailbox::new(2, 16, Full::Oldest);
+/// for n in [1, 2, 3] {
+///     mailbox.put(|buffer| { buffer.push(n); Ok::<(), ()>(()) }).unwrap();
+/// }
+/// assert_eq!(mailbox.lost(), 1);
+/// assert_eq!(mailbox.take(|message| message[0]), Some(2));
+/// ```
 #[derive(Debug)]
 pub struct Mailbox<T = Vec<u8>> {
-    /// Two more than the ring holds: one in the producer's hands, one in the consumer's.
+    /// Two more than the ring holds: one that the producer fills and one that the consumer reads.
     slots: Box<[Slot<T>]>,
     ring: IndexRing,
     full: Full,
     lost: AtomicU64,
-    /// Where the search for a free slot starts: at the one released last, whose memory is warm.
+    /// Where the search for a free slot starts: at the one freed last, which is likely still in the
+    /// cache.
     hint: AtomicU64,
 }
 
 #[derive(Debug)]
 struct Slot<T> {
-    /// Never contended: a slot belongs to the producer while free, then to who took its index.
-    /// The lock is there so that this needs no unsafe code.
+    /// Never contended: while a slot is free, only the producer uses it; afterwards only the thread
+    /// that holds its index. The lock exists to avoid unsafe code.
     message: Mutex<T>,
     used: AtomicBool,
 }
 
-/// A message did not get in.
+/// A message was not added.
 #[derive(Debug)]
 pub enum PutError<E> {
-    /// No slot is free, which one producer and one consumer cannot bring about.
+    /// No slot is free. Cannot happen with one producer and one consumer.
     Busy,
-    /// The caller's own.
+    /// The error that `fill` returned.
     Fill(E),
 }
 
 impl Mailbox {
-    /// A mailbox of `depth` messages, each with room for `size` bytes beforehand.
+    /// A mailbox for `depth` messages, whose buffers are allocated with `size` bytes each.
     #[must_use]
     pub fn new(depth: usize, size: usize, full: Full) -> Self {
         Self::with(depth, full, || Vec::with_capacity(size))
     }
 
-    /// Adds a message that `fill` writes into an empty buffer. Wait-free; nothing is allocated
-    /// when the buffer is large enough.
+    /// Adds a message that `fill` writes into an empty buffer. Wait-free; allocates nothing if the
+    /// buffer is large enough.
     ///
     /// # Errors
-    /// What `fill` says; nothing was added then.
+    /// What `fill` returned; no message was added then.
     pub fn put<E>(
         &self,
         fill: impl FnOnce(&mut Vec<u8>) -> Result<(), E>,
@@ -71,7 +85,7 @@ impl Mailbox {
         })
     }
 
-    /// Exchanges the oldest message for an empty buffer; whether there was one.
+    /// Swaps the oldest message with an empty buffer. Returns whether there was a message.
     pub fn exchange(&self, buffer: &mut Vec<u8>) -> bool {
         let Some(index) = self.ring.pop() else { return false };
         let Some(slot) = self.slots.get(index) else { return false };
@@ -83,7 +97,7 @@ impl Mailbox {
 }
 
 impl<T> Mailbox<T> {
-    /// A mailbox of `depth` messages, with what `make` makes in the places of messages to come.
+    /// A mailbox for `depth` messages whose slots are initialised by `make`.
     #[must_use]
     pub fn with(depth: usize, full: Full, make: impl Fn() -> T) -> Self {
         let depth = depth.clamp(1, MAX_DEPTH);
@@ -97,16 +111,17 @@ impl<T> Mailbox<T> {
         }
     }
 
-    /// Messages that gave way so far.
+    /// Number of messages dropped so far.
     #[must_use]
     pub fn lost(&self) -> u64 {
         self.lost.load(Ordering::Relaxed)
     }
 
-    /// Adds a message that `fill` makes of an old one, and gives what `fill` gives. Wait-free.
+    /// Adds a message that `fill` makes by overwriting an old one, and returns what `fill`
+    /// returned. Wait-free.
     ///
     /// # Errors
-    /// What `fill` says; nothing was added then.
+    /// What `fill` returned; no message was added then.
     pub fn put_by<R, E>(
         &self,
         fill: impl FnOnce(&mut T) -> Result<R, E>,
@@ -134,7 +149,7 @@ impl<T> Mailbox<T> {
         Ok(given)
     }
 
-    /// Gives the oldest message to `see`, if there is one.
+    /// Takes the oldest message, if there is one, and passes it to `see`.
     pub fn take<R>(&self, see: impl FnOnce(&T) -> R) -> Option<R> {
         let index = self.ring.pop()?;
         let slot = self.slots.get(index)?;

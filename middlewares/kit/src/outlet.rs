@@ -1,4 +1,4 @@
-//! The codel's end of an out port on a middleware that sends encoded samples.
+//! The writing end of a port, on middlewares that send encoded samples.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -8,22 +8,22 @@ use genom_types::{DataType, Record};
 use crate::mailbox::{Full, Mailbox, PutError};
 use crate::spares::{Message, Spares};
 
-/// Samples on their way from a codel to a sending thread. The newest get through: when the thread
-/// does not keep up, the oldest give way, and are counted.
+/// Samples on their way from a codel to a sending thread. If the thread cannot keep up, the oldest
+/// samples are dropped and counted.
 #[derive(Debug)]
 pub struct Outlet {
     ty: DataType,
     mailbox: Mailbox,
     spares: Spares,
-    /// Samples that the middleware refused.
+    /// Number of samples that the middleware refused.
     refused: AtomicU64,
 }
 
 impl Outlet {
-    /// Holds at most `depth` samples, each in a buffer made ready for `room` bytes.
+    /// An outlet for at most `depth` samples, in buffers that are allocated with `room` bytes each.
     #[must_use]
     pub fn new(ty: &DataType, depth: usize, room: usize) -> Self {
-        // The plan of the encoding is made here, and not by the first write.
+        // Compile the encoding plan now, so that the first write need not.
         ty.prepare();
         Self {
             ty: ty.clone(),
@@ -33,10 +33,11 @@ impl Outlet {
         }
     }
 
-    /// Encodes a sample. Wait-free; nothing is allocated when the buffers are large enough.
+    /// Encodes a sample and queues it. Wait-free; allocates nothing if the buffers are large
+    /// enough.
     ///
     /// # Errors
-    /// The value is of another type, or has no encoding.
+    /// The value has another type, or cannot be encoded.
     pub fn put(&self, value: &Record) -> Result<(), PublishError> {
         if !value.ty().same_as(&self.ty) {
             return Err(PublishError::Refused);
@@ -47,18 +48,18 @@ impl Outlet {
         })
     }
 
-    /// Takes the oldest sample, for the sending thread.
+    /// Takes the oldest sample. For the sending thread.
     #[must_use]
     pub fn take(&self) -> Option<Message> {
         self.spares.take(&self.mailbox)
     }
 
-    /// The middleware did not send a sample that was taken.
+    /// Counts a taken sample that the middleware refused to send.
     pub fn refuse(&self) {
         self.refused.fetch_add(1, Ordering::Relaxed);
     }
 
-    /// Samples that gave way or were refused.
+    /// Number of samples dropped or refused so far.
     #[must_use]
     pub fn dropped(&self) -> u64 {
         self.mailbox.lost() + self.refused.load(Ordering::Relaxed)

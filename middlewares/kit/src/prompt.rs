@@ -1,43 +1,44 @@
-//! Short time slices for threads that stand between a real-time thread and a middleware: they work
-//! briefly, and should run as soon as they are woken.
+//! Short time slices for threads between a real-time thread and a middleware: these run briefly and
+//! should start as soon as they are woken.
 //!
-//! The one module of this crate with unsafe code: it calls the system.
+//! The only module of this crate with unsafe code: it makes a system call.
 
 #![allow(unsafe_code, reason = "no safe interface of sched_setattr(2) is kept up")]
 
 use std::io;
 
-/// A slice, in ns: the shortest that Linux grants.
+/// Time slice in ns: the shortest that Linux grants.
 const SLICE: u64 = 100_000;
 
-/// Has the calling thread run soon when it is woken, among threads of the same nice value: its
-/// turns are short, and Linux (from 6.12 on; before, nothing changes) prefers who asks for less.
-/// It gets no more of the processor than before. Its policy and nice value stay, and so does a
-/// thread of a real-time policy. See `sched_setattr(2)`, `sched_runtime` of `SCHED_OTHER`.
+/// Makes the calling thread run soon after it is woken, compared with threads of the same nice
+/// value. Since 6.12 Linux prefers threads that ask for a shorter slice; older versions ignore it.
+/// The thread's share of the processor, its policy and its nice value stay the same, and threads
+/// with a real-time policy are left alone. See `sched_setattr(2)`, `sched_runtime` for
+/// `SCHED_OTHER`.
 ///
 /// # Errors
-/// The system refuses, for instance by a filter of system calls (seccomp).
+/// The system refuses, for instance because of a filter of system calls (seccomp).
 pub fn be_prompt() -> io::Result<()> {
     let mut attributes = get()?;
     if attributes.sched_policy != SCHED_OTHER {
         return Ok(());
     }
     attributes.sched_runtime = SLICE;
-    // SAFETY: the structure is whole, says its size, and is only read.
+    // SAFETY: the structure is initialised, states its size, and is only read by the kernel.
     let refused = unsafe { libc::syscall(libc::SYS_sched_setattr, THIS, &raw const attributes, 0) };
     if refused == 0 { Ok(()) } else { Err(io::Error::last_os_error()) }
 }
 
 const SCHED_OTHER: u32 = libc::SCHED_OTHER as u32;
 
-/// The calling thread.
+/// Stands for the calling thread in these system calls.
 const THIS: libc::pid_t = 0;
 
 fn get() -> io::Result<libc::sched_attr> {
     let size = u32::try_from(size_of::<libc::sched_attr>()).unwrap_or_default();
-    // SAFETY: plain numbers, for which 0 is a value.
+    // SAFETY: all members are integers, for which zero is a valid value.
     let mut attributes: libc::sched_attr = unsafe { std::mem::zeroed() };
-    // SAFETY: the structure has `size` bytes, and the system writes no more.
+    // SAFETY: the structure has `size` bytes, and the kernel writes no more than that.
     let refused =
         unsafe { libc::syscall(libc::SYS_sched_getattr, THIS, &raw mut attributes, size, 0) };
     if refused == 0 { Ok(attributes) } else { Err(io::Error::last_os_error()) }
@@ -54,7 +55,7 @@ mod tests {
         let after = get().unwrap();
         assert_eq!(after.sched_policy, before.sched_policy);
         assert_eq!(after.sched_nice, before.sched_nice);
-        // Older systems tell no slice.
+        // Older kernels report no slice.
         let wanted = if before.sched_runtime == 0 { 0 } else { SLICE };
         assert_eq!(after.sched_runtime, wanted);
     }

@@ -1,9 +1,9 @@
-//! What goes on when a sending thread is held up: others send for the rest.
+//! Other threads that send while a sending thread is blocked.
 //!
-//! A thread of its own looks every [`LOOK`] at what the sending thread is at, as long as that has
-//! something to do. One that is still in the middle of the same thing is relieved: another thread
-//! does its work until it is back, and is itself relieved in the same way. Those look around every
-//! [`ROUND`] instead of being rung for: it is an exception that ends after seconds.
+//! While there is something to send, a watching thread checks the sending thread every [`LOOK`]. If
+//! it is still in the same call, another thread takes over its work until the call returns; that
+//! thread is watched and relieved in the same way. Relief threads poll every [`ROUND`] instead of
+//! waiting for the bell: they are an exception that lasts seconds.
 
 use std::sync::Arc;
 use std::thread;
@@ -12,33 +12,33 @@ use std::time::Duration;
 use crate::busy::{Busy, is_at_work};
 use crate::shared::{Duty, Shared};
 
-/// Time between two looks.
+/// Time between two checks.
 pub(crate) const LOOK: Duration = Duration::from_millis(20);
 
-/// Looks without anything to see before the watching thread sleeps.
+/// Number of checks without work before the watching thread sleeps.
 const QUIET: u32 = 50;
 
-/// Time between two rounds of a thread that relieves another.
+/// Time between two rounds of a relief thread.
 const ROUND: Duration = Duration::from_millis(1);
 
-/// Threads that relieve others at a time. Beyond that, what is held up has to wait.
+/// Greatest number of relief threads at a time. Beyond it, blocked work waits.
 const MOST: usize = 32;
 
-/// A thread that sends, and what it was at when it was last looked at.
+/// A sending thread, and its count at the last check.
 struct Seen {
     busy: Arc<Busy>,
     count: u64,
 }
 
 impl Seen {
-    /// Whether it is in the middle of the same as before.
+    /// Whether it is in the same call as at the last check.
     fn look(&mut self) -> bool {
         let before = std::mem::replace(&mut self.count, self.busy.count());
         self.count == before && is_at_work(before)
     }
 }
 
-/// Watches the sending thread, and has it relieved when it is held up.
+/// Watches the sending thread, and starts a relief thread when it is blocked.
 pub(crate) fn watch<D: Duty>(shared: &Arc<Shared<D>>, name: &str, first: Arc<Busy>) {
     let mut first = Seen { count: first.count(), busy: first };
     let mut relief: Vec<Seen> = Vec::new();
@@ -52,7 +52,7 @@ pub(crate) fn watch<D: Duty>(shared: &Arc<Shared<D>>, name: &str, first: Arc<Bus
         let before = first.count;
         let held = first.look();
         quiet = if before == first.count && !held { quiet + 1 } else { 0 };
-        // Those that are through have let go of their count.
+        // A relief thread that has finished has dropped its reference to its count.
         relief.retain(|seen| Arc::strong_count(&seen.busy) > 1);
         let all_held = relief.iter_mut().fold(held, |all, seen| seen.look() && all);
         if !all_held || relief.len() >= MOST {
@@ -63,7 +63,7 @@ pub(crate) fn watch<D: Duty>(shared: &Arc<Shared<D>>, name: &str, first: Arc<Bus
         let shared = Arc::clone(shared);
         let spawned = thread::Builder::new().name(name.to_owned()).spawn(move || {
             shared.sends_here();
-            // Until who is relieved is back.
+            // Until the blocked thread returns from its call.
             while held.count() == count && !shared.stops() {
                 let _ = shared.pass(&own);
                 thread::park_timeout(ROUND);

@@ -1,8 +1,8 @@
-//! A thread that sends for the out ports of a middleware, and does what else takes its time.
+//! A thread that sends for all out ports of a middleware and does other slow work for it.
 //!
-//! Real-time threads fill the [outlet](crate::outlet) of a port, mark its line and ring; what the
-//! library's calls cost or wait for is paid here. A line whose write waits, for a reader that
-//! stopped, holds up no other: after [`PATIENCE`] another thread goes on with the rest (`relief`).
+//! Real-time threads fill the [outlet](crate::outlet) of a port, mark its line and ring the bell;
+//! the library is called on this thread only. If a write blocks because a reader stopped, other
+//! lines are not held up: after [`PATIENCE`] another thread continues with them (`relief`).
 
 use std::io;
 use std::sync::Arc;
@@ -18,10 +18,10 @@ use crate::relief;
 pub use crate::shared::Duty;
 use crate::shared::{Job, Shared};
 
-/// How long a thread may be at one message before another one takes over the rest.
+/// How long a thread may be in one call before another takes over the other lines.
 pub const PATIENCE: Duration = relief::LOOK;
 
-/// Gives orders to the thread; clones give them to the same one.
+/// Gives jobs to the sending thread. Clones refer to the same thread.
 pub struct Orders<D: Duty> {
     submit: Submit<Job<D>>,
     shared: Arc<Shared<D>>,
@@ -33,17 +33,18 @@ impl<D: Duty> Clone for Orders<D> {
     }
 }
 
-/// Owns the thread. It ends when this is dropped, after what was ordered before.
+/// Owns the sending thread. Dropping it ends the thread once the jobs submitted before are done.
 pub struct Sender<D: Duty> {
     orders: Orders<D>,
     threads: Vec<JoinHandle<()>>,
 }
 
 impl<D: Duty> Sender<D> {
-    /// Starts the thread. `prompt` has Linux run it at once when it is woken.
+    /// Starts the thread. With `prompt`, Linux runs it soon after it is woken
+    /// ([`prompt`](crate::prompt)).
     ///
     /// # Errors
-    /// There are no more threads to be had.
+    /// The system cannot start another thread.
     pub fn start(name: &str, prompt: bool, duty: D) -> io::Result<Self> {
         let (submit, jobs) = channel();
         let shared = Arc::new(Shared::new(duty, jobs));
@@ -66,7 +67,7 @@ impl<D: Duty> Sender<D> {
         Ok(sender)
     }
 
-    /// For who gives orders.
+    /// The handle for giving jobs to the thread.
     pub fn orders(&self) -> &Orders<D> {
         &self.orders
     }
@@ -80,26 +81,26 @@ impl<D: Duty> Drop for Sender<D> {
         }
         for thread in self.threads.drain(..) {
             thread.thread().unpark();
-            // A thread that panicked has been reported by its panic.
+            // A panic of the thread has been reported already.
             let _ = thread.join();
         }
     }
 }
 
 impl<D: Duty> Orders<D> {
-    /// Has the thread look at what is [due](Duty::due). Wait-free.
+    /// Makes the thread check what is [due](Duty::due). Wait-free.
     pub fn ring(&self) {
         self.shared.bell.ring();
     }
 
-    /// Has a job done soon, after all that was ordered before.
+    /// Queues a job for the thread, after all earlier ones.
     pub fn submit(&self, job: impl FnOnce(&mut D, &Lines<D::Line>) + Send + 'static) {
-        // After the end there is nothing left to do it with.
+        // Fails when the thread has ended; the job is dropped then.
         let _ = self.submit.send(Box::new(job));
         self.ring();
     }
 
-    /// Has a job done and waits for it, except on the thread itself.
+    /// Queues a job and waits until it is done. On the thread itself it does not wait.
     pub fn finish(&self, job: impl FnOnce(&mut D, &Lines<D::Line>) + Send + 'static) {
         let (done, finished) = channel::<()>();
         self.submit(move |duty, lines| {
@@ -107,25 +108,25 @@ impl<D: Duty> Orders<D> {
             drop(done);
         });
         if !self.shared.is_here() {
-            // Ends when the job did, or was dropped with the thread.
+            // Returns when the job is done, or was dropped together with the thread.
             let _ = finished.recv();
         }
     }
 
-    /// Adds an out port; its number.
+    /// Adds an out port and returns its number.
     #[must_use]
     pub fn add(&self, line: D::Line) -> usize {
         self.shared.lines.add(line)
     }
 
-    /// Says that an out port has something to send. Wait-free.
+    /// Marks an out port as having something to send. Wait-free.
     pub fn mark(&self, line: usize) {
         self.shared.lines.mark(line);
         self.ring();
     }
 
-    /// Keeps the first out port from sending until the result is dropped: for tests of what
-    /// real-time callers feel of a stalled network. It holds when this returns.
+    /// Blocks the first out port from sending until the result is dropped, so that tests can see
+    /// how a stalled network affects real-time callers. The block is in effect when this returns.
     #[must_use]
     pub fn stall(&self) -> impl Send + use<D> {
         let (release, held) = channel::<()>();
@@ -141,8 +142,8 @@ impl<D: Duty> Orders<D> {
         release
     }
 
-    /// Sends what an out port still has, takes it away, and has it ended by `end`. Waits for
-    /// that, except on the thread itself.
+    /// Sends what an out port still has queued, removes it, and passes it to `end`. Waits until
+    /// that is done, except on the thread itself.
     pub fn remove(&self, number: usize, end: impl FnOnce(&mut D, D::Line) + Send + 'static) {
         self.finish(move |duty, lines| {
             if let Some(mut line) = lines.remove(number) {

@@ -1,4 +1,4 @@
-//! What the threads share that send for one middleware, and what each of them does in turn.
+//! What the threads that send for one middleware share, and the work each does in turn.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,27 +10,28 @@ use crate::bell::Bell;
 use crate::busy::{Alarm, Busy};
 use crate::lines::{Line, Lines};
 
-/// Time between two looks while another thread has what is wanted.
+/// Time between two attempts to get what another thread is using.
 const AGAIN: Duration = Duration::from_millis(1);
 
-/// What the thread does beside sending, and what its jobs work with.
+/// The thread's duty beside sending, and the data that its jobs use.
 pub trait Duty: Send + Sized + 'static {
-    /// Its out ports.
+    /// Type of its out ports.
     type Line: Line;
 
-    /// Does what is due, after each ring; how long until something is again, if nobody rings.
+    /// Does what is due; called after each ring. Returns how long until the next call if nobody
+    /// rings.
     fn due(&mut self, lines: &Lines<Self::Line>) -> Option<Duration> {
         let _ = lines;
         None
     }
 }
 
-/// Something to do on the thread.
+/// A job for the thread.
 pub(crate) type Job<D> = Box<dyn FnOnce(&mut D, &Lines<<D as Duty>::Line>) + Send>;
 
-/// What the threads share that send for one middleware.
+/// What the threads that send for one middleware share.
 pub(crate) struct Shared<D: Duty> {
-    /// Taken away at the end, with the jobs that were not done.
+    /// Removed at the end, together with jobs that were not done.
     desk: Mutex<Option<Desk<D>>>,
     pub(crate) lines: Lines<D::Line>,
     pub(crate) bell: Bell,
@@ -44,7 +45,7 @@ struct Desk<D: Duty> {
 }
 
 thread_local! {
-    /// What this thread sends for, as a number.
+    /// Identifies the `Shared` that this thread sends for; 0 if none.
     static SENDS_FOR: Cell<usize> = const { Cell::new(0) };
 }
 
@@ -63,35 +64,35 @@ impl<D: Duty> Shared<D> {
         std::ptr::from_ref(self).addr()
     }
 
-    /// Has the threads end.
+    /// Tells the threads to end.
     pub(crate) fn end(&self) {
         self.stop.store(true, Ordering::SeqCst);
         self.bell.ring();
         self.alarm.wake();
     }
 
-    /// Whether the threads are to end.
+    /// Whether the threads must end.
     pub(crate) fn stops(&self) -> bool {
         self.stop.load(Ordering::SeqCst)
     }
 
-    /// Says that this thread sends.
+    /// Registers the calling thread as one that sends.
     pub(crate) fn sends_here(&self) {
         SENDS_FOR.set(self.number());
     }
 
-    /// Whether this thread sends.
+    /// Whether the calling thread is one that sends.
     pub(crate) fn is_here(&self) -> bool {
         SENDS_FOR.get() == self.number()
     }
 
-    /// Goes on until the [end](Shared::end), and then lets go of everything.
+    /// Works until the [end](Shared::end), then drops everything.
     pub(crate) fn go_on(&self, busy: &Busy) {
         self.sends_here();
         let mut pause = None;
         loop {
             self.bell.wait(pause);
-            // What was ordered before the end is done before it.
+            // Read first, so that jobs submitted before the end are done.
             let last = self.stops();
             pause = self.pass(busy);
             if last {
@@ -103,12 +104,12 @@ impl<D: Duty> Shared<D> {
         drop(desk);
     }
 
-    /// Does what was ordered and what is due, and sends; how long until something is due again.
+    /// Runs jobs, does what is due and sends. Returns how long until something is due again.
     pub(crate) fn pass(&self, busy: &Busy) -> Option<Duration> {
         let desk = match self.desk.try_lock() {
             Ok(desk) => Some(desk),
             Err(TryLockError::Poisoned(desk)) => Some(desk.into_inner()),
-            // Another thread is at a job.
+            // Another thread is running a job.
             Err(TryLockError::WouldBlock) => None,
         };
         let mut pause = Some(AGAIN);
@@ -122,7 +123,7 @@ impl<D: Duty> Shared<D> {
             });
         }
         if self.lines.send(busy) {
-            // Comes back at once, after a look at orders.
+            // More to send: return here after checking for jobs.
             self.bell.ring();
         }
         pause

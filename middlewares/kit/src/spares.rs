@@ -1,24 +1,24 @@
-//! Buffers that go from a mailbox to a middleware without a copy, and come back.
+//! Buffers that pass from a mailbox to a middleware without a copy, and are reused.
 //!
-//! What takes a message out of a mailbox leaves a spare buffer there. When the middleware lets go
-//! of the message, its buffer becomes a spare one. Real-time threads see none of this.
+//! Taking a message out of a mailbox leaves a spare buffer in its place. When the middleware drops
+//! the message, its buffer becomes the next spare. Real-time threads are not involved.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::mailbox::Mailbox;
 
-/// Spare buffers kept; more are freed.
+/// Number of spare buffers kept; more are freed.
 const KEPT: usize = 8;
 
-/// The spare buffers of one mailbox. Clones are the same ones.
+/// The spare buffers of one mailbox. Clones share them.
 #[derive(Clone, Debug)]
 pub struct Spares {
     buffers: Arc<Mutex<Vec<Vec<u8>>>>,
-    /// Room of a new one.
+    /// Initial size in bytes of a new buffer.
     size: usize,
 }
 
-/// A message that was in a mailbox. Its buffer is spare when it is dropped.
+/// A message taken from a mailbox. Dropping it makes its buffer a spare.
 #[derive(Debug)]
 pub struct Message {
     bytes: Vec<u8>,
@@ -26,18 +26,18 @@ pub struct Message {
 }
 
 impl Spares {
-    /// None yet; new ones have that much room.
+    /// No spares yet. New buffers are allocated with `size` bytes.
     #[must_use]
     pub fn new(size: usize) -> Self {
         Self { buffers: Arc::default(), size }
     }
 
-    /// Takes the oldest message, if there is one. For the consumer of the mailbox.
+    /// Takes the oldest message of the mailbox, if there is one. For the mailbox's consumer.
     #[must_use]
     pub fn take(&self, mailbox: &Mailbox) -> Option<Message> {
         let mut bytes = self.spare();
         let taken = mailbox.exchange(&mut bytes);
-        // Without a message this is the spare buffer, which goes back.
+        // If there was no message, this holds the unused spare, which is returned on drop.
         let message = Message { bytes, home: self.clone() };
         taken.then_some(message)
     }
@@ -89,7 +89,7 @@ mod tests {
         assert_eq!((one.as_ref(), two.as_ref()), (&b"one"[..], &b"two"[..]));
         let places = [one.as_ref().as_ptr(), two.as_ref().as_ptr()];
         drop((one, two));
-        // From here on, the same buffers go round.
+        // From the second round on, the same buffers are reused.
         for round in 0..20u8 {
             put(&mailbox, &[round; 16]);
             let message = spares.take(&mailbox).unwrap();

@@ -1,7 +1,7 @@
-//! Mailboxes, rings of indices and bells between two threads.
+//! Mailboxes, index rings and bells between two threads.
 //!
-//! What changes hands is plain memory, which nothing else orders: ThreadSanitizer and Miri see
-//! whether these do (`docs/proofs.md`).
+//! They hand over plain memory that nothing else synchronises, so that ThreadSanitizer and Miri can
+//! tell whether they order the accesses (`docs/proofs.md`).
 
 #![allow(clippy::unwrap_used)]
 
@@ -13,15 +13,16 @@ use genom_kit::bell::Bell;
 use genom_kit::index_ring::IndexRing;
 use genom_kit::mailbox::{Full, Mailbox};
 
-/// Messages sent; Miri is some thousand times slower.
+/// Number of messages; Miri is a thousand or more times slower.
 const LAST: u64 = if cfg!(miri) { 40 } else { 20_000 };
-/// What takes longer hangs.
+/// Limit after which a test counts as hanging.
 const LONG: Duration = Duration::from_secs(60);
 
-/// Plain memory that two threads touch in turn.
+/// Plain memory that two threads access in turn.
 struct Plain<T>(UnsafeCell<T>);
 
-// SAFETY: only who was handed the index, or heard the bell, touches it: what is tested here.
+// SAFETY: only the thread that got the index, or was woken by the bell, accesses it. That is what
+// the tests check.
 unsafe impl<T: Send> Sync for Plain<T> {}
 
 impl<T> Plain<T> {
@@ -30,15 +31,15 @@ impl<T> Plain<T> {
     }
 
     fn with<R>(&self, work: impl FnOnce(&mut T) -> R) -> R {
-        // SAFETY: as above; the reference does not leave `work`.
+        // SAFETY: as above; the reference does not outlive `work`.
         work(unsafe { &mut *self.0.get() })
     }
 }
 
 #[test]
 fn buffers_named_by_a_ring_belong_to_one_thread_at_a_time() {
-    // The producer gives up the oldest when the ring is full; what the consumer took comes back
-    // through a second ring.
+    // When the ring is full the producer reclaims the oldest buffer; those that the consumer took
+    // come back through a second ring.
     const DEPTH: usize = 3;
     let buffers: Vec<_> = (0..DEPTH + 2).map(|_| Plain::new([0u64; 4])).collect();
     let (there, back) = (IndexRing::new(DEPTH), IndexRing::new(DEPTH + 2));

@@ -1,4 +1,4 @@
-//! A sending thread: what it sends, what it is told to do, and what goes on when a line waits.
+//! A sending thread: what it sends, what jobs it does, and what continues when one line blocks.
 
 #![allow(clippy::unwrap_used, reason = "test code outside of test functions")]
 
@@ -8,15 +8,15 @@ use std::time::Duration;
 use genom_kit::lines::{Line, Lines};
 use genom_kit::sender::{self, Duty};
 
-/// What takes longer hangs.
+/// Limit after which a test counts as hanging.
 const LONG: Duration = Duration::from_secs(60);
 
-/// Sends the numbers it is given, and waits at some.
+/// Sends the numbers it is given, and blocks at some of them.
 struct Port {
     name: &'static str,
     numbers: Receiver<u32>,
     sent: Sender<(&'static str, u32)>,
-    /// Numbers from here on wait until somebody opens.
+    /// Numbers from this one on block until the receiver is signalled.
     gate: Option<(u32, Receiver<()>)>,
 }
 
@@ -84,10 +84,10 @@ fn messages_of_a_line_are_sent_in_order_and_a_line_that_goes_sends_its_last() {
     }
     (0..1000).for_each(|n| bench.arrives("one", n));
     port.numbers.send(7).unwrap();
-    // Not marked: what is left is sent all the same.
+    // The line is not marked, and yet what is left is sent.
     bench.sender.orders().remove(port.line, |_, line| drop(line));
     bench.arrives("one", 7);
-    // The number is another's now.
+    // Its number is reused.
     assert_eq!(bench.port("two", None).line, port.line);
 }
 
@@ -105,7 +105,7 @@ fn jobs_are_done_in_order_and_before_the_end() {
     let orders = bench.sender.orders().clone();
     drop(bench);
     assert_eq!(heard.iter().take(100).collect::<Vec<_>>(), (1..=100).collect::<Vec<_>>());
-    // Nobody is left to do anything, and nobody waits for it.
+    // The thread has ended: the job is dropped, and nobody waits for it.
     orders.finish(|_, _| panic!("there is no thread any more"));
 }
 
@@ -122,7 +122,7 @@ fn lines_that_wait_hold_up_no_other_and_go_on_in_order() {
     for (name, port, _) in &gates {
         bench.write(port, 1);
         bench.arrives(name, 1);
-        // The thread, or who relieves it, waits with this one.
+        // The sending thread, or the one that relieves it, blocks on this one.
         bench.write(port, 2);
         bench.write(port, 3);
         for n in 1..20 {

@@ -1,4 +1,4 @@
-//! The addresses of one process, and who has them open.
+//! The ports and services of one process, by address, and who has them open.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -26,13 +26,13 @@ pub struct Local {
 }
 
 impl Local {
-    /// A middleware with no address in use.
+    /// A middleware on which nothing is open.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Opens an end: `end` makes it from the exchange and says so in the port's counts.
+    /// Opens an end of a port. `end` makes it from the exchange and adds it to the port's counts.
     fn open<E>(
         &self,
         port: &PortSpec<'_>,

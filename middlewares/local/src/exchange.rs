@@ -1,15 +1,15 @@
-//! The values of one address, exchanged between one writer and many readers without locks.
+//! The values of one address, passed from one writer to many readers without locks.
 //!
-//! A pool of buffers; an atomic word says which one holds the latest value. The writer fills a
-//! buffer that is neither the latest nor pinned, then makes it the latest: it never waits. A
-//! reader pins the latest buffer, makes sure that it still is the latest, copies, unpins. Queue
-//! and ring readers own a [`Lane`] of buffers that the writer pinned for them.
+//! There is a pool of buffers, and an atomic word says which one holds the latest value. The writer
+//! fills a buffer that is neither the latest nor pinned, then makes it the latest; it never waits.
+//! A reader pins the latest buffer, checks that it still is the latest, copies it and unpins it.
+//! Queue and ring readers have a [`Lane`] of buffers that the writer pinned for them.
 //!
-//! Why a pinned buffer is not written: all accesses to `latest` and `pins` are sequentially
-//! consistent. A reader pins, then finds the buffer still the latest. The writer makes another
-//! one the latest, then looks at the pins. In their total order either the writer's look comes
-//! after the pin, and it leaves the buffer alone; or the reader's check comes after the change,
-//! and it lets go without having touched the value.
+//! Why a pinned buffer is never written: all accesses to `latest` and `pins` are sequentially
+//! consistent. A reader increments `pins`, then checks that the buffer is still the latest. The
+//! writer replaces `latest`, then reads `pins`. In their total order, either the writer reads
+//! `pins` after the increment and does not use the buffer, or the reader's check comes after the
+//! replacement and it unpins the buffer without having read it.
 
 use std::cell::UnsafeCell;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, AtomicUsize, Ordering};
@@ -21,39 +21,39 @@ use genom_types::{DataType, Record};
 
 use crate::lane::{Lane, Lanes};
 
-/// Buffers of the first segment; each further one doubles.
+/// Number of buffers in the first segment; each further segment has twice as many.
 const FIRST_SEGMENT: usize = 4;
 const SEGMENTS: usize = 14;
 const INDEX_BITS: u32 = 16;
 
-/// Greatest number of unread samples of one reader.
+/// Greatest number of unread samples per reader.
 pub(crate) const MAX_DEPTH: usize = 4096;
 
 struct Buffer {
-    /// Readers and lanes that hold it.
+    /// Number of readers and lanes that hold it.
     pins: AtomicU32,
-    /// Sequence number of its value; stable while pinned.
+    /// Sequence number of its value; does not change while pinned.
     sequence: AtomicU64,
     record: UnsafeCell<Record>,
 }
 
-// SAFETY: `record` is written by the one writer while nobody holds the buffer, and only read
-// while somebody does; see the module's notes.
+// SAFETY: the one writer writes `record` only while the buffer is not pinned, and others only read
+// it while it is; see the module's documentation.
 unsafe impl Sync for Buffer {}
 
 /// The values of one address.
 pub(crate) struct Exchange {
     ty: DataType,
     segments: [OnceLock<Box<[Buffer]>>; SEGMENTS],
-    /// Buffers in use, from index 0.
+    /// Number of buffers in use, from index 0.
     count: AtomicUsize,
     /// Sequence number and index of the latest value; 0 when there is none.
     latest: AtomicU64,
-    /// Last sequence number of the writer before this one: not for readers that come now.
+    /// Last sequence number of the previous writer. New readers ignore values up to it.
     floor: AtomicU64,
     written_by_somebody: AtomicBool,
     lanes: Lanes,
-    /// Number of readers without a lane; the lock also orders openings and closings.
+    /// Number of readers without a lane. The lock also serialises opening and closing.
     latest_readers: Mutex<usize>,
 }
 
@@ -64,7 +64,8 @@ pub(crate) struct Writer {
     next: u64,
     /// Where the search for a free buffer starts.
     hint: usize,
-    /// Values that found no free buffer. None, unless the count of buffers is wrong.
+    /// Number of values for which no buffer was free. Always 0 unless the number of buffers is
+    /// wrong.
     pub(crate) dropped: u64,
 }
 
@@ -73,16 +74,16 @@ pub(crate) struct Reader {
     exchange: Arc<Exchange>,
     /// Sequence number of the last value read.
     seen: u64,
-    /// Whether any value was read: `seen` may start above 0.
+    /// Whether any value was read; `seen` alone does not tell, as it may start above 0.
     any: bool,
     lane: Option<OwnLane>,
 }
 
 struct OwnLane {
     lane: Arc<Lane>,
-    /// The latest value when the reader came: pinned, read first.
+    /// The latest value at the time the reader was opened; pinned, and read first.
     first: Option<usize>,
-    /// Count of the lane when this reader took it over.
+    /// The lane's count of dropped samples when this reader took it over.
     dropped_before: u64,
 }
 
@@ -104,7 +105,7 @@ impl Exchange {
         &self.ty
     }
 
-    /// The writing end, unless somebody has it.
+    /// Opens the writing end, unless it is open already.
     pub(crate) fn writer(self: &Arc<Self>) -> Option<Writer> {
         if self.written_by_somebody.swap(true, Ordering::SeqCst) {
             return None;
@@ -115,7 +116,7 @@ impl Exchange {
         Some(Writer { exchange: Arc::clone(self), next, hint: 0, dropped: 0 })
     }
 
-    /// A reading end. `policy` holds at most [`MAX_DEPTH`] samples.
+    /// Opens a reading end. `policy` holds at most [`MAX_DEPTH`] samples.
     pub(crate) fn reader(self: &Arc<Self>, policy: Policy) -> Reader {
         let mut readers = self.latest_readers.lock().unwrap_or_else(PoisonError::into_inner);
         let lane = match policy {
@@ -130,13 +131,13 @@ impl Exchange {
         let mut reader = Reader { exchange: Arc::clone(self), seen: 0, any: false, lane: None };
         reader.seen = self.floor.load(Ordering::SeqCst);
         if let Some(lane) = lane {
-            // What a writer pushed while the lane was being closed.
+            // Discard what a writer pushed while the lane was being closed.
             while let Some(left) = lane.ring.pop() {
                 self.unpin(left);
             }
             let dropped_before = lane.dropped.load(Ordering::Relaxed);
-            // Open first, look second: a value published meanwhile is in the lane, or is the
-            // latest, or both, and then `seen` tells.
+            // Open the lane before reading the latest value: a value published in between is in the
+            // lane, or is the latest, or both, and `seen` detects the duplicate.
             lane.open.store(true, Ordering::SeqCst);
             let mut first = self.pin_latest();
             if let Some(index) = first
@@ -150,8 +151,8 @@ impl Exchange {
         reader
     }
 
-    /// Makes sure that there is a free buffer whatever the others do: beside the latest and the
-    /// one being written, each reader holds one, and one more for a moment; each lane its depth.
+    /// Allocates as many buffers as can be in use at once: the latest, the one being written, two
+    /// per reader (one held, one for a moment while it changes), and the depth of each lane.
     fn grow(&self, latest_readers: usize) {
         let lanes: usize = self.lanes.iter().map(|lane| lane.ring.capacity() + 2).sum();
         let wanted = (2 + 2 * latest_readers + lanes).min(MAX_INDEX);
@@ -177,7 +178,7 @@ impl Exchange {
         self.buffer(index).map_or(0, |buffer| buffer.sequence.load(Ordering::Relaxed))
     }
 
-    /// Pins the latest buffer. Retries only when the writer published meanwhile.
+    /// Pins the latest buffer. Retries only if the writer published in between.
     fn pin_latest(&self) -> Option<usize> {
         loop {
             let latest = self.latest.load(Ordering::SeqCst);
@@ -200,11 +201,12 @@ impl Exchange {
         }
     }
 
-    /// Copies a pinned buffer out and unpins it; its sequence number, unless the types differ.
+    /// Copies a pinned buffer out and unpins it. Returns its sequence number; `None` if the types
+    /// differ.
     fn take(&self, index: usize, into: &mut Record) -> Option<u64> {
         let buffer = self.buffer(index)?;
-        // SAFETY: the caller pinned the buffer by `pin_latest`, or the writer did for its lane:
-        // nobody writes it until it is unpinned below.
+        // SAFETY: the buffer is pinned, by the caller in `pin_latest` or by the writer for the
+        // lane, so nobody writes it until it is unpinned below.
         let copied = into.copy_from(unsafe { &*buffer.record.get() });
         let sequence = buffer.sequence.load(Ordering::Relaxed);
         buffer.pins.fetch_sub(1, Ordering::SeqCst);
@@ -227,7 +229,7 @@ fn index_of(latest: u64) -> usize {
 }
 
 impl Writer {
-    /// Publishes a copy; whether it could: the value may be of another type.
+    /// Publishes a copy. Returns false if the value has another type.
     pub(crate) fn publish(&mut self, value: &Record) -> bool {
         let exchange = &*self.exchange;
         let latest = exchange.latest.load(Ordering::SeqCst);
@@ -242,8 +244,8 @@ impl Writer {
             self.dropped += 1;
             return true;
         };
-        // SAFETY: there is one writer, this one; the buffer was not the latest and had no pin
-        // since then, so no reader holds it, nor will any until it is the latest again.
+        // SAFETY: this is the only writer. The buffer was not the latest and then had no pins, so
+        // no reader holds it, and none can until it is the latest again.
         let written = unsafe { &mut *buffer.record.get() }.copy_from(value);
         if written.is_err() {
             return false;
@@ -273,7 +275,7 @@ impl Drop for Writer {
 }
 
 impl Reader {
-    /// The next value by the policy; `None` when `into` is of another type.
+    /// The next value according to the policy; `None` if `into` has another type.
     pub(crate) fn read(&mut self, into: &mut Record) -> Option<Reading> {
         let exchange = &*self.exchange;
         loop {

@@ -1,16 +1,16 @@
-//! The unread samples of one queue or ring reader, by index of their buffers.
+//! The unread samples of one queue or ring reader, as indices of their buffers.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use genom_kit::index_ring::IndexRing;
 
-/// One reader's unread samples. Lanes are never freed before the exchange, so that the writer
-/// walks their list without locks; a closed one is used again.
+/// The unread samples of one reader. A lane is never freed before the exchange, so that the writer
+/// can walk the list without a lock; a closed lane is reused.
 #[derive(Debug)]
 pub(crate) struct Lane {
     pub(crate) ring: IndexRing,
-    /// Whether a full lane gives up its oldest sample, or refuses the new one.
+    /// When full: true drops the oldest sample, false the new one.
     pub(crate) overwrites: bool,
     /// Whether it has a reader.
     pub(crate) open: AtomicBool,
@@ -29,7 +29,7 @@ impl Lane {
         }
     }
 
-    /// Adds a buffer; gives back the one that is lost by it, be it this one or an older one.
+    /// Pushes a buffer. Returns the one that is dropped for it: the oldest, or the new one itself.
     pub(crate) fn push(&self, index: usize) -> Option<usize> {
         let lost = if self.overwrites {
             self.ring.push_over(index)
@@ -50,12 +50,12 @@ pub(crate) struct Lanes {
 }
 
 impl Lanes {
-    /// Every lane, open or not.
+    /// Every lane, open or closed.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Arc<Lane>> {
         std::iter::successors(self.first.get(), |lane| lane.next.get())
     }
 
-    /// A closed lane of this kind, or a new one. Called by one thread at a time.
+    /// Reuses a closed lane of this kind, or creates one. Called by one thread at a time.
     pub(crate) fn take(&self, capacity: usize, overwrites: bool) -> Arc<Lane> {
         let mut end = &self.first;
         while let Some(lane) = end.get() {

@@ -1,9 +1,10 @@
 //! Ports and services within one process.
 //!
-//! Samples go through a lock-free exchange in their C layout, without a codec: one copy by the
-//! writer however many readers there are, one by each reader. Services are plain calls.
+//! Samples are exchanged without locks in their C layout, without encoding: the writer makes one
+//! copy however many readers there are, and each reader makes one. Services are plain function
+//! calls.
 //!
-//! The `unsafe` code is `exchange`.
+//! All `unsafe` code is in `exchange`.
 
 mod backend;
 mod exchange;

@@ -1,4 +1,4 @@
-//! The ports that have an end open.
+//! The ports that have an open end.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -8,15 +8,15 @@ use genom_middleware::{Address, EndpointKind};
 
 use crate::exchange::Exchange;
 
-/// A port that has ends.
+/// A port that has an open end.
 pub(crate) struct Port {
     pub(crate) exchange: Arc<Exchange>,
-    /// Open ends; the port is forgotten with the last one.
+    /// Number of open writing ends. The port is removed from the list when its last end closes.
     pub(crate) writers: usize,
     pub(crate) readers: usize,
 }
 
-/// Keeps an end of a port in the list while it is open.
+/// Keeps a port in the list while one of its ends is open.
 pub(crate) struct Opened {
     pub(crate) ports: Arc<Mutex<HashMap<Address, Port>>>,
     pub(crate) at: Address,

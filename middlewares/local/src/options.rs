@@ -1,8 +1,8 @@
-//! What can be chosen: nothing, so far.
+//! The options of this backend: none so far.
 
 use serde::Deserialize;
 
-/// `[backends.local]`: it has no keys.
+/// Section `[backends.local]` of the configuration; it has no keys.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(deny_unknown_fields)]
 #[non_exhaustive]

@@ -6,7 +6,7 @@ use genom_types::Record;
 use crate::exchange::{Reader, Writer};
 use crate::opened::Opened;
 
-/// An out port. Fields are dropped in order: the address is free once the writer is gone.
+/// An out port. Fields are dropped in order: the address is freed after the writer.
 pub(crate) struct LocalPublisher {
     pub(crate) writer: Writer,
     pub(crate) _opened: Opened,

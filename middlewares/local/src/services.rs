@@ -1,4 +1,4 @@
-//! Services within one process: the caller's replies go straight to who serves.
+//! Services within one process: a request is a call of the handler that serves the address.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError, Weak};
@@ -17,14 +17,15 @@ pub(crate) struct Table(Mutex<HashMap<Address, Service>>);
 struct Service {
     ty: ServiceType,
     handler: Arc<dyn ServiceHandler>,
-    /// Requests that may still be under way: their callers are told when the service leaves.
+    /// Requests that may still be in progress; their callers are notified when the service is
+    /// withdrawn.
     pending: Vec<Weak<Request>>,
 }
 
-/// One request under way.
+/// A request in progress.
 struct Request {
     handler: Arc<dyn ServiceHandler>,
-    /// Taken by the first of: the service finishes, the service leaves.
+    /// Taken by whichever comes first: the service finishes, or it is withdrawn.
     replies: Mutex<Option<Box<dyn Replies>>>,
     id: OnceLock<ActivityId>,
 }
@@ -80,7 +81,7 @@ impl Drop for LocalServed {
     }
 }
 
-/// The calling end.
+/// The calling end of a service.
 pub(crate) struct LocalClient {
     services: Arc<Table>,
     at: Address,
@@ -130,7 +131,7 @@ impl Client for LocalClient {
         service.pending.retain(|other| other.strong_count() > 0);
         service.pending.push(Arc::downgrade(&request));
         drop(list);
-        // The service may call back into this middleware: no lock is held here.
+        // The handler may call back into this middleware, so no lock is held here.
         request.handler.request(input.clone(), Box::new(ToCaller(Arc::clone(&request))));
         Ok(Box::new(LocalRunning(request)))
     }
@@ -145,7 +146,7 @@ impl Request {
     }
 }
 
-/// What the service gets as the caller's replies.
+/// Passes the service's replies on to the caller.
 struct ToCaller(Arc<Request>);
 
 impl Replies for ToCaller {
@@ -168,7 +169,7 @@ impl Replies for ToCaller {
 }
 
 impl Drop for ToCaller {
-    // A service that lets go of a request without an answer.
+    // The service dropped the request without a reply.
     fn drop(&mut self) {
         self.0.finish(Outcome::Lost(CallError::Gone));
     }

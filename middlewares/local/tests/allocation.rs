@@ -1,4 +1,4 @@
-//! The real-time paths allocate nothing.
+//! The real-time paths of this backend allocate nothing.
 
 use genom_allocations as allocations;
 use genom_conformance::samples::{number, numbered, set_number, state};

@@ -1,6 +1,6 @@
-//! Readers that come and go while a writer writes values that own memory.
+//! Readers are opened and closed while a writer writes values that own heap memory.
 //!
-//! Nothing but the exchange orders them, so that ThreadSanitizer and Miri see what it promises
+//! Nothing but the exchange synchronises them, so that ThreadSanitizer and Miri can check it
 //! (`docs/proofs.md`).
 
 #![allow(clippy::unwrap_used)]
@@ -13,16 +13,16 @@ use genom_middleware::{Address, Policy, PortSpec, Ports, Reading};
 use genom_types::Record;
 use serde_json::{Value, json};
 
-/// Samples written; Miri is some thousand times slower.
+/// Number of samples; Miri is a thousand or more times slower.
 const LAST: u64 = if cfg!(miri) { 10 } else { 20_000 };
 
-/// A value of many allocations, all of which say which one it is.
+/// A value with many allocations, each of which encodes `n`.
 fn value(n: u64) -> Value {
     let row = vec![n & 0xffff; (n % 5) as usize];
     json!({ "text": format!("sample {n}"), "rows": [row, row] })
 }
 
-/// Which value it is; it must be a whole one.
+/// The number that a value encodes. Fails if its parts disagree.
 fn number(record: &Record) -> u64 {
     let found = record.to_json();
     let text = found["text"].as_str().unwrap();
@@ -57,7 +57,7 @@ fn readers_that_come_and_go_see_whole_values_in_order() {
                     newest = newest.max(previous);
                     std::thread::yield_now();
                 }
-                // One that comes after the last sample finds it.
+                // A reader that is opened after the last sample gets it.
                 let mut reader = local.subscription(&PortSpec::new(at, &note()), policy).unwrap();
                 assert_eq!(reader.read(&mut record), Ok(Reading::New));
                 assert!(number(&record) == LAST && newest <= LAST);

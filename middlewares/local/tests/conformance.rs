@@ -1,4 +1,4 @@
-//! The local middleware holds what every middleware must hold.
+//! The local backend passes the conformance suite.
 
 use std::sync::Arc;
 

@@ -13,7 +13,7 @@ use crate::obstacles::obstacles;
 use crate::options::Options;
 use crate::services::ServiceEnds;
 
-/// One DDS participant, with one ROS node for each component instance.
+/// One DDS participant, with one ROS node per component instance.
 #[derive(Clone)]
 pub struct Ros2 {
     pub(crate) core: Arc<Core>,
@@ -24,15 +24,15 @@ impl Ros2 {
     /// Joins a domain.
     ///
     /// # Errors
-    /// An option is wrong, or DDS does not open.
+    /// An option is wrong, or DDS fails.
     pub fn open(options: &Options) -> Result<Arc<Self>, ParticipantError> {
         let core = Core::open(options)?;
         let services = ServiceEnds::new(Arc::clone(&core));
         Ok(Arc::new(Self { core, services }))
     }
 
-    /// Keeps the out port that was opened first from sending until the result is dropped: for
-    /// tests of what real-time callers feel of a stalled network.
+    /// Blocks the out port that was opened first from sending until the result is dropped, so that
+    /// tests can see how a stalled network affects real-time callers.
     #[doc(hidden)]
     #[must_use]
     pub fn stall(&self) -> impl Send + use<> {
@@ -42,7 +42,7 @@ impl Ros2 {
 
 impl Backend for Ros2 {
     const NAME: &'static str = BACKEND;
-    // The same on the wire since ROS 2 Iron.
+    // The encodings have not changed since ROS 2 Iron.
     const VERSION: &'static str = "rustdds 0.15, ROS 2 Iron to Kilted";
     type Options = Options;
     type Error = ParticipantError;

@@ -1,4 +1,4 @@
-//! Bodies of requests and replies: a few fields by hand around a record.
+//! Bodies of requests and replies: a record, and a few fields encoded by hand around it.
 
 use genom_middleware::{CallError, Outcome};
 use genom_rosidl::{Failure, Manner};
@@ -7,25 +7,25 @@ use serde_json::Value;
 
 use crate::wire::HEADER;
 
-/// Id of a goal, made by who sends it.
+/// Id of a goal, chosen by the client that sends it.
 pub(crate) type GoalId = [u8; 16];
 
-/// Stands for the end of a service before it answered.
+/// Exception that means: the service went away before it replied.
 pub(crate) const GONE: &str = "::genom::gone";
 
-/// A request that could not be decoded.
+/// Exception that means: the request could not be decoded.
 const SERIALIZATION: &str = "::genom::serialization";
 
-/// What an interrupted activity ends with (genom3.md 7.6).
+/// Exception of an interrupted activity (genom3.md 7.6).
 pub(crate) const INTERRUPTED: &str = "::genom::interrupted";
 
 /// `action_msgs/msg/GoalStatus`
 pub(crate) const SUCCEEDED: u8 = 4;
 pub(crate) const CANCELED: u8 = 5;
 
-/// Appends a string to a payload that starts at 0.
+/// Appends a string to a payload whose alignment starts at 0.
 pub(crate) fn put_string(out: &mut Vec<u8>, text: &str) {
-    // CDR strings end at a NUL; what has one inside ends there.
+    // A CDR string ends at its NUL, so text with a NUL inside is cut there.
     let text = text.split('\0').next().unwrap_or_default();
     out.resize(out.len().next_multiple_of(4), 0);
     let length = u32::try_from(text.len() + 1).unwrap_or(u32::MAX);
@@ -34,7 +34,7 @@ pub(crate) fn put_string(out: &mut Vec<u8>, text: &str) {
     out.push(0);
 }
 
-/// The input of a service. ROS has no empty messages: they have one byte.
+/// Appends the input of a service. ROS has no empty messages: one without members is one byte.
 pub(crate) fn put_input(out: &mut Vec<u8>, input: &Record) -> Result<(), CdrError> {
     let before = out.len();
     input.encode_cdr_within(0, out)?;
@@ -44,16 +44,16 @@ pub(crate) fn put_input(out: &mut Vec<u8>, input: &Record) -> Result<(), CdrErro
     Ok(())
 }
 
-/// What stands around the output in a response or result.
+/// What a response or result has beside the output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Style {
-    /// Exception and detail come first.
+    /// Name and detail of the exception, before the output.
     Genom,
-    /// It is that of a foreign type, which has nothing else.
+    /// Nothing: the type is a foreign one.
     Foreign(Manner),
 }
 
-/// The result of a service; false when the response type has no way to express it.
+/// Appends the outcome of a service. Returns false if the response type cannot express it.
 pub(crate) fn put_outcome(
     out: &mut Vec<u8>,
     ty: &DataType,
@@ -91,7 +91,7 @@ pub(crate) fn put_outcome(
                 put_input(out, &failed(ty, success, message, text.trim()))
             }
             (Failure::Silent, None) => {
-                // A result has its status besides.
+                // A result also has a status, which tells that it failed.
                 return put_input(out, &Record::new(ty)).is_ok() && before > 0;
             }
         },
@@ -106,7 +106,7 @@ pub(crate) fn put_outcome(
     true
 }
 
-/// An output that says that it failed, and why, as far as its string has room.
+/// An output with `success` false and the reason in `message`, cut to the size of that string.
 fn failed(ty: &DataType, success: usize, message: usize, why: &str) -> Record {
     let mut output = Record::new(ty);
     let room = match ty.member(message).as_ref().map(DataType::kind) {
@@ -126,7 +126,8 @@ fn failed(ty: &DataType, success: usize, message: usize, why: &str) -> Record {
     output
 }
 
-/// The exception that a message of ours tells (`::demo::TOO_FAR {"by":3}`), or the middleware's.
+/// Parses the exception in a message of ours (`::demo::TOO_FAR {"by":3}`); any other text becomes
+/// the middleware's own exception.
 fn failure(message: &str) -> Outcome {
     let (name, detail) = message.split_once(' ').unwrap_or((message, ""));
     let known = name.strip_prefix("::").filter(|name| !name.is_empty());
@@ -144,7 +145,7 @@ fn failure(message: &str) -> Outcome {
     }
 }
 
-/// Reads a message field by field; what is not there or does not fit gives none.
+/// Reads a message field by field. Each method returns `None` if the field is missing or invalid.
 #[derive(Clone, Debug)]
 pub(crate) struct Fields<'a> {
     payload: &'a [u8],
@@ -153,7 +154,7 @@ pub(crate) struct Fields<'a> {
 }
 
 impl<'a> Fields<'a> {
-    /// The payload of a message.
+    /// Fields of the message's payload.
     pub(crate) fn of(message: &'a [u8]) -> Option<Self> {
         let (header, payload) = message.split_at_checked(HEADER)?;
         Some(Self { payload, at: 0, big_endian: header.get(1) != Some(&1) })
@@ -190,20 +191,21 @@ impl<'a> Fields<'a> {
         std::str::from_utf8(bytes.strip_suffix(&[0]).unwrap_or(bytes)).ok()
     }
 
-    /// A sequence, read one by one: a length in the message allocates nothing beforehand.
+    /// Reads a sequence element by element, so that a large length in the message does not allocate
+    /// memory in advance.
     pub(crate) fn all<T>(&mut self, one: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
         let count = self.word()?;
         (0..count).map(|_| one(self)).collect()
     }
 
-    /// The record that is left.
+    /// Decodes the rest of the payload as a record.
     pub(crate) fn record(&self, ty: &DataType) -> Result<Record, CdrError> {
         let mut record = Record::new(ty);
         record.decode_cdr_within(self.payload, self.at, self.big_endian)?;
         Ok(record)
     }
 
-    /// The result of a service; of an action, which ended with this status.
+    /// Reads the outcome of a service; of an action if there is a `status`, its final one.
     pub(crate) fn outcome(&mut self, ty: &DataType, style: Style, status: Option<u8>) -> Outcome {
         match style {
             Style::Genom => self.own_outcome(ty),
@@ -211,7 +213,7 @@ impl<'a> Fields<'a> {
         }
     }
 
-    /// Of a type of ROS, whoever made it.
+    /// Reads the outcome from a ROS type, whoever sent it.
     fn foreign_outcome(&mut self, ty: &DataType, manner: Manner, status: Option<u8>) -> Outcome {
         let lost = |why: &str| Outcome::Lost(CallError::Serialization(why.to_owned()));
         let mut why = String::new();

@@ -1,4 +1,4 @@
-//! One ROS service: a topic of requests and a topic of replies, with bodies as bytes.
+//! One ROS service: a request topic and a reply topic, whose bodies are bytes.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -20,16 +20,16 @@ use crate::receiver::{Inlet, Sample, Sink};
 use crate::sender::Orders;
 use crate::wire::{self, HEADER, Payload, Reader};
 
-/// Requests or replies of one service that wait for the receiving thread.
+/// Greatest number of requests or replies of one service that wait for the receiving thread.
 const CACHED: i32 = 1024;
 
-/// Longest time the last replies of a service that closes may take to arrive.
+/// How long to wait, when a service closes, for its last replies to arrive.
 const FAREWELL: Duration = Duration::from_millis(100);
 
-/// Bytes that the Cyclone mapping puts before a body.
+/// Size in bytes of the header that the Cyclone mapping puts before a body.
 const CYCLONE: usize = 16;
 
-/// What making a service takes.
+/// What is needed to create the ends of a service.
 #[derive(Clone)]
 pub(crate) struct Maker {
     pub(crate) inlet: Arc<Inlet>,
@@ -38,10 +38,10 @@ pub(crate) struct Maker {
     pub(crate) mapping: ServiceMapping,
 }
 
-/// Names of a service in DDS.
+/// DDS names of a service.
 #[derive(Clone, Debug)]
 pub(crate) struct Names {
-    /// `rq/demo/goto` without `Request`, and so on: the path.
+    /// What its topic names have in common: `demo/goto` in `rq/demo/gotoRequest`.
     pub(crate) path: String,
     pub(crate) request: String,
     pub(crate) reply: String,
@@ -57,17 +57,17 @@ impl Names {
     }
 }
 
-/// Which request a reply is for.
+/// Identifies the request that a reply belongs to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RequestId {
     asker: Prefix,
     identity: SampleIdentity,
-    /// Of the Cyclone mapping: half an id and a number, sent back as they came.
+    /// Header of the Cyclone mapping, half a GUID and a number; sent back unchanged.
     half: u64,
     number: u64,
 }
 
-/// A request that arrived: who it is from, and its body.
+/// Called for each request, with its sender and its body.
 pub(crate) type OnRequest = Box<dyn FnMut(RequestId, Prefix, &[u8]) + Send>;
 
 /// The serving end.
@@ -114,7 +114,7 @@ impl Requests {
         match self.mapping {
             ServiceMapping::Enhanced => {
                 let mut identity = sample.related.unwrap_or_default();
-                // Only some clients say under what id they want the reply.
+                // Only some clients say under which id they expect the reply.
                 if prefix(&identity.writer_guid) != prefix(&sample.writer) {
                     identity.writer_guid = sample.writer;
                     identity.sequence_number = actual;
@@ -134,7 +134,7 @@ impl Requests {
     }
 }
 
-/// Takes a message of the Cyclone mapping apart: id, number, message without both.
+/// Splits a message of the Cyclone mapping into id, number and the message without them.
 fn split_cyclone(message: &[u8]) -> Option<(u64, u64, Vec<u8>)> {
     let mut fields = Fields::of(message)?;
     let (half, number) = (fields.long()?, fields.long()?);
@@ -181,7 +181,7 @@ impl ServerEnd {
         self.replies.guid()
     }
 
-    /// Answers a request, once its asker can hear.
+    /// Sends a reply as soon as the client's reader is connected.
     pub(crate) fn reply(&self, to: RequestId, body: Vec<u8>) {
         let (post, mapping) = (Arc::clone(&self.replies), self.maker.mapping);
         self.maker.orders.submit(move || {
@@ -215,8 +215,8 @@ impl Drop for ServerEnd {
 
 type Then = Box<dyn FnOnce(Result<&[u8], CallError>) + Send>;
 
-/// Takes the body of a reply, or why there is none. It is called in any case: when it is dropped,
-/// with [`CallError::Gone`].
+/// Receives the body of a reply, or the error. Always called: with [`CallError::Gone`] if it is
+/// dropped.
 pub(crate) struct Answer(Option<Then>);
 
 impl Answer {
@@ -239,15 +239,15 @@ impl Drop for Answer {
     }
 }
 
-/// Requests that are not answered yet.
+/// Requests without a reply so far.
 #[derive(Default)]
 struct Pending(Mutex<Asked>);
 
 #[derive(Default)]
 struct Asked {
-    /// By number, with who was asked.
+    /// By number; with the server that was called.
     answers: HashMap<u64, (Target, Answer)>,
-    /// The last number given, where this side gives them.
+    /// The last number that this side assigned, where it assigns them.
     last: u64,
 }
 
@@ -256,7 +256,7 @@ impl Pending {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Servers are gone: they will not answer.
+    /// Drops the requests whose servers are gone and will not reply.
     fn give_up(&self, reaches: &dyn Fn(Target) -> bool) {
         let mut asked = self.lock();
         let all = std::mem::take(&mut asked.answers);
@@ -311,7 +311,7 @@ impl Sink for Answers {
     }
 }
 
-/// The second half of an id, by which replies of the Cyclone mapping are told apart.
+/// The second half of a GUID, which distinguishes clients in the Cyclone mapping.
 fn half(of: &GUID) -> u64 {
     of.to_bytes().last_chunk().map_or(0, |half| u64::from_le_bytes(*half))
 }
@@ -343,7 +343,7 @@ impl ClientEnd {
         Ok(Self { maker: maker.clone(), requests, token, reader: guid, pending })
     }
 
-    /// Sends a request, once its server can hear it.
+    /// Sends a request as soon as the server's reader is connected.
     pub(crate) fn call(&self, to: Target, body: Vec<u8>, answer: Answer) {
         let (post, pending) = (Arc::clone(&self.requests), Arc::clone(&self.pending));
         let (mapping, reader) = (self.maker.mapping, self.reader);
@@ -351,7 +351,7 @@ impl ClientEnd {
             let half = half(&post.guid());
             let letter = move |writer: &wire::Writer| {
                 let options = WriteOptionsBuilder::new().source_timestamp(Timestamp::now());
-                // Locked until the number is known: the reply may come at once.
+                // Locked until the number is known, since the reply may come at once.
                 let mut waiting = pending.lock();
                 let number = match mapping {
                     ServiceMapping::Enhanced => {
@@ -388,7 +388,7 @@ impl Drop for ClientEnd {
     }
 }
 
-/// Waits a while, on the sending thread, until the last messages have arrived.
+/// Waits on the sending thread, for a limited time, until the last messages have arrived.
 pub(crate) fn close(orders: &Orders, posts: Vec<Arc<Post>>) {
     orders.finish(move || posts.iter().for_each(|post| post.settle(FAREWELL)));
 }

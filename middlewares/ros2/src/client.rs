@@ -16,8 +16,7 @@ use crate::post::{Target, prefix};
 use crate::runs::{ActionEnd, Run};
 use crate::within::{Own, Within};
 
-/// A call waits for a service to become known until this time after the client was opened:
-/// discovery takes a while.
+/// How long after a client is opened its calls wait for an unknown service; discovery takes time.
 pub(crate) const ACQUAINTANCE: Duration = Duration::from_secs(2);
 
 /// How a service is called.
@@ -34,7 +33,7 @@ pub(crate) struct Ros2Client {
     pub(crate) style: Style,
     pub(crate) wanted: Wanted,
     pub(crate) way: Way,
-    /// Until then a call waits for a service that is not known yet.
+    /// Until then, a call waits for a service that is not known yet.
     pub(crate) acquainted: Instant,
     pub(crate) own: Arc<Own>,
     pub(crate) core: Arc<Core>,
@@ -69,7 +68,7 @@ impl Client for Ros2Client {
 }
 
 impl Ros2Client {
-    /// Sends a request; until `end` a service that is not known yet is waited for.
+    /// Sends a request. Waits until `end` for a service that is not known yet.
     fn send(
         &self,
         input: &Record,
@@ -85,7 +84,8 @@ impl Ros2Client {
             return Err(self.mismatch(types_of_service(&self.ty)));
         }
         let Some(reader) = reader else {
-            // Of this daemon: DDS shows a participant to itself only over multicast.
+            // A service of this daemon is called directly: DDS connects a participant to itself
+            // only over multicast.
             let handler = self.own.get(&self.wanted.topic);
             let handler = handler.ok_or(CallError::Nobody { address: self.at.clone() })?;
             return Ok(Within::request(handler, input, replies));
@@ -117,7 +117,7 @@ impl Ros2Client {
     }
 }
 
-/// Attributes and functions cannot be cancelled.
+/// For attributes and functions, which cannot be cancelled.
 struct Nothing;
 
 impl Running for Nothing {

@@ -1,12 +1,12 @@
-//! Counts useless messages of others, and limits what the log says of them to a line a second.
+//! Counts unusable messages of others, and limits the log to one line per second.
 
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// At most one line in this time.
+/// Minimum time between two lines.
 pub(crate) const BETWEEN_LINES: Duration = Duration::from_secs(1);
 
-/// Counts mistakes of one kind.
+/// Counts errors of one kind.
 #[derive(Debug, Default)]
 pub(crate) struct Complaints(Mutex<State>);
 
@@ -17,7 +17,7 @@ struct State {
 }
 
 impl Complaints {
-    /// Counts one more. Gives the count so far if a line is due.
+    /// Counts one error. Returns the count so far if a line is due.
     pub(crate) fn add(&self) -> Option<u64> {
         self.add_at(Instant::now())
     }

@@ -1,4 +1,4 @@
-//! What all ends share: the participant, its threads, and who is there.
+//! What all ends share: the participant, its threads, and the graph of known ends.
 
 use std::sync::Arc;
 
@@ -32,10 +32,10 @@ use crate::sender::{Orders, Sending};
 use crate::told::{Hear, Told};
 use crate::wire;
 
-/// Samples the DDS library keeps for one topic may take that much memory in all.
+/// Limit in bytes for the samples that the DDS library keeps for one topic.
 const MEMORY: usize = 32 << 20;
 
-/// What ports and services keep alive. Fields are dropped in order: threads first.
+/// Kept alive by ports and services. Fields are dropped in order: threads first.
 pub(crate) struct Core {
     pub(crate) feeds: Arc<Feeds>,
     sender: Sending,
@@ -44,7 +44,7 @@ pub(crate) struct Core {
     pub(crate) graph: Arc<Graph>,
     pub(crate) dds: Arc<Dds>,
     _farewell: Farewell,
-    /// What was kept from DDS.
+    /// Counts what the guard kept from DDS.
     pub(crate) tally: Arc<Tally>,
     pub(crate) options: Options,
     pub(crate) masquerades: Masquerades,
@@ -109,13 +109,13 @@ impl Core {
         self.sender.orders()
     }
 
-    /// A function that has others told, soon, that our ends changed.
+    /// A function that schedules an announcement of our ends.
     pub(crate) fn announcer(&self) -> Box<dyn Fn() + Send + Sync> {
         let orders = self.orders().clone();
         Box::new(move || orders.announce())
     }
 
-    /// The name of an address in messages and lists, and without its slash in ROS.
+    /// The ROS name of an address without its leading slash, as messages and lists show it.
     pub(crate) fn path(&self, at: &Address) -> String {
         names::path(&self.options.namespace, at)
     }
@@ -145,7 +145,7 @@ impl Core {
             dds_type: message.to_dds(""),
             hash: self.masquerades.hash(ty),
             node: match kind {
-                // The address is that of the writer; who reads is not known here.
+                // The address is the writer's; which component reads is not known here.
                 EndpointKind::Subscription => format!("genomd_{}", std::process::id()),
                 _ => names::token(&at.instance),
             },
@@ -156,7 +156,7 @@ impl Core {
         OpenError::Failed { backend: BACKEND.to_owned(), address: at.clone(), why: why.to_string() }
     }
 
-    /// The reader of a topic, shared with the other in ports that read it.
+    /// The reader of a topic, shared by all in ports of this daemon that read it.
     pub(crate) fn feed(
         &self,
         wanted: &Wanted,
@@ -172,7 +172,7 @@ impl Core {
         })
     }
 
-    /// What making the ends of services takes.
+    /// What is needed to create the ends of services.
     pub(crate) fn maker(&self) -> Maker {
         Maker {
             inlet: Arc::clone(&self.inlet),
@@ -183,7 +183,7 @@ impl Core {
     }
 }
 
-/// Samples of a type that fit into [`MEMORY`].
+/// Number of samples of a type that fit into [`MEMORY`].
 pub(crate) fn samples_of(ty: &DataType) -> i32 {
     let size = if ty.is_fixed_size() { ty.size().max(1) } else { MEMORY / 64 };
     i32::try_from((MEMORY / size).clamp(4, 1024)).unwrap_or(4)

@@ -1,4 +1,4 @@
-//! The participant of this daemon in a domain, which makes its DDS writers and readers.
+//! The DDS participant of this daemon, and the writers and readers it creates.
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -9,12 +9,12 @@ use rustdds::{DomainParticipant, DomainParticipantBuilder, QosPolicies, TopicKin
 use crate::domain::Domain;
 use crate::wire::{Reader, Writer};
 
-/// Makes writers and readers.
+/// Creates writers and readers.
 pub(crate) struct Dds {
     publisher: rustdds::Publisher,
     subscriber: rustdds::Subscriber,
     pub(crate) participant: DomainParticipant,
-    /// Topics that were ever written or read here, with type and quality.
+    /// Every topic that was ever written or read here, with its type and QoS.
     opened: Mutex<HashMap<(String, Direction), (String, QosPolicies)>>,
 }
 
@@ -47,7 +47,7 @@ impl Dds {
         opened.insert((topic.to_owned(), direction), (ty.to_owned(), qos.clone()));
     }
 
-    /// Type and quality of what was last opened on a topic.
+    /// Type and QoS with which a topic was last opened.
     pub(crate) fn opened(
         &self,
         topic: &str,
@@ -68,7 +68,7 @@ impl Dds {
         self.moment(topic, ty, qos)
     }
 
-    /// A reader that is not remembered as one of the topic's.
+    /// Creates a reader that is not recorded in `opened`.
     pub(crate) fn moment(&self, topic: &str, ty: &str, qos: &QosPolicies) -> CreateResult<Reader> {
         let topic = self.topic(topic, ty, qos)?;
         self.subscriber.create_simple_datareader_no_key(&topic, Some(qos.clone()))

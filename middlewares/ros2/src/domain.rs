@@ -1,10 +1,10 @@
-//! The domain in which this daemon takes part: what its options say, else the variables of ROS.
+//! The DDS domain of this daemon, from its options or the environment variables of ROS.
 
 use std::net::{IpAddr, Ipv4Addr};
 
 use crate::options::{LAST_DOMAIN, Networks, Options, OptionsError};
 
-/// A domain, and the network interfaces on which it is reached.
+/// A domain, and the network interfaces that are used for it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Domain {
     pub(crate) number: u16,
@@ -12,7 +12,7 @@ pub(crate) struct Domain {
 }
 
 impl Domain {
-    /// What the options say, over this process's environment.
+    /// From the options; what they leave open comes from the environment.
     pub(crate) fn of(options: &Options) -> Result<Self, OptionsError> {
         let Self { number, networks } = Self::by(|name| std::env::var(name).ok())?;
         Ok(Self {
@@ -21,8 +21,9 @@ impl Domain {
         })
     }
 
-    /// What ROS's variables say: `ROS_DOMAIN_ID`, `ROS_LOCALHOST_ONLY` and
-    /// `ROS_AUTOMATIC_DISCOVERY_RANGE`. Without the latter two this machine only: unlike ROS.
+    /// From ROS's variables `ROS_DOMAIN_ID`, `ROS_LOCALHOST_ONLY` and
+    /// `ROS_AUTOMATIC_DISCOVERY_RANGE`. Without the latter two only this machine is used, which
+    /// differs from ROS.
     fn by(variable: impl Fn(&str) -> Option<String>) -> Result<Self, OptionsError> {
         let set = |name: &str| variable(name).filter(|value| !value.is_empty());
         let mut domain = Self::default();
@@ -39,7 +40,7 @@ impl Domain {
             Some("SUBNET" | "SYSTEM_DEFAULT") => domain.networks = Networks::All,
             Some(_) => return Err(OptionsError::Range(range.unwrap_or_default())),
         }
-        // The older variable wins where both are set, as in ROS.
+        // If both are set, the older variable takes precedence, as in ROS.
         match set("ROS_LOCALHOST_ONLY").as_deref() {
             None | Some("0") => {}
             Some("1") => domain.networks = Networks::Loopback,
@@ -48,7 +49,7 @@ impl Domain {
         Ok(domain)
     }
 
-    /// Addresses of the interfaces that may be used; none: all.
+    /// Addresses of the interfaces to use; `None` for all.
     pub(crate) fn addresses(&self) -> Option<Vec<IpAddr>> {
         match &self.networks {
             Networks::Loopback => Some(vec![Ipv4Addr::LOCALHOST.into()]),

@@ -1,10 +1,10 @@
-//! Why the middleware does not open.
+//! Errors of opening the middleware.
 
 use rustdds::dds::CreateError;
 
 use crate::options::OptionsError;
 
-/// What configurations and errors call this middleware.
+/// Name of this middleware in configurations and errors.
 pub(crate) const BACKEND: &str = "ros2";
 
 /// The middleware could not be opened.
@@ -14,15 +14,15 @@ pub enum ParticipantError {
     /// An option is wrong.
     #[error(transparent)]
     Options(#[from] OptionsError),
-    /// DDS did not open.
+    /// DDS failed.
     #[error("DDS does not open domain {domain}: {why}")]
     Dds {
         /// Number of the domain.
         domain: u16,
-        /// The library's own words.
+        /// The library's message.
         why: CreateError,
     },
-    /// The system gave no thread.
+    /// The system cannot start another thread.
     #[error("no thread for ROS 2: {0}")]
     Thread(#[from] std::io::Error),
 }

@@ -1,8 +1,8 @@
-//! What arrives on one topic, for all in ports of this daemon that read it.
+//! The samples of one topic, distributed to all in ports of this daemon that read it.
 //!
-//! There is one DDS reader per topic, daemon and wish of quality: DDS caches samples by topic, and
-//! a second reader would get old ones. An in port that comes later gets the last value from here.
-//! The reader is made anew when writers come that offer something else (`quality`).
+//! There is one DDS reader per daemon, topic and requested QoS: DDS caches samples by topic, and a
+//! second reader would get old ones. An in port that is opened later gets the last value from here.
+//! The reader is recreated when writers with another QoS appear (`quality`).
 
 use std::collections::HashMap;
 use std::sync::atomic::Ordering;
@@ -18,29 +18,29 @@ use crate::numbering::Place;
 use crate::quality::{Asks, Wish};
 use crate::receiver::{Sample, Sink};
 
-/// A new reader is to start with the last value, but DDS also delivers what was written while it
-/// was being connected. Of what arrives together within this time, only the newest is kept.
+/// A new reader should start with the last value, but DDS also delivers what was written while it
+/// was being connected. Of the samples that arrive within this time only the newest is kept.
 const ACQUAINTANCE: Duration = Duration::from_millis(100);
 
-/// Writers that are remembered, though they may be gone.
+/// Number of writers that are remembered although they may be gone.
 const MANY: usize = 64;
 
-/// Messages that nobody holds any more and that are kept, for their memory.
+/// Number of unused messages that are kept for their memory.
 const SPARES: usize = 4;
 
 /// The samples of a topic.
 pub(crate) struct Feed {
     pub(crate) topic: String,
     pub(crate) dds_type: String,
-    /// By which ROS nodes know the type.
+    /// Type hash by which ROS nodes identify the type.
     pub(crate) hash: Option<String>,
     digest: String,
     pub(crate) graph: Arc<Graph>,
-    /// This daemon's participant: samples of its own ports come by [`Feed::hear`].
+    /// This daemon's participant: samples of its own ports arrive through [`Feed::hear`].
     ourselves: GUID,
-    /// What was received before is of an earlier reader of the topic.
+    /// Samples received before this time belong to an earlier reader of the topic.
     since: Timestamp,
-    /// Samples of another type.
+    /// Counts samples of another type.
     refused: Complaints,
     state: Mutex<State>,
 }
@@ -48,34 +48,35 @@ pub(crate) struct Feed {
 #[derive(Default)]
 struct State {
     inboxes: Vec<Weak<Inbox>>,
-    /// Writer and message that came last.
+    /// Writer and content of the last message.
     last: Option<(GUID, Message)>,
     /// See [`SPARES`].
     spares: Vec<Message>,
     writers: HashMap<GUID, Known>,
-    /// Undecodable samples that were told.
+    /// Number of undecodable samples when the last line was logged.
     told: u64,
 }
 
-/// What is known of a writer.
+/// State of one writer.
 struct Known {
-    /// Its last message.
+    /// Place of its last message.
     last: Place,
-    /// The last one that was delivered.
+    /// Place of the last message that was delivered.
     delivered: Option<Place>,
     verdict: Verdict,
-    /// Whether it is a genomd's.
+    /// Whether the writer is a genomd.
     genomd: bool,
-    /// Version of the graph that these two are of.
+    /// Version of the graph for which `verdict` and `genomd` were determined.
     version: u64,
-    /// Its newest sample of those that arrived together, while it is new or not known yet.
+    /// Newest of the samples that arrived together, while the writer is new or not known yet.
     held: Option<(Place, Message)>,
     /// When it was first heard of.
     since: Instant,
 }
 
 impl Known {
-    /// Delivers what stands at this place: how many samples after the last one were not.
+    /// Records that the message at this place is delivered. Returns how many samples were lost
+    /// before it.
     fn reach(&mut self, place: Place) -> u64 {
         let last = self.delivered.replace(place);
         last.map_or(0, |last| last.missing(&place, self.genomd))
@@ -97,19 +98,19 @@ impl Feed {
         }
     }
 
-    /// What a reader asks for, with the writers there are.
+    /// The QoS that a reader requests, given the writers that exist.
     pub(crate) fn asks(&self, wish: Wish) -> Asks {
         wish.asks(&self.ourselves, &self.graph.others(&self.topic, true))
     }
 
-    /// A sample of this daemon's own out port.
+    /// Receives a sample of this daemon's own out port.
     pub(crate) fn hear(&self, writer: GUID, message: &[u8]) {
         let mut state = self.lock();
         let message = state.copy(message);
         state.deliver(writer, message);
     }
 
-    /// The last value of this daemon's own out port, unless it came already.
+    /// Receives the last value of this daemon's own out port, unless a sample arrived before.
     pub(crate) fn hear_first(&self, writer: GUID, message: &[u8]) {
         let mut state = self.lock();
         if state.last.is_none() {
@@ -122,7 +123,7 @@ impl Feed {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds an in port; it gets the last value if its writer is still there.
+    /// Adds an in port. It gets the last value if the writer still exists.
     pub(crate) fn add(&self, inbox: &Arc<Inbox>) {
         let mut state = self.lock();
         if let Some((writer, message)) = &state.last
@@ -134,7 +135,7 @@ impl Feed {
         state.inboxes.push(Arc::downgrade(inbox));
     }
 
-    /// Counts a sample of another type, and tells it now and then.
+    /// Counts a sample of another type, and logs it at most once a second.
     fn refuse(&self, state: &State) {
         state.live().for_each(|inbox| _ = inbox.refused.fetch_add(1, Ordering::Relaxed));
         if let Some(samples) = self.refused.add() {
@@ -142,14 +143,14 @@ impl Feed {
         }
     }
 
-    /// Learns what the graph knows of a writer.
+    /// Updates what the graph knows of a writer.
     fn judge(&self, writer: &GUID, known: &mut Known, version: u64) {
         known.verdict = self.graph.writes(writer, &self.digest, &self.dds_type);
         known.genomd = self.graph.is_told(writer);
         known.version = version;
     }
 
-    /// Tells of samples that readers could not decode, if there are more of them.
+    /// Logs the number of samples that readers could not decode, if it has grown.
     pub(crate) fn complain(&self) {
         let mut state = self.lock();
         let samples = state.live().map(|inbox| inbox.undecodable.load(Ordering::Relaxed)).sum();
@@ -175,14 +176,14 @@ impl State {
         }
     }
 
-    /// Counts samples that did not come, or gave way to newer ones that came with them.
+    /// Counts samples that did not arrive, or were replaced by newer ones that arrived with them.
     fn miss(&self, samples: u64) {
         if samples > 0 {
             self.live().for_each(|inbox| _ = inbox.missing.fetch_add(samples, Ordering::Relaxed));
         }
     }
 
-    /// A message of these bytes.
+    /// A message with a copy of these bytes.
     fn copy(&mut self, bytes: &[u8]) -> Message {
         let mut message = self.spares.pop().unwrap_or_default();
         let buffer = Arc::make_mut(&mut message);
@@ -191,7 +192,7 @@ impl State {
         message
     }
 
-    /// A message of these bytes, which are exchanged for a buffer to be used again.
+    /// A message that takes over these bytes; leaves a buffer for reuse in their place.
     fn own(&mut self, bytes: &mut Vec<u8>) -> Message {
         let mut message = self.spares.pop().unwrap_or_default();
         std::mem::swap(Arc::make_mut(&mut message), bytes);
@@ -203,7 +204,7 @@ impl State {
     }
 }
 
-/// Keeps a message for its memory, if nobody else holds it.
+/// Keeps a message for its memory if nobody else holds it.
 fn keep(spares: &mut Vec<Message>, mut old: Message) {
     if spares.len() < SPARES && Arc::get_mut(&mut old).is_some() {
         spares.push(old);
@@ -211,7 +212,7 @@ fn keep(spares: &mut Vec<Message>, mut old: Message) {
 }
 
 impl Feed {
-    /// Hands over what was held of writers that are known by now.
+    /// Delivers the held samples of writers that are known by now.
     pub(crate) fn settle(&self) {
         let mut state = self.lock();
         if state.writers.values().all(|known| known.held.is_none()) {
@@ -239,7 +240,7 @@ impl Feed {
     }
 }
 
-/// The receiving thread's end.
+/// The receiving thread's handle of a feed.
 pub(crate) struct FeedSink(pub(crate) Arc<Feed>);
 
 impl Sink for FeedSink {
@@ -275,7 +276,7 @@ impl Sink for FeedSink {
             old.into_iter().for_each(|(_, old)| keep(&mut state.spares, old));
             return;
         }
-        // What was held is older than this, and arrived together with it.
+        // The held sample is older than this one, and arrived together with it.
         known.held = None;
         if known.version != version {
             feed.judge(&sample.writer, known, version);
@@ -295,7 +296,7 @@ impl Sink for FeedSink {
     }
 
     fn garbled(&mut self) {
-        // An empty message cannot be decoded: readers count it and report it.
+        // An empty message cannot be decoded, so the readers count and report it.
         self.0.lock().live().for_each(|inbox| _ = inbox.put(&Message::default()));
     }
 }

@@ -1,4 +1,4 @@
-//! The DDS readers of the topics that this daemon reads: one a topic and wish of quality.
+//! The DDS readers of this daemon: one per topic and requested QoS.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -13,21 +13,21 @@ use crate::quality::{Asks, Wish};
 use crate::receiver::Inlet;
 use crate::wire;
 
-/// Keeps a topic read. When the last one is dropped the DDS reader ends.
+/// Keeps a topic subscribed. Dropping the last handle ends the DDS reader.
 pub(crate) struct FeedHandle {
     pub(crate) feed: Arc<Feed>,
     wish: Wish,
-    /// Samples that may wait for the receiving thread.
+    /// Greatest number of samples that may wait for the receiving thread.
     cached: i32,
     token: Token,
     reader: Mutex<Present>,
     inlet: Arc<Inlet>,
-    /// Has others told of a change.
+    /// Schedules an announcement of our ends.
     announce: Box<dyn Fn() + Send + Sync>,
     dds: Arc<Dds>,
 }
 
-/// The DDS reader there is now.
+/// The current DDS reader.
 #[derive(Clone, Copy, Debug)]
 struct Present {
     guid: GUID,
@@ -62,19 +62,19 @@ impl FeedHandle {
         self.reader.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What the reader asks for.
+    /// The QoS that the reader requests.
     pub(crate) fn qos(&self) -> QosPolicies {
         let Asks { reliable, transient_local } = self.present().asks;
         wire::qos(reliable, transient_local, self.cached)
     }
 
-    /// Tells the id of the reader, which stays until `told` returns.
+    /// Passes the GUID of the reader to `told`; it does not change before `told` returns.
     pub(crate) fn guid(&self, told: impl FnOnce(GUID)) {
         told(self.present().guid);
     }
 
-    /// Asks for what the writers offer that are there now. What comes meanwhile on the old reader
-    /// is not lost: the new one finds it, too.
+    /// Recreates the reader if the existing writers offer another QoS than it requests. Samples
+    /// that arrive at the old reader meanwhile are not lost: the new one finds them in DDS's cache.
     fn follow(&self) {
         let asks = self.feed.asks(self.wish);
         let mut present = self.present();
@@ -102,7 +102,7 @@ impl Drop for FeedHandle {
     }
 }
 
-/// The topics this daemon reads, each with what is wished of the reader.
+/// The topics that this daemon reads, by requested QoS.
 #[derive(Default)]
 pub(crate) struct Feeds(Mutex<HashMap<String, Vec<Weak<FeedHandle>>>>);
 
@@ -111,7 +111,7 @@ impl Feeds {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The feed of a topic, made unless there is one.
+    /// The feed of a topic; creates it if necessary.
     pub(crate) fn get(
         &self,
         topic: &str,
@@ -119,7 +119,8 @@ impl Feeds {
         make: impl FnOnce() -> CreateResult<FeedHandle>,
     ) -> CreateResult<Arc<FeedHandle>> {
         let mut feeds = self.lock();
-        // Kept until the lock is released: dropping the last handle of a feed takes the lock.
+        // Dropped after the lock is released, because dropping the last handle of a feed takes the
+        // lock.
         let there: Vec<_> =
             feeds.get(topic).into_iter().flatten().filter_map(Weak::upgrade).collect();
         if let Some(feed) = there.iter().find(|feed| feed.wish == wish) {
@@ -137,23 +138,23 @@ impl Feeds {
         Ok(handle)
     }
 
-    /// The feeds of a topic: none if it is not read.
+    /// The feeds of a topic; empty if it is not read.
     pub(crate) fn of(&self, topic: &str) -> Vec<Arc<FeedHandle>> {
         self.lock().get(topic).into_iter().flatten().filter_map(Weak::upgrade).collect()
     }
 
-    /// Writers of a topic have come.
+    /// Writers of a topic have appeared.
     pub(crate) fn follow(&self, topic: &str) {
         self.of(topic).iter().for_each(|handle| handle.follow());
     }
 
-    /// Readers could not decode something.
+    /// Logs samples that readers could not decode.
     pub(crate) fn complain(&self) {
         let feeds: Vec<_> = self.lock().values().flatten().filter_map(Weak::upgrade).collect();
         feeds.iter().for_each(|handle| handle.feed.complain());
     }
 
-    /// There is news of writers.
+    /// The graph has news of writers.
     pub(crate) fn settle(&self) {
         let feeds: Vec<_> = self.lock().values().flatten().filter_map(Weak::upgrade).collect();
         feeds.iter().for_each(|handle| handle.feed.settle());

@@ -1,4 +1,4 @@
-//! Activities, served: a ROS action each.
+//! Activities, each served as a ROS action.
 
 use std::collections::{HashMap, VecDeque};
 use std::sync::{Arc, Mutex, OnceLock, Weak};
@@ -19,7 +19,7 @@ use crate::post::{Post, Prefix, Target};
 use crate::sender::Orders;
 use crate::wire::{Payload, Writer};
 
-/// Goals that ended are remembered, for those who ask late; so many of them.
+/// Number of finished goals whose results are kept for late requests.
 const REMEMBERED: usize = 64;
 
 /// `action_msgs/msg/GoalStatus`.
@@ -56,14 +56,14 @@ struct Goals {
 
 struct Goal {
     asker: Prefix,
-    /// Who sent it, until that is answered.
+    /// The goal request, until it is answered.
     sent: Option<RequestId>,
     stamp: (i32, u32),
     status: u8,
     run: Option<ActivityId>,
-    /// Status and outcome, once it ended.
+    /// Status and outcome, once the goal has ended.
     result: Option<Vec<u8>>,
-    /// Who wants the result.
+    /// Requests for the result that are not answered yet.
     waiting: Vec<RequestId>,
 }
 
@@ -91,7 +91,7 @@ impl ActionServer {
         Arc::new(Self { ty, style, handler, orders, ends, goals, bad: Complaints::default() })
     }
 
-    /// Somebody sends a goal.
+    /// Handles a goal request.
     pub(crate) fn send_goal(self: &Arc<Self>, by: RequestId, asker: Prefix, message: &[u8]) {
         let Some((fields, id)) = Fields::of(message).and_then(|mut fields| {
             let id = fields.bytes::<16>()?;
@@ -128,7 +128,7 @@ impl ActionServer {
             },
         );
         drop(goals);
-        // The service may call back into this middleware: no lock is held here.
+        // The handler may call back into this middleware, so no lock is held here.
         let replies = ToGoal { server: Arc::downgrade(self), id, ended: false };
         self.handler.request(input, Box::new(replies));
     }
@@ -142,7 +142,7 @@ impl ActionServer {
         }
     }
 
-    /// Somebody wants to know how a goal ends.
+    /// Handles a request for the result of a goal.
     pub(crate) fn get_result(&self, by: RequestId, message: &[u8]) {
         let Some(id) = Fields::of(message).and_then(|mut fields| fields.bytes::<16>()) else {
             return;
@@ -164,7 +164,8 @@ impl ActionServer {
         }
     }
 
-    /// A caller cancels a goal, all goals, or all up to a time (`action_msgs/srv/CancelGoal`).
+    /// Handles a request to cancel one goal, all goals, or all up to a time
+    /// (`action_msgs/srv/CancelGoal`).
     pub(crate) fn cancel_goal(&self, by: RequestId, message: &[u8]) {
         let wanted = Fields::of(message).and_then(|mut fields| {
             let id = fields.bytes::<16>()?;
@@ -187,7 +188,7 @@ impl ActionServer {
         for run in canceling.iter().filter_map(|(_, _, run)| *run) {
             self.handler.cancel(run);
         }
-        // action_msgs/srv/CancelGoal: 0 some are canceling, 2 unknown goal, 3 it has ended.
+        // action_msgs/srv/CancelGoal: 0 some are canceling, 2 unknown goal, 3 goal has ended.
         let code = match (canceling.is_empty(), known) {
             (false, _) => 0,
             (true, false) => 2,
@@ -202,7 +203,7 @@ impl ActionServer {
         self.tell_status();
     }
 
-    /// The status of all goals, on its topic.
+    /// Publishes the status of all goals.
     fn tell_status(&self) {
         let goals = lock(&self.goals);
         let mut message = u32::try_from(goals.by_id.len()).unwrap_or(0).to_le_bytes().to_vec();
@@ -225,7 +226,7 @@ impl ActionServer {
         let Some(goal) = goals.by_id.get_mut(id) else { return };
         goal.run = run.or(goal.run);
         let (sent, stamp) = (goal.sent.take(), goal.stamp);
-        // Cancelled before the activity had a number: it is passed on now.
+        // It was cancelled before the activity had an id; the cancellation is passed on now.
         let cancelled = run.filter(|_| goal.status == CANCELING);
         drop(goals);
         if let Some(by) = sent {
@@ -247,7 +248,7 @@ impl ActionServer {
             self.tell_status();
         }
         if matches!(self.style, Style::Foreign(manner) if !manner.states) {
-            // Its feedback is something else.
+            // The feedback of a foreign type cannot express the state.
             return;
         }
         let Some(ends) = self.ends.get() else { return };
@@ -265,7 +266,7 @@ impl ActionServer {
     }
 
     fn finish(&self, id: &GoalId, outcome: &Outcome) {
-        // ROS wants a goal accepted before it ends, also one that failed at once.
+        // In ROS a goal must be accepted before it ends, even if it failed at once.
         self.accepted(id, None);
         let mut result = vec![0];
         body::put_outcome(&mut result, &self.ty.output, outcome, self.style);
@@ -274,7 +275,7 @@ impl ActionServer {
             return;
         };
         let status = match outcome {
-            // Given up, it came to its end in an orderly way (genom3.md 7.6).
+            // Cancelled, and it stopped in an orderly way (genom3.md 7.6).
             Outcome::Success(_) if goal.status == CANCELING => CANCELED,
             Outcome::Success(_) => SUCCEEDED,
             Outcome::Exception { name, .. } if name == INTERRUPTED => CANCELED,
@@ -310,7 +311,7 @@ impl ActionServer {
     }
 }
 
-/// What the activity gets as the caller's replies.
+/// Passes the activity's replies on to the client.
 struct ToGoal {
     server: Weak<ActionServer>,
     id: GoalId,
@@ -346,7 +347,7 @@ impl Drop for ToGoal {
     }
 }
 
-/// Keeps an activity open.
+/// Serves the activity until it is dropped.
 pub(crate) struct Ros2Action {
     pub(crate) server: Arc<ActionServer>,
     pub(crate) claim: Option<Claim>,
@@ -357,7 +358,7 @@ impl Served for Ros2Action {}
 
 impl Drop for Ros2Action {
     fn drop(&mut self) {
-        // The service is withdrawn before the last callers are answered.
+        // Withdraw the service before answering the last requests.
         self.claim = None;
         self.core.orders().announce_now();
         self.server.leave();

@@ -1,4 +1,4 @@
-//! Samples of one in port that wait to be read.
+//! Unread samples of one in port.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,20 +6,20 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use genom_kit::intake::Keeping;
 use genom_kit::mailbox::Mailbox;
 
-/// A message that all in ports of a topic share: none of them copies it.
+/// A message that all in ports of a topic share without copying it.
 pub(crate) type Message = Arc<Vec<u8>>;
 
-/// Samples of one in port that wait to be read.
+/// Unread samples of one in port.
 #[derive(Debug)]
 pub(crate) struct Inbox {
     pub(crate) mailbox: Mailbox<Message>,
-    /// Whether samples that gave way are losses: not for `latest`.
+    /// Whether overwritten samples are losses; false for policy `latest`.
     counts_lost: bool,
-    /// Samples that could not be decoded.
+    /// Number of samples that could not be decoded.
     pub(crate) undecodable: AtomicU64,
-    /// Samples of another type.
+    /// Number of samples of another type.
     pub(crate) refused: AtomicU64,
-    /// Samples that never came.
+    /// Number of samples that never arrived.
     pub(crate) missing: AtomicU64,
 }
 
@@ -34,7 +34,7 @@ impl Inbox {
         }
     }
 
-    /// Samples lost to the reader.
+    /// Number of samples lost to the reader.
     pub(crate) fn lost(&self) -> u64 {
         let count = |lost: &AtomicU64| lost.load(Ordering::Relaxed);
         let given_up =
@@ -42,7 +42,7 @@ impl Inbox {
         given_up + count(&self.undecodable) + count(&self.refused)
     }
 
-    /// Adds a message; gives the one back whose place it takes.
+    /// Adds a message. Returns the one that it overwrites.
     pub(crate) fn put(&self, message: &Message) -> Option<Message> {
         let exchange = |place: &mut Message| {
             Ok::<_, std::convert::Infallible>(std::mem::replace(place, Arc::clone(message)))

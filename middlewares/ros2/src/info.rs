@@ -1,22 +1,22 @@
-//! What participants tell each other beside DDS's own discovery.
+//! What participants announce beside DDS's own discovery.
 //!
-//! Every ROS 2 process tells which nodes it holds (`ros_discovery_info`). DDS names types and no
-//! more; so daemons tell besides what their ends are: address, full type and digest
-//! (`genom_discovery_info`). Peers that do not tell are seen with what DDS knows.
+//! Every ROS 2 process announces its nodes (`ros_discovery_info`). DDS announces only names of
+//! types, so daemons also announce address, full type and digest of their ends
+//! (`genom_discovery_info`). Of other peers only what DDS announces is known.
 
 use rustdds::{GUID, RepresentationIdentifier, cdr_encoding};
 use serde::{Deserialize, Serialize};
 
 use crate::process::Process;
 
-/// Topic and type of the nodes.
+/// Topic and type for nodes.
 pub(crate) const NODES: (&str, &str) =
     ("ros_discovery_info", "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_");
 
-/// Topic and type of our ends.
+/// Topic and type for our ends.
 pub(crate) const ENDS: (&str, &str) = ("genom_discovery_info", "genom::msg::dds_::Ends_");
 
-/// `rmw_dds_common/msg/Gid`, as it is since ROS 2 Iron.
+/// `rmw_dds_common/msg/Gid`, since ROS 2 Iron.
 pub(crate) type Gid = [u8; 16];
 
 /// `rmw_dds_common/msg/ParticipantEntitiesInfo`.
@@ -38,12 +38,12 @@ pub(crate) struct Node {
 /// All ends of one daemon.
 #[derive(Debug, Deserialize, Serialize)]
 pub(crate) struct Ends {
-    /// Who it is, to tell that it was killed long before DDS does.
+    /// Its process, so that others notice that it was killed long before DDS does.
     pub(crate) process: Process,
     pub(crate) ends: Vec<End>,
 }
 
-/// What an end is, in a message.
+/// Kinds of ends in these messages.
 pub(crate) const PUBLISHER: u8 = 0;
 pub(crate) const SUBSCRIPTION: u8 = 1;
 pub(crate) const SERVICE: u8 = 2;
@@ -51,12 +51,12 @@ pub(crate) const SERVICE: u8 = 2;
 /// One end of a daemon.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
 pub(crate) struct End {
-    /// Its DDS writer or reader; of a service, the reader of requests.
+    /// Its DDS writer or reader; for a service, the reader of requests.
     pub(crate) gid: Gid,
     pub(crate) kind: u8,
     /// `demo/position`, with the namespace in front if there is one.
     pub(crate) address: String,
-    /// Name, size, digest, for messages.
+    /// Name, size and digest, for messages.
     pub(crate) types: String,
     pub(crate) digest: String,
 }
@@ -67,12 +67,12 @@ impl End {
     }
 }
 
-/// A CDR payload, little endian.
+/// Encodes a CDR payload, little endian.
 pub(crate) fn encode(value: &impl Serialize) -> Option<Vec<u8>> {
     cdr_encoding::to_vec::<_, byteorder::LittleEndian>(value).ok()
 }
 
-/// Reads a message, header and payload.
+/// Decodes a message: header and payload.
 pub(crate) fn decode<'de, T: Deserialize<'de>>(message: &'de [u8]) -> Option<T> {
     let (header, payload) = message.split_at_checked(crate::wire::HEADER)?;
     let encoding = if header.get(1) == Some(&1) {
@@ -107,7 +107,7 @@ mod tests {
         for cut in 0..message.len() {
             assert!(decode::<Ends>(&message[..cut]).is_none(), "{cut} bytes");
         }
-        // A length beyond all memory.
+        // A length larger than any memory.
         assert!(decode::<Vec<u64>>(&[0, 1, 0, 0, 255, 255, 255, 255]).is_none());
     }
 }

@@ -3,41 +3,41 @@
 //! **Names.** Port `position` of instance `demo` is the topic `/demo/position` (DDS:
 //! `rt/demo/position`), below a namespace if one is configured; an instance is a node. Characters
 //! that ROS does not allow become `_xHH`. The type `::demo::state` is `demo/msg/State` (DDS:
-//! `demo::msg::dds_::State_`); basic types are those of `std_msgs` (`double` is
-//! `std_msgs/msg/Float64`); a type may go under the name of a ROS type of equal structure.
+//! `demo::msg::dds_::State_`). Basic types are those of `std_msgs` (`double` is
+//! `std_msgs/msg/Float64`). A type may masquerade as a ROS type of equal structure.
 //!
-//! **Samples.** CDR as [`genom_types::cdr`] says. Out ports are reliable and volatile unless the
-//! configuration says otherwise of them; each reader that connects is sent the last value,
-//! whatever it asked for (a best-effort reader of another make may miss it: DDS does not tell when
-//! it is ready). Transient local, which would say so in DDS's own words, is an option: RustDDS
-//! keeps all samples of several seconds for it and hands them all to those who come. An in port
-//! asks for what all writers of its topic offer. Ends that are there and do not fit are told
+//! **Samples.** CDR as described in [`genom_types::cdr`]. Out ports are reliable and volatile
+//! unless configured otherwise. Each reader that connects is sent the last value, whatever
+//! durability it requested (a foreign best-effort reader may miss it, because DDS does not tell
+//! when it is ready). Transient local, DDS's own way to request this, is optional: for it, RustDDS
+//! keeps all samples of several seconds and sends all of them to new readers. An in port requests
+//! what all writers of its topic offer. Ends that cannot connect because of their QoS are reported
 //! (`quality`).
 //!
-//! **Services.** `<component>/srv/<Service>`: the request has the input's members, the response
+//! **Services.** `<component>/srv/<Service>`: the request has the input's members, the response has
 //! `string genom_exception` (empty if none), `string genom_detail` (JSON) and the output's members.
-//! Activities are actions, `<component>/action/<Activity>`: the goal is the input, the result is
-//! like a response, feedback is `string genom_state`; an interrupted activity ends CANCELED, one
-//! with another exception ABORTED. Callers that cancel a goal interrupt the activity; it ends
-//! CANCELED also when it stops in an orderly way.
+//! Activities are actions, `<component>/action/<Activity>`: the goal is the input, the result has
+//! the form of a response, and the feedback is `string genom_state`. An interrupted activity ends
+//! CANCELED, one with another exception ABORTED. A client that cancels a goal interrupts the
+//! activity, which then ends CANCELED even if it stopped in an orderly way.
 //!
-//! **Parameters.** Attributes of one plain value are parameters of the node, too.
+//! **Parameters.** Attributes with a single plain value are also parameters of the node.
 //!
-//! A service or activity may masquerade as one of ROS of equal structure: then the foreign type is
-//! used alone. An exception becomes `success = false` and `message = ::demo::NAME {detail}` where
-//! the response has these two members (a service without outputs gets them for `SetBool` and
-//! `Trigger`); else a service does not answer, which is logged, and an action ends ABORTED.
-//! Feedback that is not one string is left out.
+//! **Masquerades.** A service or activity may masquerade as a ROS one of equal structure; then only
+//! the foreign type is used. An exception becomes `success = false` and `message = ::demo::NAME
+//! {detail}` if the response has these two members (a service without outputs gets them for
+//! `SetBool` and `Trigger`). Otherwise a service does not reply, which is logged, and an action
+//! ends ABORTED. Feedback that is not a single string is not sent.
 //!
-//! **Who is there.** DDS's discovery names topics and types; daemons tell each other besides, on
-//! the topic `genom_discovery_info`, the full types and digests of their ends: types of one name
-//! that differ are refused. Of ROS nodes the name of the type is known, and since ROS 2 Iron its
-//! hash, which `genomctl why` compares. ROS nodes are not told the hash of ours: it travels as
-//! USER_DATA of an end, which RustDDS 0.15 reads and never sends; ROS connects without it, and
-//! shows the type without hash (`ros2 topic info --verbose`).
-//! ROS nodes see at once that a node is gone; topics and services that are closed they show until
-//! the daemon ends (`farewell` says why). A daemon that is killed they show for 50 seconds more:
-//! the lease that RustDDS announces for all its participants.
+//! **Discovery.** DDS announces topics and names of types. Daemons also announce to each other, on
+//! the topic `genom_discovery_info`, the full types and digests of their ends, so that different
+//! types of the same name are refused. Of ROS nodes the name of the type is known and, since ROS 2
+//! Iron, its hash, which `genomctl why` compares. ROS nodes do not get the hashes of our types: a
+//! hash is sent as USER_DATA of an end, which RustDDS 0.15 reads but never sends. ROS connects
+//! without it, and shows the type without a hash (`ros2 topic info --verbose`). ROS nodes notice at
+//! once that a node is gone, but show closed topics and services until the daemon ends (`farewell`
+//! says why). They show a killed daemon for 50 seconds: the lease that RustDDS announces for every
+//! participant.
 
 #![deny(unsafe_code)]
 

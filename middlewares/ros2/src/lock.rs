@@ -1,4 +1,4 @@
-//! Locking a mutex whether or not a thread that held it panicked: what is behind it stays usable.
+//! Locks mutexes whether or not a thread panicked while holding them: their data stays usable.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 

@@ -1,4 +1,4 @@
-//! Types and services that go under the names of ROS's own.
+//! Types and services that masquerade as ROS's own.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{PoisonError, RwLock};
@@ -10,11 +10,11 @@ use genom_types::DataType;
 use crate::names;
 use crate::options::Options;
 
-/// What goes under which name, and how that is known to be right.
+/// All masquerades, and the definitions against which they are checked.
 pub(crate) struct Masquerades {
-    /// By full IDL name of a type or a service.
+    /// By full IDL name of a type or service.
     all: RwLock<BTreeMap<String, TypeName>>,
-    /// Those of the options, which stay.
+    /// Those from the options, which cannot be removed.
     configured: BTreeSet<String>,
     library: Library,
 }
@@ -35,7 +35,7 @@ impl Masquerades {
         self.all.read().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Adds one, unless the options say something else.
+    /// Adds a masquerade, unless the options contain another one for the same name.
     pub(crate) fn add(&self, ours: &str, foreign: &str) -> Result<(), NoForeignName> {
         let name = TypeName::parse(foreign).ok_or_else(|| NoForeignName {
             ours: ours.to_owned(),
@@ -47,7 +47,7 @@ impl Masquerades {
         Ok(())
     }
 
-    /// Takes one back that was added.
+    /// Removes a masquerade that was added.
     pub(crate) fn remove(&self, ours: &str) {
         if !self.configured.contains(ours) {
             self.all.write().unwrap_or_else(PoisonError::into_inner).remove(ours);
@@ -66,7 +66,8 @@ impl Masquerades {
         Ok(foreign.clone())
     }
 
-    /// The hash that ROS nodes know the message of a port by, as far as all in it is known.
+    /// The hash by which ROS nodes identify the message of a port; `None` if a message within it is
+    /// unknown.
     pub(crate) fn hash(&self, ty: &DataType) -> Option<String> {
         let mut mapper = Mapper::new(ty.table(), self.all());
         let name = mapper.port(ty.id()).ok()?;
@@ -80,7 +81,7 @@ impl Masquerades {
         genom_rosidl::hash(&whole, &find).ok()
     }
 
-    /// The foreign type of a service, if it has one.
+    /// The foreign type of a service, if it masquerades.
     pub(crate) fn service(
         &self,
         ty: &ServiceType,

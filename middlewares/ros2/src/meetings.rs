@@ -1,10 +1,11 @@
-//! Readers that DDS has connected to a writer of ours, and that may not know the writer yet.
+//! Readers that DDS has connected to a writer of ours, but that may not know the writer yet.
 //!
-//! DDS owes a volatile reader nothing that was written before both ends know each other, and
-//! says when this end does. What RustDDS writes then arrives in any case: its readers ask for
-//! what they missed. Others throw away what a writer sends that they do not know, and begin
-//! after the first heartbeat they hear (RTPS 2.5, 8.4.12.2); so does what was written between.
-//! They acknowledge that heartbeat: then they are ready.
+//! A volatile reader need not get what was written before both ends know each other, and DDS
+//! reports only when this end does. Readers of RustDDS get what is written from then on, because
+//! they request what they missed. Other implementations discard samples of a writer that they do
+//! not know, and begin after the first heartbeat that they receive (RTPS 2.5, 8.4.12.2), so that
+//! what was written in between is lost. They acknowledge that heartbeat: from then on they are
+//! ready.
 
 use std::time::{Duration, Instant};
 
@@ -13,16 +14,16 @@ use rustdds::{GUID, WriteOptionsBuilder};
 use crate::quality::same_make;
 use crate::wire::{Payload, Writer};
 
-/// Longest and shortest time between two looks at what is acknowledged.
+/// Shortest and longest interval between checks of acknowledgements.
 const LOOKS: (Duration, Duration) = (Duration::from_millis(2), Duration::from_millis(50));
 
-/// A reader that acknowledges nothing for so long counts as ready.
+/// A reader that acknowledges nothing counts as ready after this time.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// Writes a message to a reader that does not exist. From then on a reader that acknowledges
-/// everything has heard of this writer, also before the first sample.
+/// Writes a message to a reader that does not exist. The writer then has a message to acknowledge,
+/// so that acknowledgements tell that a reader knows it even before the first sample.
 ///
-/// Not for transient local writers, which would keep it for all who come.
+/// Not for transient local writers, which would keep the message for every new reader.
 pub(crate) fn prime(writer: &Writer) {
     let options = WriteOptionsBuilder::new().to_single_reader(GUID::GUID_UNKNOWN).build();
     if writer.write_with_options(Payload(Default::default()), options).is_err() {
@@ -30,7 +31,7 @@ pub(crate) fn prime(writer: &Writer) {
     }
 }
 
-/// Whether all reliable readers of a primed writer know it, and have all there is.
+/// Whether all reliable readers of a primed writer know it and have received everything.
 pub(crate) fn acknowledged(writer: &Writer) -> bool {
     writer.wait_for_acknowledgments(Duration::ZERO).unwrap_or(true)
 }
@@ -42,12 +43,12 @@ struct Meeting {
     since: Instant,
 }
 
-/// Those who are not ready yet.
+/// The readers that are not ready yet.
 #[derive(Debug, Default)]
 pub(crate) struct Meetings(Vec<Meeting>);
 
 impl Meetings {
-    /// DDS has connected the two; true if the reader is ready at once.
+    /// DDS has connected the two. Returns true if the reader is ready at once.
     pub(crate) fn begin(&mut self, writer: GUID, reader: GUID) -> bool {
         let ready = same_make(&writer, &reader);
         if !ready {
@@ -56,18 +57,18 @@ impl Meetings {
         ready
     }
 
-    /// Some readers are gone.
+    /// Removes readers that are gone.
     pub(crate) fn lost(&mut self, gone: impl Fn(&GUID) -> bool) {
         self.0.retain(|meeting| !gone(&meeting.reader));
     }
 
-    /// How long to wait until the next look; `None` if there is nobody to look at.
+    /// Time until the next check; `None` if no reader is waited for.
     pub(crate) fn pause(&self) -> Option<Duration> {
         let youngest = self.0.iter().map(|meeting| meeting.since.elapsed()).min()?;
         Some((youngest / 8).clamp(LOOKS.0, LOOKS.1))
     }
 
-    /// Takes out those that are ready now, as writer and reader.
+    /// Removes those that are ready now, and returns them as writer and reader.
     pub(crate) fn ready(&mut self, acknowledged: impl Fn(&GUID) -> bool) -> Vec<(GUID, GUID)> {
         self.0
             .extract_if(.., |meeting| {

@@ -1,4 +1,4 @@
-//! What ports, services and nodes are called in ROS 2; [`genom_rosidl`] names their types.
+//! Names of ports, services and nodes in ROS 2. Names of types are made by [`genom_rosidl`].
 
 use std::fmt::Write as _;
 
@@ -6,18 +6,18 @@ use genom_middleware::Address;
 pub(crate) use genom_rosidl::TypeName;
 use genom_types::DataType;
 
-/// The message of a port that goes under its own name.
+/// The message of a port that does not masquerade.
 pub(crate) fn message(ty: &DataType) -> TypeName {
     genom_rosidl::message(ty.table(), ty.id())
 }
 
-/// The type of a service, which has its name from that of its input struct.
+/// The type of a service, named after its input struct.
 pub(crate) fn service(input: &DataType, at: &Address, folder: &str) -> TypeName {
     genom_rosidl::service(input.table(), input.id(), &at.name, folder)
 }
 
-/// The ROS name of an address, without the first slash: `arm/demo/position`. One without an
-/// instance is absolute: `/scan` is `scan` in any namespace.
+/// The ROS name of an address without its leading slash: `arm/demo/position`. An address without an
+/// instance is absolute: `/scan` is `scan` in every namespace.
 pub(crate) fn path(namespace: &str, at: &Address) -> String {
     let mut out = Vec::new();
     if !at.instance.is_empty() {
@@ -29,8 +29,8 @@ pub(crate) fn path(namespace: &str, at: &Address) -> String {
     out.join("/")
 }
 
-/// A token of a ROS name. Characters ROS does not allow become `_xHH`, and so does what would
-/// read like that.
+/// A token of a ROS name. Characters that ROS does not allow become `_xHH`, and so does text that
+/// could be mistaken for such an escape.
 pub(crate) fn token(text: &str) -> String {
     let mut out = String::new();
     let bytes = text.as_bytes();

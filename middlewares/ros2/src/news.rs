@@ -1,4 +1,4 @@
-//! What DDS's discovery tells, and who is to know of it.
+//! Distributes the events of DDS's discovery to those parts that need them.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ fn found(end: EndpointDescription, writer: bool) -> (rustdds::GUID, Found) {
     (end.guid, Found::new(end, writer))
 }
 
-/// Passes news of other participants than `ourselves` on.
+/// A handler for events about participants other than `ourselves`.
 pub(crate) fn news(
     ourselves: GUID,
     known: Arc<Graph>,

@@ -1,36 +1,37 @@
-//! Which sample of its port a message is, so that a reader can count those that never came.
+//! Numbers samples, so that a reader can count those that it lost.
 //!
-//! A writer numbers its messages (RTPS 2.5, 8.3.5.4), and numbers that a reader does not get are
-//! samples it lost. Except those of messages to a single other reader: an out port of genomd gives
-//! its last value to each reader that comes late. So genomd's writers tell how many of these they
-//! have sent, modulo 256, in the lowest bits of the time they give each message (60 ns; a parameter
-//! in the message would not do: RustDDS cannot send it beside fragments that fill a datagram).
-//! Writers of other makes number samples and nothing else.
+//! A DDS writer numbers its messages (RTPS 2.5, 8.3.5.4), and numbers that a reader does not get
+//! are lost samples, except those of messages to a single other reader: an out port of genomd sends
+//! its last value to each late reader. So genomd's writers count these messages modulo 256, and put
+//! the count into the lowest bits of each message's timestamp (60 ns). A parameter in the message
+//! is not possible: RustDDS cannot send one together with fragments that fill a datagram. Writers
+//! of other implementations number samples only.
 
 use rustdds::{GUID, Timestamp, WriteOptions, WriteOptionsBuilder};
 
-/// Times that differ in these bits only are of the same sample.
+/// Number of low bits of a timestamp that hold the count. Timestamps that differ only there belong
+/// to the same sample.
 const BITS: u32 = 8;
 const TOLD: u64 = (1 << BITS) - 1;
 
 /// The messages of one writer.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Numbering {
-    /// Time of the last sample, without what is told in it.
+    /// Timestamp of the last sample, without the count.
     last: u64,
-    /// Messages to single readers so far, modulo 256.
+    /// Number of messages to single readers so far, modulo 256.
     repeated: u8,
 }
 
 impl Numbering {
-    /// For the next sample, of now. Each has a time of its own: by it readers know a sample that
-    /// comes twice.
+    /// Options for the next sample. Each sample has a unique timestamp, by which readers recognise
+    /// duplicates.
     pub(crate) fn next(&mut self, now: Timestamp) -> WriteOptions {
         self.last = (now.to_ticks() & !TOLD).max(self.last + (1 << BITS));
         self.options().build()
     }
 
-    /// For the last sample once more, to this reader.
+    /// Options for sending the last sample again, to this reader.
     pub(crate) fn again(&mut self, reader: GUID) -> WriteOptions {
         self.repeated = self.repeated.wrapping_add(1);
         self.options().to_single_reader(reader).build()
@@ -42,7 +43,7 @@ impl Numbering {
     }
 }
 
-/// Where a message stands among those of its writer.
+/// The position of a message among those of its writer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Place {
     number: i64,
@@ -54,14 +55,15 @@ impl Place {
         Self { number, time: time.map(Timestamp::to_ticks) }
     }
 
-    /// Whether it is newer than this one: a reader that was made anew gets messages again that DDS
-    /// still holds, and a new reader gets the last sample twice.
+    /// Whether it is newer than `last`. A recreated reader gets messages again that DDS still
+    /// holds, and a new reader gets the last sample twice.
     pub(crate) fn is_after(&self, last: &Self) -> bool {
         let sample = |place: &Self| place.time.map(|time| time >> BITS);
         self.number > last.number && (self.time.is_none() || sample(self) != sample(last))
     }
 
-    /// How many samples came between this one and a later one, of a writer that is a genomd.
+    /// Number of samples between this message and a later one. Single-reader messages are
+    /// subtracted if the writer is a genomd.
     pub(crate) fn missing(&self, next: &Self, genomd: bool) -> u64 {
         let told = |place: &Self| place.time.map_or(0, |time| (time & TOLD) as u8);
         let repeated = if genomd { told(next).wrapping_sub(told(self)) } else { 0 };
@@ -99,7 +101,7 @@ mod tests {
         assert_eq!(two.missing(&to_others[100], true), 0);
         assert_eq!(to_others[299].missing(&three, true), 0);
         assert_eq!(to_others[200].missing(&four, true), 1);
-        // They bring the second sample.
+        // They all carry the second sample.
         assert_eq!(one.missing(&to_others[9], true), 0);
         assert!(two.is_after(&one) && three.is_after(&two));
         assert!(to_others.iter().all(|again| !again.is_after(&two) && again.is_after(&one)));

@@ -1,4 +1,4 @@
-//! Why ends that are there are not connected, or get less from each other than they could.
+//! Finds out why existing ends are not connected, or exchange less than they could.
 
 use genom_middleware::{Address, Obstacle};
 
@@ -6,7 +6,7 @@ use crate::feeds::Feeds;
 use crate::graph::Graph;
 use crate::quality::{self, Ours};
 
-/// What keeps ends of others at an address from meeting ours, or all of them.
+/// What keeps ends of others at an address from connecting to ours, or to any.
 pub(crate) fn obstacles(graph: &Graph, feeds: &Feeds, at: &Address, topic: &str) -> Vec<Obstacle> {
     let mut all = Vec::new();
     if let Some((ours, offers)) = graph.writer(topic) {
@@ -28,7 +28,7 @@ pub(crate) fn obstacles(graph: &Graph, feeds: &Feeds, at: &Address, topic: &str)
     all
 }
 
-/// Logs what keeps an end that was just found from being connected with ours.
+/// Logs what keeps a newly discovered end from connecting to ours.
 pub(crate) fn tell(graph: &Graph, feeds: &Feeds, topic: &str) {
     let Some(name) = topic.strip_prefix("rt/") else { return };
     for Obstacle { what, fix } in obstacles(graph, feeds, &Address::new("", name), topic) {

@@ -1,4 +1,4 @@
-//! What the user may choose.
+//! Options for opening the middleware.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer};
 use crate::guard::Limits;
 use crate::names;
 
-/// Greatest domain whose ports fit (RTPS 9.6.1.1).
+/// Greatest domain whose UDP ports are below 65536 (RTPS 9.6.1.1).
 pub(crate) const LAST_DOMAIN: u16 = 232;
 
 /// Which network interfaces may be used.
@@ -24,7 +24,7 @@ pub enum Networks {
     Loopback,
     /// All of them: `"all"`.
     All,
-    /// Those with these addresses: `["192.168.1.7"]`.
+    /// Those with the given addresses: `["192.168.1.7"]`.
     Only(Vec<IpAddr>),
 }
 
@@ -62,29 +62,29 @@ impl<'de> Deserialize<'de> for Networks {
     }
 }
 
-/// How requests and replies are told apart on the wire.
+/// How a reply is associated with its request.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum ServiceMapping {
-    /// As `rmw_fastrtps` does, the default of ROS 2: beside the message.
+    /// By metadata outside the message, as `rmw_fastrtps` does, the default of ROS 2.
     #[default]
     Enhanced,
-    /// As `rmw_cyclonedds` does: in the first 16 bytes of the message.
+    /// By the first 16 bytes of the message, as `rmw_cyclonedds` does.
     Cyclone,
 }
 
-/// `[backends.ros2.qos]`: quality of service of ports.
+/// Section `[backends.ros2.qos]` of the configuration: quality of service of ports.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
 #[serde(default, deny_unknown_fields)]
 pub struct Qos {
-    /// Lost packets are sent again. Otherwise readers that ask for this do not connect.
+    /// Lost samples are sent again. If false, readers that request reliability do not connect.
     pub reliable: bool,
-    /// Samples of a port that wait to be sent; more than that give way, oldest first.
+    /// Number of samples of a port that may wait to be sent; the oldest are dropped.
     pub depth: usize,
-    /// Announces out ports as transient local, so that ROS nodes that ask for this connect.
+    /// Announces out ports as transient local, so that ROS nodes that request it connect.
     ///
-    /// Every reader gets the last value anyway. The price: the DDS library keeps all samples of
-    /// several seconds, and a node that asks for transient local gets them all when it comes.
+    /// Every reader gets the last value anyway. With this, the DDS library keeps all samples of
+    /// several seconds, and sends all of them to a new reader that requests transient local.
     pub transient_local: bool,
 }
 
@@ -94,35 +94,37 @@ impl Default for Qos {
     }
 }
 
-/// `[backends.ros2]`; `configs/ros2.toml` explains it. The default stays within this machine.
+/// Section `[backends.ros2]` of the configuration; `configs/ros2.toml` explains it. The defaults
+/// stay within this machine.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Participants of other domains are not seen. None: what `ROS_DOMAIN_ID` says, else 0.
+    /// The DDS domain; participants of other domains are not seen. `None`: `ROS_DOMAIN_ID`, or 0.
     pub domain: Option<u16>,
-    /// Which network interfaces may be used. None: what `ROS_LOCALHOST_ONLY` and
-    /// `ROS_AUTOMATIC_DISCOVERY_RANGE` say, else this machine only, unlike ROS.
+    /// Which network interfaces may be used. `None`: what `ROS_LOCALHOST_ONLY` and
+    /// `ROS_AUTOMATIC_DISCOVERY_RANGE` say, or only this machine, which differs from ROS.
     pub networks: Option<Networks>,
-    /// Put before all names: `lab/arm` makes `/lab/arm/demo/position`.
+    /// Prefix of all names: `lab/arm` makes `/lab/arm/demo/position`.
     pub namespace: String,
-    /// How requests and replies are told apart.
+    /// How a reply is associated with its request.
     pub services: ServiceMapping,
     /// Quality of service of ports.
     pub qos: Qos,
-    /// Attributes of one plain value are parameters, too.
+    /// Whether attributes with a single plain value are also parameters.
     pub parameters: bool,
-    /// ROS types of equal structure to be used for IDL types and services: `::demo::pose` as
+    /// ROS types of equal structure as which IDL types and services masquerade: `::demo::pose` as
     /// `geometry_msgs/msg/Pose`, service `::demo::reset` as `std_srvs/srv/Trigger`.
     pub masquerade: BTreeMap<String, String>,
-    /// Folders of packages that define such types, `FOLDER/geometry_msgs/msg/Pose.msg`, besides
-    /// those of `AMENT_PREFIX_PATH`; ROS's common types are known without.
+    /// Folders with packages that define such types, `FOLDER/geometry_msgs/msg/Pose.msg`, in
+    /// addition to those of `AMENT_PREFIX_PATH`. ROS's common types are built in.
     pub interfaces: Vec<PathBuf>,
-    /// Bytes of the greatest sample that is put together of fragments.
+    /// Size in bytes of the largest sample that is reassembled from fragments.
     pub greatest_sample: u32,
-    /// Participants that are known at a time; one address may have half of them.
+    /// Greatest number of participants at a time; one address may have half of them.
     pub participants: usize,
-    /// A participant that is silent for so long is gone, however long it asks to be waited for:
-    /// by default as long as others wait for this daemon, so that both give up. No key.
+    /// Longest lease: a participant that is silent for this long counts as gone, whatever lease it
+    /// announces. The default is the lease of this daemon, so that both sides give up at the same
+    /// time. Not a key of the configuration.
     #[serde(skip)]
     pub silence: Duration,
 }
@@ -146,42 +148,42 @@ impl Default for Options {
     }
 }
 
-/// An option or a variable of the environment is wrong.
+/// An option or an environment variable is wrong.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum OptionsError {
-    /// No such domain.
+    /// The domain does not exist.
     #[error("{key} = {value}: a domain is a number from 0 to {LAST_DOMAIN}")]
     Domain {
         /// The key of the configuration, or the variable.
         key: &'static str,
-        /// The value as it was given.
+        /// The value as given.
         value: String,
     },
-    /// A value that ROS does not know.
+    /// A value of `ROS_LOCALHOST_ONLY` that ROS does not know.
     #[error("ROS_LOCALHOST_ONLY is 0 or 1, not {0}")]
     LocalhostOnly(String),
-    /// A value that ROS does not know, or one that this backend has no equivalent of.
+    /// A value that ROS does not know, or that this backend does not support.
     #[error(
         "ROS_AUTOMATIC_DISCOVERY_RANGE is LOCALHOST, SUBNET or SYSTEM_DEFAULT, not {0}; \
          to be found by nobody use another backend"
     )]
     Range(String),
-    /// A namespace that ROS does not allow.
+    /// A namespace that is not valid in ROS.
     #[error("namespace = `{0}`: ROS wants names of letters, digits and _ with / between them")]
     Namespace(String),
-    /// The type to masquerade as is none.
+    /// The name of the foreign type is not valid.
     #[error("masquerade: {ty} cannot go as `{name}`: write package/msg/Type")]
     Masquerade {
         /// The IDL type.
         ty: String,
-        /// The foreign name as it was given.
+        /// The foreign name as given.
         name: String,
     },
 }
 
 impl Options {
-    /// Whether all options make sense.
+    /// Checks that all options are valid.
     pub(crate) fn check(&self) -> Result<(), OptionsError> {
         if let Some(domain) = self.domain.filter(|domain| *domain > LAST_DOMAIN) {
             return Err(OptionsError::Domain { key: "domain", value: domain.to_string() });
@@ -197,7 +199,7 @@ impl Options {
         })
     }
 
-    /// What peers may have this daemon hold.
+    /// Limits for what peers may cause here.
     pub(crate) fn limits(&self) -> Limits {
         let Self { greatest_sample, participants, silence, .. } = *self;
         Limits { sample: greatest_sample, participants, silence }

@@ -23,15 +23,16 @@ use crate::quality;
 use crate::sender::Line;
 use crate::wire;
 
-/// The samples of an out port that wait to be sent may take that much memory.
+/// Limit in bytes for the samples of an out port that wait to be sent.
 const WAITING: usize = 4 << 20;
 
-/// Bytes to make ready for a message of a type.
+/// Initial buffer size in bytes for a message of the type.
 fn room_for(ty: &DataType) -> usize {
     if ty.is_fixed_size() { ty.size() + ty.size() / 8 + 64 } else { 256 }
 }
 
-/// Samples that may wait to be sent: fewer of large ones, whose buffers are made beforehand.
+/// Number of samples that may wait to be sent: fewer if they are large, since their buffers are
+/// preallocated.
 fn depth_of(ty: &DataType, wanted: usize) -> usize {
     wanted.min((WAITING / room_for(ty)).max(1))
 }
@@ -96,10 +97,10 @@ impl Ports for Ros2 {
 /// An out port.
 pub(crate) struct Ros2Publisher {
     outlet: Arc<Outlet>,
-    /// Its number with the sending thread.
+    /// Its number in the sending thread.
     line: usize,
     writer: GUID,
-    /// What shows it to others; goes after the last sample went out.
+    /// Announces it to others; dropped after the last sample was sent.
     claim: Option<Claim>,
     core: Arc<Core>,
 }

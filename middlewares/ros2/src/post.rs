@@ -1,7 +1,7 @@
-//! Writers whose messages wait until the reader they are for is connected.
+//! Writers whose messages wait until the reader that they are for is connected.
 //!
-//! DDS gives a volatile message to those readers only that it knows already: a reply sent too
-//! early is lost. So requests, replies and feedback wait here for their reader.
+//! DDS delivers a volatile message only to readers that it knows already, so a reply that is sent
+//! too early is lost. Requests, replies and feedback therefore wait here for their reader.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -12,10 +12,10 @@ use rustdds::{GUID, RTPSEntity};
 use crate::meetings;
 use crate::wire::Writer;
 
-/// Messages that wait; older ones are given up.
+/// Greatest number of waiting messages; the oldest are dropped.
 const MOST: usize = 256;
 
-/// First part of the ids of all ends of a participant.
+/// First part of the GUIDs of all ends of a participant.
 pub(crate) type Prefix = [u8; 12];
 
 pub(crate) fn prefix(of: &GUID) -> Prefix {
@@ -24,7 +24,7 @@ pub(crate) fn prefix(of: &GUID) -> Prefix {
     prefix
 }
 
-/// Who a message is for.
+/// The recipient of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Target {
     Reader(GUID),
@@ -56,19 +56,20 @@ impl Matches {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is written with a writer of requests, replies or feedback.
+    /// The post that uses this writer, if it is one of requests, replies or feedback.
     pub(crate) fn post(&self, writer: &GUID) -> Option<Arc<Post>> {
         self.lock().posts.get(writer).and_then(Weak::upgrade)
     }
 
-    /// A writer is connected to a reader. Gives the writer's post, whose letters may go out now.
+    /// A writer is connected to a reader. Returns the writer's post, whose messages can be sent
+    /// now.
     pub(crate) fn matched(&self, writer: GUID, reader: GUID) -> Option<Arc<Post>> {
         let mut state = self.lock();
         state.readers.entry(writer).or_default().insert(reader);
         state.posts.get(&writer).and_then(Weak::upgrade)
     }
 
-    /// Some readers are gone.
+    /// Removes readers that are gone.
     pub(crate) fn lost(&self, gone: impl Fn(&GUID) -> bool) {
         let mut state = self.lock();
         state.readers.values_mut().for_each(|readers| readers.retain(|reader| !gone(reader)));
@@ -77,7 +78,7 @@ impl Matches {
         posts.iter().for_each(|post| post.lost(&gone));
     }
 
-    /// A writer is closed.
+    /// Removes a writer that is closed.
     pub(crate) fn forget(&self, writer: &GUID) {
         let mut state = self.lock();
         state.readers.remove(writer);
@@ -92,10 +93,10 @@ impl Matches {
 /// Writes one message.
 pub(crate) type Letter = Box<dyn FnOnce(&Writer) + Send>;
 
-/// Called when readers are gone, with a function that says who can still be reached.
+/// Called when readers are gone, with a function that tells who can still be reached.
 pub(crate) type OnLost = Box<dyn Fn(&dyn Fn(Target) -> bool) + Send + Sync>;
 
-/// One writer. All is done on the sending thread, except making it.
+/// A writer and its waiting messages. Used on the sending thread only, except for its creation.
 pub(crate) struct Post {
     writer: Writer,
     matches: Arc<Matches>,
@@ -116,7 +117,7 @@ impl Post {
         self.writer.guid()
     }
 
-    /// Writes a message as soon as who it is for is connected.
+    /// Writes a message as soon as its recipient is connected.
     pub(crate) fn send(&self, to: Target, letter: Letter) {
         if self.matches.reaches(&self.guid(), to) {
             return letter(&self.writer);
@@ -124,12 +125,12 @@ impl Post {
         let mut waiting = self.lock();
         waiting.push_back((to, letter));
         let given_up = if waiting.len() > MOST { waiting.pop_front() } else { None };
-        // Dropped without the lock: letters that are given up may use this post.
+        // Dropped after releasing the lock: dropping a letter may use this post.
         drop(waiting);
         drop(given_up);
     }
 
-    /// A reader has been connected.
+    /// Writes the waiting messages whose recipient is connected now.
     pub(crate) fn go_on(&self) {
         let guid = self.guid();
         let waiting = std::mem::take(&mut *self.lock());
@@ -152,27 +153,27 @@ impl Post {
         ready.into_iter().for_each(|letter| letter(&self.writer));
     }
 
-    /// Readers are gone: nothing waits for them any more.
+    /// Drops the messages to readers that are gone.
     fn lost(&self, gone: impl Fn(&GUID) -> bool) {
         let mut waiting = self.lock();
         let (given_up, rest) = std::mem::take(&mut *waiting)
             .into_iter()
             .partition::<VecDeque<_>, _>(|(to, _)| matches!(to, Target::Reader(of) if gone(of)));
         *waiting = rest;
-        // Dropped without the lock: letters that are given up may use this post.
+        // Dropped after releasing the lock: dropping a letter may use this post.
         drop(waiting);
         drop(given_up);
         (self.on_lost)(&|to| self.matches.reaches(&self.guid(), to));
     }
 
-    /// Whether all readers know the writer and have all that was written.
+    /// Whether all readers know the writer and have received everything.
     pub(crate) fn is_acknowledged(&self) -> bool {
         meetings::acknowledged(&self.writer)
     }
 
-    /// Waits a while until what was written has arrived.
+    /// Waits for a limited time until everything written has arrived.
     pub(crate) fn settle(&self, longest: Duration) {
-        // Readers that are gone without a word are not waited for any longer.
+        // Fails if readers disappeared without leaving; they are not waited for any longer.
         let _ = self.writer.wait_for_acknowledgments(longest);
     }
 

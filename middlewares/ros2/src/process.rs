@@ -1,16 +1,16 @@
-//! Tells whether the process of another daemon on this machine still runs.
+//! Finds out whether the process of another daemon on this machine still runs.
 
 use std::fs;
 
 use serde::{Deserialize, Serialize};
 
-/// A process of this machine, told apart from all that ever had its number.
+/// Identifies a process of this machine, distinct from all others that ever had its process id.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
 pub(crate) struct Process {
-    /// Boot of the machine and PID namespace: the number means something there only.
+    /// Boot id and PID namespace; the process id is valid only there.
     place: String,
     number: u32,
-    /// When it started, in ticks since the boot.
+    /// Start time in clock ticks since boot.
     started: String,
 }
 
@@ -20,7 +20,7 @@ impl Process {
         Self { place: place(), number, started: started(number).unwrap_or_default() }
     }
 
-    /// Whether it is known to have ended. Of processes elsewhere nothing is known.
+    /// Whether it is known to have ended; false for processes of another machine or namespace.
     pub(crate) fn has_ended(&self) -> bool {
         let here = place();
         !here.is_empty()
@@ -36,11 +36,11 @@ fn place() -> String {
     format!("{} {}", boot.trim(), namespace.display())
 }
 
-/// Field 22 of the process's state; the name before it may hold blanks and parentheses.
+/// Field 22 of `/proc/<pid>/stat`. The name in field 2 may contain blanks and parentheses.
 fn started(number: u32) -> Option<String> {
     let stat = fs::read_to_string(format!("/proc/{number}/stat")).ok()?;
     let fields = stat.rsplit_once(')')?.1;
-    // A zombie holds no sockets any more.
+    // A zombie counts as ended: its sockets are closed.
     let mut fields = fields.split_whitespace();
     let state = fields.next()?;
     (state != "Z" && state != "X").then(|| fields.nth(18).map(str::to_owned))?

@@ -1,7 +1,7 @@
-//! Quality of service of single ends: what is offered, what is asked for, and what does not fit.
+//! Quality of service of single ends: what is offered, what is requested, and what does not match.
 //!
-//! What a port's configuration says is fixed. Of the rest, a reader follows the writers there
-//! are: it asks for no more than all of them offer, so that none is refused.
+//! What is configured for a port is fixed. In everything else a reader follows the existing
+//! writers: it requests no more than all of them offer, so that it matches each of them.
 
 use genom_middleware::{Address, Obstacle, Quality};
 use genom_rosidl::TypeName;
@@ -10,14 +10,14 @@ use rustdds::{GUID, QosPolicies, policy};
 use crate::graph::Found;
 use crate::options::Qos;
 
-/// What a reader asks its writers for.
+/// The QoS that a reader requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Asks {
     pub(crate) reliable: bool,
     pub(crate) transient_local: bool,
 }
 
-/// What the configuration fixes for a reader; `None`: it asks for what its writers offer.
+/// The QoS that is configured for a reader; `None` where it follows its writers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Wish {
     pub(crate) reliable: Option<bool>,
@@ -27,16 +27,17 @@ pub(crate) struct Wish {
 impl Wish {
     pub(crate) fn new(of_port: &Quality, default: &Qos) -> Self {
         Self {
-            // A reader that asks for best effort meets every writer: there is nothing to follow.
+            // A reader that requests best effort matches every writer, so there is nothing to
+            // follow.
             reliable: of_port.reliable.or((!default.reliable).then_some(false)),
             transient_local: of_port.transient_local,
         }
     }
 
-    /// What to ask for, with these writers there.
+    /// The QoS to request, given the existing writers.
     ///
-    /// Transient local is not asked of daemons, which send the last value anyway, nor of any writer
-    /// of RustDDS, which would send all samples that it still holds.
+    /// Transient local is not requested of daemons, which send the last value anyway, nor of any
+    /// other writer of RustDDS, which would send all samples that it still holds.
     pub(crate) fn asks(self, ourselves: &GUID, writers: &[(GUID, Found)]) -> Asks {
         let latched = |(guid, found): &(GUID, Found)| {
             let durability = found.qos.durability().unwrap_or(policy::Durability::Volatile);
@@ -53,7 +54,7 @@ impl Wish {
     }
 }
 
-/// What an out port offers.
+/// The QoS that an out port offers.
 pub(crate) fn offered(of_port: &Quality, default: &Qos) -> Qos {
     Qos {
         reliable: of_port.reliable.unwrap_or(default.reliable),
@@ -62,12 +63,12 @@ pub(crate) fn offered(of_port: &Quality, default: &Qos) -> Qos {
     }
 }
 
-/// Ids begin with the number of the maker of the DDS library (RTPS 2.5, 9.3.1.5).
+/// Whether both use the same DDS implementation: GUIDs begin with a vendor id (RTPS 2.5, 9.3.1.5).
 pub(crate) fn same_make(one: &GUID, other: &GUID) -> bool {
     one.to_bytes().first_chunk::<2>() == other.to_bytes().first_chunk::<2>()
 }
 
-/// A writer that does not say is reliable (DDS 1.4, 2.2.3).
+/// The default of a writer is reliable (DDS 1.4, 2.2.3).
 fn is_reliable(writer: &QosPolicies) -> bool {
     !matches!(writer.reliability(), Some(policy::Reliability::BestEffort))
 }
@@ -79,7 +80,7 @@ pub(crate) enum Ours {
     Reader,
 }
 
-/// What keeps a writer and a reader of a topic from meeting, if anything does.
+/// The reason why a writer and a reader of a topic do not match, if there is one.
 pub(crate) fn obstacle(
     at: &Address,
     ours: Ours,
@@ -130,7 +131,7 @@ pub(crate) fn obstacle(
     })
 }
 
-/// What an in port that follows its writers does without, since one of them offers less than the
+/// What an in port that follows its writers gives up because one of them offers less than the
 /// others.
 pub(crate) fn mixed(
     at: &Address,
@@ -150,8 +151,8 @@ pub(crate) fn mixed(
     })
 }
 
-/// Ends of one type by name whose structures differ, as far as both tell the hash of theirs. DDS
-/// connects them; what they understand of each other is chance.
+/// Ends whose types have the same name but different structures, as far as both announce their
+/// hash. DDS connects them, and what they read may be garbage.
 pub(crate) fn other_structure(
     at: &Address,
     ours: Ours,
@@ -196,7 +197,7 @@ mod tests {
         assert_eq!(asks(FREE, &[writer(true, true), writer(false, false)]), (false, false));
         let told = Wish { reliable: Some(true), transient_local: Some(false) };
         assert_eq!(asks(told, &[writer(false, true)]), (true, false));
-        // The writer is of our own make.
+        // The writer uses the same DDS implementation.
         let same = FREE.asks(&GUID::from_bytes([1; 16]), &[writer(true, true)]);
         assert!(!same.transient_local);
     }

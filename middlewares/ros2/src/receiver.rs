@@ -1,4 +1,4 @@
-//! The one thread that takes samples from DDS readers and news from DDS's discovery.
+//! The thread that takes samples from DDS readers and events from DDS's discovery.
 
 use std::cell::RefCell;
 use std::collections::HashMap;
@@ -21,41 +21,41 @@ const WAKE: Token = Token(0);
 const STATUS: Token = Token(1);
 const FIRST: usize = 2;
 
-/// Samples of one reader taken in a row, before others have their turn.
+/// Samples taken from one reader in a row before it is the next one's turn.
 const TURN: usize = 64;
 
-/// A sample as it arrived.
+/// A received sample.
 #[derive(Debug)]
 pub(crate) struct Sample<'a> {
-    /// Header and payload, in a buffer that may be exchanged for another.
+    /// Header and payload. The receiver may swap the buffer for another.
     pub(crate) message: &'a mut Vec<u8>,
     pub(crate) writer: GUID,
     pub(crate) number: i64,
-    /// When it was written, as the writer says.
+    /// Timestamp of the writer.
     pub(crate) stamp: Option<Timestamp>,
     /// When it was received.
     pub(crate) received: Timestamp,
-    /// The request that this replies to.
+    /// The request that this is a reply to.
     pub(crate) related: Option<SampleIdentity>,
 }
 
-/// Takes the samples of one reader.
+/// Receives the samples of one reader.
 pub(crate) trait Sink: Send {
     fn arrive(&mut self, sample: Sample<'_>);
 
-    /// All that was there has been taken, for now.
+    /// Called when all available samples have been taken.
     fn pause(&mut self) {}
 
-    /// A sample came in a representation that is not plain CDR.
+    /// Called for a sample whose representation is not plain CDR.
     fn garbled(&mut self) {}
 }
 
-/// Takes news of discovery.
+/// Receives discovery events.
 pub(crate) type News = Box<dyn FnMut(DomainParticipantStatusEvent) + Send>;
 
 enum Order {
     Add(Token, Box<Reader>, Box<dyn Sink>),
-    /// The sink gets the samples of another reader from now on.
+    /// From now on the sink gets the samples of another reader.
     Exchange(Token, Box<Reader>),
     Remove(Token, Sender<()>),
     Stop,
@@ -95,29 +95,30 @@ impl Inlet {
     }
 
     fn order(&self, order: Order) {
-        // After the end there is nothing left to do it with.
+        // Fails when the thread has ended; the order is dropped then.
         let _ = self.orders.send(order);
         let _ = self.waker.wake();
     }
 
-    /// Gives the samples of a reader to a sink, until it is removed.
+    /// Passes the samples of a reader to a sink until it is removed.
     pub(crate) fn add(&self, reader: Reader, sink: Box<dyn Sink>) -> Token {
         let token = Token(self.next.fetch_add(1, Ordering::Relaxed));
         self.order(Order::Add(token, Box::new(reader), sink));
         token
     }
 
-    /// Gives a sink the samples of another reader, and ends the one it had.
+    /// Passes the samples of another reader to a sink, and ends the one it had.
     pub(crate) fn exchange(&self, token: Token, reader: Reader) {
         self.order(Order::Exchange(token, Box::new(reader)));
     }
 
-    /// Ends a reader. Its sink hears nothing any more when this returns, except on the thread.
+    /// Ends a reader. When this returns, its sink gets no more calls, unless called on the thread
+    /// itself.
     pub(crate) fn remove(&self, token: Token) {
         let (done, finished) = channel();
         self.order(Order::Remove(token, done));
         if thread::current().id() != self.id {
-            // Ends when the order was carried out, or dropped with the thread.
+            // Returns when the order was carried out, or dropped together with the thread.
             let _ = finished.recv();
         }
     }
@@ -127,7 +128,7 @@ impl Drop for Inlet {
     fn drop(&mut self) {
         self.order(Order::Stop);
         let thread = self.thread.take().filter(|_| thread::current().id() != self.id);
-        // A thread that panicked has been reported by its panic.
+        // A panic of the thread has been reported already.
         let _ = thread.map(JoinHandle::join);
     }
 }
@@ -138,19 +139,20 @@ struct Work {
     news: News,
     orders: Receiver<Order>,
     readers: HashMap<Token, (Box<Reader>, Box<dyn Sink>)>,
-    /// The sample under way.
+    /// Buffer for the current sample.
     buffer: RefCell<Vec<u8>>,
     waker: Arc<Waker>,
 }
 
 impl Work {
     fn go_on(&mut self) {
-        // Otherwise this thread would run after DDS's has also sent its acknowledgements.
+        // Otherwise this thread would run only after DDS's thread has also sent its
+        // acknowledgements.
         if let Err(error) = be_prompt() {
             tracing::debug!(%error, "samples may wait for their turn to be received");
         }
         let mut events = Events::with_capacity(256);
-        // Readers that may have more than they were asked for.
+        // Readers that may have more samples than were taken in one turn.
         let mut again = Vec::new();
         loop {
             if let Err(error) = self.poll.poll(&mut events, None)
@@ -168,7 +170,7 @@ impl Work {
                     token => ready.push(token),
                 }
             }
-            // Each look costs system calls: only where an event said that there is something.
+            // Each check costs system calls, so it is made only after an event.
             while is_news && let Some(event) = self.status.try_recv_status() {
                 (self.news)(event);
             }
@@ -181,19 +183,20 @@ impl Work {
                 }
             }
             if !again.is_empty() {
-                // Comes back at once, after a look at orders and news.
+                // More to do: return here after checking for orders and events.
                 let _ = self.waker.wake();
             }
         }
     }
 
-    /// Does what was ordered, and adds who may have samples already; false at the end of all.
+    /// Carries out orders, and adds readers that may already have samples to `ready`. Returns false
+    /// at the end.
     fn carry_out(&mut self, ready: &mut Vec<Token>) -> bool {
         while let Ok(order) = self.orders.try_recv() {
             match order {
                 Order::Add(token, reader, sink) => ready.extend(self.add(token, reader, sink)),
                 Order::Exchange(token, reader) => {
-                    // What the old one still has, the new one finds as well.
+                    // The new reader also finds the samples that the old one still has.
                     if let Some((mut old, sink)) = self.readers.remove(&token) {
                         let _ = self.poll.registry().deregister(&mut *old);
                         ready.extend(self.add(token, reader, sink));
@@ -201,7 +204,7 @@ impl Work {
                 }
                 Order::Remove(token, done) => {
                     if let Some((mut reader, _sink)) = self.readers.remove(&token) {
-                        // It goes either way.
+                        // The reader is dropped in any case.
                         let _ = self.poll.registry().deregister(&mut *reader);
                     }
                     let _ = done.send(());
@@ -222,7 +225,7 @@ impl Work {
         Some(token)
     }
 
-    /// Takes what a reader has; whether there may be more.
+    /// Takes the samples of a reader. Returns whether there may be more.
     fn take(&mut self, token: Token) -> bool {
         let Some((reader, sink)) = self.readers.get_mut(&token) else { return false };
         // Draining a notification takes longer than taking a sample, so the first sample is taken
@@ -237,7 +240,7 @@ impl Work {
     }
 }
 
-/// Takes a sample, if there is one; whether there was.
+/// Takes a sample, if there is one. Returns whether there was.
 fn take_one(reader: &mut Reader, sink: &mut dyn Sink, buffer: &RefCell<Vec<u8>>) -> bool {
     match reader.try_take_one_with(CopyTo(buffer)) {
         Ok(Some(taken)) => sink.arrive(Sample {

@@ -1,9 +1,10 @@
-//! Participants that were lost in silence and are back: the network was down, or one side slept.
+//! Participants whose lease expired and that are back: the network was down, or one side was
+//! suspended.
 //!
-//! RustDDS keeps what it knew of the ends of such a participant and, when it hears of it again,
-//! believes to know them as before; but it matched them with ours when it was told of them, and is
-//! not told again, since it takes each announcement once. It looks at all ends of a topic anew when
-//! one is added here: so for each topic that both sides use, an end is added for a moment.
+//! RustDDS keeps what it knew of the ends of such a participant. When it hears of the participant
+//! again, it does not match them with ours: it does so only when they are announced, and it
+//! processes each announcement once. It matches all ends of a topic again when an end is added
+//! here, so a temporary end is added for each topic that both sides use.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -15,10 +16,10 @@ use crate::dds::{Dds, Direction};
 use crate::graph::Found;
 use crate::wire::{self, Reader, Writer};
 
-/// Participants that are remembered while they are away.
+/// Number of absent participants that are remembered.
 const MANY: usize = 256;
 
-/// An end for a moment that was not matched within this time is dropped.
+/// A temporary end that was not matched within this time is dropped.
 const LONGEST: Duration = Duration::from_secs(5);
 
 enum Moment {
@@ -26,7 +27,7 @@ enum Moment {
     Reader(#[allow(dead_code, reason = "to be there is what it does")] Box<Reader>),
 }
 
-/// Who is away, and the ends that are there for a moment.
+/// The absent participants, and the temporary ends.
 pub(crate) struct Reunions {
     dds: Arc<Dds>,
     away: HashMap<Vec<u8>, HashSet<(String, Direction)>>,
@@ -38,13 +39,14 @@ impl Reunions {
         Self { dds, away: HashMap::new(), moments: HashMap::new() }
     }
 
-    /// A participant with these ends is gone, in silence or with a word.
+    /// A participant with these ends is gone; `silent` if its lease expired, false if it announced
+    /// that it leaves.
     pub(crate) fn lost(&mut self, id: impl AsRef<[u8]>, ends: Vec<Found>, silent: bool) {
         if !silent || (self.away.len() >= MANY && !self.away.contains_key(id.as_ref())) {
             self.away.remove(id.as_ref());
             return;
         }
-        // Ours are the other end of theirs.
+        // Our ends are the opposite ones.
         let ours = |found: Found| {
             let direction = if found.writer { Direction::Reads } else { Direction::Writes };
             (found.topic, direction)
@@ -52,7 +54,7 @@ impl Reunions {
         self.away.insert(id.as_ref().to_vec(), ends.into_iter().map(ours).collect());
     }
 
-    /// A participant is there, perhaps again.
+    /// A participant appeared, perhaps not for the first time.
     pub(crate) fn found(&mut self, id: impl AsRef<[u8]>) {
         self.moments.retain(|_, (_, since)| since.elapsed() < LONGEST);
         let Some(ends) = self.away.remove(id.as_ref()) else { return };
@@ -64,7 +66,7 @@ impl Reunions {
                     .dds
                     .writer(&topic, &ty, &qos)
                     .map(|writer| (writer.guid(), Moment::Writer(Box::new(writer)))),
-                // It asks for nothing, so that all writers will do.
+                // It requests the weakest QoS, so that it matches all writers.
                 Direction::Reads => {
                     let qos = wire::qos(false, false, 1);
                     self.dds
@@ -83,7 +85,8 @@ impl Reunions {
         tracing::info!(topics, "a participant is back that was silent for too long");
     }
 
-    /// RustDDS has matched an end of ours; whether that was one for a moment, which is over.
+    /// RustDDS has matched an end of ours. Returns whether it was a temporary one, which is
+    /// dropped.
     pub(crate) fn matched(&mut self, end: GUID) -> bool {
         self.moments.remove(&end).is_some()
     }

@@ -1,4 +1,4 @@
-//! The calling end of an action, and the goals that are under way there.
+//! The calling end of an action, and its goals in progress.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,10 +15,10 @@ use crate::lock::lock;
 use crate::post::{Prefix, Target};
 use crate::receiver::{Inlet, Sample, Sink};
 
-/// Feedback that comes before its goal was accepted; more is given up.
+/// Feedback that arrives before its goal was accepted; more than this is dropped.
 const EARLY: usize = 64;
 
-/// Goals sent by this process so far.
+/// Number of goals that this process has sent.
 static GOALS: AtomicU64 = AtomicU64::new(0);
 
 /// The calling end of an action, shared by all callers of it in this daemon.
@@ -29,7 +29,7 @@ pub(crate) struct ActionEnd {
     pub(crate) runs: Arc<Runs>,
     pub(crate) feedback: Token,
     pub(crate) inlet: Arc<Inlet>,
-    /// Sets the goals of this daemon apart from others.
+    /// Distinguishes the goals of this daemon from others.
     pub(crate) mark: [u8; 8],
 }
 
@@ -39,32 +39,32 @@ impl Drop for ActionEnd {
     }
 }
 
-/// Goals under way, by id.
+/// Goals in progress, by id.
 #[derive(Default)]
 pub(crate) struct Runs(Mutex<HashMap<GoalId, Weak<Run>>>);
 
-/// One goal under way.
+/// A goal in progress.
 pub(crate) struct Run {
     at: Address,
     ty: ServiceType,
     style: Style,
     id: GoalId,
     server: Target,
-    /// Weak: answers that the ends wait for hold this run.
+    /// Weak, because the pending replies of the ends hold this run.
     action: Weak<ActionEnd>,
     state: Mutex<RunState>,
 }
 
 #[derive(Default)]
 struct RunState {
-    /// Taken when it ended.
+    /// Taken when the goal ends.
     replies: Option<Box<dyn Replies>>,
     accepted: bool,
     cancelled: bool,
     early: Vec<String>,
 }
 
-/// Takes the feedback of an action.
+/// Receives the feedback of an action.
 pub(crate) struct Feedback {
     pub(crate) runs: Arc<Runs>,
     pub(crate) since: Timestamp,
@@ -78,7 +78,7 @@ impl Sink for Feedback {
         let Some(mut fields) = Fields::of(sample.message) else { return };
         let Some(id) = fields.bytes::<16>() else { return };
         let run = lock(&self.runs.0).get(&id).and_then(Weak::upgrade);
-        // The feedback of a foreign type need not be a state.
+        // The feedback of a foreign type may be something other than a state.
         let run = run.filter(|run| !matches!(run.style, Style::Foreign(m) if !m.states));
         if let Some(run) = run
             && let Some(state) = fields.string()
@@ -114,7 +114,7 @@ impl Run {
         &self.id
     }
 
-    /// Sends the goal, once its server can hear it.
+    /// Sends the goal as soon as the server's reader is connected.
     pub(crate) fn begin(
         self: Arc<Self>,
         replies: Box<dyn Replies>,
@@ -131,7 +131,7 @@ impl Run {
         Box::new(Underway(self))
     }
 
-    /// The number of a goal: ROS gives goals no number, so this side counts them.
+    /// The activity id of a goal. ROS identifies goals by random ids, so this side numbers them.
     fn number(&self) -> u64 {
         self.id.last_chunk().map_or(0, |number| u64::from_le_bytes(*number))
     }
@@ -208,7 +208,7 @@ impl Run {
     }
 }
 
-/// Keeps the way to cancel.
+/// Allows cancelling the goal.
 struct Underway(Arc<Run>);
 
 impl Running for Underway {

@@ -1,4 +1,4 @@
-//! What the sending thread does: samples of out ports, what the daemon tells of itself, replies.
+//! Work of the sending thread: samples of out ports, announcements of this daemon, replies.
 
 use std::collections::HashMap;
 use std::io;
@@ -20,33 +20,34 @@ use crate::numbering::Numbering;
 use crate::post::Matches;
 use crate::wire::{HEADER, Payload, Writer};
 
-/// Longest time the last samples of a port that closes may take to arrive.
+/// How long to wait, when a port closes, for its last samples to arrive.
 const FAREWELL: Duration = Duration::from_millis(100);
 
-/// Time between two announcements of what changed: many changes at once are one.
+/// Minimum time between two announcements, so that many changes at once make one.
 const BETWEEN: Duration = Duration::from_millis(20);
 
-/// Tells others what changed.
+/// Announces our ends to others.
 pub(crate) trait Announce: Send {
-    /// Tells; false when it has to be done again.
+    /// Announces. Returns false if it must be repeated.
     fn tell(&self) -> bool;
 
-    /// Waits a while until others know.
+    /// Waits for a limited time until others have received the announcement.
     fn settle(&self, longest: Duration);
 
-    /// Tells the log of samples that could not be decoded.
+    /// Logs samples that could not be decoded.
     fn complain(&self);
 }
 
-/// An out port as the thread sees it.
+/// An out port as the sending thread sees it.
 pub(crate) struct Line {
     writer: Writer,
     numbering: Numbering,
     topic: String,
-    /// In ports of this daemon: DDS shows a participant to itself only over multicast.
+    /// In ports of this daemon, which get samples directly: DDS connects a participant to itself
+    /// only over multicast.
     feeds: Arc<Feeds>,
     outlet: Arc<Outlet>,
-    /// For readers that come later.
+    /// The last value, for late readers.
     last: Option<Bytes>,
 }
 
@@ -56,13 +57,13 @@ pub(crate) struct Sending {
     orders: Orders,
 }
 
-/// Gives orders to the thread; clones give them to the same one.
+/// Gives jobs to the thread. Clones refer to the same thread.
 #[derive(Clone)]
 pub(crate) struct Orders {
     thread: sender::Orders<Work>,
     /// Whether there is something to announce.
     news: Arc<AtomicBool>,
-    /// Whether in ports could not decode something.
+    /// Whether in ports could not decode samples.
     complaints: Arc<AtomicBool>,
 }
 
@@ -80,7 +81,7 @@ impl Sending {
             complaints: Arc::clone(&complaints),
             complained: None,
         };
-        // Not prompt: its first act is to wake the threads of DDS.
+        // Not prompt, because the first thing it does is to wake DDS's threads.
         let sender = sender::Sender::start("ros2", false, work)?;
         let thread = sender.orders().clone();
         Ok(Self { _sender: sender, orders: Orders { thread, news, complaints } })
@@ -92,19 +93,19 @@ impl Sending {
 }
 
 impl Orders {
-    /// Has others told of a change, soon.
+    /// Schedules an announcement of our ends.
     pub(crate) fn announce(&self) {
         self.news.store(true, Ordering::Release);
         self.thread.ring();
     }
 
-    /// Has it told that an in port could not decode something. Wait-free.
+    /// Schedules a log line about samples that could not be decoded. Wait-free.
     pub(crate) fn complain(&self) {
         self.complaints.store(true, Ordering::Release);
         self.thread.ring();
     }
 
-    /// Has others told of a change, and waits a while until they know.
+    /// Announces our ends, and waits for a limited time until others have received it.
     pub(crate) fn announce_now(&self) {
         self.thread.finish(|work, _| {
             if work.announce.tell() {
@@ -113,17 +114,17 @@ impl Orders {
         });
     }
 
-    /// Has a job done soon, after all that was ordered before.
+    /// Queues a job, after all earlier ones.
     pub(crate) fn submit(&self, job: impl FnOnce() + Send + 'static) {
         self.thread.submit(|_, _| job());
     }
 
-    /// Has a job done and waits for it, except on the thread itself.
+    /// Queues a job and waits until it is done. On the thread itself it does not wait.
     pub(crate) fn finish(&self, job: impl FnOnce() + Send + 'static) {
         self.thread.finish(|_, _| job());
     }
 
-    /// Adds an out port; its number.
+    /// Adds an out port and returns its number.
     pub(crate) fn add(&self, line: Line) -> usize {
         let writer = line.writer.guid();
         let number = self.thread.add(line);
@@ -131,7 +132,7 @@ impl Orders {
         number
     }
 
-    /// Gives a topic that is read from now on the last value of this daemon's own out port.
+    /// Gives a newly read topic the last value of this daemon's own out port.
     pub(crate) fn offer(&self, feed: Arc<Feed>) {
         self.thread.submit(move |_, lines| {
             let last = lines.find(|line| {
@@ -145,11 +146,11 @@ impl Orders {
         });
     }
 
-    /// Sends what an out port still has, and takes it away.
+    /// Sends what an out port still has queued, and removes it.
     pub(crate) fn remove(&self, line: usize) {
         self.thread.remove(line, |work, line| {
             work.lines.remove(&line.writer.guid());
-            // Readers that are gone without a word are not waited for any longer.
+            // Fails if readers disappeared without leaving; they are not waited for any longer.
             let _ = line.writer.wait_for_acknowledgments(FAREWELL);
         });
     }
@@ -171,12 +172,12 @@ impl Orders {
         });
     }
 
-    /// Says that an out port has something to send. Wait-free.
+    /// Marks an out port as having something to send. Wait-free.
     pub(crate) fn mark(&self, line: usize) {
         self.thread.mark(line);
     }
 
-    /// Keeps the first out port from sending until the result is dropped.
+    /// Blocks the first out port from sending until the result is dropped.
     pub(crate) fn stall(&self) -> impl Send + use<> {
         self.thread.stall()
     }
@@ -198,7 +199,7 @@ impl Line {
         let before = self.numbering;
         let options = self.numbering.again(reader);
         if self.writer.write_with_options(Payload(payload.clone()), options).is_err() {
-            // Nothing was sent, so no number was used.
+            // Nothing was sent, so no sequence number was used.
             self.numbering = before;
             tracing::debug!("DDS refused the last value of a port");
         }
@@ -224,9 +225,9 @@ impl sender::Line for Line {
     }
 }
 
-/// What jobs work with.
+/// Data that jobs of the sending thread use.
 struct Work {
-    /// Numbers of out ports.
+    /// Numbers of out ports, by writer.
     lines: HashMap<GUID, usize>,
     meetings: Meetings,
     matches: Arc<Matches>,
@@ -248,7 +249,7 @@ impl Duty for Work {
 }
 
 impl Work {
-    /// Announces what is due, and says when to come back.
+    /// Announces what is due. Returns the time until the next announcement.
     fn until_announcement(&mut self) -> Option<Duration> {
         if !self.news.load(Ordering::Acquire) {
             return None;
@@ -266,7 +267,7 @@ impl Work {
         Some(BETWEEN)
     }
 
-    /// Tells of bad samples when a line is due, and says when to come back.
+    /// Logs undecodable samples if a line is due. Returns the time until the next line.
     fn until_complaint(&mut self) -> Option<Duration> {
         if !self.complaints.load(Ordering::Acquire) {
             return None;
@@ -281,7 +282,7 @@ impl Work {
         None
     }
 
-    /// A reader is ready: it gets what waits for it, or the last value of the port.
+    /// A reader is ready: sends it what waits for it, or the last value of the port.
     fn met(&self, lines: &Lines<Line>, writer: GUID, reader: GUID) {
         match self.matches.matched(writer, reader) {
             Some(post) => post.go_on(),
@@ -302,7 +303,8 @@ impl Work {
         let mut meetings = std::mem::take(&mut self.meetings);
         let ready = meetings.ready(|writer| {
             let line = self.with(lines, writer, |line| meetings::acknowledged(&line.writer));
-            // A writer without a line is one of requests, replies or feedback, or is being made.
+            // A writer that is not an out port's belongs to requests, replies or feedback, or is
+            // being created.
             let post = || self.matches.post(writer).is_some_and(|post| post.is_acknowledged());
             line.unwrap_or_else(post)
         });

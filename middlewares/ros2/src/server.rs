@@ -1,4 +1,4 @@
-//! Attributes and functions, served: a ROS service each.
+//! Attributes and functions, each served as a ROS service.
 
 use std::sync::{Arc, Mutex, OnceLock, Weak};
 
@@ -14,20 +14,20 @@ use crate::graph::Claim;
 use crate::lock::lock;
 use crate::parameters::Part;
 
-/// A service without activities.
+/// A served attribute or function.
 pub(crate) struct Server {
     pub(crate) ty: ServiceType,
     pub(crate) style: Style,
     pub(crate) handler: Arc<dyn ServiceHandler>,
     pub(crate) end: OnceLock<ServerEnd>,
-    /// Requests under way: their callers are told when the service leaves.
+    /// Requests in progress; their callers are notified when the service is withdrawn.
     pending: Mutex<Vec<Weak<Request>>>,
     bad: Complaints,
 }
 
 struct Request {
     server: Weak<Server>,
-    /// Until it is answered.
+    /// Taken with the reply.
     id: Mutex<Option<RequestId>>,
 }
 
@@ -80,14 +80,15 @@ impl Request {
             if body::put_outcome(&mut reply, &server.ty.output, outcome, server.style) {
                 end.reply(id, reply);
             } else {
-                // A ROS service cannot fail: without a reply, its caller waits until it times out.
+                // A ROS service cannot report failure: without a reply, its client waits until its
+                // timeout.
                 tracing::warn!(service = server.ty.input.name(), ?outcome, "no reply can say this");
             }
         }
     }
 }
 
-/// What the service gets as the caller's replies.
+/// Passes the service's replies on to the client.
 struct ToCaller(Arc<Request>);
 
 impl Replies for ToCaller {
@@ -101,17 +102,17 @@ impl Replies for ToCaller {
 }
 
 impl Drop for ToCaller {
-    // After `finish` the id is taken, and this does nothing.
+    // Has no effect after `finish`, which takes the id.
     fn drop(&mut self) {
         self.0.end(&Outcome::Lost(CallError::Gone));
     }
 }
 
-/// Keeps a service open.
+/// Serves until it is dropped.
 pub(crate) struct Ros2Served {
     pub(crate) server: Arc<Server>,
     pub(crate) claim: Option<Claim>,
-    /// What it is of the node's parameters.
+    /// Its contribution to the node's parameters.
     pub(crate) parameter: Option<Part>,
     pub(crate) core: Arc<Core>,
 }
@@ -120,7 +121,7 @@ impl Served for Ros2Served {}
 
 impl Drop for Ros2Served {
     fn drop(&mut self) {
-        // The service is withdrawn before the last callers are answered.
+        // Withdraw the service before answering the last requests.
         self.parameter = None;
         self.claim = None;
         self.core.orders().announce_now();

@@ -1,4 +1,4 @@
-//! Makes services and actions, served and called.
+//! Creates the ends of services and actions.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError, Weak};
@@ -26,10 +26,10 @@ use crate::server::{Ros2Served, Server};
 use crate::wire;
 use crate::within::Own;
 
-/// Messages of feedback that wait for the receiving thread.
+/// Greatest number of feedback messages that wait for the receiving thread.
 const CACHED: i32 = 1024;
 
-/// What this daemon serves and calls, by topic of requests.
+/// What this daemon serves and calls, by request topic.
 pub(crate) struct ServiceEnds {
     core: Arc<Core>,
     own: Arc<Own>,
@@ -268,7 +268,7 @@ impl ServiceEnds {
     }
 }
 
-/// The end of that name, made unless one is still in use.
+/// The end of that name; reuses one that is still in use, or creates it.
 fn shared<T>(
     all: &Mutex<HashMap<String, Weak<T>>>,
     name: String,

@@ -1,4 +1,4 @@
-//! What daemons tell each other and ROS nodes: what this one announces, and what it hears.
+//! Announcements to and from other daemons and ROS nodes.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,7 +13,7 @@ use crate::receiver::{Sample, Sink};
 use crate::sender::Announce;
 use crate::wire::{Payload, Writer};
 
-/// What this daemon tells of itself.
+/// Announces this daemon's nodes and ends.
 pub(crate) struct Told {
     pub(crate) ends: Writer,
     pub(crate) nodes: Writer,
@@ -30,14 +30,14 @@ impl Announce for Told {
         let ends = info::encode(&Ends { process: self.process.clone(), ends });
         let nodes = info::encode(&Graph::nodes(self.participant, nodes));
         [(&self.ends, ends), (&self.nodes, nodes)].into_iter().all(|(writer, payload)| {
-            // Trying again would fail again.
+            // Repeating it would fail again.
             let Some(payload) = payload else { return true };
             writer.write(Payload(Bytes::from(payload)), None).is_ok()
         })
     }
 
     fn settle(&self, longest: Duration) {
-        // Those that are gone without a word are not waited for any longer.
+        // Fails if readers disappeared without leaving; they are not waited for any longer.
         let _ = self.ends.wait_for_acknowledgments(longest);
     }
 
@@ -46,7 +46,7 @@ impl Announce for Told {
     }
 }
 
-/// Takes what other daemons tell.
+/// Receives the announcements of other daemons.
 pub(crate) struct Hear {
     pub(crate) graph: Arc<Graph>,
     pub(crate) feeds: Arc<Feeds>,

@@ -1,4 +1,4 @@
-//! Messages as bytes, in and out of the DDS library: it neither encodes nor decodes anything.
+//! Passes messages to and from the DDS library as bytes: it neither encodes nor decodes them.
 
 use std::cell::RefCell;
 use std::convert::Infallible;
@@ -7,7 +7,7 @@ use rustdds::bytes::Bytes;
 use rustdds::no_key::{Decode, DeserializerAdapter, SerializerAdapter};
 use rustdds::{Duration, QosPolicies, QosPolicyBuilder, RepresentationIdentifier, policy};
 
-/// Bytes of the encapsulation header before a payload.
+/// Size in bytes of the encapsulation header before a payload.
 pub(crate) const HEADER: usize = 4;
 
 /// A CDR payload to send, little endian, without its header.
@@ -29,7 +29,7 @@ impl SerializerAdapter<Payload> for Outgoing {
     }
 }
 
-/// Stands for a message whose bytes are in the buffer of the [`CopyTo`] it was taken with.
+/// Stands for a message whose bytes are in the buffer of the [`CopyTo`] that took it.
 #[derive(Debug)]
 pub(crate) struct Copied;
 
@@ -37,7 +37,7 @@ pub(crate) enum Incoming {}
 
 pub(crate) type Reader = rustdds::no_key::SimpleDataReader<Copied, Incoming>;
 
-/// Copies a message, header and payload, into a buffer that is used again and again.
+/// Copies a message, header and payload, into a buffer that is reused.
 #[derive(Clone)]
 pub(crate) struct CopyTo<'a>(pub(crate) &'a RefCell<Vec<u8>>);
 
@@ -71,10 +71,10 @@ impl<'de> Decode<'de, Copied> for CopyTo<'_> {
     }
 }
 
-/// Longest time a write waits for readers that do not keep up; then the sample is given up.
+/// Longest time that a write waits for slow readers; then the sample is dropped.
 const BLOCKING: Duration = Duration::from_millis(100);
 
-/// Quality of service. `cached`: samples of a topic that wait for the receiving thread.
+/// DDS QoS. `cached`: number of samples of a topic that may wait for the receiving thread.
 pub(crate) fn qos(reliable: bool, transient_local: bool, cached: i32) -> QosPolicies {
     let durability = if transient_local {
         policy::Durability::TransientLocal

@@ -1,4 +1,5 @@
-//! Services of this daemon itself: DDS shows a participant to itself only over multicast.
+//! Calls to services of this daemon itself: DDS connects a participant to itself only over
+//! multicast.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, OnceLock, Weak};
@@ -8,7 +9,7 @@ use genom_types::Record;
 
 use crate::lock::lock;
 
-/// What this daemon serves, by topic of requests.
+/// The services of this daemon, by request topic.
 #[derive(Default)]
 pub(crate) struct Own(Mutex<HashMap<String, Weak<dyn ServiceHandler>>>);
 
@@ -24,7 +25,7 @@ impl Own {
     }
 }
 
-/// A request to a service of this daemon, handed straight through.
+/// A request to a service of this daemon, passed to its handler directly.
 pub(crate) struct Within {
     handler: Weak<dyn ServiceHandler>,
     id: Arc<OnceLock<ActivityId>>,

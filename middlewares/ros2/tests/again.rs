@@ -1,4 +1,4 @@
-//! Participants that were silent for longer than they may be, and are back.
+//! Participants whose lease expired and that are back.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
@@ -15,12 +15,12 @@ use genom_middleware::{
 use genom_ros2::{Options, Ros2, ServiceMapping};
 use world::Domain;
 
-/// Joins as one that gives others up after three seconds: they announce themselves every ten.
+/// Joins with a lease of three seconds, while participants announce themselves every ten.
 fn impatient(domain: &Domain) -> Arc<Ros2> {
     Ros2::open(&Options { silence: Duration::from_secs(3), ..domain.options() }).unwrap()
 }
 
-/// Has everybody say now that they are there: they do so for each that is new.
+/// Makes everybody announce themselves now, as they do for each new participant.
 fn wake(domain: &Domain) {
     drop(domain.open());
 }
@@ -54,7 +54,7 @@ impl Pair {
         pair
     }
 
-    /// What is written from now on is read, both ways.
+    /// Checks that what is written from now on is read, in both directions.
     fn flows(&mut self, when: &str, mut meanwhile: impl FnMut(&Domain)) {
         let Self { domain, ends, written, .. } = self;
         for (publisher, subscription) in ends {
@@ -63,7 +63,7 @@ impl Pair {
                 meanwhile(domain);
                 *written += 1;
                 publisher.publish(&numbered(*written)).unwrap();
-                // In vain it leaves the record as it is.
+                // The record is unchanged if nothing is read.
                 let _ = subscription.read(&mut record);
                 number(&record) > before
             });
@@ -71,7 +71,7 @@ impl Pair {
     }
 
     fn flows_again(&mut self) {
-        // One newcomer a second: more would only be a load.
+        // At most one new participant per second, to limit the load.
         let mut woken: Option<Instant> = None;
         self.flows("again", |domain| {
             if woken.is_none_or(|woken| woken.elapsed() > Duration::from_secs(1)) {
@@ -81,7 +81,7 @@ impl Pair {
         });
     }
 
-    /// What one opens from now on is seen by the other.
+    /// Checks that one daemon sees what the other opens from now on.
     fn finds(&self, by: usize, of: usize) {
         let _publisher =
             self.daemons[of].publisher(&PortSpec::new(&Address::new("later", "it"), &state()));

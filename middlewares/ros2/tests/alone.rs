@@ -40,7 +40,7 @@ fn both_ends_of_a_port_may_be_in_one_daemon() {
     }
 }
 
-/// Gives back what it gets.
+/// Returns its input.
 struct Echo;
 
 impl ServiceHandler for Echo {

@@ -1,4 +1,4 @@
-//! ROS 2 holds what every middleware must hold, with either mapping of services.
+//! The ROS 2 backend passes the conformance suite, with either mapping of services.
 
 mod world;
 

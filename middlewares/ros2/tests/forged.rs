@@ -1,4 +1,5 @@
-//! Datagrams that took a whole process with them: RustDDS believes what it hears.
+//! Forged datagrams that would end a process or use up its memory, since RustDDS does not check
+//! them.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
@@ -23,7 +24,7 @@ use world::Domain;
 
 const TOPIC: &str = "rt/demo/state";
 
-/// Two daemons that talk to each other, and somebody on their network.
+/// Two daemons that communicate, and an attacker on their network.
 struct World {
     domain: Domain,
     publisher: Box<dyn Publisher>,
@@ -38,7 +39,7 @@ struct World {
 impl World {
     fn new() -> Self {
         let domain = Domain::new(ServiceMapping::Enhanced);
-        // Half of eight samples of this size is what each holds of fragments of one participant.
+        // Each may hold eight samples of this size in fragments, and one participant half of them.
         let options = Options { greatest_sample: 1 << 20, ..domain.options() };
         let daemons = [(); 2].map(|()| Ros2::open(&options).unwrap());
         let (ty, at) = (state(), Address::new("demo", "state"));
@@ -67,25 +68,25 @@ impl World {
 
     fn send(&self, message: &[u8]) {
         for port in ports(self.number()) {
-            // Nobody has to hear at each of them.
+            // There need not be a listener on each port.
             let _ = self.socket.send_to(message, ("127.0.0.1", port));
         }
     }
 
-    /// What is written from now on is read.
+    /// Checks that what is written from now on is read.
     fn flows(&mut self, after: &str) {
         let before = self.written;
         eventually(&format!("a sample arrives, {after}"), || {
             self.written += 1;
             self.publisher.publish(&numbered(self.written)).unwrap();
-            // In vain it leaves the record as it is.
+            // The record is unchanged if nothing is read.
             let _ = self.subscription.read(&mut self.record);
             number(&self.record) > before
         });
     }
 
-    /// Announces itself and a writer of the topic, and learns who is there: participants, each
-    /// with its writer of the topic, if it has one.
+    /// Announces itself and a writer of the topic. Returns the participants it discovers, each with
+    /// its writer of the topic if it has one.
     fn join(&mut self) -> HashMap<[u8; 12], Option<[u8; 4]>> {
         let port = self.socket.local_addr().unwrap().port();
         let (mut there, mut count) = (HashMap::new(), 0);
@@ -115,7 +116,7 @@ impl World {
     }
 }
 
-/// The writer of the topic, where a datagram announces it.
+/// The writer of the topic, if the datagram announces it.
 fn writer_of(heard: &[u8]) -> Option<[u8; 4]> {
     let holds = |bytes: &[u8]| heard.windows(bytes.len()).position(|window| window == bytes);
     holds(TOPIC.as_bytes())?;
@@ -124,7 +125,7 @@ fn writer_of(heard: &[u8]) -> Option<[u8; 4]> {
     heard.get(at..at + 4)?.try_into().ok()
 }
 
-/// Bytes of memory that this process has had at most.
+/// Peak memory of this process in bytes.
 fn peak() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
@@ -169,12 +170,12 @@ fn no_single_datagram_takes_memory_or_ends_a_flow() {
             world.flows(&format!("{what}, in another's name"));
         }
     }
-    // The kernel adds up what threads count: its sum may lag behind by some pages.
+    // The kernel sums up counters of threads, and may lag behind by some pages.
     let grown = peak().saturating_sub(before) >> 20;
     assert!(grown < 64, "{grown} MiB more");
 }
 
-/// Pseudo-random numbers: xorshift, the same in each run.
+/// Pseudo-random numbers (xorshift), the same in each run.
 struct Chance(u64);
 
 impl Chance {
@@ -189,7 +190,7 @@ impl Chance {
         self.next() % end
     }
 
-    /// Small, or around a power of two, or anything.
+    /// A small number, one near a power of two, or any.
     fn number(&mut self) -> i64 {
         match self.below(3) {
             0 => self.below(30).cast_signed() - 3,
@@ -214,7 +215,7 @@ impl Chance {
                 submessage(self.next() as u8, self.next() as u8, &body)
             }
         };
-        // And often one byte of it is another.
+        // Often one byte is changed, too.
         if self.below(2) == 0 {
             let at = self.below(made.len() as u64) as usize;
             made[at] = self.next() as u8;

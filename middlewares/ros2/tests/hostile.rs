@@ -1,4 +1,4 @@
-//! Peers that send nonsense: a DDS writer of raw bytes, under the names of ROS.
+//! Peers that send invalid data: a DDS writer of raw bytes, under ROS names.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
@@ -25,14 +25,14 @@ use tracing::span::{Attributes, Id, Record as Fields};
 use tracing::{Event, Level, Metadata};
 use world::Domain;
 
-/// The payload of a value.
+/// The CDR payload of a value.
 fn payload(value: &Record) -> Vec<u8> {
     let mut message = Vec::new();
     value.encode_message(&mut message).unwrap();
     message.split_off(4)
 }
 
-/// Waits until the reader has something to say of what was sent.
+/// Waits until the reader has read a sample or refused one.
 fn outcome(reader: &mut dyn Subscription, got: &mut Record) -> Result<(), ReadError> {
     let mut outcome = Ok(());
     eventually("it is read or refused", || match reader.read(got) {
@@ -45,7 +45,7 @@ fn outcome(reader: &mut dyn Subscription, got: &mut Record) -> Result<(), ReadEr
     outcome
 }
 
-/// An in port that a raw writer feeds.
+/// An in port that receives from a raw writer.
 struct Victim {
     reader: Box<dyn Subscription>,
     got: Record,
@@ -68,7 +68,7 @@ impl Victim {
         }
     }
 
-    /// Gets a message; each is read, or refused as such and counted.
+    /// Sends a message, and checks that it is either read or refused and counted.
     fn suffers<E: Encoding>(&mut self, writer: &Writer<E>, message: Vec<u8>) -> bool {
         writer.write(message);
         let outcome = outcome(&mut *self.reader, &mut self.got);
@@ -125,7 +125,7 @@ fn types_of_less_than_a_word_are_read_at_any_length_but_none() {
         assert!(!victim.suffers(&writer, Vec::new()), "{name}");
         assert!(victim.suffers(&writer, good.clone()), "{name}");
         assert_eq!(victim.got.to_json(), value.to_json());
-        // As DDS fills messages up to words, and what comes after is none of the value.
+        // DDS pads messages to multiples of 4 bytes; the padding is not part of the value.
         for more in 0..8 {
             let longer = [&good[..], &vec![0xff; more]].concat();
             assert!(victim.suffers(&writer, longer), "{name} and {more} bytes");
@@ -144,7 +144,7 @@ fn the_next_sample_is_read_after_messages_cut_within_their_first_word() {
     let good = victim.good.clone();
     assert!(victim.suffers(&writer, good.clone()));
     let other = [&[0, 1, 0, 0], &payload(&numbered(8))[..]].concat();
-    // Sent as that writer would send its next one.
+    // Sent as that writer's next sample.
     for message in [&[][..], &[0], &[0, 1], &[0, 1, 0]] {
         peer.forge(&domain, &writer, 2, message);
     }
@@ -153,13 +153,13 @@ fn the_next_sample_is_read_after_messages_cut_within_their_first_word() {
         victim.reader.read(&mut victim.got) == Ok(Reading::New)
     });
     assert_eq!(number(&victim.got), 8);
-    // The writer's own second one comes too late for that.
+    // The writer's own second sample has the same number and comes too late.
     writer.write(good.clone());
     assert!(victim.suffers(&writer, good));
     assert_eq!(number(&victim.got), 7);
 }
 
-/// `::demo::command`: a mode and a union over it, with one optional member.
+/// `::demo::command`: a mode and a union selected by it, with one optional member.
 fn command() -> DataType {
     let mut table = TypeTable::default();
     let name = |name: &str| ScopedName::new(["demo", name]);
@@ -205,7 +205,7 @@ fn wrong_discriminators_lengths_and_texts_are_refused_one_by_one() {
     let writer = peer.writer::<Plain>("rt/demo/position", "demo::msg::dds_::Command_");
     peer.connected(&writer);
     let good = victim.good.clone();
-    // Mode, discriminant, how many angles, how many texts, length of the text, text.
+    // Mode, discriminant, number of angles, number of texts, length of the text, text.
     let text = good.len() - "bonjour\0".len();
     for (what, at, word) in [
         ("an enumerator beyond the last", 0, 3u32),
@@ -221,7 +221,7 @@ fn wrong_discriminators_lengths_and_texts_are_refused_one_by_one() {
         bad[at..at + 4].copy_from_slice(&word.to_le_bytes());
         assert!(!victim.suffers(&writer, bad), "{what}");
     }
-    // Messages go in words: what is cut within the last one is filled up with zeros.
+    // Messages are padded to 4 bytes, so what is cut within the last word is filled with zeros.
     for end in 0..=good.len() - 4 {
         assert!(!victim.suffers(&writer, good[..end].to_vec()), "{end} bytes are too few");
     }
@@ -246,13 +246,13 @@ fn samples_in_another_encapsulation_are_refused_and_counted() {
     assert_eq!(number(&victim.got), 7);
 }
 
-/// What the log says of undecodable samples of [`NOISY`]: how many there were so far, by line.
+/// Log lines about undecodable samples of [`NOISY`]: the count in each line.
 #[derive(Default)]
 struct Log(Mutex<Vec<u64>>);
 
 const NOISY: &str = "rt/demo/noisy";
 
-/// The members of one line.
+/// The fields of one line.
 #[derive(Default)]
 struct Line {
     topic: String,
@@ -316,11 +316,11 @@ fn the_log_tells_of_all_bad_samples_in_one_line_a_second() {
     eventually("the last one is told of", || lines().last() == Some(&400));
     let (lines, seconds) = (lines(), begun.elapsed().as_secs_f64());
     assert!(lines.is_sorted(), "{lines:?}");
-    // The first comes at once.
+    // The first line comes at once.
     assert!(lines.len() as f64 <= seconds + 1.0, "{lines:?} in {seconds} s");
 }
 
-/// Counts what it is asked; does nothing else.
+/// Counts its requests and does nothing else.
 #[derive(Default)]
 struct Listener {
     heard: AtomicU64,
@@ -329,7 +329,7 @@ struct Listener {
 
 impl ServiceHandler for Listener {
     fn request(&self, input: Record, mut replies: Box<dyn Replies>) {
-        // A good message with a few bytes changed is one of a state that means nothing.
+        // A valid message with a few bytes changed may decode as a state with any count.
         let count = input.to_json()["count"].as_u64().unwrap();
         let heard = self.heard.fetch_add(1, Ordering::SeqCst) + 1;
         self.last.store(count, Ordering::SeqCst);
@@ -342,7 +342,7 @@ impl ServiceHandler for Listener {
 
 const LAST: u64 = 4242;
 
-/// Serves a service, has it asked nonsense under these names, then something sensible.
+/// Serves a service, sends it invalid requests under these names, then a valid one.
 fn survives(kind: ServiceKind, topic: &str, dds_type: &str, before: &[u8]) {
     let domain = Domain::new(ServiceMapping::Enhanced);
     let (ros2, peer, other) = (domain.open(), Peer::new(&domain), domain.open());
@@ -357,7 +357,7 @@ fn survives(kind: ServiceKind, topic: &str, dds_type: &str, before: &[u8]) {
     for _ in 0..1000 {
         writer.write(noise.spoil(&good));
     }
-    // They come in order: when the last one is heard, all were.
+    // Requests arrive in order: once the last one arrived, all did.
     let mut id = before.to_vec();
     id.iter_mut().for_each(|byte| *byte = 0xaa);
     writer.write([&id, &payload(&numbered(LAST))[..]].concat());

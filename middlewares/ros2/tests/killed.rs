@@ -1,4 +1,4 @@
-//! A daemon that is killed leaves its addresses at once, though DDS misses it much later.
+//! The addresses of a killed daemon are free at once, although DDS notices its end much later.
 
 mod world;
 
@@ -14,7 +14,7 @@ use genom_ros2::{Options, Ros2, ServiceMapping};
 use genom_types::Record;
 use world::Domain;
 
-/// The domain of the process that is killed.
+/// Environment variable with the domain of the process that is killed.
 const DOMAIN: &str = "GENOM_ROS2_WRITER_DOMAIN";
 
 #[test]
@@ -26,7 +26,7 @@ fn writes_until_it_is_killed() {
     let at = Address::new("demo", "position");
     let mut writer = ros2.publisher(&PortSpec::new(&at, &state())).unwrap();
     writer.publish(&numbered(9)).unwrap();
-    // Ends with the test, if it is not killed before.
+    // Ends with the test if it is not killed before.
     let _ = std::io::stdin().read_to_end(&mut Vec::new());
 }
 

@@ -1,4 +1,4 @@
-//! Services and activities under the names of ROS's own types, called by a genuine ROS 2 node.
+//! Services and activities that masquerade as ROS's own types, called by a genuine ROS 2 node.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
@@ -85,7 +85,7 @@ fn too_far() -> Outcome {
     Outcome::Exception { name: "::demo::TOO_FAR".to_owned(), detail: json!({"by": 3}) }
 }
 
-/// Does as it is told; refuses to turn anything off, and to do what takes no input again.
+/// Switches on; refuses to switch off, and refuses the second request without input.
 struct Stubborn {
     ty: ServiceType,
     good: Value,
@@ -141,7 +141,7 @@ fn a_ros_node_calls_a_set_bool_and_a_trigger() {
     assert_eq!(reply, json!({"success": false, "message": "::demo::TOO_FAR {\"by\":3}"}));
 }
 
-/// Counts up to what it is told; to 13 never, until it is cancelled.
+/// Counts up to its input; with 13 it runs until it is cancelled.
 #[derive(Default)]
 struct Counter(Mutex<Option<Box<dyn Replies>>>);
 
@@ -205,7 +205,7 @@ fn daemons_call_each_other_under_these_names_too() {
         Outcome::Success(output) => assert_eq!(output.to_json(), good),
         other => panic!("no reply: {other:?}"),
     }
-    // The response says all: the type of ROS has nothing else.
+    // The response contains everything: the ROS type has no other members.
     match call(&mut *client, &record(&enable().input, &json!({"on": false}))) {
         Outcome::Success(output) => assert_eq!(
             output.to_json(),

@@ -1,7 +1,7 @@
-"""A DDS peer of another make: reads and writes the topic /demo/position as a ROS 2 node would.
+"""A foreign DDS peer that reads and writes the topic /demo/position as a ROS 2 node would.
 
-Arguments: the domain, `read`, `write`, `call` or `mirror`, and what is to be other than usual of the quality:
-`best_effort`, `transient_local`. One line out for each thing done.
+Arguments: the domain; `read`, `write`, `call` or `mirror`; then QoS that differs from the default:
+`best_effort`, `transient_local`. Prints one line for each action.
 """
 
 import os
@@ -39,14 +39,14 @@ class State(IdlStruct, typename="demo::msg::dds_::State_"):
 
 @dataclass
 class Cut(IdlStruct, typename="demo::msg::dds_::State_"):
-    """Goes by the name of a state, and ends too early."""
+    """Has the name of the state type, but lacks its last members."""
 
     count: uint64
 
 
 @dataclass
 class Request(IdlStruct, typename="demo::srv::dds_::Goto_Request_"):
-    """With the header that rmw_cyclonedds puts before the fields."""
+    """Begins with the header that rmw_cyclonedds puts before the fields."""
 
     client: uint64
     number: int64
@@ -103,7 +103,7 @@ def read():
 
 
 def write():
-    # `early`: whether anybody is there to read or not.
+    # `early`: writes without waiting for a reader.
     kinds = {"put": State, "early": State, "short": Cut}
     writers = {}
     for line in sys.stdin:
@@ -163,7 +163,7 @@ class Triple(IdlStruct, typename="demo::msg::dds_::Triple_"):
 
 
 def mirror():
-    """Writes what it reads on /demo/NAME to /mirror/NAME, for types of less than a word."""
+    """Copies /demo/NAME to /mirror/NAME, for types smaller than 4 bytes."""
     any_state = SampleState.Any | ViewState.Any | InstanceState.Any
     waitset, ends = WaitSet(participant), []
     for kind in Octet, Truth, Short, Triple:
@@ -184,7 +184,7 @@ def mirror():
 
 
 def pass_time():
-    # Nothing tells of a match but asking.
+    # Matches are not signalled, so they must be polled.
     import time
 
     time.sleep(0.001)

@@ -1,4 +1,4 @@
-//! A DDS peer of another make reads and writes ports, as a ROS 2 node would.
+//! A foreign DDS peer reads and writes ports as a ROS 2 node would.
 
 #![allow(
     clippy::expect_used,
@@ -127,7 +127,8 @@ fn types_of_less_than_a_word_come_back_from_a_dds_peer_as_they_were_sent() {
         for value in values.as_array().unwrap() {
             sent.merge_json(&json!({ "it": value })).unwrap();
             writer.publish(&sent).unwrap();
-            // The first may come twice: as it is written, and to a reader that comes late.
+            // The first may arrive twice: when it is written, and as the last value for a late
+            // reader.
             eventually(&format!("{} {value} comes back", ty.name()), || {
                 reader.read(&mut got).unwrap() == Reading::New && got.to_json() == sent.to_json()
             });

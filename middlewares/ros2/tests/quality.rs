@@ -1,4 +1,4 @@
-//! Quality of service of single ports, against a DDS peer of another make.
+//! Quality of service of single ports, tested with a foreign DDS peer.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
@@ -37,7 +37,7 @@ fn next(reader: &mut dyn Subscription) -> Option<u64> {
     (reader.read(&mut got).unwrap() == Reading::New).then(|| number(&got))
 }
 
-/// Has the peer write until this reader has something: what goes by best effort may be lost.
+/// Makes the peer write until this reader gets a sample, since best effort may lose some.
 fn hears(reader: &mut dyn Subscription, peer: &mut Lines, n: &mut u64) {
     eventually("a sample of the peer arrives", || {
         *n += 1;
@@ -47,7 +47,7 @@ fn hears(reader: &mut dyn Subscription, peer: &mut Lines, n: &mut u64) {
     });
 }
 
-/// What is in the way, once there is something.
+/// The first obstacle that is reported.
 fn obstacle(ros2: &Ros2) -> Obstacle {
     let mut all = Vec::new();
     eventually("it is told what does not fit", || {
@@ -67,10 +67,10 @@ fn an_in_port_follows_a_writer_that_offers_best_effort() {
     let mut n = 0;
     hears(&mut *early, &mut peer, &mut n);
     assert_eq!(ros2.obstacles(&position()), []);
-    // Known by now: asked for at once.
+    // The writer is known by now, so the reader requests its QoS at once.
     let mut late = reader(&domain.open(), &Quality::default());
     hears(&mut *late, &mut peer, &mut n);
-    // Going on, nothing comes twice or out of order.
+    // From then on no sample arrives twice or out of order.
     let mut last = 0;
     while let Some(n) = next(&mut *early) {
         assert!(n > last, "{n} after {last}");
@@ -83,7 +83,7 @@ fn an_in_port_between_reliable_and_best_effort_writers_is_told_what_it_does_with
     let domain = Domain::new(ServiceMapping::Cyclone);
     let ros2 = domain.open();
     let _reader = reader(&ros2, &Quality::default());
-    // Both have a writer from now on.
+    // From now on both have a writer.
     let peers = [domain.peer(&["write", "best_effort"]), domain.peer(&["write"])];
     let _peers = peers.map(|mut peer| {
         peer.tell("early 1");
@@ -124,7 +124,7 @@ fn an_in_port_that_insists_is_told_of_writers_that_offer_less() {
         "a writer of demo/position on ros2 offers best effort, and the in port asks for reliable"
     );
     assert!(told.fix.contains("`reliable = false`"), "{told:?}");
-    // Another in port of the same daemon is free to take what comes.
+    // Another in port of the same daemon accepts any QoS.
     let mut free = reader(&ros2, &Quality::default());
     hears(&mut *free, &mut peer, &mut 0);
     assert_eq!(next(&mut *strict), None);

@@ -1,7 +1,7 @@
-//! Genuine ROS 2 Jazzy nodes and our ports, services and activities.
+//! Our ports, services and activities together with genuine ROS 2 Jazzy nodes.
 //!
-//! Nobody counts on discovery being done: the peer replies once ROS says that it is connected,
-//! and what we write too early for it waits for it.
+//! No test assumes that discovery has finished: the peer replies when ROS reports the connection,
+//! and what we write before that waits for it.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code, also outside of test functions")]
 
@@ -20,13 +20,13 @@ use genom_types::{DataType, Kind, Member, Record, ScopedName, TypeTable};
 use serde_json::{Map, Value, json};
 use world::Domain;
 
-/// A node named `peer`.
+/// A ROS node named `peer`.
 fn peer(domain: &Domain) -> Peer {
     let node = genom_components::ros2::node(domain.number().into(), None);
     Peer::start(&mut node.unwrap_or_else(|error| panic!("there is no ROS 2: {error}")))
 }
 
-/// `::demo::pose`, of the structure of `geometry_msgs/msg/Pose`.
+/// `::demo::pose`, with the structure of `geometry_msgs/msg/Pose`.
 fn pose() -> DataType {
     let mut table = TypeTable::default();
     let double = table.add(Kind::Double);
@@ -52,7 +52,7 @@ fn nth_pose(n: f64) -> Value {
     })
 }
 
-/// A participant to which a pose is one of ROS's own.
+/// A participant for which `::demo::pose` masquerades as ROS's own type.
 fn with_poses(domain: &Domain) -> Arc<Ros2> {
     let pose = ("::demo::pose".to_owned(), "geometry_msgs/msg/Pose".to_owned());
     let options = Options { masquerade: [pose].into(), ..domain.options() };
@@ -82,7 +82,7 @@ fn a_ros_node_reads_a_port_as_a_message_of_its_own() {
     assert_eq!(ros2.obstacles(&at), [], "the hashes of the types are the same");
     drop(writer);
     peer.ask(&json!(["no node", "demo", "/"]));
-    // And when all is closed, of nothing else either.
+    // And after everything is closed, no other names either.
     drop(ros2);
     peer.ask(&json!(["no writer", "/demo/pose"]));
 }
@@ -160,7 +160,7 @@ fn structure(service: &str, part: &str, members: &[(&str, Make)]) -> DataType {
 /// The data of a component, by name.
 type Ids = Arc<Mutex<Map<String, Value>>>;
 
-/// An attribute of one member, which cannot be 13.
+/// An attribute with one member, which refuses 13.
 struct Attribute {
     ids: Ids,
     ty: ServiceType,
@@ -234,7 +234,7 @@ fn a_ros_node_gets_and_sets_attributes_as_parameters() {
         peer.ask(&json!(["types", "robot", names])),
         json!(["BOOL", "INTEGER", "DOUBLE", "STRING", "INTEGER_ARRAY", "NOT_SET"])
     );
-    // One after the other: what is refused changes nothing of the rest.
+    // Set one after the other: a refused one does not affect the rest.
     let wanted = json!([
         ["on", false],
         ["count", 70000],
@@ -281,7 +281,7 @@ fn a_ros_node_gets_and_sets_attributes_as_parameters() {
     assert_eq!(refused["reason"], "attributes are set one by one: use set_parameters");
     assert_eq!(ids.lock().unwrap()["gain"], json!(-1.0));
 
-    // Without its setter a parameter can only be read.
+    // Without its setter a parameter is read-only.
     drop(served.remove(3));
     let described = peer.ask(&json!(["describe", "robot", ["count", "name", "gian"]]));
     assert_eq!(
@@ -307,7 +307,7 @@ fn a_ros_node_gets_and_sets_attributes_as_parameters() {
     let types = peer.ask(&json!(["service", "/robot/get_parameters", "robot", "/"]));
     assert_eq!(types, json!(["rcl_interfaces/srv/GetParameters"]));
 
-    // The services go with the last attribute, and so does the node.
+    // The services, and the node, are removed with the last attribute.
     served.clear();
     peer.ask(&json!(["no node", "robot", "/"]));
 }

@@ -1,4 +1,4 @@
-//! What real-time threads feel of ROS 2: nothing.
+//! ROS 2 does not affect real-time threads.
 
 mod world;
 
@@ -33,7 +33,7 @@ fn writing_and_reading_fixed_types_allocates_nothing() {
             counted += allocations::count() - before;
             reading == Reading::New && number(&got) == n
         });
-        // The first round makes what the thread itself needs.
+        // The first round allocates what the thread itself needs.
         if n == 1 {
             counted = 0;
         }
@@ -53,7 +53,7 @@ fn a_stalled_network_holds_up_no_writer_and_the_newest_sample_arrives() {
     eventually("they are connected", || reader.read(&mut got).unwrap() == Reading::New);
 
     let stalled = a.stall();
-    // Returns although nothing is sent: else the test hangs here.
+    // Returns although nothing is sent; otherwise the test hangs here.
     for n in 2..=1000 {
         writer.publish(&numbered(n)).unwrap();
     }

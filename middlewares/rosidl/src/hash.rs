@@ -1,6 +1,7 @@
-//! RIHS01: the hash by which ROS 2 knows that two types are the same (REP-2016).
+//! RIHS01: the type hash by which ROS 2 recognises equal types (REP-2016).
 //!
-//! It is the SHA-256 of a JSON text that has names and members of a type and of all types in it.
+//! It is the SHA-256 of a JSON text with the names and members of a type and of all types within
+//! it.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -11,15 +12,16 @@ use crate::interface::{Base, Field, Interface, Message, Service, Shape};
 use crate::names::TypeName;
 use crate::structure::Find;
 
-/// A type inside another one is not known.
+/// The definition of a type within the hashed one is missing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0} has to be known for the hash of a type that contains it")]
 pub struct HashError(pub TypeName);
 
-/// The hash of an interface, `RIHS01_` and 64 digits. `find` knows the messages inside.
+/// The hash of an interface: `RIHS01_` and 64 hexadecimal digits. `find` looks up the messages
+/// within.
 ///
 /// # Errors
-/// `find` does not know one.
+/// `find` does not know one of them.
 pub fn hash(interface: &Interface, find: Find<'_>) -> Result<String, HashError> {
     let mut all = BTreeMap::new();
     let whole = whole(interface, &mut all);
@@ -39,7 +41,7 @@ pub fn hash(interface: &Interface, find: Find<'_>) -> Result<String, HashError> 
     let mut text = String::from("{\"type_description\": ");
     describe(&whole, &mut text);
     text.push_str(", \"referenced_type_descriptions\": [");
-    // In the order of their names as text.
+    // Sorted by name as text.
     let mut others: Vec<&Message> = all.values().collect();
     others.sort_by_key(|message| message.name.to_string());
     for (rank, message) in others.into_iter().enumerate() {
@@ -54,7 +56,7 @@ pub fn hash(interface: &Interface, find: Find<'_>) -> Result<String, HashError> 
     Ok(out)
 }
 
-/// The interface as one message; `all` gets the messages that it is made of.
+/// The interface as a single message. Adds the messages that it consists of to `all`.
 fn whole(interface: &Interface, all: &mut BTreeMap<TypeName, Message>) -> Message {
     match interface {
         Interface::Message(message) => message.clone(),
@@ -131,7 +133,7 @@ fn service_message(service: &Service, all: &mut BTreeMap<TypeName, Message>) -> 
     Message { fields, ..Message::new(service.name.clone()) }
 }
 
-/// What every service and action has in it.
+/// Messages that are part of every service and action.
 fn implied(name: &TypeName) -> Option<Message> {
     crate::standard::message(name)
 }
@@ -154,7 +156,8 @@ fn describe(message: &Message, out: &mut String) {
     out.push_str("]}");
 }
 
-/// `type_description_interfaces/msg/FieldType`: id, capacity, capacity of strings, name.
+/// The numbers of a `type_description_interfaces/msg/FieldType`: type id, capacity, string
+/// capacity; and the nested type name.
 fn numbers(field: &Field) -> (u32, u32, u32, String) {
     let (id, string, nested) = match &field.base {
         Base::Message(name) => (1, 0, name.to_string()),
@@ -189,7 +192,7 @@ mod tests {
     use super::*;
     use crate::{parse, standard};
 
-    /// As the packages of ROS 2 Jazzy tell them (`share/PACKAGE/FOLDER/NAME.json`).
+    /// Hashes published with the packages of ROS 2 Jazzy (`share/PACKAGE/FOLDER/NAME.json`).
     const PUBLISHED: &[(&str, &str)] = &[
         (
             "std_srvs/srv/Empty",

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::names::TypeName;
 
-/// What a field holds, but for arrays.
+/// Type of a field or of its elements.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Base {
     /// `bool`
@@ -35,14 +35,14 @@ pub enum Base {
     String(Option<u32>),
     /// `wstring`, `wstring<=n`
     WString(Option<u32>),
-    /// Another message.
+    /// A nested message.
     Message(TypeName),
 }
 
-/// How many of them.
+/// Number of values in a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Shape {
-    /// One.
+    /// A single value.
     One,
     /// `T[n]`
     Array(u32),
@@ -53,13 +53,13 @@ pub enum Shape {
 /// A member of a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Field {
-    /// Its name, legal in ROS.
+    /// Name; valid in ROS.
     pub name: String,
-    /// What it holds.
+    /// Type of the value or of its elements.
     pub base: Base,
-    /// How many of them.
+    /// Number of values.
     pub shape: Shape,
-    /// Written behind it.
+    /// Comment at the end of its line.
     pub comment: Option<String>,
 }
 
@@ -71,42 +71,42 @@ impl Field {
     }
 }
 
-/// A constant of a message; it is on no wire.
+/// A constant of a message; not part of its encoding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Constant {
-    /// Its name, legal in ROS.
+    /// Name; valid in ROS.
     pub name: String,
-    /// Its type.
+    /// Type of the value.
     pub base: Base,
-    /// As it is written.
+    /// The value as it is written in the file.
     pub value: String,
 }
 
-/// Members in order.
+/// A message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
-    /// What it is called.
+    /// Full name.
     pub name: TypeName,
-    /// Its members; ROS sends one byte where there are none.
+    /// Fields in order. If there are none, ROS sends one byte.
     pub fields: Vec<Field>,
-    /// Its constants.
+    /// Constants in order.
     pub constants: Vec<Constant>,
-    /// First line of its text: where it comes from.
+    /// Comment in the first line of the file: where the message comes from.
     pub comment: Option<String>,
 }
 
 impl Message {
-    /// Without members, so far.
+    /// A message without fields.
     #[must_use]
     pub fn new(name: TypeName) -> Self {
         Self { name, fields: Vec::new(), constants: Vec::new(), comment: None }
     }
 }
 
-/// Request and response.
+/// A service: request and response.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Service {
-    /// What it is called.
+    /// Full name.
     pub name: TypeName,
     /// `NAME_Request`
     pub request: Message,
@@ -114,10 +114,10 @@ pub struct Service {
     pub response: Message,
 }
 
-/// Goal, result and feedback.
+/// An action: goal, result and feedback.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Action {
-    /// What it is called.
+    /// Full name.
     pub name: TypeName,
     /// `NAME_Goal`
     pub goal: Message,
@@ -127,7 +127,7 @@ pub struct Action {
     pub feedback: Message,
 }
 
-/// Any of them.
+/// A message, a service or an action.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Interface {
     /// `.msg`
@@ -139,7 +139,7 @@ pub enum Interface {
 }
 
 impl Interface {
-    /// What it is called.
+    /// Full name.
     #[must_use]
     pub fn name(&self) -> &TypeName {
         match self {
@@ -149,7 +149,7 @@ impl Interface {
         }
     }
 
-    /// The messages it is made of.
+    /// The messages that it consists of.
     pub fn parts(&self) -> impl Iterator<Item = &Message> {
         match self {
             Interface::Message(message) => vec![message],

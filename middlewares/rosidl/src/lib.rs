@@ -1,11 +1,11 @@
-//! What IDL types are in ROS 2: names, members, hashes, and the `.msg`, `.srv` and `.action` text.
+//! IDL types in ROS 2: their names, members and hashes, and `.msg`, `.srv` and `.action` text.
 //!
-//! [`Mapper`] says which messages carry the types of a description: what the backend puts on the
-//! wire and what `genomctl ros2-package` writes. [`Library`] knows the messages of ROS itself, for
-//! types that masquerade as one of them.
+//! [`Mapper`] determines the messages for the types of a description. The ROS 2 backend sends
+//! these, and `genomctl ros2-package` writes them to files. [`Library`] has the definitions of
+//! ROS's own messages, for types that masquerade as one of them.
 //!
-//! Pure but for `Library`, which reads files where it is told to. It knows no DDS and no `.gen`
-//! text.
+//! Only `Library` does I/O: it reads files from given folders. This crate uses no DDS and reads no
+//! `.gen` text.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! Where definitions of foreign types are found: built in, and in folders of packages.
+//! Finds definitions of foreign types: built in, or in folders of packages.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,35 +9,35 @@ use crate::names::TypeName;
 use crate::parse::{ParseError, parse};
 use crate::standard;
 
-/// A definition could not be had.
+/// A definition cannot be found or read.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LibraryError {
-    /// Nothing of that name.
+    /// There is no definition of that name.
     #[error(
         "{name} is not known: it is none of ROS's common types, and no {file} is in {folders}; \
          name the folder of its package"
     )]
     Unknown {
-        /// The type.
+        /// Name of the type.
         name: Box<TypeName>,
-        /// What was looked for.
+        /// File that was searched for.
         file: String,
-        /// Where.
+        /// Folders that were searched.
         folders: String,
     },
-    /// It is there and cannot be read.
+    /// The file exists but cannot be read.
     #[error("{path}: {why}", path = .path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The system's words.
+        /// The system's message.
         why: String,
     },
-    /// It is there and no interface.
+    /// The file exists but does not define an interface.
     #[error("{path}: {error}", path = .path.display())]
     Text {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// What is wrong.
         error: Box<ParseError>,
@@ -52,13 +52,14 @@ pub struct Library {
 }
 
 impl Library {
-    /// What is built in, and what is in folders that hold packages: `FOLDER/geometry_msgs/msg`.
+    /// Searches what is built in, then folders that contain packages: `FOLDER/geometry_msgs/msg`.
     #[must_use]
     pub fn new(folders: Vec<PathBuf>) -> Self {
         Self { folders, read: Mutex::default() }
     }
 
-    /// As [`new`](Library::new), with the folders that a sourced ROS workspace names besides.
+    /// The same as [`new`](Library::new), and also searches the folders of a sourced ROS workspace
+    /// (`AMENT_PREFIX_PATH`).
     #[must_use]
     pub fn with_ament(mut folders: Vec<PathBuf>, ament_prefix_path: Option<&str>) -> Self {
         let prefixes = ament_prefix_path.unwrap_or_default().split(':');
@@ -70,7 +71,7 @@ impl Library {
     /// The definition of a type.
     ///
     /// # Errors
-    /// It is neither built in nor in one of the folders, or cannot be read.
+    /// It is neither built in nor in one of the folders, or its file cannot be read.
     pub fn find(&self, name: &TypeName) -> Result<Interface, LibraryError> {
         if let Some(known) = standard::all().get(name) {
             return Ok(known.clone());
@@ -98,11 +99,11 @@ impl Library {
     /// The definition of a message.
     ///
     /// # Errors
-    /// As [`find`](Library::find).
+    /// The same as [`find`](Library::find).
     pub fn message(&self, name: &TypeName) -> Result<Message, LibraryError> {
         match self.find(name)? {
             Interface::Message(message) => Ok(message),
-            // Names of services and actions are in other folders.
+            // Does not happen: services and actions are in other folders.
             other => Ok(Message::new(other.name().clone())),
         }
     }

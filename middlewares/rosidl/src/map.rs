@@ -1,18 +1,18 @@
-//! From IDL types to messages: what travels on the wire, member by member.
+//! Maps IDL types to messages that have the same encoding.
 //!
 //! | IDL | ROS |
 //! |---|---|
 //! | boolean, octet, char | `bool`, `uint8`, `int8` |
 //! | integers, float, double | `int16` to `uint64`, `float32`, `float64` |
 //! | enum | `uint32`, with constants |
-//! | string, `string<n>` | `string`, `string<=n-1`: the C array holds a NUL besides |
-//! | array | `T[n]`, dimensions row by row |
+//! | string, `string<n>` | `string`, `string<=n-1`: the C array also holds a NUL |
+//! | array | `T[n]`, row-major |
 //! | sequence, optional | `T[]`, `T[<=n]`, `T[<=1]` |
 //! | struct | a message |
 //! | union | a message: `genom_discriminant`, then each member as `T[<=1]` |
 //!
-//! ROS has neither arrays of arrays nor lone values of other types: these are messages with one
-//! member `data`, which adds nothing on the wire.
+//! ROS has no arrays of arrays, and a message cannot be a single value. For these there are
+//! messages with one member `data`, which does not change the encoding.
 
 mod problem;
 
@@ -26,28 +26,28 @@ pub use problem::{MapError, Place, Problem};
 use crate::interface::{Action, Base, Constant, Field, Interface, Message, Service, Shape};
 use crate::names::{self, TypeName};
 
-/// DDS's names of types are no longer (Cyclone DDS, Fast DDS).
+/// Greatest length of a DDS type name in Cyclone DDS and Fast DDS.
 const LONGEST: usize = 255;
 
-/// What a union begins with.
+/// Name of the first member of a union's message.
 const DISCRIMINANT: &str = "genom_discriminant";
 
-/// Collects the messages that types of one table need.
+/// Collects the messages that the types of one table need.
 pub struct Mapper<'a> {
     table: &'a TypeTable,
-    /// IDL types and services that go under the name of a ROS type.
+    /// ROS types as which IDL types and services masquerade, by full IDL name.
     masquerades: BTreeMap<String, TypeName>,
     made: BTreeMap<TypeName, (Option<TypeId>, Interface)>,
-    /// Types under way, to find those that contain themselves.
+    /// Types being mapped, to detect those that contain themselves.
     open: Vec<TypeId>,
 }
 
-/// Fields of one message that is being made.
+/// Fields of a message that is being made.
 struct Draft {
     message: Message,
-    /// Whose members they are.
+    /// The type whose members they are.
     of: Option<ScopedName>,
-    /// IDL name of each field, by its name in ROS.
+    /// IDL name of each field, by its ROS name.
     names: BTreeMap<String, String>,
     enums: BTreeSet<TypeId>,
 }
@@ -68,14 +68,15 @@ impl Draft {
 }
 
 impl<'a> Mapper<'a> {
-    /// For the types of a table. `masquerades`: by full IDL name of a type or a service.
+    /// A mapper for the types of a table. `masquerades` is keyed by the full IDL name of a type or
+    /// service.
     #[must_use]
     pub fn new(table: &'a TypeTable, masquerades: BTreeMap<String, TypeName>) -> Self {
         Self { table, masquerades, made: BTreeMap::new(), open: Vec::new() }
     }
 
-    /// The messages, services and actions that are needed, in order of their names; those of ROS
-    /// itself are not among them.
+    /// The messages, services and actions that are needed, sorted by name, without those of ROS
+    /// itself.
     #[must_use]
     pub fn finish(self) -> Vec<Interface> {
         self.made.into_values().map(|(_, interface)| interface).collect()
@@ -84,7 +85,7 @@ impl<'a> Mapper<'a> {
     /// The message of a port.
     ///
     /// # Errors
-    /// The type, or one inside it, has no equivalent in ROS.
+    /// The type, or one within it, has no equivalent in ROS.
     pub fn port(&mut self, ty: TypeId) -> Result<TypeName, MapError> {
         if let Some(foreign) = self.foreign(ty) {
             return Ok(foreign);
@@ -96,11 +97,11 @@ impl<'a> Mapper<'a> {
         Ok(name)
     }
 
-    /// The fields that a type is on the wire, as a message of this name: also of one that goes
-    /// under another name.
+    /// The fields of a type, as a message of this name. Also for a type that masquerades as
+    /// another.
     ///
     /// # Errors
-    /// The type, or one inside it, has no equivalent in ROS.
+    /// The type, or one within it, has no equivalent in ROS.
     pub fn fields(&mut self, name: &TypeName, ty: TypeId) -> Result<Message, MapError> {
         self.open.push(self.table.resolve(ty));
         let message = self.message(name, ty);
@@ -108,8 +109,8 @@ impl<'a> Mapper<'a> {
         message
     }
 
-    /// A service of this name. Its request has the members of `input`; its response says first
-    /// which exception ended it, and then has the members of `output`.
+    /// A service of this name. Its request has the members of `input`. Its response starts with the
+    /// exception that ended it, if any, followed by the members of `output`.
     ///
     /// # Errors
     /// A parameter has no equivalent in ROS.
@@ -125,7 +126,7 @@ impl<'a> Mapper<'a> {
         self.add(name, Some(input), Interface::Service(service), &Place::Nameless)
     }
 
-    /// An action of this name. Its result is like the response of a service; its feedback is the
+    /// An action of this name. Its result has the form of a service's response; its feedback is the
     /// state of the activity.
     ///
     /// # Errors
@@ -179,7 +180,7 @@ impl<'a> Mapper<'a> {
         Err(MapError { place: at.clone(), problem: Box::new(problem) })
     }
 
-    /// Has the message of a type made, unless it was.
+    /// Makes the message of a type unless it exists.
     fn need(&mut self, name: &TypeName, ty: TypeId, from: &Place) -> Result<(), MapError> {
         let ty = self.table.resolve(ty);
         let at =
@@ -228,7 +229,7 @@ impl<'a> Mapper<'a> {
         table.members(ty).iter().try_for_each(|Member { name, ty }| self.field(draft, name, *ty))
     }
 
-    /// The last field, of one value, becomes one of at most one value.
+    /// Turns the last field from a single value into a sequence of at most one.
     fn wrap_last(&mut self, draft: &mut Draft, ty: TypeId) -> Result<(), MapError> {
         let Some(field) = draft.message.fields.pop() else { return Ok(()) };
         let place = draft.at(&field.name);
@@ -254,7 +255,8 @@ impl<'a> Mapper<'a> {
         Ok(())
     }
 
-    /// What a field of a type is; `within`: the message, whose package holds what has no name.
+    /// The type and shape of a field; `within` is the message whose package gets messages for
+    /// unnamed types.
     fn what(
         &mut self,
         within: &TypeName,
@@ -284,7 +286,7 @@ impl<'a> Mapper<'a> {
             Kind::Array { length: 0, .. } => wrong(Problem::EmptyArray),
             Kind::Array { element, length } => match self.what(within, element, place)? {
                 (base, Shape::One) => Ok((base, Shape::Array(length))),
-                // Row by row.
+                // Row-major.
                 (base, Shape::Array(inner)) => {
                     Ok((base, Shape::Array(length.saturating_mul(inner))))
                 }
@@ -323,7 +325,7 @@ impl<'a> Mapper<'a> {
         }
     }
 
-    /// A message whose only member is a value of this type.
+    /// A message with a single member of this type.
     fn wrapped(&mut self, within: &TypeName, ty: TypeId, place: &Place) -> Result<Base, MapError> {
         let name = match self.table.kind(ty).name() {
             Some(_) => names::message(self.table, ty),
@@ -337,7 +339,7 @@ impl<'a> Mapper<'a> {
         Ok(Base::Message(name))
     }
 
-    /// Constants for the enumerators of a type, also of arrays and sequences of it.
+    /// Adds constants for the enumerators of a type, or of the elements of an array or sequence.
     fn enumerators(&mut self, draft: &mut Draft, ty: TypeId) {
         let ty = self.table.resolve(ty);
         match self.table.kind(ty) {
@@ -364,12 +366,12 @@ impl<'a> Mapper<'a> {
     }
 }
 
-/// `idle` is `IDLE`.
+/// Spells `idle` as `IDLE`.
 fn constant(name: &str) -> String {
     snake(name).to_ascii_uppercase()
 }
 
-/// The name in ROS: small letters, digits, single underscores.
+/// The name as ROS requires it: lower-case letters, digits, single underscores.
 fn legal_member(idl: &str) -> Option<String> {
     let legal = |name: &str| {
         name.starts_with(|c: char| c.is_ascii_lowercase())

@@ -1,4 +1,4 @@
-//! Whether an IDL type or service may go under the name of a foreign one.
+//! Checks whether an IDL type or service may masquerade as a foreign one.
 
 use std::collections::BTreeMap;
 
@@ -10,67 +10,67 @@ use crate::map::{MapError, Mapper};
 use crate::names::TypeName;
 use crate::structure::{Difference, compare};
 
-/// It may not.
+/// The masquerade is not possible.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MasqueradeError {
-    /// It has no equivalent in ROS at all.
+    /// Our type has no equivalent in ROS at all.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// The foreign type is not known.
+    /// The foreign type is unknown.
     #[error(transparent)]
     Library(#[from] LibraryError),
-    /// Both are known and differ.
+    /// The structures of the two differ.
     #[error(transparent)]
     Differs(#[from] Box<Difference>),
-    /// A message where a service is needed, or the like.
+    /// The foreign type has the wrong kind, such as a message instead of a service.
     #[error("{ours} cannot go as {theirs}: it needs {needed}")]
     Kind {
-        /// Ours.
+        /// Our name.
         ours: String,
         /// The foreign type.
         theirs: TypeName,
-        /// `package/srv/Type`
+        /// Form of the name that is needed, such as `package/srv/Type`.
         needed: &'static str,
     },
 }
 
-/// How the response of a masqueraded service or action says that an exception ended it.
+/// How the response of a masqueraded service or action reports an exception.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// The output has `boolean success` and `string message`, at these ranks.
+    /// By output members `boolean success` and `string message`, at these indices.
     Members(usize, usize),
-    /// There is no output, and the response is just `success` and `message`.
+    /// There is no output; the response consists of `success` and `message`.
     Added,
-    /// It cannot.
+    /// It cannot report exceptions.
     Silent,
 }
 
-/// How a masqueraded service or action is put on the wire.
+/// How a masqueraded service or action is encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Manner {
-    /// How exceptions are shown.
+    /// How exceptions are reported.
     pub failure: Failure,
-    /// Whether the feedback of the action is one string, which tells the state.
+    /// Whether the action's feedback is a single string, which then reports the state.
     pub states: bool,
 }
 
 /// A type and the table it is in.
 pub type Typed<'a> = (&'a TypeTable, TypeId);
 
-/// What is compared, and with what it is found.
+/// Our side of a comparison, and where foreign types are looked up.
 pub struct Ours<'a> {
     /// All masquerades, by full IDL name.
     pub masquerades: &'a BTreeMap<String, TypeName>,
-    /// The foreign types.
+    /// Definitions of foreign types.
     pub library: &'a Library,
 }
 
 impl Ours<'_> {
-    /// Whether a type may go as a message.
+    /// Checks whether a type may masquerade as a message.
     ///
     /// # Errors
-    /// Their structures differ, or the message is not known.
+    /// Their structures differ, or the message is unknown.
     pub fn message(&self, ty: Typed<'_>, foreign: &TypeName) -> Result<(), MasqueradeError> {
         let ours = ty.0.spelling(ty.1);
         match self.library.find(foreign)? {
@@ -79,10 +79,10 @@ impl Ours<'_> {
         }
     }
 
-    /// Whether a service may go as a service of ROS.
+    /// Checks whether a service may masquerade as a ROS service.
     ///
     /// # Errors
-    /// Their structures differ, or the service is not known.
+    /// Their structures differ, or the service is unknown.
     pub fn service(
         &self,
         name: &str,
@@ -98,11 +98,11 @@ impl Ours<'_> {
         Ok(Manner { failure, states: false })
     }
 
-    /// Whether an activity may go as an action of ROS. Its feedback may be any: only a single
-    /// string can tell the state.
+    /// Checks whether an activity may masquerade as a ROS action. The type of its feedback is
+    /// arbitrary, but only a single string can report the state.
     ///
     /// # Errors
-    /// Their structures differ, or the action is not known.
+    /// Their structures differ, or the action is unknown.
     pub fn action(
         &self,
         name: &str,
@@ -153,7 +153,7 @@ impl Ours<'_> {
         }
         self.part(name, output, theirs)?;
         Ok(match both {
-            // The members of the output are the fields, unless a struct is flattened.
+            // The output's members match the fields one to one unless a struct is flattened.
             (Some(success), Some(message)) if members == theirs.fields.len() => {
                 Failure::Members(success, message)
             }
@@ -167,7 +167,8 @@ impl Ours<'_> {
         (table, ty): Typed<'_>,
         theirs: &Message,
     ) -> Result<(), MasqueradeError> {
-        // The type itself is looked at as it is, what is inside as what it goes as.
+        // Compare the type itself by its own structure, and the types within it as what they
+        // masquerade as.
         let mut masquerades = self.masquerades.clone();
         let mut itself = ty;
         for _ in 0..=table.len() {

@@ -1,4 +1,4 @@
-//! What types are called in ROS 2, and how DDS spells that.
+//! Names of types in ROS 2 and in DDS.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,11 +9,11 @@ use genom_types::{Kind, ScopedName, TypeId, TypeTable};
 /// A ROS type such as `demo/msg/State`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TypeName {
-    /// Its package.
+    /// Name of the package.
     pub package: String,
     /// `msg`, `srv` or `action`.
     pub folder: String,
-    /// Its own name.
+    /// Name within the package.
     pub name: String,
 }
 
@@ -24,7 +24,7 @@ impl fmt::Display for TypeName {
 }
 
 impl TypeName {
-    /// A name from its parts.
+    /// Builds a name from its parts.
     #[must_use]
     pub fn new(package: &str, folder: &str, name: &str) -> Self {
         Self { package: package.to_owned(), folder: folder.to_owned(), name: name.to_owned() }
@@ -34,7 +34,7 @@ impl TypeName {
         Self { package, folder: folder.to_owned(), name }
     }
 
-    /// Reads `geometry_msgs/msg/Pose`.
+    /// Parses a name such as `geometry_msgs/msg/Pose`.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
         let mut parts = text.split('/');
@@ -48,13 +48,13 @@ impl TypeName {
             .then(|| Self::new(package, folder, name))
     }
 
-    /// How DDS spells it: `demo::msg::dds_::State_`, with a suffix for the parts of services.
+    /// The DDS name: `demo::msg::dds_::State_`; `suffix` is for the parts of services.
     #[must_use]
     pub fn to_dds(&self, suffix: &str) -> String {
         format!("{}::{}::dds_::{}{suffix}_", self.package, self.folder, self.name)
     }
 
-    /// The ROS spelling of a DDS name, as it is when it is none of ROS.
+    /// The ROS name for a DDS name; the DDS name itself if it does not have ROS's form.
     #[must_use]
     pub fn from_dds(name: &str) -> String {
         let parts = name.strip_suffix('_').and_then(|name| name.split_once("::dds_::"));
@@ -64,7 +64,7 @@ impl TypeName {
         }
     }
 
-    /// A part of this service or action: `_Request`, `_SendGoal`.
+    /// A part of this service or action, such as `_Request` or `_SendGoal`.
     #[must_use]
     pub fn part(&self, suffix: &str) -> Self {
         Self { name: format!("{}{suffix}", self.name), ..self.clone() }
@@ -77,7 +77,8 @@ pub fn message(table: &TypeTable, id: TypeId) -> TypeName {
     TypeName::of(message::name_in(table, id), "msg")
 }
 
-/// What a type goes under, by the full name of it or of what it is a typedef of.
+/// What a type masquerades as, looked up by its full name or by that of the type it is a typedef
+/// of.
 #[must_use]
 pub fn masqueraded<'m, T>(
     table: &TypeTable,
@@ -95,12 +96,12 @@ pub fn masqueraded<'m, T>(
     None
 }
 
-/// Package and name of a scoped name: `::or_pose::track::state` is `or_pose/msg/TrackState`.
+/// Package and name for a scoped name: `::or_pose::track::state` becomes `or_pose/msg/TrackState`.
 fn scoped(name: &ScopedName, folder: &str) -> TypeName {
     TypeName::of(message::scoped(name), folder)
 }
 
-/// The full name of the service whose input struct this is, `::component::service`: the struct is
+/// Full name of the service whose input struct this is: `::component::service` for
 /// `::component::service::input`.
 #[must_use]
 pub fn service_of(table: &TypeTable, input: TypeId) -> Option<ScopedName> {
@@ -115,8 +116,8 @@ pub fn service_of(table: &TypeTable, input: TypeId) -> Option<ScopedName> {
     }
 }
 
-/// The type of a service with that input struct; `folder` is `srv` or `action`. `name` is what it
-/// is called where the struct does not say.
+/// The type of the service with this input struct. `folder` is `srv` or `action`; `name` is used if
+/// the struct does not say the service's name.
 #[must_use]
 pub fn service(table: &TypeTable, input: TypeId, name: &str, folder: &str) -> TypeName {
     if let Some(service) = service_of(table, input) {

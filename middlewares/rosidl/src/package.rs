@@ -1,4 +1,4 @@
-//! Packages that ROS builds: folders with `package.xml`, `CMakeLists.txt` and interfaces.
+//! Packages that ROS can build: folders with `package.xml`, `CMakeLists.txt` and interfaces.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -6,11 +6,11 @@ use std::fmt::Write as _;
 use crate::interface::{Base, Interface};
 use crate::names::TypeName;
 
-/// Interfaces cannot be packages.
+/// The interfaces cannot be split into packages.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PackageError {
-    /// Each needs the other.
+    /// Two packages depend on each other.
     #[error(
         "packages {0} need each other, and ROS cannot build that: put the types into one scope"
     )]
@@ -20,17 +20,18 @@ pub enum PackageError {
 /// Packages as files.
 #[derive(Clone, Debug)]
 pub struct Packages {
-    /// Text by path, from the folder of all packages: `demo/msg/State.msg`.
+    /// Contents by path, relative to the folder of all packages: `demo/msg/State.msg`.
     pub files: BTreeMap<String, String>,
-    /// Names of the packages, each after those it needs.
+    /// Names of the packages; each comes after those it depends on.
     pub names: Vec<String>,
 }
 
 impl Packages {
-    /// Packages of these interfaces, each in that of its name. `source` is told in them.
+    /// Distributes the interfaces to the packages in their names. `source` is mentioned in the
+    /// files.
     ///
     /// # Errors
-    /// Two packages need each other.
+    /// Two packages depend on each other.
     pub fn new(interfaces: &[Interface], source: &str) -> Result<Self, PackageError> {
         let mut packages: BTreeMap<&str, Vec<&Interface>> = BTreeMap::new();
         for interface in interfaces {
@@ -75,7 +76,7 @@ fn needs<'a>(package: &str, interfaces: &[&'a Interface]) -> BTreeSet<&'a str> {
     needs
 }
 
-/// Each after those it needs.
+/// Sorts packages so that each comes after those it depends on.
 fn in_order(needs: &BTreeMap<&str, BTreeSet<&str>>) -> Result<Vec<String>, PackageError> {
     let mut order: Vec<&str> = Vec::new();
     while order.len() < needs.len() {

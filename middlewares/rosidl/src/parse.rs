@@ -1,17 +1,17 @@
-//! Reads `.msg`, `.srv` and `.action` text.
+//! Parses `.msg`, `.srv` and `.action` text.
 //!
-//! Enough of the language to know what is on the wire: defaults and comments are left out.
+//! Parses only what affects the encoding: default values and comments are skipped.
 
 use crate::interface::{Action, Base, Constant, Field, Interface, Message, Service, Shape};
 use crate::names::TypeName;
 
-/// A text is no interface.
+/// A text does not define an interface.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{name}, line {line}: {why}")]
 pub struct ParseError {
-    /// Of what.
+    /// Name of the interface.
     pub name: TypeName,
-    /// From 1.
+    /// Line number, from 1.
     pub line: usize,
     /// What is wrong there.
     pub why: Mistake,
@@ -21,34 +21,34 @@ pub struct ParseError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Mistake {
-    /// A type, or less, where a field or constant should be.
+    /// A field or constant without a name.
     #[error("`{0}` has no name")]
     NoName(String),
     /// Neither a built-in type nor the name of a message.
     #[error("`{0}` is no type")]
     NoType(String),
-    /// A bound or a length that is no number.
+    /// A bound or a length that is not a number.
     #[error("`{0}` is no size")]
     NoSize(String),
-    /// A line `---` after the last part that there may be.
+    /// A line `---` after the last part that is allowed.
     #[error("a {0} has no more parts")]
     MoreParts(String),
-    /// Too few of them.
+    /// Too few parts.
     #[error("it has {found} parts, a {folder} has {wanted}")]
     Parts {
-        /// Parts of the text.
+        /// Number of parts in the text.
         found: usize,
         /// `msg`, `srv` or `action`.
         folder: String,
-        /// Parts of such an interface.
+        /// Number of parts that such an interface has.
         wanted: usize,
     },
 }
 
-/// Reads the text of an interface; `name` says which kind it is.
+/// Parses the text of an interface. `name` determines its kind.
 ///
 /// # Errors
-/// A line is neither a field nor a constant, or there are parts too many or too few.
+/// A line is neither a field nor a constant, or there are too many or too few parts.
 pub fn parse(name: &TypeName, text: &str) -> Result<Interface, ParseError> {
     let suffixes: &[&str] = match name.folder.as_str() {
         "srv" => &["_Request", "_Response"],
@@ -91,7 +91,7 @@ pub fn parse(name: &TypeName, text: &str) -> Result<Interface, ParseError> {
     })
 }
 
-/// One field or constant.
+/// Parses one field or constant.
 fn member(to: &mut Message, package: &str, code: &str, line: &str) -> Result<(), Mistake> {
     let no_name = || Mistake::NoName(code.to_owned());
     let (ty, rest) = code.split_once(char::is_whitespace).ok_or_else(no_name)?;
@@ -104,7 +104,7 @@ fn member(to: &mut Message, package: &str, code: &str, line: &str) -> Result<(),
     }
     let after = rest.get(name.len()..).unwrap_or_default().trim_start();
     if after.starts_with('=') {
-        // A text may hold what begins a comment elsewhere.
+        // In a string constant, `#` does not begin a comment.
         let whole = if matches!(base, Base::String(_)) { line } else { code };
         let value = whole.split_once('=').map_or("", |(_, value)| value).trim().to_owned();
         to.constants.push(Constant { name, base, value });
@@ -143,7 +143,7 @@ fn field_type(text: &str, package: &str) -> Result<(Base, Shape), Mistake> {
         "float64" => Base::Float64,
         "string" => Base::String(bound),
         "wstring" => Base::WString(bound),
-        // As ROS has it: the one message that needs no package.
+        // The only message that ROS allows without its package.
         "Header" => Base::Message(TypeName::new("std_msgs", "msg", "Header")),
         other => {
             let full = match other.split('/').collect::<Vec<_>>()[..] {

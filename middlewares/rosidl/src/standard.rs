@@ -1,4 +1,4 @@
-//! Messages, services and actions of ROS itself, by name: those that types masquerade as.
+//! Messages, services and actions of ROS itself, by name, for types that masquerade as them.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
@@ -7,7 +7,7 @@ use crate::interface::{Interface, Message};
 use crate::names::TypeName;
 use crate::parse::parse;
 
-/// `== package/folder/Name`, then its members: without comments and constants.
+/// `== package/folder/Name`, followed by its members, without comments and constants.
 const TEXT: &str = include_str!("standard.txt");
 
 static ALL: LazyLock<BTreeMap<TypeName, Interface>> = LazyLock::new(|| {
@@ -20,12 +20,12 @@ static ALL: LazyLock<BTreeMap<TypeName, Interface>> = LazyLock::new(|| {
     texts.filter_map(read).collect()
 });
 
-/// All of them.
+/// All definitions.
 pub(crate) fn all() -> &'static BTreeMap<TypeName, Interface> {
     &ALL
 }
 
-/// A message of them.
+/// The definition of a message.
 pub(crate) fn message(name: &TypeName) -> Option<Message> {
     match ALL.get(name) {
         Some(Interface::Message(message)) => Some(message.clone()),

@@ -1,34 +1,34 @@
-//! Whether two interfaces are the same on the wire, whatever their members are called.
+//! Compares the encodings of two interfaces; names of members do not matter.
 //!
-//! Bounds of strings and sequences may differ: they are on no wire, and what is too long for the
-//! reader is refused when it comes.
+//! Bounds of strings and sequences may differ, since they do not affect the encoding; a sample that
+//! is too long for the reader is refused when it arrives.
 
 use std::fmt::Write as _;
 
 use crate::interface::{Base, Field, Message, Shape};
 use crate::names::TypeName;
 
-/// Deepest nesting that is followed.
+/// Greatest nesting depth that is compared.
 const DEEPEST: usize = 64;
 
-/// Knows messages by name.
+/// Looks up messages by name.
 pub type Find<'a> = &'a dyn Fn(&TypeName) -> Option<Message>;
 
-/// Two structures that differ, or cannot be compared.
+/// The structures differ, or cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{ours} and {theirs} differ {place}\n{shown}")]
 pub struct Difference {
-    /// Our name of it.
+    /// Our name of the type.
     pub ours: String,
     /// The foreign type.
     pub theirs: TypeName,
-    /// The first difference: `at member 2, ...`.
+    /// Where the first difference is: `at member 2, ...`.
     pub place: String,
-    /// Both structures, one under the other.
+    /// Both structures, one below the other.
     pub shown: String,
 }
 
-/// What is on the wire, one value after the other; structs add nothing to it.
+/// What is encoded, one value after the other; structs add nothing.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Wire {
     Value(Base),
@@ -36,7 +36,7 @@ enum Wire {
     Sequence(Vec<Leaf>),
 }
 
-/// A value, with the path to it.
+/// A value and the path to it.
 #[derive(Clone, Debug)]
 struct Leaf {
     path: String,
@@ -51,10 +51,10 @@ impl PartialEq for Leaf {
 
 impl Eq for Leaf {}
 
-/// Compares what we send with a foreign type. `ours` and `theirs` know the messages inside.
+/// Compares our type with a foreign one. `ours` and `theirs` look up the messages within.
 ///
 /// # Errors
-/// They differ, or a message inside is not known.
+/// They differ, or a message within is unknown.
 pub fn compare(
     name: &str,
     ours: (&Message, Find<'_>),
@@ -102,7 +102,7 @@ fn flatten(
                 let message = find(name).filter(|_| depth > 0).ok_or_else(|| name.clone())?;
                 flatten(&message, find, &path, depth - 1, &mut inner)?;
                 if message.fields.is_empty() {
-                    // ROS sends one byte for it.
+                    // ROS encodes an empty message as one byte.
                     inner.push(Leaf { path: path.clone(), wire: Wire::Value(Base::UInt8) });
                 }
             }
@@ -117,7 +117,7 @@ fn flatten(
     Ok(())
 }
 
-/// Without what is on no wire.
+/// The type without what does not affect the encoding.
 fn plain(base: &Base) -> Base {
     match base {
         Base::Byte => Base::UInt8,

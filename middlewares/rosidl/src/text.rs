@@ -1,10 +1,10 @@
-//! Messages as the text of `.msg`, `.srv` and `.action` files.
+//! Prints interfaces as `.msg`, `.srv` and `.action` text.
 
 use std::fmt::{self, Write as _};
 
 use crate::interface::{Interface, Message};
 
-/// The fields and constants of one part, a line each.
+/// Prints the fields and constants of one part, one per line.
 fn part(message: &Message, out: &mut String) -> fmt::Result {
     if let Some(comment) = &message.comment {
         writeln!(out, "# {comment}")?;

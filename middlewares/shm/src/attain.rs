@@ -1,4 +1,5 @@
-//! Opens a service of iceoryx2 or creates it, whatever others do to it meanwhile.
+//! Opens or creates a service of iceoryx2 while other processes may be creating, removing or
+//! healing it.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -9,26 +10,26 @@ use crate::error::failed;
 use crate::room;
 use crate::watch::Watcher;
 
-/// How long others may take to finish what they are doing to a service.
+/// How long to wait for others that are creating or removing a service.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// Living processes have finished making a service by then.
+/// A living process has finished creating a service within this time.
 const SOON: Duration = Duration::from_millis(200);
 
-/// How an attempt to open or to create a service ended, unless it failed for good.
+/// Result of an attempt to open or create a service, other than a final error.
 pub(crate) enum Attempt<S> {
-    /// It is open.
+    /// Opened.
     Done(S),
-    /// There is none.
+    /// The service does not exist.
     Absent,
-    /// Others are at it, in iceoryx2's words.
+    /// Others are creating or removing it; the text is iceoryx2's.
     Busy(String),
-    /// One that was killed may have left it so.
+    /// It may be incomplete because its creator was killed; the text is iceoryx2's.
     Broken(String),
 }
 
-/// Opens, or creates, again and again until one of it works, where more than `keep_free` bytes are
-/// left.
+/// Opens or creates the service, retrying until one of the two works. Refuses if `keep_free` bytes
+/// or less of shared memory are left.
 pub(crate) fn attain<S>(
     (watcher, keep_free): (&Watcher, u64),
     at: &Address,
@@ -36,7 +37,7 @@ pub(crate) fn attain<S>(
     create: impl Fn() -> Result<Attempt<S>, OpenError>,
 ) -> Result<S, OpenError> {
     room::check(at, keep_free)?;
-    // Who died has it no more.
+    // A dead process must not keep its end of the service.
     let _ = watcher.heal_dead();
     let begin = Instant::now();
     loop {

@@ -1,15 +1,15 @@
-//! What services say of their types, beyond what iceoryx2 does.
+//! Service attributes that describe types more precisely than iceoryx2's own type details.
 
 use iceoryx2::prelude::*;
 use iceoryx2::service::static_config::StaticConfig;
 use iceoryx2::service::static_config::message_type_details::TypeDetail;
 
-/// Service attributes that say more of a type than iceoryx2 does.
+/// Attribute that holds the spelling of a service's type.
 pub(crate) const TYPE_KEY: &str = "genom.type";
 pub(crate) const DIGEST_KEY: &str = "genom.digest";
 
-/// What a service of ours says of its types. A spelling that does not fit is left out: the digest
-/// decides.
+/// The attributes of a service of ours. A spelling that is too long is left out: types are compared
+/// by digest.
 pub(crate) fn attributes(pairs: [(&str, &str); 2]) -> AttributeSpecifier {
     let mut attributes = AttributeSpecifier::new();
     for (key, value) in pairs {
@@ -27,12 +27,12 @@ pub(crate) fn attribute(attributes: &AttributeSet, key: &str) -> Option<String> 
     attributes.key_value(&key, 0).map(ToString::to_string)
 }
 
-/// The type of a service, whoever made it.
+/// The type of a service, for error messages; also of services that others created.
 pub(crate) fn type_of_service(service: &StaticConfig) -> String {
     describe(service.attributes(), service.publish_subscribe().message_type_details().payload)
 }
 
-/// A type by what its service says, and its layout.
+/// Spells a type from a service's attributes and its payload layout.
 pub(crate) fn describe(attributes: &AttributeSet, payload: TypeDetail) -> String {
     let layout = format!("{} bytes aligned to {}", payload.size(), payload.alignment());
     match (attribute(attributes, TYPE_KEY), attribute(attributes, DIGEST_KEY)) {

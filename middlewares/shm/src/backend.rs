@@ -1,4 +1,4 @@
-//! One iceoryx2 node for a whole daemon, as a middleware.
+//! The middleware: one iceoryx2 node per daemon.
 
 use std::io;
 use std::sync::Arc;
@@ -21,11 +21,11 @@ use crate::raw::Ipc;
 use crate::watch::Watch;
 use crate::{calls, discover, publisher, rights, subscription};
 
-/// How long iceoryx2 itself waits for a service that others are making.
+/// How long iceoryx2 itself waits for a service that another process is creating.
 const CREATION: Duration = Duration::from_millis(100);
 
-/// Writers that left whose samples a reader may still read; more than the samples that a reader
-/// holds at a time.
+/// Greatest number of former writers whose samples a reader may still read; more than the samples
+/// that a reader holds at a time.
 const EXPIRED: usize = 4;
 
 /// Ports over shared memory. Clones share the node.
@@ -36,13 +36,13 @@ pub struct Shm {
 }
 
 impl Shm {
-    /// Makes a node, and cleans up after processes that were killed.
+    /// Creates the node, and removes what killed processes left behind.
     ///
     /// # Errors
-    /// A name is not legal, or the folder of iceoryx2 cannot be used.
+    /// A name is not valid, or iceoryx2's folder cannot be used.
     pub fn open(options: Options) -> Result<Self, ShmError> {
         options.check()?;
-        // Errors are returned and told by the caller; iceoryx2's log would repeat them.
+        // Errors are returned, and the caller reports them; iceoryx2's log would repeat them.
         iceoryx2::prelude::set_log_level(LogLevel::Fatal);
         let mut config = Config::global_config().clone();
         let told = rights::is_told(&config);
@@ -57,16 +57,17 @@ impl Shm {
                 .map_err(|_| ShmError::Root(root.clone()))?;
             config.global.set_root_path(&path);
         }
-        // Each costs a reader kilobytes of its own memory, used or not; ports have one writer.
+        // Each entry costs a reader kilobytes of memory whether it is used or not, and a port has
+        // only one writer.
         config.defaults.publish_subscribe.subscriber_expired_connection_buffer = EXPIRED;
         let name =
             NodeName::new(&options.node).map_err(|_| ShmError::Node(options.node.clone()))?;
-        // Done by `heal`, which knows more of what may be left. Only one may do it in a process:
-        // who closes a file that another thread has locked gives that lock up.
+        // `heal` does this, since it recognises more kinds of remains. Only one of the two may do
+        // it in a process: closing a file gives up the POSIX lock that another thread holds on it.
         config.global.node.cleanup_dead_nodes_on_creation = false;
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.global.service.cleanup_dead_nodes_on_open = false;
-        // Living processes need far less to make a service; after this, `heal` takes a look.
+        // Living processes need far less time to create a service; after this, `heal` checks it.
         config.global.creation_timeout = CREATION;
         let places = Places::of(&config);
         rights::prepare(&places)?;

@@ -1,10 +1,10 @@
-//! What each daemon offers, in a file of its own beside iceoryx2's: `genom-UID/<prefix><node>`.
+//! A file per daemon that lists what it offers, beside iceoryx2's own files:
+//! `genom-UID/<prefix><node>`.
 //!
-//! A line says that a service is served or a port written from now on, another that it is no
-//! more. Who looks for one reads what was added since the last look: nobody has to answer, and an
-//! offer holds no descriptor. The file is its daemon's alone to write, and goes before the
-//! daemon's node does; one whose daemon was killed counts for nothing, and the next start removes
-//! it.
+//! One line announces a served service or a written port, another withdraws it. A reader of the
+//! file reads what was appended since its last look, so nobody has to answer, and an offer holds no
+//! file descriptor. Only its daemon writes the file, and removes it before its node. The file of a
+//! killed daemon is ignored, and the next start of a daemon removes it.
 
 use std::collections::{HashMap, HashSet};
 use std::fs::{self, DirBuilder, File, OpenOptions};
@@ -19,13 +19,13 @@ use rustix::fs::OFlags;
 
 use crate::raw::Ipc;
 
-/// Lines of offers that are gone, beyond those that are there, before the file is made anew.
+/// The file is rewritten when it has this many more withdrawn offers than current ones.
 const GONE: usize = 256;
 
-/// Nobody offers more than fits.
+/// Greatest size of a file in bytes; more than any daemon needs.
 const LONGEST: u64 = 64 << 20;
 
-/// What is offered.
+/// Kind of an offer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Kind {
     /// A service.
@@ -43,12 +43,12 @@ impl Kind {
     }
 }
 
-/// What a line says of it.
+/// Content of an announcing line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Offer {
-    /// By which both sides agree.
+    /// Digests of the types. Both sides must have the same ones.
     pub(crate) digests: String,
-    /// Its type, for people.
+    /// Spelling of the type, for messages.
     pub(crate) spelling: String,
 }
 
@@ -59,24 +59,24 @@ fn key(kind: Kind, address: &str) -> String {
     format!("{} {address}", kind.letter())
 }
 
-/// Where the files are, in a root of iceoryx2's.
+/// Folder of the files, under iceoryx2's root.
 fn folder(root: &Path) -> PathBuf {
     root.join(format!("genom-{}", rustix::process::geteuid().as_raw()))
 }
 
-/// The folder, and the start of the names of its files.
+/// The folder, and the prefix of the files' names.
 fn place(node: &Node<Ipc>) -> (PathBuf, String) {
     let global = &node.config().global;
     (folder(Path::new(&global.root_path().to_string())), global.prefix.to_string())
 }
 
-/// The node that a file is of.
+/// The node whose file this is.
 fn owner(file: &str, prefix: &str) -> Option<u128> {
     let digits = file.strip_prefix(prefix)?;
     (digits.len() == 32).then(|| u128::from_str_radix(digits, 16).ok()).flatten()
 }
 
-/// All files with their nodes.
+/// All files, with their nodes.
 fn files(node: &Node<Ipc>) -> Vec<(u128, PathBuf)> {
     let (folder, prefix) = place(node);
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -85,7 +85,7 @@ fn files(node: &Node<Ipc>) -> Vec<(u128, PathBuf)> {
     entries.filter_map(named).collect()
 }
 
-/// The nodes that live, or may.
+/// The nodes that are alive, or may be.
 fn alive(node: &Node<Ipc>) -> Vec<u128> {
     let mut found = vec![node.id().value()];
     let _ = Node::<Ipc>::list(node.config(), |state| {
@@ -97,20 +97,20 @@ fn alive(node: &Node<Ipc>) -> Vec<u128> {
     found
 }
 
-/// All files of a root and a prefix with their nodes, also those that are being made anew.
+/// All files of a root and prefix, with their nodes; includes files that are being rewritten.
 pub(crate) fn list(root: &Path, prefix: &str) -> Vec<(u128, PathBuf)> {
     let entries = fs::read_dir(folder(root)).into_iter().flatten().flatten();
     let named = |entry: fs::DirEntry| {
         let name = entry.file_name();
-        // One that is being made anew has more after the node.
+        // The name of a file that is being rewritten has a suffix after the node.
         let node = owner(name.to_str()?.get(..prefix.len() + 32)?, prefix)?;
         Some((node, entry.path()))
     };
     entries.filter_map(named).collect()
 }
 
-/// Every service that living daemons serve, and every port that they write and that does not
-/// show with a writer yet.
+/// Lists every service that living daemons serve, and every port that they write but that has no
+/// iceoryx2 publisher yet.
 pub(crate) fn listed(node: &Node<Ipc>, seen: &mut Vec<Endpoint>) {
     let alive = alive(node);
     let written: HashSet<String> = seen
@@ -132,7 +132,7 @@ pub(crate) fn listed(node: &Node<Ipc>, seen: &mut Vec<Endpoint>) {
     }
 }
 
-/// That of this daemon, which writes it.
+/// The catalog of this daemon.
 pub(crate) struct Catalog {
     path: PathBuf,
     file: File,
@@ -140,7 +140,7 @@ pub(crate) struct Catalog {
     gone: usize,
 }
 
-/// The catalog of this daemon could not be made or written.
+/// The catalog of this daemon could not be created or written.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum CatalogError {
     #[error("cannot make {}: {source}", path.display())]
@@ -172,7 +172,7 @@ fn added(key: &str, offer: &Offer) -> String {
 }
 
 impl Catalog {
-    /// An empty one.
+    /// Creates an empty catalog.
     pub(crate) fn create(node: &Node<Ipc>) -> Result<Self, CatalogError> {
         let (folder, prefix) = place(node);
         let made = DirBuilder::new().recursive(true).mode(0o700).create(&folder);
@@ -182,7 +182,7 @@ impl Catalog {
         Ok(Self { path, file, offers: HashMap::new(), gone: 0 })
     }
 
-    /// Says that something is offered; false when it already is.
+    /// Announces an offer. Returns false if it was announced already.
     pub(crate) fn add(
         &mut self,
         kind: Kind,
@@ -193,7 +193,7 @@ impl Catalog {
         if self.offers.contains_key(&key) {
             return Ok(false);
         }
-        // For people: the digests decide. No line may end within it.
+        // Only shown to people, so it may be cut. It must not contain a line break.
         let spelling = offer.spelling.chars().take(120);
         let spelling = spelling.map(|c| if c.is_control() { ' ' } else { c }).collect();
         let offer = Offer { spelling, ..offer };
@@ -202,7 +202,7 @@ impl Catalog {
         Ok(true)
     }
 
-    /// Says that it is no more.
+    /// Withdraws an offer.
     pub(crate) fn remove(&mut self, kind: Kind, address: &str) {
         let key = key(kind, address);
         if self.offers.remove(&key).is_none() {
@@ -223,7 +223,7 @@ impl Catalog {
         self.file.write_all(text.as_bytes()).map_err(CatalogError::write(&self.path))
     }
 
-    /// A new file with what is there only takes the place of the old one.
+    /// Replaces the file by one that has only the current offers.
     fn renew(&mut self) -> Result<(), CatalogError> {
         let mut new = self.path.clone().into_os_string();
         new.push(".new");
@@ -244,14 +244,14 @@ impl Drop for Catalog {
     }
 }
 
-/// What all daemons offer, as far as it was read.
+/// The catalogs of all daemons, as far as they have been read.
 #[derive(Default)]
 pub(crate) struct Reader {
     peers: HashMap<u128, Peer>,
 }
 
 impl Reader {
-    /// Whose offers there are of this kind at an address; also of killed ones.
+    /// The daemons that offer this kind at an address, including killed ones.
     pub(crate) fn find(
         &mut self,
         node: &Node<Ipc>,
@@ -269,7 +269,7 @@ impl Reader {
         found
     }
 
-    /// Whether a living daemon other than this one offers it.
+    /// Whether another living daemon offers it.
     pub(crate) fn is_of_others(&mut self, node: &Node<Ipc>, kind: Kind, address: &str) -> bool {
         let mut others = self.find(node, kind, address);
         others.retain(|(owner, _)| *owner != node.id().value());
@@ -281,7 +281,7 @@ impl Reader {
     }
 }
 
-/// The file of one daemon, as far as it was read.
+/// The catalog of one daemon, as far as it has been read.
 #[derive(Default)]
 struct Peer {
     inode: u64,
@@ -290,7 +290,7 @@ struct Peer {
 }
 
 impl Peer {
-    /// Reads what was added; a file that cannot be read offers nothing.
+    /// Reads what was appended. A file that cannot be read counts as empty.
     fn read(&mut self, path: &Path) {
         if self.try_read(path).is_none() {
             *self = Self::default();
@@ -302,7 +302,7 @@ impl Peer {
         if about.ino() == self.inode && about.len() == self.read {
             return Some(());
         }
-        // Nothing that would block or lead elsewhere, whoever put it there.
+        // Do not follow links or block on a FIFO, whoever put it there.
         let flags = OFlags::NOFOLLOW | OFlags::NONBLOCK;
         let mut options = OpenOptions::new();
         let options = options.read(true).custom_flags(flags.bits().cast_signed());
@@ -314,7 +314,7 @@ impl Peer {
         let mut new = Vec::new();
         file.seek(SeekFrom::Start(self.read)).ok()?;
         file.take(LONGEST.checked_sub(self.read)?).read_to_end(&mut new).ok()?;
-        // What is not yet written to its end is read the next time.
+        // A last line without its line break is read next time.
         let whole = new.iter().rposition(|byte| *byte == b'\n').map_or(0, |at| at + 1);
         self.read += whole as u64;
         for line in String::from_utf8_lossy(new.get(..whole)?).lines() {

@@ -1,4 +1,4 @@
-//! What is visible on shared memory, ours and others'.
+//! Discovery on shared memory: ports and services of this daemon and of others.
 
 use genom_middleware::{Address, DiscoverError, Endpoint, EndpointKind};
 use iceoryx2::prelude::*;
@@ -32,7 +32,7 @@ pub(crate) fn list(node: &Node<Ipc>) -> Result<Vec<Endpoint>, DiscoverError> {
     Ok(seen)
 }
 
-/// Those of them at one address, of which one service is opened at most.
+/// The endpoints at one address; opens at most one service of iceoryx2 for it.
 pub(crate) fn at(node: &Node<Ipc>, at: &Address) -> Vec<Endpoint> {
     let mut seen = Vec::new();
     let address = at.to_string();
@@ -46,7 +46,7 @@ pub(crate) fn at(node: &Node<Ipc>, at: &Address) -> Vec<Endpoint> {
     seen
 }
 
-/// The ends of one service; none when it is gone meanwhile.
+/// Adds the ends of one service; none if it has disappeared.
 fn ends(node: &Node<Ipc>, service: &StaticConfig, seen: &mut Vec<Endpoint>) {
     let details = service.publish_subscribe().message_type_details();
     let open = raw::open_to_look(node, service.name(), &details.payload, &details.user_header);

@@ -1,4 +1,4 @@
-//! What services of ports are opened from, and how.
+//! What the services of ports are opened from, and with which settings.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -21,23 +21,24 @@ use crate::raw::{self, Ipc, RawPublisher, RawService};
 use crate::typing::{MAX_NAME, Wire, wire};
 use crate::watch::Watcher;
 
-/// Bytes of unread samples that a reader of large samples may hold.
+/// Limit for the unread samples of one reader, in bytes; large samples get a smaller queue.
 const DEPTH_BYTES: usize = 16 << 20;
 
-/// First room for values of variable size; it doubles as needed.
+/// Initial size in bytes for values of variable size; doubles when needed.
 const FIRST_ROOM: usize = 1024;
 
-/// Memory for samples that is made beforehand, beyond what is needed in any case.
+/// Bytes of sample memory preallocated beyond what is always needed.
 const SAMPLE_BYTES: usize = 4 << 20;
 
-/// What services are opened from. Apart from `Inner`, so that what the upkeep thread holds
-/// never owns that thread.
+/// What services are opened from. Separate from `Inner`, so that the upkeep thread, which holds
+/// this, never owns itself.
 pub(crate) struct Ground {
-    /// What this daemon offers; made with the first offer. Its file goes before the node does.
+    /// What this daemon offers; created with the first offer. Dropped before the node.
     catalog: Mutex<Option<Catalog>>,
-    /// What others do.
+    /// What other daemons offer.
     others: Mutex<Reader>,
-    /// Services that are open: the ends of one port in this daemon share its descriptors.
+    /// Open services. The ends of one port in this daemon share a service, and thereby its file
+    /// descriptors.
     services: Mutex<HashMap<String, Weak<RawService>>>,
     pub(crate) node: Node<Ipc>,
     pub(crate) options: Options,
@@ -48,14 +49,14 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What a service is made for.
+/// Settings with which a service is created.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Shape {
-    /// Whether a full reader loses its oldest sample, or the new one.
+    /// When a reader's queue is full: true drops its oldest sample, false the new one.
     pub(crate) overflow: bool,
-    /// Whether a reader that comes gets the last sample.
+    /// Whether a new reader gets the last sample.
     pub(crate) history: bool,
-    /// Unread samples a reader may hold.
+    /// Greatest number of unread samples of one reader.
     pub(crate) depth: usize,
 }
 
@@ -66,7 +67,7 @@ impl Ground {
         Self { catalog, others, services, node, options, watcher }
     }
 
-    /// Tells all that this daemon offers something at an address, unless it is taken.
+    /// Announces that this daemon offers something at an address, unless the address is taken.
     pub(crate) fn offer(&self, kind: Kind, at: &Address, offer: Offer) -> Result<(), OpenError> {
         let (address, taken) = (at.to_string(), || OpenError::Taken { address: at.clone() });
         let refused = |error: CatalogError| failed(at, &error.to_string());
@@ -78,7 +79,8 @@ impl Ground {
         if !own.add(kind, &address, offer).map_err(refused)? {
             return Err(taken());
         }
-        // Looked after this daemon said so: of two that come at once, one at most stays.
+        // Check after announcing: of two daemons that announce at the same time, at most one keeps
+        // it.
         if lock(&self.others).is_of_others(&self.node, kind, &address) {
             own.remove(kind, &address);
             return Err(taken());
@@ -86,31 +88,31 @@ impl Ground {
         Ok(())
     }
 
-    /// Tells all that it offers it no more.
+    /// Withdraws an offer.
     pub(crate) fn withdraw(&self, kind: Kind, at: &Address) {
         if let Some(own) = &mut *lock(&self.catalog) {
             own.remove(kind, &at.to_string());
         }
     }
 
-    /// Whose offers there are at an address; also of daemons that were killed.
+    /// The daemons that offer something at an address, including killed ones.
     pub(crate) fn find(&self, kind: Kind, at: &Address) -> Vec<(u128, Offer)> {
         lock(&self.others).find(&self.node, kind, &at.to_string())
     }
 
-    /// The shape of a port's own service.
+    /// The settings of a port's own service.
     pub(crate) fn port(&self, wire: &Wire) -> Shape {
         let fits = if wire.slice { usize::MAX } else { DEPTH_BYTES / wire.size.max(1) };
         let depth = self.options.depth.clamp(2, fits.max(2));
         Shape { overflow: true, history: true, depth }
     }
 
-    /// The name of a service, which iceoryx2 must like.
+    /// The name as an iceoryx2 service name.
     pub(crate) fn service_name(name: &str, at: &Address) -> Result<ServiceName, OpenError> {
         ServiceName::new(name).map_err(|error| failed(at, &format!("illegal name: {error:?}")))
     }
 
-    /// Opens the service, or creates it, unless this daemon has it open already.
+    /// Opens or creates the service; reuses it if this daemon has it open.
     pub(crate) fn service(
         &self,
         at: &Address,
@@ -197,12 +199,12 @@ impl Ground {
         attain(self.keeping(), at, open, create)
     }
 
-    /// The thread that heals what is broken, and how many bytes of shared memory to leave to others.
+    /// The thread that heals what is broken, and how many bytes of shared memory must stay free.
     pub(crate) fn keeping(&self) -> (&Watcher, u64) {
         (&self.watcher, self.options.keep_free)
     }
 
-    /// Two types of one name and size may still differ: the digests tell.
+    /// Compares digests: two types of the same name and size may still differ.
     fn agree(&self, at: &Address, ty: &DataType, service: &RawService) -> Result<(), OpenError> {
         match attribute(service.attributes(), DIGEST_KEY) {
             Some(digest) if digest != ty.digest() => Err(OpenError::TypeMismatch {
@@ -217,8 +219,8 @@ impl Ground {
         }
     }
 
-    /// As what to open a service that was made for an equal type of another name: the type of
-    /// another component's module with the same members (genom3.md 4.9).
+    /// The wire type with which to open a service that was created for an equal type of another
+    /// name, such as a type with the same members in another component's module (genom3.md 4.9).
     fn equal(&self, name: &ServiceName, ty: &DataType, wire: &Wire) -> Option<Wire> {
         let details =
             <Ipc as Service>::details(name, self.node.config(), MessagingPattern::PublishSubscribe);
@@ -237,7 +239,7 @@ impl Ground {
         Some(OpenError::TypeMismatch { address: at.clone(), ours: type_of_port(ty), theirs })
     }
 
-    /// A writer's end of a service, the only one it has.
+    /// Creates the publisher of a service; a service has only one.
     pub(crate) fn writer(
         &self,
         at: &Address,
@@ -248,8 +250,8 @@ impl Ground {
         if service.dynamic_config().number_of_publishers() > 0 {
             return Err(taken());
         }
-        // Enough for one reader that never reads, one sample in each other's hand, the last value
-        // and the one being written; for small types, enough for all readers that never read.
+        // Enough samples for one reader that never reads, one held by each other reader, the last
+        // value and the one being written. Small types get enough for all readers never to read.
         let depth = service.static_config().subscriber_max_buffer_size();
         let needed = depth + self.options.readers + 4;
         let affordable = SAMPLE_BYTES / if wire.slice { FIRST_ROOM } else { wire.size.max(64) };

@@ -1,4 +1,4 @@
-//! What all that is opened from one node shares.
+//! State shared by everything that is opened from one node.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use crate::ground::Ground;
 use crate::upkeep::Upkeep;
 use crate::watch::Watch;
 
-/// Removes what others left, when the node is gone.
+/// After the node is dropped, removes what others left.
 struct Last(Watch);
 
 impl Drop for Last {
@@ -15,12 +15,12 @@ impl Drop for Last {
     }
 }
 
-/// A node, and the threads that look after what is opened from it.
+/// A node, and the threads that maintain what is opened from it.
 pub(crate) struct Inner {
-    /// Its thread is stopped before the node goes.
+    /// Its thread is stopped before the node is dropped.
     pub(crate) upkeep: Upkeep,
     pub(crate) ground: Arc<Ground>,
-    /// Looks after the end of the node, too.
+    /// Also covers dropping the node.
     _last: Last,
 }
 

@@ -1,20 +1,20 @@
-//! Ports over shared memory, by iceoryx2.
+//! Ports and services over shared memory, using iceoryx2.
 //!
-//! A port is the iceoryx2 publish-subscribe service `<instance>/<port>`. Types of fixed size
-//! travel in their C layout under a stable type name ([`typing`]), so that a peer that only knows
-//! iceoryx2 reads and writes them; others travel as CDR in a byte slice.
+//! A port is the iceoryx2 publish-subscribe service `<instance>/<port>`. Types of fixed size are
+//! sent in their C layout under a stable type name ([`typing`]), so that programs that use only
+//! iceoryx2 can read and write them; other types are sent as CDR in a byte slice.
 //!
-//! Writing costs one small allocation, which is iceoryx2's own: each loan of 0.10 makes a counted
-//! handle on the heap, whatever the interface it is asked by, and its allocator cannot be chosen
-//! yet (eclipse-iceoryx/iceoryx2#101). Reading costs none. Values of variable size are encoded in
-//! the loan itself.
+//! Writing makes one small allocation, inside iceoryx2: each loan of 0.10 allocates a
+//! reference-counted handle, through every interface, and its allocator cannot be chosen yet
+//! (eclipse-iceoryx/iceoryx2#101). Reading allocates nothing. Values of variable size are encoded
+//! directly into the loaned sample.
 //!
-//! **No zero-copy out ports.** `data()` of a port has one address for good, and still holds the
-//! last value after `write` (genom3.md 7.8). Loaned memory belongs to the readers once it is sent:
-//! the codel would have to go on in another loan, at another address, with the last value copied
-//! into it. That is the very copy a loan would save.
+//! **No zero-copy out ports.** `data()` of a port always has the same address, and still holds the
+//! last value after `write` (genom3.md 7.8). Loaned memory belongs to the readers once it is sent,
+//! so the codel would have to continue in another loan, at another address, with the last value
+//! copied into it: the very copy that a loan should save.
 //!
-//! The `unsafe` code is `raw`, which is also all that uses iceoryx2's interface for types known
+//! The `unsafe` code is in `raw`, the only module that uses iceoryx2's interface for types known
 //! only at run time.
 
 mod attain;

@@ -1,10 +1,10 @@
-//! Which limit of the system an error of iceoryx2 comes from: it names none itself. That of open
-//! files, which all middlewares may reach, is named by who uses them.
+//! Finds out which limit of the system caused an error of iceoryx2, which does not say so. The
+//! limit of open files is reported by the users of this crate, since any middleware may reach it.
 
-/// A port or service that fails needs so many maps at most.
+/// Greatest number of memory maps that opening a port or service needs.
 const MAPS: u64 = 8;
 
-/// Its own words, and the limit that this process is at, with the way out.
+/// The error text, followed by the limit that this process has reached and how to raise it.
 pub(crate) fn explained(why: &str) -> String {
     let maps = std::fs::read("/proc/self/maps").unwrap_or_default();
     let maps = maps.iter().filter(|byte| **byte == b'\n').count() as u64;

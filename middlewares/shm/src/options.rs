@@ -1,4 +1,4 @@
-//! What can be chosen when the middleware is opened.
+//! Options for opening the middleware.
 
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -7,37 +7,37 @@ use serde::Deserialize;
 
 use crate::error::ShmError;
 
-/// `[backends.shm]`; `configs/shm.toml` explains it.
+/// Section `[backends.shm]` of the configuration; `configs/shm.toml` explains it.
 ///
-/// Peers meet when prefix and root are the same. Left out, they are those of iceoryx2's
-/// configuration file, or, where it says nothing, this user's own
+/// Programs with the same prefix and root see each other. The defaults are those of iceoryx2's
+/// configuration file or, if it sets none, folders and names of this user
 /// ([`default_prefix`](crate::default_prefix), [`default_root`](crate::default_root)).
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Start of the names of all files and shared memory.
+    /// Prefix of the names of all files and shared memory segments.
     pub prefix: Option<String>,
-    /// Folder of the files that say what exists.
+    /// Folder of iceoryx2's files that describe nodes and services.
     pub root: Option<PathBuf>,
-    /// Readers a port may have. The first who opens a port decides for all.
+    /// Greatest number of readers of a port. Whoever opens a port first decides for all.
     pub readers: usize,
-    /// Unread samples a reader may hold. The first who opens a port decides for all.
+    /// Greatest number of unread samples per reader. Whoever opens a port first decides for all.
     pub depth: usize,
-    /// Name of the node that others see. No key.
+    /// Name of the node, visible to others. Not a key of the configuration.
     #[serde(skip)]
     pub node: String,
-    /// Bytes of shared memory that are left to others, and to small samples: no port is opened and
-    /// no large sample written beyond, since the system ends who writes where nothing is left. No
-    /// key.
+    /// Bytes of shared memory that must stay free for other programs and for small samples. Below
+    /// that, opening a port and writing a large sample are refused, because Linux kills (SIGBUS) a
+    /// process that writes where no memory is left. Not a key of the configuration.
     #[serde(skip)]
     pub keep_free: u64,
 }
 
 impl Options {
-    /// Greatest number of readers, and of unread samples of one.
+    /// Greatest valid number of readers, and of unread samples per reader.
     pub const MOST: usize = 1024;
 
-    /// Whether the numbers are such that iceoryx2 can make a port of them.
+    /// Checks that iceoryx2 can create ports with these numbers.
     pub(crate) fn check(&self) -> Result<(), ShmError> {
         let within = |key, value: usize, range: RangeInclusive<usize>| {
             let (least, most) = (*range.start(), *range.end());

@@ -1,7 +1,7 @@
-//! The last value of a port that nobody reads, kept in ordinary memory until somebody does.
+//! Keeps the last value of a port without readers in ordinary memory until there is a reader.
 //!
-//! The writer parks values, and another thread takes the newest when a reader comes. Neither
-//! waits: there are two places, the thread holds one of them at most, and the writer takes the
+//! The writer stores values, and another thread takes the newest when a reader appears. Neither
+//! waits: there are two places, of which the thread holds at most one, and the writer uses the
 //! other.
 
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,23 +14,23 @@ pub(crate) struct Parked {
 }
 
 struct Place {
-    /// When its value was parked, from 1; 0 for never. Apart from the value, so that the thread
-    /// that takes the newest locks that one only.
+    /// Rank at which the value was stored, from 1; 0 if never. Outside the lock, so that the thread
+    /// that takes the newest value locks only that place.
     rank: AtomicU64,
     bytes: Mutex<Vec<u8>>,
 }
 
 impl Parked {
-    /// For values of this size, or of any.
+    /// For values of this size in bytes, or of any size.
     pub(crate) fn new(size: Option<usize>) -> Self {
-        // The system gives zeroed memory of some size when it is first written.
+        // Zeroed memory of a known size; the system provides its pages when they are first written.
         let place =
             || Place { rank: AtomicU64::new(0), bytes: Mutex::new(vec![0; size.unwrap_or(0)]) };
         Self { places: [place(), place()] }
     }
 
-    /// Keeps a value; allocates nothing for types of fixed size. Called by one thread at a time,
-    /// with a greater rank each time.
+    /// Stores a value. Allocates nothing for types of fixed size. Called by one thread at a time,
+    /// with increasing ranks.
     pub(crate) fn park(&self, value: Value<'_>, rank: u64) -> Result<(), SendError> {
         for place in &self.places {
             let mut bytes = match place.bytes.try_lock() {
@@ -56,16 +56,16 @@ impl Parked {
         Err(SendError::Refused)
     }
 
-    /// Hands over the newest value that was parked after the one of this rank; its own rank.
+    /// Passes the newest value to `to` if its rank is greater than `after`, and returns its rank.
     ///
-    /// Called by one thread at a time, again when something was parked meanwhile: a place that is
-    /// being written is passed over.
+    /// Called by one thread at a time, and again whenever a value was stored meanwhile: a place
+    /// that is being written is skipped.
     pub(crate) fn newest(&self, after: u64, to: impl FnOnce(&[u8])) -> u64 {
         let newest = self.places.iter().max_by_key(|place| place.rank.load(Ordering::Acquire));
         if let Some(place) = newest
             && let Ok(bytes) = place.bytes.try_lock()
         {
-            // As it is now: another value may have come before the lock was taken.
+            // Read again: another value may have been stored before the lock was taken.
             let rank = place.rank.load(Ordering::Acquire);
             if rank > after {
                 to(&bytes);
@@ -75,7 +75,7 @@ impl Parked {
         after
     }
 
-    /// Gives the memory back.
+    /// Frees the memory.
     pub(crate) fn forget(&self) {
         for place in &self.places {
             if let Ok(mut bytes) = place.bytes.try_lock() {

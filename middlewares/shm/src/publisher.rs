@@ -10,13 +10,13 @@ use crate::raw::{SendError, Value};
 use crate::room::{WAY_OUT, Written};
 use crate::writer::Core;
 
-/// The writer. Its drop takes the core from the upkeep thread first.
+/// The writer. Dropping it first removes the core from the upkeep thread.
 struct ShmPublisher {
     core: Arc<Core>,
     inner: Arc<Inner>,
     dropped: u64,
     written: Written,
-    /// Whether the last sample found no room: told once.
+    /// Whether the last sample found no memory; reported once.
     full: bool,
 }
 

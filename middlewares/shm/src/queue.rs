@@ -1,8 +1,9 @@
-//! Queues that keep their oldest samples.
+//! Connections with policy `queue`, which keep their oldest samples.
 //!
-//! A port's own service overwrites the oldest unread sample, as `latest` and `ring` want. Readers
-//! with a queue get a second service that refuses new samples when full; the writer joins it only
-//! when such a reader is there. The reader shows it by the name of its end on the port itself.
+//! A port's own service overwrites the oldest unread sample, as policies `latest` and `ring` need.
+//! Readers with policy `queue` use a second service, which refuses new samples when full; the
+//! writer joins it only when there is such a reader. A reader shows that it is one by the name of
+//! its subscriber on the port's own service.
 
 use std::sync::Arc;
 
@@ -15,17 +16,17 @@ use crate::ground::{Ground, Shape};
 use crate::raw::{RawPublisher, RawService, RawSubscriber};
 use crate::typing::Wire;
 
-/// Start of the names of queue services.
+/// Prefix of the names of queue services.
 pub(crate) const PREFIX: &str = "genom.queue/";
 
-/// Name of the end that a reader with a queue has on the port itself.
+/// Name of the subscriber that a reader with policy `queue` has on the port's own service.
 const MARK: &str = "genom.queue";
 
 pub(crate) fn mark() -> Option<PortName> {
     PortName::new(MARK).ok()
 }
 
-/// Whether some reader of the port has a queue.
+/// Whether some reader of the port has policy `queue`.
 pub(crate) fn wanted(service: &RawService) -> bool {
     let mark = mark();
     let mut found = false;
@@ -49,7 +50,7 @@ fn open(
     ground.service(at, &format!("{PREFIX}{at}"), ty, shape)
 }
 
-/// The writer's end.
+/// Creates the writer's end.
 pub(crate) fn join(
     ground: &Ground,
     at: &Address,
@@ -84,7 +85,7 @@ impl Queue {
         Ok(Self { service, subscriber })
     }
 
-    /// Whether the writer fills it.
+    /// Whether the writer has joined.
     pub(crate) fn is_joined(&self) -> bool {
         self.service.dynamic_config().number_of_publishers() > 0
     }

@@ -1,9 +1,10 @@
-//! All that uses iceoryx2's interface for types known only at run time. Pinned to one version.
+//! All uses of iceoryx2's interface for types known only at run time, which is pinned to one
+//! version.
 //!
-//! Beside that, samples of ours carry a [`Stamp`], so that readers can count what they lost:
-//! iceoryx2 does not tell. In fixed-size samples it lies in the gap between iceoryx2's header and
-//! a payload aligned to 64 bytes, which nobody else uses; in slices it is the last 16 bytes.
-//! A peer that only knows iceoryx2 neither sees it nor has to write it.
+//! Our samples also carry a [`Stamp`], so that readers can count lost samples, which iceoryx2 does
+//! not report. In samples of fixed size it lies in the gap between iceoryx2's header and a payload
+//! aligned to 64 bytes, which nothing else uses; in slices it is the last 16 bytes. Programs that
+//! use only iceoryx2 neither see it nor have to write it.
 
 use std::mem::size_of;
 
@@ -21,7 +22,7 @@ use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVar
 use crate::room::Written;
 use crate::typing::Wire;
 
-/// Everything of ours may move between threads.
+/// iceoryx2's variant whose ports may move between threads.
 pub(crate) type Ipc = ipc_threadsafe::Service;
 pub(crate) type RawService = PubSubFactory<Ipc, [CustomPayloadMarker], CustomHeaderMarker>;
 pub(crate) type RawPublisher = Publisher<Ipc, [CustomPayloadMarker], CustomHeaderMarker>;
@@ -29,27 +30,27 @@ pub(crate) type RawSubscriber = Subscriber<Ipc, [CustomPayloadMarker], CustomHea
 pub(crate) type RawSample = Sample<Ipc, [CustomPayloadMarker], CustomHeaderMarker>;
 pub(crate) type RawBuilder = Builder<[CustomPayloadMarker], CustomHeaderMarker, Ipc>;
 
-/// Alignment of payloads in services of ours: leaves a gap after the 48 bytes of the header.
+/// Alignment in bytes of payloads in our services: leaves a gap after the 48 bytes of the header.
 const ALIGN: usize = 64;
 
-/// Bytes of a stamp.
+/// Size of a stamp in bytes.
 const STAMP: usize = 16;
 const _: () = assert!(STAMP >= genom_types::cdr::SLACK);
 
-/// Tells stamps from whatever else may lie there.
+/// Distinguishes stamps from other bytes in their place.
 const MAGIC: u32 = u32::from_ne_bytes(*b"gn3\x01");
 
-/// Which sample it is.
+/// Identifies a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Stamp {
-    /// Tells the publisher from those before it under the same address; the same on all services
-    /// it writes to.
+    /// Identifies the publisher, also among earlier ones at the same address; the same on all
+    /// services that it writes to.
     pub(crate) writer: u32,
-    /// Number among the samples of that publisher, from 1.
+    /// Number of the sample among those of its publisher, from 1.
     pub(crate) number: u64,
 }
 
-/// What stamps call the publisher of this id.
+/// The form in which stamps hold the id of a publisher.
 pub(crate) fn short(id: u128) -> u32 {
     (id ^ (id >> 32) ^ (id >> 64) ^ (id >> 96)) as u32
 }
@@ -75,17 +76,17 @@ impl Stamp {
 /// Why a sample was not sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum SendError {
-    /// No memory for it: readers hold all samples.
+    /// No sample memory is free: the readers hold all samples.
     Full,
-    /// It cannot be encoded.
+    /// The value cannot be encoded.
     Serialization,
     /// Shared memory is full.
     NoRoom,
-    /// iceoryx2 refused.
+    /// iceoryx2 refused it.
     Refused,
 }
 
-/// A builder for a service of this type: to open one when `own` is false, to create one else.
+/// A builder for a service of this type: for creating one if `own`, else for opening one.
 pub(crate) fn builder(
     node: &Node<Ipc>,
     name: &ServiceName,
@@ -93,7 +94,7 @@ pub(crate) fn builder(
     own: bool,
 ) -> Option<RawBuilder> {
     let variant = if wire.slice { TypeVariant::Dynamic } else { TypeVariant::FixedSize };
-    // The alignment of an element pads each of a slice: those keep their own.
+    // In slices the alignment applies to each element, so they keep their own.
     let align = if own && !wire.slice { wire.align.max(ALIGN) } else { wire.align };
     let size = wire.size.max(1);
     let payload = TypeDetail::__internal_new_from_parts(variant, &wire.name, size, align).ok()?;
@@ -102,7 +103,8 @@ pub(crate) fn builder(
         .service_builder(name)
         .publish_subscribe::<[CustomPayloadMarker]>()
         .user_header::<CustomHeaderMarker>();
-    // SAFETY: the details are the type's own; every access to a payload below goes by them.
+    // SAFETY: the details describe the type itself, and every access to a payload below follows
+    // them.
     Some(unsafe {
         builder
             .__internal_set_payload_type_details(&payload)
@@ -110,7 +112,7 @@ pub(crate) fn builder(
     })
 }
 
-/// Opens a service whatever its type is, only to look at it.
+/// Opens a service of any type, only to inspect it.
 pub(crate) fn open_to_look(
     node: &Node<Ipc>,
     name: &ServiceName,
@@ -121,7 +123,7 @@ pub(crate) fn open_to_look(
         .service_builder(name)
         .publish_subscribe::<[CustomPayloadMarker]>()
         .user_header::<CustomHeaderMarker>();
-    // SAFETY: the details are those of the service itself, and no port is made from it.
+    // SAFETY: the details are those of the service itself, and no port is created from it.
     unsafe {
         builder
             .__internal_set_payload_type_details(payload)
@@ -135,13 +137,13 @@ pub(crate) fn open_to_look(
 pub(crate) enum Value<'a> {
     /// A value in its C layout, which has the size of the type.
     Plain(&'a [u8]),
-    /// A value to be encoded, for slices, and the bytes of its message.
+    /// A value to be encoded, for slices, with the size of its message in bytes.
     Message(&'a Record, usize),
-    /// A message, for slices.
+    /// An encoded message, for slices.
     Encoded(&'a [u8]),
 }
 
-/// Publishes a copy of a value, which is encoded where it is published.
+/// Publishes a copy of a value; encodes it directly into the sample.
 pub(crate) fn send(
     publisher: &RawPublisher,
     wire: &Wire,
@@ -157,7 +159,8 @@ pub(crate) fn send(
     if matches!(value, Value::Plain(_)) == wire.slice {
         return Err(SendError::Refused);
     }
-    // SAFETY: more than one element for slices only; the payload is written in full below.
+    // SAFETY: there is more than one element only in slices, and the payload is written in full
+    // below.
     let loan = unsafe { publisher.loan_custom_payload(elements) };
     let mut sample = loan.map_err(|error| match error {
         iceoryx2::port::LoanError::OutOfMemory | iceoryx2::port::LoanError::ExceedsMaxLoans => {
@@ -177,21 +180,22 @@ pub(crate) fn send(
             if count != elements {
                 return Err(SendError::Refused);
             }
-            // SAFETY: a marker is one byte, and the loan is ours alone.
+            // SAFETY: the element type has a size of one byte, and nobody else accesses the loan.
             let room = unsafe { std::slice::from_raw_parts_mut(to.cast(), count) };
-            // The stamp's place is the slack that encoding may use.
+            // Encoding may use the place of the stamp as slack.
             let written = record.encode_message_to(room).map_err(|_| SendError::Serialization)?;
             if written != size {
                 return Err(SendError::Serialization);
             }
-            // SAFETY: the slice has room for the message and the stamp.
+            // SAFETY: the slice has space for the message and the stamp.
             unsafe { to.add(size).copy_from_nonoverlapping(mark.as_ptr(), STAMP) };
         }
         Value::Encoded(message) => {
             if count != elements {
                 return Err(SendError::Refused);
             }
-            // SAFETY: the slice has room for the message and the stamp, and is ours alone.
+            // SAFETY: the slice has space for the message and the stamp, and nobody else accesses
+            // it.
             unsafe {
                 to.copy_from_nonoverlapping(message.as_ptr(), message.len());
                 to.add(message.len()).copy_from_nonoverlapping(mark.as_ptr(), STAMP);
@@ -201,8 +205,8 @@ pub(crate) fn send(
             if payload.len() != wire.size || count < payload.len() {
                 return Err(SendError::Refused);
             }
-            // SAFETY: the payload has room for a value of the type; when there is a gap before
-            // it, the gap is part of the same chunk, which is ours until it is sent.
+            // SAFETY: the payload has space for a value of the type. The gap before it, if there is
+            // one, is part of the same chunk, which only this side accesses until it is sent.
             unsafe {
                 to.copy_from_nonoverlapping(payload.as_ptr(), payload.len());
                 if has_gap(header, to as usize) {
@@ -216,7 +220,7 @@ pub(crate) fn send(
     sample.send().map(|_| ()).map_err(|_| SendError::Refused)
 }
 
-/// Whether a stamp fits between the header and the payload.
+/// Whether there is space for a stamp between the header and the payload.
 fn has_gap(header: usize, payload: usize) -> bool {
     payload.saturating_sub(header) >= size_of::<Header>() + STAMP
 }
@@ -226,8 +230,8 @@ pub(crate) fn open_sample<'a>(sample: &'a RawSample, wire: &Wire) -> (&'a [u8], 
     let header = std::ptr::from_ref(sample.header()) as usize;
     let payload = sample.payload();
     let at = payload.as_ptr().cast::<u8>();
-    // SAFETY: a marker is one byte, and publishers write samples in full before they send them;
-    // a sample is not written while somebody holds it.
+    // SAFETY: the element type has a size of one byte. Publishers write samples in full before they
+    // send them, and a sample is not written while somebody holds it.
     let bytes = unsafe { std::slice::from_raw_parts(at, payload.len()) };
     if wire.slice {
         return match bytes.split_last_chunk::<STAMP>() {
@@ -240,8 +244,8 @@ pub(crate) fn open_sample<'a>(sample: &'a RawSample, wire: &Wire) -> (&'a [u8], 
     if !has_gap(header, at as usize) {
         return (bytes, None);
     }
-    // SAFETY: the gap lies within the sample's chunk. It is zero until a publisher of ours
-    // writes it, since iceoryx2 clears new memory.
+    // SAFETY: the gap is part of the sample's chunk. It is initialised: iceoryx2 zeroes new memory,
+    // and only our publishers write there.
     let mark = unsafe { &*at.sub(STAMP).cast::<[u8; STAMP]>() };
     (bytes, Stamp::from_bytes(mark))
 }

@@ -1,6 +1,6 @@
-//! Ownership and rights of files. Every user has a folder and a prefix of their own that others can
-//! neither enter nor write: by cutting a segment they could end or hang every process that has it
-//! open.
+//! Ownership and permissions of files. Each user has a folder and a prefix that others can neither
+//! read nor write: by truncating a segment they could end or block every process that has it
+//! mapped.
 
 use std::fs::{self, DirBuilder, Metadata, Permissions};
 use std::io;
@@ -12,11 +12,11 @@ use iceoryx2::prelude::Config;
 use crate::error::ShmError;
 use crate::heal::Places;
 
-/// Rights of group and others to change a folder.
+/// Mode bits that let group or others change a folder.
 const OTHERS_WRITE: u32 = 0o022;
 
-/// The folder of this user's files: `/run/user/<uid>/genomd/iceoryx2`, or
-/// `/tmp/genomd-<uid>/iceoryx2` where there is no such thing as `/run/user`.
+/// Folder of this user's files: `/run/user/<uid>/genomd/iceoryx2`, or `/tmp/genomd-<uid>/iceoryx2`
+/// if there is no `/run/user/<uid>`.
 #[must_use]
 pub fn default_root() -> PathBuf {
     let user = user();
@@ -29,7 +29,7 @@ pub fn default_root() -> PathBuf {
     base.join("iceoryx2")
 }
 
-/// The start of the names of this user's segments: `/dev/shm` is everybody's.
+/// Prefix of this user's segments. It names the user because `/dev/shm` is shared by all.
 #[must_use]
 pub fn default_prefix() -> String {
     format!("genomd_{}_", user())
@@ -39,24 +39,24 @@ fn user() -> u32 {
     rustix::process::geteuid().as_raw()
 }
 
-/// Whether iceoryx2's own configuration file says where to meet.
+/// Whether iceoryx2's configuration file sets the prefix or the root.
 pub(crate) fn is_told(config: &Config) -> bool {
     let own = Config::default();
     config.global.prefix != own.global.prefix || config.global.root_path() != own.global.root_path()
 }
 
-/// Makes the folder, and refuses what belongs to somebody else or that others may change.
+/// Creates the folder. Refuses one that belongs to another user or that others may change.
 pub(crate) fn prepare(places: &Places) -> Result<(), ShmError> {
     let folder = &places.root;
     let made = DirBuilder::new().recursive(true).mode(0o700).create(folder);
     made.map_err(|error| ShmError::Folder { path: folder.clone(), why: error.to_string() })?;
-    // The folders above that are this user's own as well: `/tmp/genomd-<uid>`.
+    // Includes the parent folders that belong to this user alone, such as `/tmp/genomd-<uid>`.
     let all = [&places.nodes, &places.services].into_iter().map(PathBuf::as_path);
     for path in all.chain([folder.as_path()]).chain(folder.parent()) {
         let Ok(told) = fs::symlink_metadata(path) else { continue };
         let above = Some(path) == folder.parent();
         if above && told.uid() != user() {
-            // `/tmp`, which is everybody's and lets nobody remove what is another's.
+            // A shared folder such as `/tmp`, whose sticky bit protects each user's entries.
             continue;
         }
         own(path, &told)?;
@@ -80,8 +80,8 @@ fn own(path: &Path, told: &Metadata) -> Result<(), ShmError> {
     Err(ShmError::Foreign { path: path.to_owned(), owner, mode, user: user() })
 }
 
-/// iceoryx2 makes the counter of nodes writable for all, as it is made for a whole machine; that
-/// of a user is the user's.
+/// Removes the permissions of others from the node counter, which iceoryx2 makes writable for
+/// everybody because it expects one per machine. Ours is per user.
 pub(crate) fn close(places: &Places) -> io::Result<()> {
     for file in counters(places) {
         fs::set_permissions(file, Permissions::from_mode(0o600))?;

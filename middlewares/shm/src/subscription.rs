@@ -16,9 +16,9 @@ use crate::raw::{self, RawSample, RawService, RawSubscriber, Stamp};
 use crate::typing::{Wire, wire};
 use crate::upkeep::PERIOD;
 
-/// The reader. Fields go in order: ends of services before the node.
+/// The reader. Fields are dropped in order: ends of services before the node.
 struct ShmSubscription {
-    /// The last value of the writer when this reader came, which it reads first.
+    /// The writer's last value when this reader was opened; it is read first.
     start: Option<RawSample>,
     /// The newest sample on the port, kept until the queue is joined.
     held: Option<RawSample>,
@@ -26,20 +26,20 @@ struct ShmSubscription {
     subscriber: RawSubscriber,
     _service: Arc<RawService>,
     values: Values,
-    /// Whether every sample counts, or only the newest.
+    /// Whether only the newest sample counts (policy `latest`).
     latest: bool,
     _inner: Arc<Inner>,
 }
 
-/// What was read so far.
+/// State of what was read so far.
 struct Values {
     wire: Wire,
-    /// Where values of variable size are decoded, so that a bad one spoils nothing.
+    /// Values of variable size are decoded here first, so that a failure changes nothing.
     scratch: Option<Record>,
-    /// The last sample read or given up.
+    /// Stamp of the last sample that was read or given up.
     last: Option<Stamp>,
-    /// The publisher that was there before this reader, when it is not known which of its samples
-    /// came before it, too. All samples of other publishers came after it.
+    /// The publisher that existed before this reader, while it is unknown which of its samples came
+    /// before the reader. All samples of other publishers came after it.
     unsure: Option<u32>,
     any: bool,
     dropped: u64,
@@ -72,7 +72,7 @@ pub(crate) fn open(
             ),
         });
     }
-    // The queue is there before the writer is told that it is wanted.
+    // Create the queue before the writer is told that one is wanted.
     let queue = match policy {
         Policy::Queue(_) => Some(Queue::new(ground, at, ty, shape, wanted)?),
         _ => None,
@@ -112,8 +112,8 @@ pub(crate) fn open(
     })
 }
 
-/// The last value of the writer, if it wrote any. That of another daemon connects readers within
-/// a period, and sends it then.
+/// The last value of the writer, if it has written. The upkeep thread of another daemon connects
+/// readers within one period, and sends the value then.
 fn last_value(subscriber: &RawSubscriber, connected: bool) -> Option<RawSample> {
     let end = Instant::now() + 2 * PERIOD;
     loop {
@@ -125,7 +125,7 @@ fn last_value(subscriber: &RawSubscriber, connected: bool) -> Option<RawSample> 
     }
 }
 
-/// The publisher of a port, as stamps call it.
+/// The publisher of a port, as stamps identify it.
 fn publisher(service: &RawService) -> Option<u32> {
     let mut found = None;
     service.dynamic_config().list_publishers(|publisher| {
@@ -136,8 +136,8 @@ fn publisher(service: &RawService) -> Option<u32> {
 }
 
 impl Values {
-    /// Places a sample in the order of its writer, and counts those missing before it; whether
-    /// it is new.
+    /// Compares a sample with the last one of its writer, and counts those missing in between.
+    /// Returns whether it is new.
     fn is_next(&mut self, sample: &RawSample) -> bool {
         let Some(stamp) = self.stamp(sample) else { return true };
         let last = match self.last_of(stamp.writer) {
@@ -185,7 +185,7 @@ fn receive(from: &RawSubscriber) -> Result<Option<RawSample>, ReadError> {
 }
 
 impl ShmSubscription {
-    /// The newest sample; those before it are skipped.
+    /// Takes the newest sample; skips those before it.
     fn newest(&mut self) -> Result<Option<RawSample>, ReadError> {
         let mut newest = None;
         while let Some(sample) = receive(&self.subscriber)? {
@@ -194,20 +194,22 @@ impl ShmSubscription {
         Ok(newest)
     }
 
-    /// The oldest sample of the queue. The newest one on the port says where a reader starts,
-    /// and what a full queue refused: writers put a sample into the queue first.
+    /// The oldest sample of the queue. The newest one on the port's own service tells where this
+    /// reader starts and what a full queue refused, since writers put a sample into the queue
+    /// first.
     fn read_queue(&mut self, into: &mut Record) -> Result<Reading, ReadError> {
         if let Some(sample) = self.queued()? {
             return self.values.take(&sample, into);
         }
-        // Looked at before the port: what came before the writer joined is not in the queue.
+        // Check before reading the port: samples from before the writer joined are not in the
+        // queue.
         let joined = self.queue.as_ref().is_some_and(Queue::is_joined);
         if let Some(sample) = self.newest()? {
             self.held = Some(sample);
         }
         let Some(held) = self.held.take() else { return Ok(self.values.nothing()) };
         let Some(stamp) = self.values.stamp(&held) else {
-            // A writer that knows nothing of queues: its newest sample is all there is.
+            // A foreign writer that does not fill queues: only its newest sample is available.
             return self.values.take(&held, into);
         };
         if let Some(sample) = self.queued()? {

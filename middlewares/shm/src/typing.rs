@@ -1,4 +1,4 @@
-//! How IDL types are named and laid out for iceoryx2.
+//! Names and layouts of IDL types in iceoryx2.
 //!
 //! | IDL | type name |
 //! |---|---|
@@ -9,33 +9,33 @@
 //! | `string<n>` | `[i8; n]` |
 //! | `T x[n]` | `[T; n]`, outermost dimension last |
 //! | struct, union, enum, exception | full name without the leading `::`: `demo::state` |
-//! | bounded sequence, optional | IDL spelling, or full name of its typedef, likewise |
-//! | anything of variable size | slice of `u8`: a CDR message (with its encapsulation header), and 16 bytes that CDR readers ignore |
+//! | bounded sequence, optional | IDL spelling, or the full name of its typedef in the same form |
+//! | anything of variable size | slice of `u8`: a CDR message (with its encapsulation header), then 16 bytes that CDR readers ignore |
 //!
-//! A typedef of a named or basic type is that type. These are the names Rust itself gives to the
-//! basic types, so `publish_subscribe::<f64>()` reads a port of type `double`; a `#[repr(C)]`
-//! struct says `#[type_name("demo::state")]`, a Python `ctypes.Structure` has a static
-//! `type_name()`. Size and alignment are those of C; the user header is `()`.
+//! A typedef of a named or basic type has the name of that type. Basic types have Rust's names, so
+//! `publish_subscribe::<f64>()` reads a port of type `double`; a `#[repr(C)]` struct declares
+//! `#[type_name("demo::state")]`, a Python `ctypes.Structure` has a static method `type_name()`.
+//! Size and alignment are those of C; the user header is `()`.
 
 use genom_types::{DataType, Kind};
 
-/// Longest type name iceoryx2 can carry.
+/// Greatest length in bytes of an iceoryx2 type name.
 pub const MAX_NAME: usize = 255;
 
 /// A type as iceoryx2 sees it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Wire {
-    /// Type name of the payload, of its element when it is a slice.
+    /// Type name of the payload, or of one element of a slice.
     pub name: String,
-    /// Size of the payload, or of an element.
+    /// Size in bytes of the payload, or of one element of a slice.
     pub size: usize,
-    /// Alignment of the payload, or of an element.
+    /// Alignment in bytes of the payload, or of one element of a slice.
     pub align: usize,
     /// Whether the payload is a slice.
     pub slice: bool,
 }
 
-/// How values of the type travel.
+/// How values of the type are sent.
 #[must_use]
 pub fn wire(ty: &DataType) -> Wire {
     if ty.is_fixed_size() {
@@ -45,7 +45,7 @@ pub fn wire(ty: &DataType) -> Wire {
     }
 }
 
-/// The type name of a type of fixed size.
+/// The iceoryx2 type name of a type of fixed size.
 #[must_use]
 pub fn type_name(ty: &DataType) -> String {
     let basic = match ty.kind() {

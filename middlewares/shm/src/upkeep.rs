@@ -1,9 +1,9 @@
-//! Connects readers to writers that do nothing.
+//! Connects new readers to writers that are idle.
 //!
-//! iceoryx2 connects a new reader, and hands it the last value, when the writer next publishes. A
-//! port that was written once and for all would never reach late readers. So a thread looks at
-//! the readers of each of our out ports, and makes the connections a writer has not made. It
-//! takes no lock of the writer's unless readers came or went.
+//! iceoryx2 connects a new reader, and sends it the last value, when the writer next publishes.
+//! Late readers of a port that is written only once would never get its value. So a thread checks
+//! the readers of each of our out ports, and makes the missing connections. It takes no lock of the
+//! writer's unless the set of readers changed.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{self, JoinHandle};
@@ -14,7 +14,7 @@ use genom_middleware::{Address, OpenError};
 use crate::watch::Watcher;
 use crate::writer::Core;
 
-/// Longest time a late reader in another process waits for the last value of an idle writer.
+/// Longest time that a late reader in another process waits for the last value of an idle writer.
 pub(crate) const PERIOD: Duration = Duration::from_millis(20);
 
 pub(crate) struct Upkeep {
@@ -44,7 +44,7 @@ impl Shared {
         while !state.stop {
             let busy = watcher.busy();
             for writer in &state.writers {
-                // It tells by itself.
+                // `upkeep` reports its errors itself.
                 let _ = writer.upkeep();
             }
             drop(busy);
@@ -75,12 +75,13 @@ impl Upkeep {
         self.shared.changed.notify_one();
     }
 
-    /// After this the thread holds nothing of the writer.
+    /// Removes a writer; the thread holds nothing of it when this returns.
     pub(crate) fn remove(&self, writer: &Arc<Core>) {
         self.shared.lock().writers.retain(|other| !Arc::ptr_eq(other, writer));
     }
 
-    /// Connects a reader of this daemon at once; whether the writer is of this daemon.
+    /// Connects a new reader in this daemon at once. Returns whether the writer is in this daemon,
+    /// too.
     pub(crate) fn reader_came(&self, at: &Address) -> Result<bool, OpenError> {
         let state = self.shared.lock();
         let Some(writer) = state.writers.iter().find(|writer| writer.is_at(at)) else {

@@ -1,10 +1,10 @@
-//! Keeps what iceoryx2 does within bounds.
+//! Limits how long calls of iceoryx2 may block.
 //!
-//! A process that opens a segment waits until it has bytes: without an end when who made it was
-//! killed, or somebody cut it. Such waits look again for the segment, and end when there is none.
-//! So a thread looks after all that is asked of iceoryx2: when it takes long, the segments without
-//! bytes are removed. Once a second it also looks for nodes whose process was killed, so that
-//! neither peers nor readers wait for a successor to remove what they left.
+//! A process that opens an empty segment waits for it to get a size, without a timeout: for ever if
+//! its creator was killed or somebody truncated it. Such a wait ends when the segment is removed.
+//! So a thread monitors all calls of iceoryx2, and removes empty segments when one takes long. Once
+//! a second it also looks for nodes whose process was killed, so that peers need not wait until the
+//! next daemon starts for their remains to be removed.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -17,32 +17,32 @@ use iceoryx2::prelude::Config;
 
 use crate::heal::{self, Places, Turn};
 
-/// Longer than any call takes that does not wait for another process.
+/// Longer than any call that does not wait for another process.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// Who made a segment without bytes and lives has had this long.
+/// How long a living process may leave a segment empty.
 const HOPELESS: Duration = Duration::from_secs(1);
 
-/// Between two looks at something that takes long.
+/// Interval between checks of a call that takes long.
 const TICK: Duration = Duration::from_millis(20);
 
-/// Between two looks for nodes whose process is gone.
+/// Interval between checks for nodes whose process is gone.
 const PERIOD: Duration = Duration::from_secs(1);
 
-/// The thread, and what it looks after.
+/// The thread, and what it monitors.
 #[derive(Debug)]
 pub(crate) struct Watch {
     watcher: Watcher,
     thread: Option<JoinHandle<()>>,
 }
 
-/// What asks it to look.
+/// Handle by which others report calls and request passes.
 #[derive(Clone, Debug)]
 pub(crate) struct Watcher {
     shared: Arc<Shared>,
 }
 
-/// Something that is under way.
+/// A call in progress.
 #[derive(Debug)]
 pub(crate) struct Busy<'a> {
     shared: &'a Shared,
@@ -55,7 +55,7 @@ struct Shared {
     places: Places,
     state: Mutex<State>,
     changed: Condvar,
-    /// Whether a pass is under way on a thread of its own.
+    /// Whether a pass is running on a separate thread.
     healing: AtomicBool,
 }
 
@@ -100,18 +100,18 @@ impl Drop for Watch {
 }
 
 impl Watcher {
-    /// Looks after what is done until the result is dropped.
+    /// Monitors a call until the result is dropped.
     pub(crate) fn busy(&self) -> Busy<'_> {
         let mut state = self.shared.lock();
         let number = state.next;
         state.next += 1;
-        // The watching thread is not woken: that would cost more than most of what is begun here.
+        // The watching thread is not woken: that would cost more than most of the calls.
         state.begun.insert(number, Instant::now());
         drop(state);
         Busy { shared: &self.shared, number }
     }
 
-    /// Removes what processes left that were killed; whether there was one.
+    /// Removes what killed processes left. Returns whether there was a killed one.
     pub(crate) fn heal(&self) -> bool {
         let _busy = self.busy();
         let places = &self.shared.places;
@@ -124,7 +124,8 @@ impl Watcher {
         }
     }
 
-    /// The same when the process of some node is gone, which a few system calls a node tell.
+    /// Does the same if the process of some node is gone, which takes a few system calls per node
+    /// to find out.
     pub(crate) fn heal_dead(&self) -> bool {
         heal::somebody_died(&self.shared.places) && self.heal()
     }
@@ -164,7 +165,8 @@ impl Watcher {
         }
     }
 
-    /// A pass on a thread of its own: this one must not wait for what it is to unblock.
+    /// Runs a pass on a separate thread, since this one must not wait for what the pass may
+    /// unblock.
     fn heal_apart(&self) {
         if self.shared.healing.swap(true, Ordering::AcqRel) {
             return;
@@ -192,8 +194,8 @@ impl Drop for Busy<'_> {
     }
 }
 
-/// Removes segments without bytes: at once when a dead process has to do with them, and those of
-/// the living when they were `empty` for long; who makes one is done with it at once.
+/// Removes empty segments: at once if a dead process is involved, else if they have been `empty`
+/// for long, since a living process sets the size right after creating one.
 fn unblock(places: &Places, empty: &mut BTreeMap<PathBuf, Instant>) {
     let now = heal::empty_segments(places);
     empty.retain(|file, _| now.iter().any(|(found, _)| found == file));

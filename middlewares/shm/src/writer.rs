@@ -1,10 +1,10 @@
-//! What the writer of a port shares with the upkeep thread: its ends, and who reads them.
+//! State that the writer of a port shares with the upkeep thread: its ends, and who reads them.
 //!
-//! A port that nobody reads has a service, so that readers of any make find it, but no publisher:
-//! that would cost descriptors and memory. Its last value is parked. When a reader comes, the
-//! upkeep thread makes the publisher, which connects the reader, sends it the value, and opens
-//! the gate: from then on the writer sends by itself. At any time one of the two may send, and
-//! neither waits for the other.
+//! A port without readers has a service, so that readers of any make find it, but no publisher,
+//! which would cost file descriptors and memory. Its last value is parked
+//! ([`parked`](crate::parked)). When a reader appears, the upkeep thread creates the publisher,
+//! which connects the reader, sends it the value, and opens the gate: from then on the writer sends
+//! directly. At any time only one of the two may send, and neither waits for the other.
 
 use std::sync::atomic::{AtomicBool, AtomicU8, AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
@@ -24,22 +24,22 @@ use crate::typing::{Wire, wire};
 
 /// Gate: the writer parked a value that the upkeep thread may not have seen.
 const FRESH: u8 = 1;
-/// Gate: the writer sends by itself.
+/// Gate: the writer sends directly.
 const OPEN: u8 = 2;
 
-/// What the writer shares with the upkeep thread.
+/// State that the writer shares with the upkeep thread.
 pub(crate) struct Core {
-    /// Set by the upkeep thread when a reader wants a queue.
+    /// Set by the upkeep thread when a reader with policy `queue` appears.
     queue: OnceLock<RawPublisher>,
-    /// Set by the upkeep thread when a reader comes.
+    /// Set by the upkeep thread when a reader appears.
     out: OnceLock<Out>,
     gate: AtomicU8,
     parked: Parked,
-    /// Values that were parked so far.
+    /// Number of values parked so far.
     rank: AtomicU64,
-    /// The last of them that the upkeep thread sent.
+    /// Rank of the last parked value that the upkeep thread sent.
     sent_parked: AtomicU64,
-    /// Samples that were sent so far.
+    /// Number of samples sent so far.
     sent: AtomicU64,
     service: Arc<RawService>,
     ground: Arc<Ground>,
@@ -47,13 +47,13 @@ pub(crate) struct Core {
     pub(crate) ty: DataType,
     pub(crate) wire: Wire,
     shape: Shape,
-    /// Which readers were there when connections were last made.
+    /// Which readers existed when connections were last made.
     readers: AtomicU64,
-    /// Whether the last reader could not be connected: told once.
+    /// Whether the last reader could not be connected; reported once.
     failing: AtomicBool,
 }
 
-/// The publisher, and what its samples are stamped with.
+/// The publisher, and the id in the stamps of its samples.
 struct Out {
     publisher: RawPublisher,
     writer: u32,
@@ -73,7 +73,7 @@ impl Core {
             tracing::warn!(port = %at, "the peer that made this port keeps no last value: readers that come late wait for the next one");
         }
         let writers = || service.dynamic_config().number_of_publishers();
-        // The writer may be one that was killed.
+        // The existing writer may have been killed.
         if writers() > 0 {
             let _ = ground.watcher.heal_dead();
             if writers() > 0 {
@@ -105,12 +105,12 @@ impl Core {
         self.at == *at
     }
 
-    /// Whether values of one size only are written, and which.
+    /// Size in bytes of the values, if all have the same.
     pub(crate) fn size(&self) -> Option<usize> {
         (!self.wire.slice).then_some(self.wire.size)
     }
 
-    /// Connects readers that came since the last time, and joins their queue. Called by one
+    /// Connects readers that appeared since the last call, and joins their queue. Called by one
     /// thread at a time.
     pub(crate) fn upkeep(&self) -> Result<(), OpenError> {
         let mut readers = 0u64;
@@ -126,7 +126,7 @@ impl Core {
         match &connected {
             Ok(()) => self.failing.store(false, Ordering::Relaxed),
             Err(error) => {
-                // Tried again the next time.
+                // So that it is tried again next time.
                 self.readers.store(0, Ordering::Relaxed);
                 if !self.failing.swap(true, Ordering::Relaxed) {
                     tracing::warn!(port = %self.at, %error, "cannot connect a reader");
@@ -153,9 +153,9 @@ impl Core {
         }
     }
 
-    /// Makes the publisher, and lets the writer send.
+    /// Creates the publisher, and lets the writer send.
     fn open_gate(&self) -> Result<(), OpenError> {
-        // This connects all readers.
+        // Creating it connects all readers.
         let publisher = self.ground.writer(&self.at, &self.service, &self.wire)?;
         let writer = raw::short(publisher.id().value());
         drop(self.out.set(Out { publisher, writer }));
@@ -180,18 +180,18 @@ impl Core {
         Ok(())
     }
 
-    /// Sends a sample to all readers, or parks it while there are none; `written` remembers what
-    /// has its memory. Called by one thread at a time.
+    /// Sends a sample to all readers, or parks it while there are none. `written` remembers which
+    /// samples have memory. Called by one thread at a time.
     pub(crate) fn send(&self, value: Value<'_>, written: &mut Written) -> Result<(), SendError> {
         if self.gate.load(Ordering::Acquire) & OPEN == 0 {
             let rank = self.rank.fetch_add(1, Ordering::Relaxed) + 1;
             let parked = self.parked.park(value, rank);
-            // Who opens the gate after this has seen the value.
+            // If the gate is opened after this, whoever opens it has seen the value.
             if self.gate.fetch_or(FRESH, Ordering::AcqRel) & OPEN == 0 {
                 return parked;
             }
-            // It was opened meanwhile: the value was sent from where it was parked, or it came
-            // too late for that and is sent here.
+            // The gate was opened meanwhile. Either the parked value was sent then, or it was
+            // parked too late for that and is sent here.
             if self.sent_parked.load(Ordering::Relaxed) == rank {
                 return Ok(());
             }
@@ -203,14 +203,14 @@ impl Core {
         let Some(out) = self.out.get() else { return Err(SendError::Refused) };
         let number = self.sent.load(Ordering::Relaxed) + 1;
         let stamp = Stamp { writer: out.writer, number };
-        // The queue first: a reader that sees a sample on the port knows that the queue has it,
-        // or refused it.
+        // The queue first: a reader that sees a sample on the port can rely on the queue having
+        // stored or refused it.
         let queued = match self.queue.get() {
             Some(queue) => raw::send(queue, &self.wire, value, stamp, written),
             None => Ok(()),
         };
         let sent = raw::send(&out.publisher, &self.wire, value, stamp, written).and(queued);
-        // What cannot be encoded is no sample that a reader could miss.
+        // A value that cannot be encoded is not a sample that a reader could miss.
         if sent != Err(SendError::Serialization) {
             self.sent.store(number, Ordering::Relaxed);
         }
@@ -220,7 +220,7 @@ impl Core {
 
 impl Drop for Core {
     fn drop(&mut self) {
-        // Who opens the address after it is free finds no publisher there.
+        // Dropped before the address is freed, so that the next writer finds no publisher there.
         drop((self.out.take(), self.queue.take()));
         self.ground.withdraw(Kind::Writer, &self.at);
     }

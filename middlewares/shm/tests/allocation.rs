@@ -1,4 +1,4 @@
-//! The real-time paths allocate nothing.
+//! The real-time paths allocate nothing of our own.
 
 mod world;
 
@@ -37,6 +37,7 @@ fn reading_allocates_nothing_and_writing_only_what_iceoryx2_does_per_loan() {
             reading += allocations::count() - between;
         }
     }
-    // iceoryx2 keeps a counted handle for each loaned sample: made by the loan, freed by the send.
+    // iceoryx2 allocates a reference-counted handle per loaned sample and frees it when the sample
+    // is sent.
     assert_eq!((writing, reading), (2 * ROUNDS, 0));
 }

@@ -1,4 +1,4 @@
-//! Shared memory that is full is an error, and no end of the process.
+//! Full shared memory is reported as an error and does not end the process.
 
 mod world;
 
@@ -19,6 +19,6 @@ fn no_port_is_opened_where_nothing_is_left() {
         panic!("it was opened");
     };
     assert!(why.contains("of shared memory are left: enlarge /dev/shm"), "{why}");
-    // With what is left in truth there is room.
+    // With the memory that is really left, it works.
     world.open().publisher(&PortSpec::new(&at, &state())).unwrap();
 }

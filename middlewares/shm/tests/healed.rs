@@ -1,4 +1,4 @@
-//! Files that were never finished, or cut, are in nobody's way.
+//! Incomplete or truncated files do not prevent anything from being opened.
 
 #![allow(
     clippy::expect_used,
@@ -24,17 +24,17 @@ use genom_types::Record;
 use world::ShmWorld;
 use world::process::Process;
 
-/// Only a failing test waits this long.
+/// Reached only by a test that fails.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
-/// Mode of a file that iceoryx2 has not finished.
+/// Mode of a file that iceoryx2 has not completed.
 const UNFINISHED: u32 = 0o200;
 
 fn position() -> Address {
     Address::new("demo", "position")
 }
 
-/// Does it on another thread, and fails when it hangs.
+/// Runs `work` on another thread, and fails if it hangs.
 #[track_caller]
 fn bounded<T: Send + 'static>(what: &str, work: impl FnOnce() -> T + Send + 'static) -> T {
     let (done, wait) = channel();
@@ -48,7 +48,7 @@ fn started(world: &ShmWorld) -> Process {
     process
 }
 
-/// Segments of a world, by the end of their names.
+/// Segments of a world whose names end in `end`.
 fn segments(world: &ShmWorld, end: &str) -> Vec<PathBuf> {
     let all = Path::new("/dev/shm").read_dir().unwrap().flatten().map(|entry| entry.path());
     let own = |path: &PathBuf| {
@@ -64,13 +64,13 @@ fn files(folder: PathBuf) -> Vec<PathBuf> {
     folder.read_dir().unwrap().flatten().map(|entry| entry.path()).collect()
 }
 
-/// As the process left it that was killed before it gave it a size.
+/// Truncates a file, as a process leaves it that was killed before it set the size.
 fn cut(file: &Path) {
     OpenOptions::new().write(true).truncate(true).open(file).unwrap();
     fs::set_permissions(file, Permissions::from_mode(UNFINISHED)).unwrap();
 }
 
-/// A port works from end to end, and leaves nothing.
+/// Checks that a port works from end to end, and leaves nothing behind.
 fn works(world: ShmWorld) {
     let world = bounded("it starts and its port works", move || {
         let shm = world.open();
@@ -99,7 +99,7 @@ fn segments_that_a_killed_process_did_not_finish_are_removed_by_the_next_start()
     for end in [".dynamic", ".data", ".connection"] {
         let world = ShmWorld::new();
         let process = started(&world);
-        // A second one, so that there are connections.
+        // A second participant, so that there are connections.
         let shm = world.open();
         let reader =
             shm.subscription(&PortSpec::new(&position(), &state()), Policy::Latest).unwrap();
@@ -124,7 +124,7 @@ fn services_that_a_killed_process_did_not_describe_are_made_anew() {
 fn services_that_a_killed_process_had_left_already_are_made_anew() {
     let world = ShmWorld::new();
     started(&world).kill();
-    // It had taken its tags away, and its node; what it had of services is still there.
+    // It had removed its node and its tags; its part in services is still there.
     for node in files(world.root().join("nodes")) {
         let _ = fs::remove_dir_all(&node);
         let _ = fs::remove_file(&node);
@@ -143,7 +143,8 @@ fn services_that_a_killed_process_had_left_already_are_made_anew() {
 
 #[test]
 fn nodes_of_which_a_part_is_left_are_removed_by_the_next_start() {
-    // What a process has done of its node, in this order, and undone in another.
+    // The files of a node, in the order in which a process creates them (it removes them in
+    // another).
     for end in ["_context", "_owner_lock", ".node_monitor"] {
         let world = ShmWorld::new();
         started(&world).kill();

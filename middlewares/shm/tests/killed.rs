@@ -1,4 +1,4 @@
-//! Processes that are killed leave nothing that would be in the way.
+//! Killed processes leave nothing behind that blocks others.
 
 mod world;
 
@@ -16,7 +16,7 @@ use genom_types::Record;
 use world::ShmWorld;
 use world::process::Process;
 
-/// Only a failing test waits this long.
+/// Reached only by a test that fails.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
 fn position() -> Address {

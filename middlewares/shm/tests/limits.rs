@@ -1,5 +1,5 @@
-//! A limit that is reached is refused, and nothing is broken by it. The only test of its process,
-//! whose limits it lowers.
+//! When a limit is reached, opening is refused and nothing else breaks. The only test of its
+//! process, because it lowers limits of that process.
 
 mod world;
 
@@ -17,7 +17,7 @@ fn limits_of_a_port_are_named_with_the_way_out_and_those_of_the_process_break_no
     let at = Address::new("demo", "position");
     let read = |shm: &Shm, policy| shm.subscription(&PortSpec::new(&at, &state()), policy);
 
-    // Those of a port, as they are configured.
+    // The limits of a port, as configured.
     let small = Shm::open(Options { readers: 2, depth: 4, ..world.options() }).unwrap();
     let mut writer = small.publisher(&PortSpec::new(&at, &state())).unwrap();
     let refused = read(&small, Policy::Queue(5)).err().unwrap().to_string();
@@ -30,7 +30,7 @@ fn limits_of_a_port_are_named_with_the_way_out_and_those_of_the_process_break_no
     writer.publish(&numbered(1)).unwrap();
     drop((readers, writer, small));
 
-    // That of the process.
+    // The limit of the process.
     let shm = world.open();
     let held = std::fs::read_dir("/proc/self/fd").unwrap().count() as u64;
     let before = getrlimit(Resource::Nofile);
@@ -47,10 +47,10 @@ fn limits_of_a_port_are_named_with_the_way_out_and_those_of_the_process_break_no
         assert!(ports.len() < 100, "a port holds files");
     };
     setrlimit(Resource::Nofile, before).unwrap();
-    // Who uses the middleware names this limit: others reach it too.
+    // The caller reports this limit, because other middlewares reach it, too.
     assert!(matches!(refused, OpenError::Failed { .. }), "{refused}");
     assert!(ports.len() >= 8, "a port that nobody reads holds few files: {}", ports.len());
-    // With more files the port that was refused opens.
+    // With more file descriptors, the refused port opens.
     let again = Address::new("demo", format!("port{}", ports.len()));
     shm.publisher(&PortSpec::new(&again, &state())).unwrap();
     drop((ports, shm));

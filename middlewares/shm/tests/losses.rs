@@ -1,4 +1,4 @@
-//! What a reader missed before its first sample is counted, since it came before that sample.
+//! Samples published after a reader was opened and lost before its first read are counted.
 
 #![allow(clippy::unwrap_used, reason = "helpers of tests fail them")]
 
@@ -30,7 +30,7 @@ fn burst(writer: &mut dyn Publisher, from: u64, to: u64) {
     (from..=to).for_each(|n| writer.publish(&numbered(n)).unwrap());
 }
 
-/// Reads all there is; read and counted together make up all.
+/// Reads everything there is: samples read and samples counted as lost add up to those written.
 #[track_caller]
 fn adds_up(reader: &mut dyn Subscription, written: u64) {
     let (mut got, mut seen) = (Record::new(&state()), 0);
@@ -47,7 +47,7 @@ fn a_burst_before_the_first_read_is_read_or_counted() {
     for policy in POLICIES {
         let world = ShmWorld::new();
         let shm = world.open();
-        // Before the writer, after it, and after another reader.
+        // Opened before the writer, after it, and after another reader.
         let mut early = reader(&shm, policy);
         let mut writer = writer(&shm);
         let mut second = reader(&shm, policy);
@@ -68,7 +68,7 @@ fn a_burst_before_the_first_read_of_a_late_reader_is_counted_from_the_value_it_s
         burst(&mut *writer, 1, 20);
         let mut first = reader(&shm, policy);
         burst(&mut *writer, 21, 30);
-        // In another daemon: the publisher is there, since the first reader is.
+        // In another daemon. The publisher exists already, because of the first reader.
         let mut late = reader(&other, policy);
         burst(&mut *writer, 31, 60);
         adds_up(&mut *late, 31);

@@ -1,4 +1,4 @@
-//! Programs that only know iceoryx2 read and write ports by the name and layout of their type.
+//! Programs that use only iceoryx2 read and write ports by the name and layout of their type.
 
 mod world;
 
@@ -26,7 +26,7 @@ fn a_typed_peer_reads_an_out_port_and_its_last_value() {
     let mut peer = Process::start(PEER, &world, &["read", "demo/position"]);
     assert_eq!(peer.says(), "ready");
     peer.tell("");
-    // The last value, though the writer does nothing since.
+    // Gets the last value, although the writer has written nothing since.
     assert_eq!(peer.says(), "41 [41.0, 42.0, 43.0, 44.0, 45.0, 46.0, 47.0]");
     for n in 42..60 {
         writer.publish(&numbered(n)).unwrap();
@@ -86,12 +86,12 @@ fn a_port_that_a_peer_made_first_can_be_read() {
     let mut got = Record::new(&state());
     eventually("the sample arrives", || reader.read(&mut got) == Ok(Reading::New));
     assert_eq!(number(&got), 12);
-    // What the peer's service cannot hold is refused, with the reason.
+    // What the peer's service cannot hold is refused with the reason.
     let deep = shm.subscription(&PortSpec::new(&position(), &state()), Policy::Ring(10)).err();
     assert!(matches!(deep, Some(OpenError::Unsupported { .. })), "{deep:?}");
     let taken = shm.publisher(&PortSpec::new(&position(), &state())).err();
     assert_eq!(taken, Some(OpenError::Taken { address: position() }));
-    // The peer's type is named, though it knows nothing of ours.
+    // The message names the peer's type, although the peer has no genomd attributes.
     match shm.subscription(&PortSpec::new(&position(), &basic(Kind::Double)), Policy::Latest).err()
     {
         Some(OpenError::TypeMismatch { ours, theirs, .. }) => {
@@ -133,7 +133,7 @@ fn what_a_peer_writes_wrong_is_refused_and_counted_and_the_value_stays() {
     send(&good);
     eventually("the note arrives", || reader.read(&mut got) == Ok(Reading::New));
     assert_eq!(got.to_json(), value.to_json());
-    // Cut at every length, and with a length beyond the sample.
+    // Truncated at every length, and with a length field that exceeds the sample.
     let mut wrong: Vec<Vec<u8>> = (1..good.len()).map(|end| good[..end].to_vec()).collect();
     wrong.push([&good[..4], &[255, 255, 255, 255], &good[8..]].concat());
     for (n, bytes) in wrong.iter().enumerate() {

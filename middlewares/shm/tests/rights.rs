@@ -1,4 +1,4 @@
-//! Nobody else can change what a user has on shared memory.
+//! Other users cannot change what a user has in shared memory.
 
 #![allow(
     clippy::expect_used,
@@ -20,14 +20,14 @@ use genom_shm::{Options, Shm, ShmError};
 
 use world::ShmWorld;
 
-/// A user that every system has, and that owns nothing.
+/// A user that every system has and that owns nothing.
 const NOBODY: u32 = 65534;
 
 fn refused(world: &ShmWorld) -> ShmError {
     Shm::open(world.options()).map(drop).expect_err("refused")
 }
 
-/// Everything of a world.
+/// All files of a world.
 fn all(world: &ShmWorld) -> Vec<PathBuf> {
     let shared = Path::new("/dev/shm").read_dir().unwrap().flatten().map(|entry| entry.path());
     let own = |path: &PathBuf| path.to_string_lossy().contains(world.prefix());
@@ -64,7 +64,7 @@ fn what_belongs_to_another_user_is_refused_with_the_way_out() {
     let world = ShmWorld::new();
     let me = fs::metadata("/proc/self").unwrap().uid();
     if me != 0 {
-        // Only the superuser can make a file of somebody else: one of those that are there.
+        // Only the superuser could create a file of another user, so the test uses an existing one.
         let options = Options { root: Some("/usr".into()), ..world.options() };
         let told = Shm::open(options).map(drop).expect_err("refused");
         assert!(matches!(told, ShmError::Foreign { owner: 0, .. }), "{told}");

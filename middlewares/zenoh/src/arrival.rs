@@ -1,33 +1,32 @@
-//! One sample in an inbox: its bytes, copied or held where zenoh received them.
+//! One sample in an inbox: its bytes, either copied or held in zenoh's buffer.
 
 use std::ops::RangeInclusive;
 
 use zenoh::bytes::ZBytes;
 use zenoh::shm::ShmBuf;
 
-/// Sizes of samples that are held if they are in one piece, where the inbox holds at all: worth
-/// it, and not so large that a few use up the shared memory of their writer (16 MiB by default),
-/// after which zenoh goes on without.
+/// Sizes in bytes for which an inbox that may hold samples keeps contiguous ones in zenoh's buffer:
+/// large enough to be worth it, but not so large that a few use up the writer's shared memory (16
+/// MiB by default), after which zenoh sends without it.
 const HELD: RangeInclusive<usize> = (16 << 10)..=(2 << 20);
 
-/// A place in an inbox, used again and again.
+/// A slot of an inbox; reused.
 #[derive(Debug, Default)]
 pub(crate) struct Arrival {
-    /// Said to be of another type.
+    /// Its encoding names another type.
     alien: bool,
     copy: Vec<u8>,
-    /// Instead of the copy.
+    /// Used instead of the copy.
     held: Option<ZBytes>,
 }
 
 impl Arrival {
-    /// With room for copies of that size.
+    /// A slot with space for copies of `size` bytes.
     pub(crate) fn with_room(size: usize) -> Self {
         Self { copy: Vec::with_capacity(size), ..Self::default() }
     }
 
-    /// Takes the place of what was here. Held samples keep a receive buffer or shared memory from
-    /// zenoh.
+    /// Replaces the content. Held samples keep a receive buffer or shared memory from zenoh.
     pub(crate) fn set(&mut self, payload: &ZBytes, alien: bool, holds: bool) {
         self.alien = alien;
         self.copy.clear();
@@ -39,7 +38,8 @@ impl Arrival {
         }
     }
 
-    /// Gives the message to `decode`; false if that says so, or if there is none to decode.
+    /// Passes the message to `decode`. Returns false if that does, or if there is nothing to
+    /// decode.
     pub(crate) fn read(&self, decode: impl FnOnce(&[u8]) -> bool) -> bool {
         let message = match &self.held {
             Some(held) => held.slices().next().unwrap_or_default(),
@@ -48,8 +48,8 @@ impl Arrival {
         !self.alien && self.is_whole() && decode(message) && self.is_whole()
     }
 
-    /// Whether shared memory is still ours: zenoh gives it to the writer again when this process
-    /// was stopped for so long that it looked dead.
+    /// Whether the shared memory is still valid: zenoh returns it to the writer if this process was
+    /// stopped for so long that it seemed dead.
     fn is_whole(&self) -> bool {
         self.held.as_ref().and_then(ZBytes::as_shm).is_none_or(|shm| shm.is_valid())
     }

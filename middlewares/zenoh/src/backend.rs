@@ -1,4 +1,4 @@
-//! The middleware: a session, opened by its options.
+//! The middleware: a session, opened according to its options.
 
 use std::sync::Arc;
 
@@ -15,18 +15,18 @@ use crate::keys::Keys;
 use crate::options::Options;
 use crate::rendezvous::{self, Rendezvous};
 
-/// A session on zenoh, as middleware.
+/// A zenoh session as a middleware.
 pub struct Zenoh {
-    /// Where others meet it.
+    /// Settings with which foreign programs reach it.
     meeting: Vec<(&'static str, String)>,
     pub(crate) core: Arc<Core>,
 }
 
 impl Zenoh {
-    /// Opens a session. It may take half a second when an endpoint to connect to is not there.
+    /// Opens a session. May take half a second if an endpoint to connect to is unreachable.
     ///
     /// # Errors
-    /// An option is wrong, or zenoh does not open.
+    /// An option is wrong, or zenoh fails.
     pub fn open(options: &Options) -> Result<Arc<Self>, SessionError> {
         let prefix = options.prefix.trim_matches('/');
         let keys = Keys::new(prefix);
@@ -47,7 +47,7 @@ impl Zenoh {
                 (Some(own), session)
             }
         };
-        // What a client of this session's connects to.
+        // The endpoint that clients of this session connect to.
         let own = rendezvous.iter().map(|own| rendezvous::endpoint(own.socket()));
         let connect: Vec<String> = own.chain(options.listen.iter().cloned()).collect();
         let mut meeting = vec![("prefix", keys.of_all().to_owned())];
@@ -61,8 +61,8 @@ impl Zenoh {
         Ok(Arc::new(Self { meeting, core }))
     }
 
-    /// Keeps the out port that was opened first from sending until the result is dropped: for
-    /// tests of what real-time callers feel of a stalled network.
+    /// Blocks the out port that was opened first from sending until the result is dropped, so that
+    /// tests can see how a stalled network affects real-time callers.
     #[doc(hidden)]
     #[must_use]
     pub fn stall(&self) -> impl Send + use<> {

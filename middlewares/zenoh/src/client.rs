@@ -1,4 +1,4 @@
-//! The calling end of a service: one query a request.
+//! The calling end of a service: one query per request.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -19,11 +19,11 @@ use crate::error::BACKEND;
 use crate::sending::Orders;
 use crate::wire::{self, ErrorReply, Expected, Refusal};
 
-/// An answer that comes later than this is lost. zenoh keeps a timer per query for as long,
-/// answered or not: short for what is called often.
+/// Time after which a reply is lost. zenoh keeps a timer for each query for this long, even after
+/// the reply, so it is short for frequent calls.
 const ANSWER: Duration = Duration::from_secs(60);
 
-/// The same for activities: the longest run whose end is heard of.
+/// The same for activities: the longest run whose end is reported.
 const RUN: Duration = Duration::from_secs(7 * 24 * 3600);
 
 /// The calling end.
@@ -35,23 +35,24 @@ pub(crate) struct ZenohClient {
     pub(crate) core: Arc<Core>,
 }
 
-/// A request under way.
+/// A request in progress.
 struct Call {
     at: Address,
     ty: ServiceType,
     timeout: Duration,
     cancel: OwnedKeyExpr,
     orders: Orders,
-    /// Taken when the request ended.
+    /// Taken when the request ends.
     replies: Mutex<Option<Box<dyn Replies>>>,
     id: OnceLock<ActivityId>,
-    /// Somebody of ours served it when it was called: no answer means that they are gone.
+    /// Whether a genomd served it at the time of the call. If so, the end of the query without a
+    /// reply means that the server is gone.
     served: bool,
     /// Cancelled before it was accepted.
     cancelled: AtomicBool,
 }
 
-/// Held by zenoh's callback, which is dropped when no more replies come.
+/// Owned by zenoh's callback, which is dropped when no more replies can come.
 struct Listening(Arc<Call>);
 
 impl ZenohClient {
@@ -119,7 +120,8 @@ impl Listening {
 
 impl Drop for Listening {
     fn drop(&mut self) {
-        // No reply can come any more. If the service was there, it went away; else there was none.
+        // No reply can come any more. If the service existed, it went away; otherwise there was
+        // none.
         let error = if self.0.served || self.0.id.get().is_some() {
             CallError::Gone
         } else {
@@ -155,7 +157,7 @@ impl Call {
                     replies.feedback(&text());
                 }
             }
-            // A server of another make attaches nothing.
+            // A foreign server attaches nothing.
             _ => {
                 let mut output = Record::new(&self.ty.output);
                 if !Expected::of(&self.ty.output).admits(sample.encoding()) {
@@ -218,7 +220,8 @@ struct ZenohRunning(Arc<Call>);
 
 impl Running for ZenohRunning {
     fn cancel(&self) {
-        // Whoever comes second of `accepted` and this sees the other, and asks.
+        // `accepted` stores the id and then reads this flag; whichever of the two comes second sees
+        // the other and sends the cancellation.
         self.0.cancelled.store(true, Ordering::SeqCst);
         if let Some(id) = self.0.id.get()
             && self.0.lock().is_some()

@@ -1,4 +1,4 @@
-//! What all ends of a session share: its sending thread, and which other ends it sees.
+//! What all ends of a session share: its sending thread, and the other ends that it sees.
 
 use std::fmt::Display;
 use std::sync::Arc;
@@ -21,21 +21,22 @@ use crate::keys::{Keys, Token};
 use crate::rendezvous::Rendezvous;
 use crate::sending::{Orders, Outgoing};
 
-/// What all ends share. Closed with the last of them.
+/// What all ends share. The session closes when the last one is dropped.
 pub(crate) struct Core {
     session: Session,
     keys: Keys,
     graph: Arc<Graph>,
     daemons: Arc<Daemons>,
     sender: Option<Sender<Outgoing>>,
-    /// This session's name in tokens.
+    /// Name of this session in liveliness tokens.
     name: String,
     /// Its files are removed last.
     _rendezvous: Option<Rendezvous>,
     orders: Orders,
 }
 
-/// Runs what zenoh refuses to do within a single-threaded tokio runtime, whoever calls.
+/// Runs `run` on a separate thread, since zenoh refuses some calls within a single-threaded tokio
+/// runtime.
 pub(crate) fn apart<R: Send>(run: impl FnOnce() -> R + Send) -> Option<R> {
     thread::scope(|scope| scope.spawn(run).join().ok())
 }
@@ -51,7 +52,7 @@ impl Drop for Core {
 }
 
 impl Core {
-    /// Starts the sending thread, and begins to watch for other sessions' ends.
+    /// Starts the sending thread, and begins to watch for ends of other sessions.
     pub(crate) fn new(
         session: Session,
         keys: Keys,
@@ -94,12 +95,12 @@ impl Core {
         &self.keys
     }
 
-    /// This session's name.
+    /// Name of this session.
     pub(crate) fn name(&self) -> &str {
         &self.name
     }
 
-    /// Follows the tokens of others. Those that are there already are seen before this returns.
+    /// Watches the liveliness tokens of others. Returns after those that exist already were seen.
     fn watch(&self) -> zenoh::Result<()> {
         let (graph, keys, own) = (Arc::clone(&self.graph), self.keys.clone(), self.name.clone());
         let (orders, daemons) = (self.orders.clone(), Arc::clone(&self.daemons));
@@ -132,7 +133,7 @@ impl Core {
         self.keys.of(at).map_err(|why| self.failed(at, why))
     }
 
-    /// Claims an address; others see it once it is [`shown`](Core::show).
+    /// Claims an address. Others see it after [`show`](Core::show).
     pub(crate) fn claim(
         &self,
         at: &Address,
@@ -167,7 +168,7 @@ impl Core {
     }
 }
 
-/// Asks the writers of a port for its last value.
+/// Queries the writers of a port for its last value.
 pub(crate) fn ask(session: &Session, key: &OwnedKeyExpr, inbox: Arc<Inbox>) {
     let asked = inbox.ask();
     let get = session.get(key).target(QueryTarget::All).consolidation(ConsolidationMode::None);

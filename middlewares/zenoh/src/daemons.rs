@@ -1,4 +1,4 @@
-//! The daemons that show on this middleware, by their liveliness tokens.
+//! The daemons that are visible on this middleware, by their liveliness tokens.
 
 use std::collections::BTreeSet;
 use std::sync::{Condvar, Mutex, PoisonError};
@@ -8,10 +8,10 @@ use genom_middleware::AnnounceError;
 
 use crate::error::BACKEND;
 
-/// How long a daemon that does not show yet is waited for.
+/// How long to wait for a daemon that is not visible yet.
 const TO_SHOW: Duration = Duration::from_secs(3);
 
-/// The daemons that show, as session and name.
+/// The visible daemons, as pairs of session and name.
 #[derive(Default)]
 pub(crate) struct Daemons {
     there: Mutex<BTreeSet<(String, String)>>,
@@ -19,10 +19,11 @@ pub(crate) struct Daemons {
 }
 
 impl Daemons {
-    /// A daemon came, or went. `own` is this session.
+    /// A daemon appeared or disappeared. `own` is this session.
     pub(crate) fn heard(&self, session: String, name: String, came: bool, own: &str) {
         let mut there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
-        // Both were started at once, or while the network was down, and could not see each other.
+        // Two daemons of one name: they started at the same time, or while the network was down,
+        // and could not see each other.
         if came && session != own && there.contains(&(own.to_owned(), name.clone())) {
             let backend = BACKEND.to_owned();
             let taken = AnnounceError::Taken { name: name.clone(), backend };
@@ -36,7 +37,7 @@ impl Daemons {
         self.changed.notify_all();
     }
 
-    /// Whether a daemon shows in that session.
+    /// Whether a daemon is visible in that session.
     pub(crate) fn has(&self, wanted: &str) -> bool {
         let there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
         there.iter().any(|(session, _)| session == wanted)
@@ -48,7 +49,7 @@ impl Daemons {
         names.into_iter().collect()
     }
 
-    /// Waits until a daemon of that name shows; whether it does.
+    /// Waits for a daemon of that name. Returns whether one is visible.
     pub(crate) fn wait_for(&self, wanted: &str) -> bool {
         let there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
         let absent =
@@ -57,7 +58,7 @@ impl Daemons {
         !waited.unwrap_or_else(PoisonError::into_inner).1.timed_out()
     }
 
-    /// Whether another session shows a daemon of that name.
+    /// Whether another session has a daemon of that name.
     pub(crate) fn taken(&self, wanted: &str, own: &str) -> bool {
         let there = self.there.lock().unwrap_or_else(PoisonError::into_inner);
         there.iter().any(|(session, name)| name == wanted && session != own)

@@ -1,4 +1,4 @@
-//! Who is there: the liveliness tokens of this session and of all others.
+//! Discovery: the liveliness tokens of this session and of all others.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
@@ -10,10 +10,10 @@ use zenoh::liveliness::LivelinessToken;
 use crate::inbox::Inbox;
 use crate::keys::Token;
 
-/// News of an end that is just being closed elsewhere may be under way for so long.
+/// How long the news that an end was closed elsewhere may take to arrive.
 const GRACE: Duration = Duration::from_millis(100);
 
-/// All ends that are known.
+/// All known ends.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
     state: Mutex<State>,
@@ -23,16 +23,16 @@ pub(crate) struct Graph {
 #[derive(Debug, Default)]
 struct State {
     tokens: HashMap<String, Vec<Token>>,
-    /// Our readers by address: they ask for the last value when a writer comes.
+    /// Our readers by address. They query the last value when a writer appears.
     readers: HashMap<String, Vec<Weak<Inbox>>>,
 }
 
-/// Keeps an end of ours known, here and to others.
+/// Keeps an end of ours registered, here and for others.
 #[derive(Debug)]
 pub(crate) struct Claim {
     graph: Arc<Graph>,
     token: Token,
-    /// Set once it is declared.
+    /// Set when the token has been declared.
     declared: Option<LivelinessToken>,
 }
 
@@ -46,7 +46,7 @@ impl Graph {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Registers an end of ours, unless another one is in the way.
+    /// Registers an end of ours, unless it conflicts with another one.
     pub(crate) fn claim(
         self: &Arc<Self>,
         at: &Address,
@@ -73,7 +73,7 @@ impl Graph {
         Ok(Claim { graph: Arc::clone(self), token, declared: None })
     }
 
-    /// Another session's end appeared; our readers of it that want its last value.
+    /// An end of another session appeared. Returns those of our readers that want its last value.
     pub(crate) fn appeared(&self, token: Token) -> Vec<Arc<Inbox>> {
         let mut state = self.lock();
         if let Some((conflict, _)) = state.conflict(&token)
@@ -97,13 +97,13 @@ impl Graph {
         readers
     }
 
-    /// Another session's end is gone.
+    /// An end of another session is gone.
     pub(crate) fn vanished(&self, token: &Token) {
         self.lock().remove(token);
         self.changed.notify_all();
     }
 
-    /// Types of the service at an address, where they are known to differ from `digest`.
+    /// Types of the service at an address, if they are known to differ from `digest`.
     pub(crate) fn other_service(&self, at: &str, digest: &str) -> Option<String> {
         let state = self.lock();
         let mut services = state.at(at).filter(|other| other.kind == EndpointKind::Service);
@@ -115,7 +115,7 @@ impl Graph {
         self.lock().at(at).any(|other| other.kind == EndpointKind::Service)
     }
 
-    /// Remembers a reader of ours, as long as it lives.
+    /// Registers a reader of ours for as long as it exists.
     pub(crate) fn add_reader(&self, at: &Address, inbox: &Arc<Inbox>) {
         let mut state = self.lock();
         let readers = state.readers.entry(at.to_string()).or_default();
@@ -123,7 +123,7 @@ impl Graph {
         readers.push(Arc::downgrade(inbox));
     }
 
-    /// The sessions with ends.
+    /// The sessions that have ends.
     pub(crate) fn sessions(&self) -> HashSet<String> {
         let state = self.lock();
         state.tokens.values().flatten().map(|token| token.session.clone()).collect()
@@ -176,14 +176,14 @@ impl State {
         }
     }
 
-    /// The least number that no end of the session's has at this address. Ends that come and go
-    /// have the same key each time: zenoh never forgets a key that it saw.
+    /// The smallest number that no end of this session uses at the address. Numbers are reused,
+    /// because zenoh never frees a key expression that it has seen.
     fn free(&self, token: &Token) -> u64 {
         let own = self.at(&token.address).filter(|other| other.session == token.session);
         (0..).find(|number| own.clone().all(|other| other.number != *number)).unwrap_or_default()
     }
 
-    /// What is in the way of an end, and whose it is.
+    /// The end that conflicts with this one, and the session that has it.
     fn conflict(&self, token: &Token) -> Option<(Conflict, String)> {
         let port = token.kind != EndpointKind::Service;
         let mut same = self
@@ -197,7 +197,7 @@ impl State {
         Some((Conflict::Taken, other.session.clone()))
     }
 
-    /// Whether this session has an end that another's token is about.
+    /// Whether this session has an end at the address of another session's token.
     fn has_ours(&self, token: &Token) -> bool {
         self.at(&token.address).any(|other| other.session != token.session)
     }
@@ -208,7 +208,7 @@ impl Claim {
         &self.token
     }
 
-    /// Keeps the declaration for as long as the claim.
+    /// Keeps the declared token for as long as the claim.
     pub(crate) fn declared(mut self, token: LivelinessToken) -> Self {
         self.declared = Some(token);
         self

@@ -1,7 +1,7 @@
-//! Where the samples of one in port arrive, in order and none twice.
+//! Where the samples of one in port arrive, in order and without duplicates.
 //!
-//! They come on two ways: as they are published, and as replies to the question for the last
-//! value. The mark of a sample says whether it is known already.
+//! They arrive in two ways: as publications, and as replies to the query for the last value. The
+//! mark of a sample tells whether it was received before.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -14,28 +14,28 @@ use zenoh::sample::{Sample, SampleKind};
 use crate::arrival::Arrival;
 use crate::wire::{Expected, Mark};
 
-/// At most one line about bad samples in this time.
+/// Minimum time between two log lines about bad samples.
 const BETWEEN_LINES: Duration = Duration::from_secs(1);
 
-/// The writing half is zenoh's callbacks, the reading half the in port.
+/// Filled by zenoh's callbacks, emptied by the in port.
 #[derive(Debug)]
 pub(crate) struct Inbox {
     address: String,
     expected: Expected,
     pub(crate) mailbox: Mailbox<Arrival>,
-    /// Only the newest sample counts: others that gave way are no losses, and the few there are
-    /// may be held where zenoh received them.
+    /// Only the newest sample counts (policy `latest`): older ones that are dropped are not losses.
+    /// The inbox holds few samples then, so they may stay in zenoh's buffers.
     latest: bool,
-    /// Samples that could not be decoded; counted by the reader.
+    /// Number of samples that could not be decoded; counted by the reader.
     pub(crate) undecodable: AtomicU64,
     gate: Mutex<Gate>,
 }
 
-/// What arrived so far.
+/// What has arrived so far.
 #[derive(Debug, Default)]
 struct Gate {
     last: Option<Arrived>,
-    /// Undecodable samples that were logged.
+    /// Number of undecodable samples when the last line was logged.
     logged: u64,
     line: Option<Instant>,
 }
@@ -43,11 +43,11 @@ struct Gate {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Arrived {
     Marked(Mark),
-    /// Of a writer that marks nothing.
+    /// From a writer that attaches no marks.
     Plain,
 }
 
-/// A question for the last value that is under way: what had arrived when it was asked.
+/// A query for the last value in progress: the last mark that had arrived when it was sent.
 #[derive(Debug)]
 pub(crate) struct Asked(Option<Arrived>);
 
@@ -68,18 +68,18 @@ impl Inbox {
         }
     }
 
-    /// Samples lost to the reader.
+    /// Number of samples lost to the reader.
     pub(crate) fn lost(&self) -> u64 {
         let given_up = if self.latest { 0 } else { self.mailbox.lost() };
         given_up + self.undecodable.load(Ordering::Relaxed)
     }
 
-    /// Notes that the last value is being asked for now.
+    /// Records that the last value is being queried now.
     pub(crate) fn ask(&self) -> Asked {
         Asked(self.gate.lock().unwrap_or_else(PoisonError::into_inner).last)
     }
 
-    /// A sample was published, or is the reply to a question.
+    /// Handles a publication, or the reply to the query `asked`.
     pub(crate) fn arrive(&self, sample: &Sample, asked: Option<&Asked>) {
         if sample.kind() != SampleKind::Put {
             return;
@@ -91,7 +91,7 @@ impl Inbox {
         }
         gate.last = Some(mark.map_or(Arrived::Plain, Arrived::Marked));
         let alien = !self.expected.admits(sample.encoding());
-        // The gate is still locked: one producer at a time.
+        // The gate is still locked, so there is one producer at a time.
         let put = self.mailbox.put_by(|arrival| {
             arrival.set(sample.payload(), alien, self.latest);
             Ok::<_, std::convert::Infallible>(())
@@ -104,18 +104,19 @@ impl Inbox {
 }
 
 impl Gate {
-    /// Whether a sample is news.
+    /// Whether a sample is new.
     fn admits(&self, mark: Option<Mark>, asked: Option<&Asked>) -> bool {
         if let (Some(mark), Some(Arrived::Marked(last))) = (mark, self.last)
             && mark.writer == last.writer
         {
             return mark.number > last.number;
         }
-        // Of another writer than the last sample: a reply must not undo what came meanwhile.
+        // It comes from another writer than the last sample did. A reply must not replace what
+        // arrived since the query.
         asked.is_none_or(|asked| match (mark, asked.0) {
             (_, None) => self.last.is_none(),
             (Some(_), before) => before == self.last,
-            // What a storage kept of a writer without marks cannot be told from what was seen.
+            // A sample that a storage kept of a writer without marks may have been received before.
             (None, Some(_)) => false,
         })
     }

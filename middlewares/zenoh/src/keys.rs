@@ -1,39 +1,39 @@
-//! Names on the network: keys of addresses, and liveliness tokens with types in them.
+//! Key expressions: of ports and services, and of liveliness tokens, which contain types.
 
 use genom_middleware::{Address, EndpointKind};
 use zenoh::key_expr::OwnedKeyExpr;
 
-/// First chunk of all tokens; the `@` keeps it out of what `**` matches.
+/// First chunk of all tokens. Because of the `@`, `**` does not match it.
 const TOKENS: &str = "@genom";
 
-/// Spells keys, below the configured prefix.
+/// Builds key expressions below the configured prefix.
 #[derive(Clone, Debug)]
 pub(crate) struct Keys {
     /// Empty, or ends with `/`.
     prefix: String,
 }
 
-/// What a liveliness token says.
+/// Content of a liveliness token.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Token {
     pub(crate) kind: EndpointKind,
-    /// Identity of the session that declared it.
+    /// Id of the session that declared it.
     pub(crate) session: String,
-    /// Which of that session's ends at this address.
+    /// Number among that session's ends at this address.
     pub(crate) number: u64,
-    /// Digest of the type, or `<input>-<output>` of a service.
+    /// Digest of the type, or `<input>-<output>-<description>` of a service.
     pub(crate) digest: String,
-    /// The types as errors name them.
+    /// The types as error messages spell them.
     pub(crate) types: String,
     pub(crate) address: String,
 }
 
-/// An address has no key.
+/// An address cannot be used as a key expression.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum KeyError {
     #[error("`{0}` is no key: it has wild cards")]
     WildCards(String),
-    /// zenoh does not take it: an empty chunk, for instance.
+    /// zenoh refuses it, for instance because of an empty chunk.
     #[error("{0}")]
     Refused(zenoh::Error),
 }
@@ -44,12 +44,12 @@ impl Keys {
         Self { prefix: if prefix.is_empty() { String::new() } else { format!("{prefix}/") } }
     }
 
-    /// Start of all keys: empty, or ends with `/`.
+    /// Prefix of all keys: empty, or ends with `/`.
     pub(crate) fn of_all(&self) -> &str {
         &self.prefix
     }
 
-    /// The key of a port or service, or what is wrong with it.
+    /// The key of a port or service; the error says why it is not valid.
     pub(crate) fn of(&self, at: &Address) -> Result<OwnedKeyExpr, KeyError> {
         let key = format!("{}{at}", self.prefix);
         if key.contains(['*', '$']) {
@@ -58,29 +58,29 @@ impl Keys {
         OwnedKeyExpr::new(key).map_err(KeyError::Refused)
     }
 
-    /// Matches all tokens.
+    /// A key expression that matches all tokens.
     pub(crate) fn all_tokens(&self) -> String {
         format!("{}{TOKENS}/**", self.prefix)
     }
 
-    /// The key that says a daemon is there.
+    /// The key of a daemon's liveliness token.
     pub(crate) fn of_daemon(&self, session: &str, name: &str) -> String {
         format!("{}{TOKENS}/daemon/{session}/{}", self.prefix, escape(name))
     }
 
-    /// Session and name in such a key.
+    /// Parses session and name from such a key.
     pub(crate) fn daemon(&self, key: &str) -> Option<(String, String)> {
         let rest = key.strip_prefix(&self.prefix)?.strip_prefix(TOKENS)?;
         let (session, name) = rest.strip_prefix("/daemon/")?.split_once('/')?;
         Some((session.to_owned(), unescape(name)?))
     }
 
-    /// Where requests to a daemon go.
+    /// The key for requests to a daemon of that name.
     pub(crate) fn to_daemon(&self, name: &str) -> String {
         format!("{}{TOKENS}/rpc/{}", self.prefix, escape(name))
     }
 
-    /// Where requests go to the daemon of that name in that session.
+    /// The key for requests to the daemon of that name in that session.
     pub(crate) fn to_daemon_at(&self, name: &str, session: &str) -> String {
         format!("{}/{}", self.to_daemon(name), escape(session))
     }
@@ -96,7 +96,7 @@ impl Keys {
         format!("{}{TOKENS}/{kind}/{session}/{number}/{digest}/{types}/{address}", self.prefix)
     }
 
-    /// Reads a token's key; `None` for what is no token of ours.
+    /// Parses the key of a token; `None` if it is not one of ours.
     pub(crate) fn token(&self, key: &str) -> Option<Token> {
         let rest = key.strip_prefix(&self.prefix)?.strip_prefix(TOKENS)?.strip_prefix('/')?;
         let mut chunks = rest.splitn(6, '/');
@@ -117,7 +117,7 @@ impl Keys {
     }
 }
 
-/// Percent escapes for all that means something in a key.
+/// Percent-encodes characters with a meaning in key expressions.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for &byte in text.as_bytes() {

@@ -1,31 +1,33 @@
-//! Ports and services over zenoh, readable by any zenoh peer.
+//! Ports and services over zenoh, usable by any zenoh peer.
 //!
-//! Everything below is plain zenoh; `PREFIX/` stands before each key when one is configured.
+//! The following uses only plain zenoh. If a prefix is configured, `PREFIX/` precedes each key.
 //!
 //! **Ports.** Key `<instance>/<port>` (`demo/position`, `demo/poses/left`). A sample is a CDR
 //! message: 4 bytes of encapsulation (`00 01 00 00`), then XCDR1, little endian. Its encoding is
-//! `application/cdr;<type>;digest=<digest>`. The attachment, 16 bytes, is the writer's mark and
-//! the number of the sample, both `u64` little endian. A `get` of the key gives the last value.
-//! Samples of others need neither encoding nor attachment: what decodes is accepted.
+//! `application/cdr;<type>;digest=<digest>`. Its attachment has 16 bytes: the mark of the writer
+//! and the number of the sample, each a `u64`, little endian. A `get` of the key returns the last
+//! value. Samples of others need neither encoding nor attachment: whatever can be decoded is
+//! accepted.
 //!
-//! **Services.** A `get` of `<instance>/<service>` with the input as CDR message. Attributes and
-//! functions reply once, with the output. Activities reply several times (ask for no
-//! consolidation, or see the last one only); the attachment of a reply says which it is:
-//! `accepted` (payload: the number of the run in decimal), `feedback` (payload: the state's
-//! name), `result` (payload: the output). A `get` of `<instance>/<service>/cancel` with that
-//! number as payload interrupts the run. Exceptions are error replies in JSON:
-//! `{"exception": "::demo::TOO_FAR_AWAY", "detail": {..}}`; a request that did not get as far
-//! gives `{"error": "types" | "serialization" | "gone" | "failed", "detail": ".."}`.
+//! **Services.** A `get` of `<instance>/<service>` with the input as a CDR message. Attributes and
+//! functions reply once, with the output. Activities reply several times (request no consolidation,
+//! or only the last reply arrives); the attachment of a reply tells which it is: `accepted`
+//! (payload: the activity's id in decimal), `feedback` (payload: name of the state), `result`
+//! (payload: the output). A `get` of `<instance>/<service>/cancel` with that id as payload
+//! interrupts the activity. Exceptions are error replies in JSON: `{"exception":
+//! "::demo::TOO_FAR_AWAY", "detail": {..}}`; a request that fails before the service runs gets
+//! `{"error": "types" | "serialization" | "gone" | "failed", "detail": ".."}`.
 //!
-//! **Discovery.** Liveliness tokens `@genom/<pub|sub|srv>/<session>/<n>/<digest>/<types>/<address>`,
-//! `<types>` with percent escapes; the digest of a service is `<input>-<output>-<parameters and
-//! exceptions>`.
-//! Of other programs, sessions show, and that somebody reads a port. zenoh tells peers of no
-//! publishers, and its admin space, which lists subscribers and queryables, can hang a session of
-//! 1.10 when it is asked while others declare something. Their keys can be connected to all the same.
+//! **Discovery.** Liveliness tokens
+//! `@genom/<pub|sub|srv>/<session>/<n>/<digest>/<types>/<address>`; `<types>` is percent-encoded;
+//! the digest of a service is `<input>-<output>-<parameters and exceptions>`. Of foreign programs,
+//! only their sessions are visible, and whether somebody reads a port. zenoh does not announce
+//! publishers to peers. Its admin space lists subscribers and queryables, but querying it can hang
+//! a session of zenoh 1.10 if others declare something at that moment. Ports can be connected to
+//! foreign keys nevertheless.
 //!
-//! **Daemons.** Liveliness tokens `@genom/daemon/<session>/<name>`; a `get` of
-//! `@genom/rpc/<name>` carries a request to the control plane of that daemon, and its reply.
+//! **Daemons.** Liveliness tokens `@genom/daemon/<session>/<name>`; a `get` of `@genom/rpc/<name>`
+//! carries a request to the control plane of that daemon, and its reply.
 
 #![forbid(unsafe_code)]
 

@@ -1,4 +1,4 @@
-//! What the user may choose, and the zenoh configuration it gives.
+//! Options for opening a session, and the zenoh configuration made from them.
 
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
@@ -11,63 +11,66 @@ use crate::reach;
 use crate::rendezvous;
 use crate::settings;
 
-/// What the session is among others.
+/// Role of the session in the network.
 #[derive(Clone, Copy, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Mode {
-    /// Talks to other peers directly.
+    /// Communicates with other peers directly.
     #[default]
     Peer,
-    /// Talks to one router or peer only; needs an endpoint to connect to.
+    /// Communicates through a single router or peer; needs an endpoint to connect to.
     Client,
-    /// Passes on what others send, too.
+    /// Also forwards what others send.
     Router,
 }
 
-/// `[backends.zenoh]`; `configs/zenoh.toml` explains it.
+/// Section `[backends.zenoh]` of the configuration; `configs/zenoh.toml` explains it.
 ///
-/// The default stays within this machine: the session listens on a Unix socket of this user only,
-/// looks for nobody on a network, and finds all others that do the same.
+/// By default the session stays within this machine: it listens on a Unix socket that only this
+/// user can access, does not scout on a network, and finds all other sessions that do the same.
 #[derive(Clone, Debug, Deserialize, PartialEq, Eq)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
-    /// Peer, client or router. Ignored with a `config_file`, which says it.
+    /// Peer, client or router. Ignored if there is a `config_file`, which then sets the mode.
     pub mode: Mode,
-    /// Folder in which sessions of this machine find each other; none (in a configuration: an
-    /// empty string): they do not.
+    /// Folder in which sessions of this machine find each other. `None` (an empty string in a
+    /// configuration) turns this off.
     #[serde(deserialize_with = "settings::folder")]
     pub rendezvous: Option<PathBuf>,
-    /// Endpoints to listen on besides: `tcp/127.0.0.1:7447`, `tcp/0.0.0.0:7447`.
+    /// Further endpoints to listen on, such as `tcp/127.0.0.1:7447` or `tcp/0.0.0.0:7447`.
     pub listen: Vec<String>,
-    /// Endpoints to connect to besides; retried as long as the session lives.
+    /// Further endpoints to connect to; retried for as long as the session exists.
     pub connect: Vec<String>,
-    /// Put before all keys, to keep groups of robots apart.
+    /// Prefix of all keys, to separate groups of robots.
     pub prefix: String,
-    /// A zenoh configuration (JSON5 or YAML) instead of the local defaults. Key: `config`.
+    /// Path of a zenoh configuration (JSON5 or YAML) that replaces the local defaults. Key:
+    /// `config`.
     #[serde(rename = "config")]
     pub config_file: Option<PathBuf>,
-    /// For endpoints `tls/HOST:PORT`.
+    /// Certificates for endpoints `tls/HOST:PORT`.
     pub tls: Tls,
-    /// Whether other machines may connect without certificates. Whoever connects may call services.
+    /// Whether other machines may connect without certificates. Anybody who connects may call
+    /// services.
     pub insecure: bool,
-    /// Keys of zenoh's configuration with JSON5 values, applied last:
-    /// `("scouting/multicast/enabled", "true")`. In a configuration a table.
+    /// Settings of zenoh's own configuration with JSON5 values, applied last, such as
+    /// `("scouting/multicast/enabled", "true")`. A table in a configuration.
     #[serde(deserialize_with = "settings::of_zenoh")]
     pub set: Vec<(String, String)>,
 }
 
-/// `[backends.zenoh.tls]`: certificates of a session, in PEM files.
+/// Section `[backends.zenoh.tls]`: certificates of a session, as PEM files.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq, Eq)]
 #[serde(default, deny_unknown_fields)]
 pub struct Tls {
-    /// Whoever shows a certificate that this one signed is trusted. None: who has one of the
-    /// authorities known to the web.
+    /// Certificate authority: peers whose certificate it signed are trusted. `None`: the public
+    /// certificate authorities of the web.
     pub authority: Option<PathBuf>,
-    /// What this session shows: to those it connects to when [`mutual`](Tls::mutual) is asked for.
+    /// Certificate of this session. When it connects to others, it shows this only if
+    /// [`mutual`](Tls::mutual) is set there.
     pub certificate: Option<PathBuf>,
-    /// The private key to it.
+    /// Private key of the certificate.
     pub key: Option<PathBuf>,
-    /// Those who connect must show a certificate, too.
+    /// Whether those who connect must show a certificate, too.
     pub mutual: bool,
 }
 
@@ -88,7 +91,7 @@ impl Default for Options {
 }
 
 impl Options {
-    /// zenoh's configuration, when this session listens on `own` and connects to `others`.
+    /// zenoh's configuration for a session that listens on `own` and connects to `others`.
     pub(crate) fn to_zenoh(
         &self,
         own: Option<&Path>,
@@ -120,14 +123,15 @@ impl Options {
                 ("scouting/multicast/enabled", "false"),
                 ("scouting/gossip/enabled", "false"),
                 ("adminspace/enabled", "false"),
-                // Queries and replies stay out of shared memory: under load zenoh may take it
+                // Queries and replies are not sent in shared memory: under load zenoh may free it
+                // while they are in transit (eclipse-zenoh/zenoh#2628).
                 // back while they are under way (eclipse-zenoh/zenoh#2628).
                 ("transport/shared_memory/transport_optimization/messages", "[\"put\"]"),
             ] {
                 insert(&mut config, key, value)?;
             }
         }
-        // Without this zenoh would listen on every network interface.
+        // Without this zenoh would listen on all network interfaces.
         if self.config_file.is_none() || !listen.is_empty() {
             insert(&mut config, "listen/endpoints", &json(&listen))?;
         }
@@ -144,14 +148,15 @@ impl Options {
         }
     }
 
-    /// The folder to meet in, if this session has no other links: then a program that meets the
-    /// sessions there reaches all that this one reaches.
+    /// The folder of the sessions' sockets, if this session has no other links. A program that
+    /// connects to the sessions there then reaches everything that this one reaches.
     pub(crate) fn sole_meeting(&self) -> Option<&Path> {
         let more = [&self.listen, &self.connect].iter().any(|endpoints| !endpoints.is_empty());
         self.meeting().filter(|_| !more && self.set.is_empty() && self.mode == Mode::Peer)
     }
 
-    /// The folder to meet in. A client listens nowhere, and a file of the user's says all.
+    /// The folder of the sessions' sockets. `None` for a client, which does not listen, and with a
+    /// `config_file`, which decides everything.
     pub(crate) fn meeting(&self) -> Option<&Path> {
         let meets = self.mode != Mode::Client && self.config_file.is_none();
         self.rendezvous.as_deref().filter(|_| meets)
@@ -164,7 +169,7 @@ impl Tls {
         if certificate.is_some() != key.is_some() {
             return Err(SessionError::HalfTls);
         }
-        // zenoh does not open a file before it connects, and then only says that it cannot.
+        // zenoh opens these files only when it connects, and then reports only that it cannot.
         for (what, path) in [("authority", authority), ("certificate", certificate), ("key", key)] {
             let Some(path) = path else { continue };
             let read = std::fs::File::open(path).and_then(|file| file.metadata());
@@ -225,7 +230,7 @@ mod tests {
         };
         let config = set("scouting/gossip/enabled", "true").to_zenoh(None, &[]).unwrap();
         assert_eq!(config.get_json("scouting/gossip/enabled").unwrap(), "true");
-        // What lets anybody in has to be asked for twice.
+        // Opening the session to anybody must be requested explicitly.
         let open = set("scouting/multicast/enabled", "true");
         let refused = open.to_zenoh(None, &[]).unwrap_err().to_string();
         assert!(refused.contains("insecure = true"), "{refused}");

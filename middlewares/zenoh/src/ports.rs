@@ -25,18 +25,18 @@ use crate::inbox::Inbox;
 use crate::sending::{LastValue, Line};
 use crate::wire::{self, Expected, Mark};
 
-/// Unsent samples kept per out port, and the bytes they may take: then fewer are.
+/// Greatest number of unsent samples per out port, and greatest number of bytes that they may take.
 const UNSENT: usize = 16;
 const UNSENT_BYTES: usize = 1 << 20;
 
-/// Room for a message of the type, without allocation later as far as it can be told: CDR is
+/// Buffer size for messages of the type that avoids later allocation as far as possible: CDR is
 /// seldom larger than the C layout, and never four times as large.
 fn room(ty: &DataType) -> usize {
     let size = ty.size();
     if size <= 1 << 16 { size * 4 + 64 } else { size + size / 4 }
 }
 
-/// Differs between any two writers of a session, and as good as surely between all.
+/// A number that differs between any two writers of a session, and almost certainly between all.
 fn new_writer() -> u64 {
     RandomState::new().hash_one(thread::current().id())
 }
@@ -66,15 +66,16 @@ impl Ports for Zenoh {
             .session()
             .declare_publisher(key)
             .encoding(encoding)
-            // A reader that does not keep up holds back the sending thread, not the writers:
-            // they lose old samples, and the last one arrives.
+            // A reader that cannot keep up blocks the sending thread, not the writers: their oldest
+            // samples are dropped, and the last one arrives.
             .congestion_control(CongestionControl::Block)
             .wait()
             .map_err(failed)?;
         let room = room(ty);
         let depth = (UNSENT_BYTES / room.max(1)).clamp(1, UNSENT);
         let outlet = Arc::new(Outlet::new(ty, depth, room));
-        // The token is declared last: a reader that sees it can already ask for the last value.
+        // The token is declared last, so that a reader that sees it can already query the last
+        // value.
         let claim = core.show(at, claim)?;
         let line = core.orders().add(Line {
             publisher,
@@ -107,7 +108,7 @@ impl Ports for Zenoh {
         let subscriber = subscriber.callback(move |sample| arriving.arrive(&sample, None));
         let subscriber = subscriber.wait().map_err(|error| core.failed(at, error))?;
         let claim = core.show(at, claim)?;
-        // Writers that come later are asked when they do.
+        // Writers that appear later are queried then.
         core.graph().add_reader(at, &inbox);
         ask(core.session(), &key, Arc::clone(&inbox));
         Ok(Box::new(ZenohSubscription {
@@ -123,9 +124,9 @@ impl Ports for Zenoh {
 /// An out port.
 pub(crate) struct ZenohPublisher {
     outlet: Arc<Outlet>,
-    /// Its number with the sending thread.
+    /// Its number in the sending thread.
     line: usize,
-    /// What shows it to others; goes after the last sample went out.
+    /// Announces it to others; dropped after the last sample was sent.
     shown: Option<(Queryable<()>, Claim)>,
     core: Arc<Core>,
 }

@@ -1,20 +1,20 @@
-//! Who can connect to a session: whoever can, may call services and write ports.
+//! Who can connect to a session. Anybody who can may call services and write ports.
 
 use zenoh::Config;
 
-/// What lets anybody in, as a sentence that names the endpoint or the setting.
+/// What lets anybody connect, as a sentence that names the endpoint or the setting.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Open(pub(crate) String);
 
-/// What of the configuration lets others in unasked: a listener beyond this machine at which
-/// nobody has to say who he is, or a search for whoever is on the network.
+/// What in the configuration lets strangers connect: a listener reachable from other machines
+/// without authentication, or scouting for anybody on the network.
 pub(crate) fn open_to_all(config: &Config) -> Option<Open> {
     let get = |key: &str| {
         let text = config.get_json(key).ok()?;
         serde_json::from_str::<serde_json::Value>(&text).ok()
     };
     let is_true = |key: &str| get(key).is_some_and(|value| value == true);
-    // Certificates of both sides, or names and passwords over an encrypted link.
+    // Certificates on both sides, or user name and password over an encrypted link.
     let named = is_true("transport/link/tls/enable_mtls");
     let password = get("transport/auth/usrpwd/dictionary_file").is_some_and(|file| !file.is_null());
     let safe = |endpoint: &str| {
@@ -35,7 +35,7 @@ pub(crate) fn open_to_all(config: &Config) -> Option<Open> {
     searches.then(|| Open("scouting/multicast connects with whoever is on the network".to_owned()))
 }
 
-/// Endpoints are a list, or one for each mode.
+/// Endpoints are a list, or one list per mode.
 fn endpoints_of(value: &serde_json::Value, out: &mut Vec<String>) {
     match value {
         serde_json::Value::String(endpoint) => out.push(endpoint.clone()),
@@ -45,7 +45,7 @@ fn endpoints_of(value: &serde_json::Value, out: &mut Vec<String>) {
     }
 }
 
-/// Whether an address is of this machine alone.
+/// Whether an address is reachable from this machine only.
 fn is_here(address: &str) -> bool {
     let address = address.split(['?', '#']).next().unwrap_or_default();
     let host = address.rsplit_once(':').map_or(address, |(host, _)| host);
@@ -96,7 +96,7 @@ mod tests {
         }
         let mutual = ("transport/link/tls/enable_mtls", "true");
         assert!(!open(&[("listen/endpoints", &listen("tls/0.0.0.0:7447")), mutual]));
-        // One endpoint in the clear is enough.
+        // A single unencrypted endpoint is enough.
         let both = "[\"tls/0.0.0.0:7447\", \"tcp/0.0.0.0:7448\"]";
         assert!(open(&[("listen/endpoints", both), mutual]));
         let modes = "{ router: [\"tcp/[::]:7447\"], peer: [] }";

@@ -1,8 +1,8 @@
-//! How daemons of one machine find each other: Unix sockets in one folder of the user's.
+//! How the daemons of one machine find each other: by Unix sockets in a folder of the user.
 //!
-//! Each session listens on a socket of its own there, and connects to all it finds when it opens.
-//! Opening is serialised by a lock on the folder, so of two sessions the later one sees the
-//! earlier. Nobody is special: any session may end, and the others stay connected.
+//! When a session opens, it listens on a socket of its own in that folder and connects to all
+//! others in it. A lock on the folder serialises opening, so that of two sessions the later one
+//! sees the earlier. All sessions are equal: any may end, and the others stay connected.
 
 use std::fs::{DirBuilder, File, TryLockError};
 use std::io;
@@ -10,14 +10,14 @@ use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Longest path of a Unix socket on Linux, without the final NUL.
+/// Greatest length in bytes of a Unix socket's path on Linux, without the final NUL.
 const LONGEST: usize = 107;
 
-/// Sessions opened by this process so far.
+/// Number of sessions that this process has opened.
 static SESSIONS: AtomicU64 = AtomicU64::new(0);
 
-/// The folder daemons meet in unless told otherwise: `/run/user/<uid>/genomd/zenoh`, or
-/// `/tmp/genomd-<uid>/zenoh` where there is no such thing as `/run/user`.
+/// Default folder of the sockets: `/run/user/<uid>/genomd/zenoh`, or `/tmp/genomd-<uid>/zenoh` if
+/// there is no `/run/user/<uid>`.
 #[must_use]
 pub fn default_directory() -> PathBuf {
     let uid = rustix::process::getuid().as_raw();
@@ -27,22 +27,22 @@ pub fn default_directory() -> PathBuf {
     base.join("zenoh")
 }
 
-/// A session's place in the folder; its files go when it is dropped.
+/// A session's files in the folder; removed on drop.
 #[derive(Debug)]
 pub(crate) struct Rendezvous {
     socket: PathBuf,
 }
 
-/// Keeps other sessions from opening until it is dropped.
+/// Prevents other sessions from opening until it is dropped.
 #[derive(Debug)]
 pub(crate) struct Opening {
-    /// Sockets of the sessions that are there.
+    /// Sockets of the existing sessions.
     pub(crate) others: Vec<PathBuf>,
     _lock: File,
 }
 
 impl Rendezvous {
-    /// Takes a place, and removes what sessions left that were killed.
+    /// Adds this session, and removes files of sessions that were killed.
     pub(crate) fn enter(directory: &Path) -> io::Result<(Self, Opening)> {
         DirBuilder::new().recursive(true).mode(0o700).create(directory)?;
         let of = std::fs::metadata(directory)?;
@@ -77,7 +77,7 @@ impl Rendezvous {
         Ok((Self { socket }, Opening { others, _lock: lock }))
     }
 
-    /// Where this session listens.
+    /// The socket on which this session listens.
     pub(crate) fn socket(&self) -> &Path {
         &self.socket
     }
@@ -89,7 +89,7 @@ impl Drop for Rendezvous {
     }
 }
 
-/// zenoh's name of a socket.
+/// The socket as a zenoh endpoint.
 pub(crate) fn endpoint(socket: &Path) -> String {
     format!("unixsock-stream/{}", socket.display())
 }
@@ -100,14 +100,14 @@ fn lock_of(socket: &Path) -> PathBuf {
     path.into()
 }
 
-/// Whether a session listens there: zenoh holds a lock beside the socket as long as it does.
+/// Whether a session listens there: zenoh holds a lock on a file beside the socket while it does.
 fn is_alive(socket: &Path) -> bool {
     let Ok(lock) = File::open(lock_of(socket)) else { return false };
     matches!(lock.try_lock(), Err(TryLockError::WouldBlock))
 }
 
 fn remove(socket: &Path) {
-    // What is not there need not be removed.
+    // It may not exist.
     let _ = std::fs::remove_file(socket);
     let _ = std::fs::remove_file(lock_of(socket));
 }

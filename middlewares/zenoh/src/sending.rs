@@ -1,4 +1,4 @@
-//! What the sending thread of a session sends: samples of out ports, replies, questions.
+//! What the sending thread of a session sends: samples of out ports, replies, queries.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -11,7 +11,7 @@ use zenoh::{Session, Wait};
 
 use crate::wire::Mark;
 
-/// What jobs work with.
+/// Data that jobs of the sending thread use.
 pub(crate) struct Outgoing {
     pub(crate) session: Session,
 }
@@ -20,15 +20,15 @@ impl Duty for Outgoing {
     type Line = Line;
 }
 
-/// Gives orders to the sending thread.
+/// Gives jobs to the sending thread.
 pub(crate) type Orders = sender::Orders<Outgoing>;
 
-/// An out port as the thread sees it.
+/// An out port as the sending thread sees it.
 pub(crate) struct Line {
     pub(crate) publisher: Publisher<'static>,
     pub(crate) outlet: Arc<Outlet>,
     pub(crate) last: Arc<LastValue>,
-    /// Mark of the sample sent last.
+    /// Mark of the last sample sent.
     pub(crate) mark: Mark,
 }
 
@@ -51,8 +51,8 @@ impl sender::Line for Line {
         let Some(message) = self.outlet.take() else { return false };
         let payload = ZBytes::from(Bytes::from_owner(message));
         self.mark.number += 1;
-        // Stored for late readers first and sent second: a reader that appears in between gets it
-        // in one of the two ways.
+        // Store the value for late readers before sending it, so that a reader that appears in
+        // between gets it one way or the other.
         self.last.set(payload.clone(), self.mark);
         let put = self.publisher.put(payload).attachment(&self.mark.to_bytes()[..]);
         if let Err(error) = put.wait() {

@@ -22,23 +22,23 @@ pub(crate) struct Server {
     pub(crate) ty: ServiceType,
     pub(crate) handler: Arc<dyn ServiceHandler>,
     pub(crate) orders: Orders,
-    /// Requests that may still be under way: their callers are told when the service leaves.
-    /// None once it left.
+    /// Requests that may still be in progress; their callers are notified when the service is
+    /// withdrawn. `None` after that.
     pending: Mutex<Option<Vec<Weak<Request>>>>,
 }
 
-/// One request under way.
+/// A request in progress.
 struct Request {
-    /// Until it is answered; dropping it ends the query.
+    /// Taken with the last reply; dropping it ends the query.
     query: Mutex<Option<Query>>,
     encoding: Encoding,
 }
 
-/// Keeps a service open.
+/// Serves until it is dropped.
 pub(crate) struct ZenohServed {
     pub(crate) server: Arc<Server>,
-    /// The service, and the way to cancel it if it is an activity; closed before the callers
-    /// hear of it.
+    /// The service and, for an activity, its cancellation key; closed before the callers are
+    /// notified.
     pub(crate) shown: Option<(Queryable<()>, Option<Queryable<()>>, Claim)>,
     pub(crate) core: Arc<Core>,
 }
@@ -63,7 +63,7 @@ impl Server {
         }
     }
 
-    /// Decodes and checks what a query brings.
+    /// Decodes and checks the input.
     fn input(&self, query: &Query) -> Result<Record, Refusal> {
         let types = || Refusal::Types(types_of_service(&self.ty));
         let digest = self.ty.digest();
@@ -100,11 +100,11 @@ impl Server {
                 });
             }
         }
-        // The service may call back into this middleware: no lock is held here.
+        // The handler may call back into this middleware, so no lock is held here.
         self.handler.request(input, Box::new(ToCaller { request, orders: self.orders.clone() }));
     }
 
-    /// A query arrived on the key that cancels.
+    /// A query arrived on the cancellation key.
     pub(crate) fn cancel(&self, query: Query) {
         let payload = query.payload().map(ZBytes::to_bytes).unwrap_or_default();
         let id = std::str::from_utf8(&payload).ok().and_then(|text| text.trim().parse().ok());
@@ -120,7 +120,7 @@ impl Server {
         });
     }
 
-    /// Tells all callers that wait that the service leaves.
+    /// Notifies all waiting callers that the service is withdrawn.
     fn leave(&self) {
         let pending = lock(&self.pending).take();
         for request in pending.into_iter().flatten().filter_map(|request| request.upgrade()) {
@@ -131,7 +131,7 @@ impl Server {
 
 fn reported(sent: zenoh::Result<()>) {
     if let Err(error) = sent {
-        // The caller may be gone, which is no fault of ours.
+        // The caller may be gone, which is not an error here.
         tracing::debug!(%error, "a reply was not sent");
     }
 }
@@ -142,7 +142,7 @@ fn refuse(query: &Query, refusal: &Refusal) {
 }
 
 impl Request {
-    /// Gives the last answer, unless that was done.
+    /// Sends the last reply unless it was sent already.
     fn end(&self, answer: impl FnOnce(&Query)) {
         let query = lock(&self.query).take();
         if let Some(query) = query {
@@ -150,7 +150,7 @@ impl Request {
         }
     }
 
-    /// Gives an answer that others follow.
+    /// Sends a reply that is not the last.
     fn tell(&self, kind: &'static [u8], text: String) {
         if let Some(query) = &*lock(&self.query) {
             let reply = query.reply(query.key_expr().clone(), text);
@@ -179,7 +179,7 @@ impl Request {
     }
 }
 
-/// What the service gets as the caller's replies: each is sent by the session's thread.
+/// Passes the service's replies on to the caller; the session's sending thread sends them.
 struct ToCaller {
     request: Arc<Request>,
     orders: Orders,
@@ -203,7 +203,7 @@ impl Replies for ToCaller {
 }
 
 impl Drop for ToCaller {
-    // After `finish` this comes second and changes nothing.
+    // Has no effect after `finish`.
     fn drop(&mut self) {
         let request = Arc::clone(&self.request);
         self.orders.submit(move |_, _| request.finish(Outcome::Lost(CallError::Gone)));
@@ -216,7 +216,7 @@ impl Drop for ZenohServed {
     fn drop(&mut self) {
         self.shown = None;
         let server = Arc::clone(&self.server);
-        // On the session's thread: replies given before go out before.
+        // On the sending thread, so that earlier replies are sent first.
         self.core.orders().finish(move |_, _| server.leave());
     }
 }

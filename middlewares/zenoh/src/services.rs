@@ -28,7 +28,7 @@ impl Services for Zenoh {
         let claim = core.claim(at, EndpointKind::Service, digest, types)?;
         let orders = core.orders().clone();
         let server = Arc::new(Server::new(service.clone(), handler, orders));
-        // A question to all keys is no request to this one.
+        // A query on all keys (`**`) is not a request to this service.
         let declare = |key: OwnedKeyExpr, act: fn(&Server, zenoh::query::Query)| {
             let server = Arc::clone(&server);
             let queryable = core.session().declare_queryable(key.clone()).complete(true);
@@ -67,7 +67,7 @@ impl Services for Zenoh {
     }
 }
 
-/// Where an activity is cancelled.
+/// Address of the key on which an activity is cancelled.
 fn cancel_of(at: &Address) -> Address {
     Address::new(at.instance.as_str(), format!("{}/cancel", at.name))
 }

@@ -1,16 +1,16 @@
-//! How the options that are no plain values are written in a configuration.
+//! Deserialisation of those options that have a special form in configurations.
 
 use std::path::PathBuf;
 
 use serde::{Deserialize as _, Deserializer};
 
-/// A folder; an empty string is none.
+/// A folder; an empty string means none.
 pub(crate) fn folder<'de, D: Deserializer<'de>>(from: D) -> Result<Option<PathBuf>, D::Error> {
     let folder = PathBuf::deserialize(from)?;
     Ok(Some(folder).filter(|folder| !folder.as_os_str().is_empty()))
 }
 
-/// Keys of zenoh's own configuration, with values as JSON, which is JSON5 as well.
+/// Settings of zenoh's own configuration, with values as JSON (which is valid JSON5).
 pub(crate) fn of_zenoh<'de, D: Deserializer<'de>>(
     from: D,
 ) -> Result<Vec<(String, String)>, D::Error> {

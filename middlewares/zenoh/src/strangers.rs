@@ -1,7 +1,7 @@
-//! Programs without our tokens, as far as zenoh tells of them.
+//! Programs that are not genomd, as far as zenoh reports them.
 //!
-//! Only its admin space would list what they subscribe to, and it is not asked: its handlers hold
-//! the routing tables while they answer, and both sessions hang when somebody declares something
+//! Only zenoh's admin space would list their subscriptions, and it is not queried: its handlers
+//! hold the routing tables while they reply, and both sessions hang if somebody declares something
 //! at that moment (eclipse-zenoh/zenoh#2619).
 
 use genom_middleware::{Address, Stranger};
@@ -23,12 +23,12 @@ impl Core {
         sessions.chain(readers.map(|address| Stranger::Reader { address })).collect()
     }
 
-    /// Whether another session subscribes to what is written at an address.
+    /// Whether another session subscribes to the key of an address.
     fn is_read(&self, address: &str) -> bool {
         let key = Address::parse(address).and_then(|at| self.keys().of(&at).ok());
         let Some(key) = key else { return false };
         let writer = self.session().declare_publisher(key).allowed_destination(Locality::Remote);
-        // It writes nothing, and goes at once.
+        // This publisher writes nothing and is dropped at once.
         let status = writer.wait().and_then(|writer| writer.matching_status().wait());
         status.is_ok_and(|status| status.matching())
     }

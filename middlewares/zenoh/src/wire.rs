@@ -1,10 +1,10 @@
-//! What goes with a payload: encoding with type and digest, marks of samples, words of replies.
+//! Metadata of payloads: encoding with type and digest, marks of samples, kinds of replies.
 
 use genom_types::DataType;
 use serde_json::{Value, json};
 use zenoh::bytes::{Encoding, ZBytes};
 
-/// Before the digest, in the schema of an encoding.
+/// Precedes the digest in the schema of an encoding.
 const DIGEST: &str = "digest=";
 
 /// Attachments of a service's replies.
@@ -12,13 +12,13 @@ pub(crate) const ACCEPTED: &[u8] = b"accepted";
 pub(crate) const FEEDBACK: &[u8] = b"feedback";
 pub(crate) const RESULT: &[u8] = b"result";
 
-/// `application/cdr;demo::state;digest=..`.
+/// The encoding of a type: `application/cdr;demo::state;digest=..`.
 pub(crate) fn encoding_of(ty: &DataType) -> Encoding {
     let name = ty.name().trim_start_matches("::");
     Encoding::APPLICATION_CDR.with_schema(format!("{name};digest={}", ty.digest()))
 }
 
-/// What messages of a type say of themselves.
+/// The encoding that messages of a type should have.
 #[derive(Clone, Debug)]
 pub(crate) struct Expected {
     pub(crate) encoding: Encoding,
@@ -30,7 +30,7 @@ impl Expected {
         Self { encoding: encoding_of(ty), digest: ty.digest().to_owned() }
     }
 
-    /// Whether a message that says this may be of the type: others may say nothing at all.
+    /// Whether a message with this encoding may be of the type. Foreign messages may have none.
     pub(crate) fn admits(&self, encoding: &Encoding) -> bool {
         *encoding == self.encoding
             || match encoding.to_string().rsplit_once(DIGEST) {
@@ -40,12 +40,12 @@ impl Expected {
     }
 }
 
-/// Which sample of which writer this is.
+/// Identifies a sample and its writer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Mark {
     /// Differs between any two writers.
     pub(crate) writer: u64,
-    /// Counts from 1.
+    /// Sequence number, from 1.
     pub(crate) number: u64,
 }
 
@@ -58,7 +58,7 @@ impl Mark {
         bytes
     }
 
-    /// Reads an attachment; `None` for what others attach.
+    /// Parses an attachment; `None` if it is a foreign one.
     pub(crate) fn from_attachment(attachment: Option<&ZBytes>) -> Option<Self> {
         let bytes = attachment.filter(|bytes| bytes.len() == 16)?.to_bytes();
         let (writer, number) = bytes.split_at_checked(8)?;
@@ -69,12 +69,12 @@ impl Mark {
     }
 }
 
-/// Why a request got no answer of the service.
+/// Why a request got no reply from the service.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Refusal {
-    /// The service has other types, these.
+    /// The service has these other types.
     Types(String),
-    /// The request or the answer has no meaning.
+    /// The request or the reply cannot be decoded.
     Serialization(String),
     /// The service went away.
     Gone,
@@ -94,7 +94,7 @@ impl Refusal {
     }
 }
 
-/// What an error reply says.
+/// Content of an error reply.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ErrorReply {
     /// The service ended with this exception.
@@ -102,7 +102,7 @@ pub(crate) enum ErrorReply {
     Refusal(Refusal),
 }
 
-/// Reads an error reply, of ours or of any other server.
+/// Parses an error reply of our own or of a foreign server.
 pub(crate) fn read_error(payload: &[u8]) -> ErrorReply {
     let words = || String::from_utf8_lossy(payload).into_owned();
     let failed = || ErrorReply::Refusal(Refusal::Failed(words()));

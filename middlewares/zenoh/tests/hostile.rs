@@ -1,4 +1,4 @@
-//! Peers that send nonsense, and sessions that end badly.
+//! Peers that send invalid data, and sessions that are killed.
 
 #![allow(clippy::unwrap_used, reason = "test code outside of test functions")]
 
@@ -32,7 +32,7 @@ fn plain(place: &Meeting) -> zenoh::Session {
     zenoh::open(config).wait().unwrap()
 }
 
-/// Numbers that look random and are the same each time.
+/// A deterministic pseudo-random number generator.
 struct Noise(u64);
 
 impl Noise {
@@ -43,7 +43,7 @@ impl Noise {
         self.0
     }
 
-    /// A message with some bytes changed, and often cut.
+    /// Returns the message with some bytes changed, and often truncated.
     fn spoil(&mut self, message: &[u8]) -> Vec<u8> {
         let mut bad = message.to_vec();
         for _ in 0..self.next() % 4 {
@@ -57,7 +57,7 @@ impl Noise {
     }
 }
 
-/// Sends 2,000 spoilt messages; each is read or refused, and refusals are counted.
+/// Sends 2,000 corrupted messages and checks that each is either read or refused and counted.
 fn suffers(ty: &DataType, value: &Record) {
     let place = Meeting::new();
     let ours = place.open();
@@ -113,7 +113,7 @@ fn the_first_session_may_end_and_the_others_stay_together() {
     }
 }
 
-/// Where the process that is killed meets the test.
+/// Environment variable with the rendezvous folder of the process that is killed.
 const PLACE: &str = "GENOM_ZENOH_WRITER_PLACE";
 
 #[test]
@@ -124,7 +124,7 @@ fn writes_until_it_is_killed() {
     let zenoh = Zenoh::open(&options).unwrap();
     let mut writer = zenoh.publisher(&PortSpec::new(&position(), &state())).unwrap();
     writer.publish(&numbered(9)).unwrap();
-    // Ends with the test, if it is not killed before.
+    // Ends with the test if it is not killed before.
     let _ = std::io::stdin().read_to_end(&mut Vec::new());
 }
 
@@ -151,7 +151,7 @@ fn a_killed_peer_is_forgotten_and_leaves_no_socket() {
     writer.publish(&numbered(10)).unwrap();
     eventually("another one takes its place", || reader.read(&mut got).unwrap() == Reading::New);
     drop((writer, reader));
-    // The next session cleans up, and leaves nothing itself.
+    // The next session cleans up, and leaves nothing behind itself.
     drop(place.open());
     drop(ours);
     eventually("nothing is left", || place.leftovers().is_empty());

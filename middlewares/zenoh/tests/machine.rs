@@ -1,4 +1,4 @@
-//! How sessions of one machine reach each other: through shared memory, and no network.
+//! Sessions of one machine reach each other through shared memory, without using a network.
 
 #![allow(clippy::unwrap_used, reason = "test code that stands outside of test functions")]
 
@@ -16,7 +16,7 @@ use genom_types::Record;
 use world::Meeting;
 use zenoh::{Session, Wait};
 
-/// A session with zenoh's own interface, connected to the daemon in a meeting place.
+/// A session of plain zenoh, connected to the daemon with this rendezvous folder.
 fn program(place: &Meeting) -> Session {
     let socket = place.leftovers().into_iter().find(|path| path.ends_with(".sock")).unwrap();
     let mut config = zenoh::Config::default();
@@ -52,7 +52,7 @@ fn large_samples_travel_in_shared_memory_and_small_ones_do_not() {
         let arrived = arrived.lock().unwrap();
         arrived.iter().any(|(size, memory)| (*size > 4096) == large && *memory == shared)
     };
-    // zenoh makes its memory when it is first wanted: the first samples may go without.
+    // zenoh allocates its shared memory on first use, so the first samples may be sent without it.
     eventually("a large sample comes in shared memory", || {
         camera.publish(&picture).unwrap();
         pose.publish(&numbered(1)).unwrap();
@@ -61,7 +61,7 @@ fn large_samples_travel_in_shared_memory_and_small_ones_do_not() {
     assert!(!came(false, true), "64 bytes need no shared memory");
 }
 
-/// Sockets of this process that speak TCP or UDP.
+/// Number of TCP and UDP sockets of this process.
 fn network_sockets() -> usize {
     let links = fs::read_dir("/proc/self/fd").unwrap().filter_map(|fd| {
         // Some are closed meanwhile.
@@ -70,7 +70,7 @@ fn network_sockets() -> usize {
     });
     let own: HashSet<String> = links.collect();
     let tables = ["tcp", "tcp6", "udp", "udp6"].map(|table| {
-        // A system without IPv6 has no table of it.
+        // A system without IPv6 has no such table.
         fs::read_to_string(format!("/proc/self/net/{table}")).unwrap_or_default()
     });
     let inodes = tables.iter().flat_map(|table| table.lines().skip(1));
@@ -86,7 +86,7 @@ fn sessions_of_one_machine_meet_without_any_network() {
         b.discover().unwrap().iter().any(|end| end.address == "demo/far")
     });
     assert_eq!(network_sockets(), 0);
-    // So it would be seen if there were one.
+    // Checks that the count would notice a socket.
     let _socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     assert_eq!(network_sockets(), 1);
 }

@@ -1,6 +1,6 @@
-"""A zenoh peer that is no genomd: talks to ports and services as the crate's documentation says.
+"""A zenoh peer that is not genomd: uses ports and services as the crate documentation describes.
 
-Called by python_peer.rs with an endpoint and what to do. It prints what it sees, a line each.
+Started by python_peer.rs with an endpoint and an action. Prints one line for each thing it sees.
 """
 
 import json
@@ -38,7 +38,7 @@ def read(session):
         say("sample", number(sample.payload), sample.encoding, len(sample.attachment.to_bytes()))
 
     subscriber = session.declare_subscriber("demo/position", arrives)
-    # The answer comes after the subscription is known over there.
+    # The reply comes after the other side knows of the subscription.
     for reply in session.get("demo/position"):
         say("last", number(reply.ok.payload))
     sys.stdin.readline()

@@ -1,4 +1,4 @@
-//! A peer in Python, with a CDR library of another make, does all that genomd does.
+//! A peer in Python with an independent CDR library does everything that genomd does.
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "test code outside of test functions")]
 
@@ -23,7 +23,7 @@ use world::Meeting;
 /// Only a failing test waits this long.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
-/// Starts `peer.py`, connected to the session in a meeting place.
+/// Starts `peer.py`, connected to the session with this rendezvous folder.
 fn start(place: &Meeting, what: &str) -> Lines {
     let packages = ["eclipse-zenoh==1.10.2", "cyclonedds==11.0.1"];
     let python = genom_components::python::environment(&packages)
@@ -74,7 +74,7 @@ fn a_peer_without_tokens_shows_as_a_session_and_as_a_reader() {
         seen.len() == 2 && seen.contains(&reads) && seen.iter().filter(session).count() == 1
     };
     eventually("the peer shows", alone);
-    // What has tokens is no stranger.
+    // A peer that has liveliness tokens is not listed as a stranger.
     let near = place.open();
     let _reader = near.subscription(&PortSpec::new(&other, &state()), Policy::Latest).unwrap();
     eventually("the reader shows", || {
@@ -178,7 +178,7 @@ fn a_python_peer_runs_an_activity_and_cancels_it() {
     peer.says("accepted 7");
     peer.says("feedback ::demo::start");
     peer.says("feedback ::demo::main");
-    // The answer to the cancellation, then the end of what was cancelled.
+    // The reply to the cancellation, then the end of the cancelled activity.
     peer.says("- ");
     peer.says("error ::genom::interrupted");
     let line = peer.line("what is malformed");

@@ -1,4 +1,4 @@
-//! What real-time threads feel of zenoh: nothing.
+//! zenoh does not affect real-time threads.
 
 mod world;
 
@@ -41,7 +41,7 @@ fn writing_and_reading_fixed_types_allocates_nothing() {
                 reading == Reading::New && number(&got) == n
             });
         }
-        // The first round makes what the thread itself needs.
+        // The first round allocates what the thread itself needs.
         if n == 1 {
             counted = 0;
         }
@@ -61,7 +61,7 @@ fn a_stalled_network_holds_up_no_writer_and_the_newest_sample_arrives() {
     eventually("they are connected", || reader.read(&mut got).unwrap() == Reading::New);
 
     let stalled = a.stall();
-    // Returns although nothing is sent: else the test hangs here.
+    // Returns although nothing is sent; otherwise the test hangs here.
     for n in 2..=1000 {
         writer.publish(&numbered(n)).unwrap();
     }
@@ -83,7 +83,7 @@ fn notes() -> Address {
     Address::new("demo", "note")
 }
 
-/// Where the process that is stopped meets the test.
+/// Environment variable with the rendezvous folder of the process that is stopped.
 const PLACE: &str = "GENOM_ZENOH_READER_PLACE";
 
 #[test]
@@ -93,7 +93,7 @@ fn reads_until_it_is_stopped() {
     let options = Options { rendezvous: Some(place.into()), ..Options::default() };
     let zenoh = Zenoh::open(&options).unwrap();
     let reader = zenoh.subscription(&PortSpec::new(&notes(), &note()), Policy::Ring(4));
-    // Ends with the test, if it is not killed before.
+    // Ends with the test if it is not killed before.
     let _ = std::io::stdin().read_to_end(&mut Vec::new());
     drop(reader);
 }
@@ -123,10 +123,10 @@ fn a_reader_that_stopped_holds_up_its_own_port_and_no_other() {
     eventually("it reads", shows);
     kill_process(Pid::from_child(&stopped), Signal::STOP).unwrap();
 
-    // Of some 2 KB each: larger ones go by shared memory, which holds nobody up.
+    // About 2 KB each: larger ones are sent in shared memory, which does not block.
     let mut value = Record::new(&note());
     value.merge_json(&note_of(80)).unwrap();
-    // Held up: nothing is taken from its mailbox, which is full, and all that is written gives way.
+    // Blocked: nothing is taken from its mailbox, which is full, so each sample written drops one.
     let (mut n, mut in_a_row) = (1, 0);
     eventually("the other port goes on while the first one is held up", || {
         let before = noisy.dropped();

@@ -1,4 +1,4 @@
-//! Two sessions that speak TLS, with certificates made here.
+//! Two sessions that use TLS, with certificates created here.
 
 #![allow(clippy::unwrap_used, reason = "test code that stands outside of test functions")]
 
@@ -16,19 +16,20 @@ use genom_zenoh::{Mode, Options, SessionError, Tls, Zenoh};
 use rcgen::{BasicConstraints, CertificateParams, IsCa, Issuer, KeyPair};
 use tempfile::TempDir;
 
-/// Outside of the range that systems give to programs that ask for any port.
+/// Outside the range of ephemeral ports.
 const PORT: u16 = 29447;
 
-/// An address of this machine that no other test of this machine has: each process has its own.
+/// A loopback address that no other test uses: each process has its own.
 fn host() -> String {
     static NEXT: AtomicU8 = AtomicU8::new(0);
     let [_, a, b, c] = std::process::id().to_be_bytes();
     let number = NEXT.fetch_add(1, Ordering::Relaxed);
-    // The two highest bits are free: a process has four addresses, and this file fewer tests.
+    // The two highest bits are free, so that a process has four addresses, more than this file has
+    // tests.
     format!("127.{}.{b}.{c}", a ^ (number << 6))
 }
 
-/// Who signs certificates.
+/// A certificate authority.
 struct Authority {
     place: TempDir,
     issuer: Issuer<'static, KeyPair>,
@@ -46,7 +47,7 @@ impl Authority {
         Self { place, issuer: Issuer::new(params, key), certificate }
     }
 
-    /// What a session shows that is at this address.
+    /// The certificate of a session at this address.
     fn sign(&self, host: &str) -> Tls {
         let key = KeyPair::generate().unwrap();
         let params = CertificateParams::new(vec![host.to_owned()]).unwrap();
@@ -61,7 +62,7 @@ impl Authority {
         Tls { certificate: Some(shown), key: Some(private), ..self.trust() }
     }
 
-    /// What a session needs to trust those this one signed for.
+    /// What a session needs to trust the certificates of this authority.
     fn trust(&self) -> Tls {
         Tls { authority: Some(self.certificate.clone()), ..Tls::default() }
     }
@@ -76,7 +77,7 @@ fn listener(host: &str, tls: Tls) -> Arc<Zenoh> {
     Zenoh::open(&Options { listen, tls, ..alone() }).unwrap()
 }
 
-/// A client: it has one connection or none, and says so when it opens.
+/// Opens a client. It has one connection or none, and the result says which.
 fn client(host: &str, tls: Tls) -> Result<Arc<Zenoh>, SessionError> {
     let connect = vec![format!("tls/{host}:{PORT}")];
     Zenoh::open(&Options { mode: Mode::Client, connect, tls, ..alone() })
@@ -111,7 +112,7 @@ fn another_authority_is_refused_and_said() {
     let _robot = listener(&host, authority.sign(&host));
     let told = refusal(client(&host, Authority::new().trust()));
     assert!(told.contains(&host) && told.contains("authority"), "{told}");
-    // The robot is there: who trusts the right one gets in.
+    // The robot is reachable by a client that trusts the right authority.
     assert!(client(&host, authority.trust()).is_ok());
 }
 

@@ -1,4 +1,4 @@
-//! Runs the conformance suite on every middleware and prints the table: `cargo conformance`.
+//! Runs the conformance suite on every middleware and prints a table: `cargo conformance`.
 
 #![forbid(unsafe_code)]
 #![allow(clippy::print_stdout, reason = "standard output is the table")]
@@ -7,7 +7,7 @@ use std::process::{Command, ExitCode, Stdio};
 
 use genom_tests::conformance::Table;
 
-/// Every crate of the workspace that has a `tests/conformance.rs`.
+/// Selects every crate of the workspace that has a `tests/conformance.rs`.
 const SUITES: [&str; 5] = ["test", "--workspace", "--test", "conformance", "--no-fail-fast"];
 
 fn main() -> ExitCode {
@@ -23,7 +23,7 @@ fn main() -> ExitCode {
     let mut table = Table::default();
     table.read(&printed);
     if !run.status.success() {
-        // What its tests say of their failure.
+        // Messages of the tests that failed.
         eprintln!("{printed}");
     }
     println!("{table}");

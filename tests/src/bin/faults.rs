@@ -1,5 +1,5 @@
-//! Tries what codels can do to the process they share, and ends daemons where they use shared
-//! memory; prints what became of it and of all around it: `cargo faults`.
+//! `cargo faults`: tries what misbehaving codels do to their process, and ends daemons while they
+//! use shared memory; prints a table of the effects on the daemon and on others.
 //!
 //! `faults --peer ROLE...` is a peer that these and other tests run as another process.
 
@@ -34,7 +34,8 @@ Usage: cargo faults [--short] [--json] [--every N] [--backend NAME]... [WORD]...
 
 const BACKENDS: [&str; 4] = ["local", "shm", "zenoh", "ros2"];
 
-/// What is tried in short: ends of the daemon where it leaves most, and one of each other kind.
+/// The short form: the phases in which an ended daemon leaves most, and one fault of each other
+/// kind.
 const SHORT: [(&str, &str, &str); 4] = [
     ("crashes", "segfault", "shm"),
     ("crashes", "leave", "local"),
@@ -50,7 +51,7 @@ struct Asked {
     words: Vec<String>,
 }
 
-/// One row.
+/// A row of the table.
 #[derive(Clone, Copy)]
 enum Chosen<'a> {
     Fault(&'static Fault, &'a str),
@@ -80,7 +81,7 @@ fn asked(mut arguments: impl Iterator<Item = String>) -> Result<Option<Asked>, S
     Ok(Some(asked))
 }
 
-/// Faults with the middlewares to try them on, and ends of daemons on shared memory.
+/// The faults with the middlewares to try them on, and the ends of daemons on shared memory.
 fn chosen(asked: &Asked) -> Vec<Chosen<'_>> {
     let says = |text: String| {
         let text = text.to_lowercase();
@@ -108,7 +109,7 @@ fn chosen(asked: &Asked) -> Vec<Chosen<'_>> {
         .collect()
 }
 
-/// What is under way: one line that changes for people, a line each for logs.
+/// Shows progress: on a terminal in one changing line, otherwise one line each.
 fn tell(progress: &str) {
     if std::io::stderr().is_terminal() {
         eprint!("\r\x1b[K{progress}");
@@ -126,7 +127,7 @@ fn try_all(chosen: &[Chosen<'_>]) -> Result<Vec<Trial>, std::io::Error> {
         trials.push(match *chosen_one {
             Chosen::Fault(fault, backend) => {
                 tell(&format!("{number}: a codel {} on {backend}", fault.what));
-                // What fails in it is told in the table.
+                // Failures are shown in the table instead.
                 std::panic::set_hook(Box::new(|_| {}));
                 let trial = Trial::of(fault, backend);
                 drop(std::panic::take_hook());

@@ -1,4 +1,4 @@
-//! Writes the configuration of a daemon with many components, to measure by hand.
+//! Writes the configuration of a daemon with many components, for measurements by hand.
 //!
 //! `many COUNT BACKEND DIRECTORY [chained]`
 

@@ -1,4 +1,4 @@
-//! What a daemon goes through while it is watched.
+//! What a daemon does while it is traced.
 
 use std::path::Path;
 
@@ -8,29 +8,29 @@ use crate::http::attempt;
 /// A part of a daemon's life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
-    /// It starts and loads a component.
+    /// Starts and loads a component.
     Load,
-    /// The component leaves shared memory and comes back.
+    /// The component moves away from shared memory and back.
     Move,
-    /// Its in port is connected to a port of a peer, and fed with a value of its own again.
+    /// Its in port is connected to a port of a peer, then fed with a published value again.
     Connect,
     /// The component is unloaded.
     Unload,
-    /// The daemon stops, with the component in it.
+    /// The daemon stops while the component is loaded.
     Stop,
 }
 
 impl Phase {
-    /// All of them.
+    /// All phases, in order.
     pub const ALL: [Self; 5] = [Self::Load, Self::Move, Self::Connect, Self::Unload, Self::Stop];
 
-    /// Its place in [`Phase::ALL`].
+    /// Index in [`Phase::ALL`].
     #[must_use]
     pub fn number(self) -> usize {
         Self::ALL.iter().position(|phase| *phase == self).unwrap_or_default()
     }
 
-    /// Its name in a table.
+    /// Name in a table.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -42,7 +42,7 @@ impl Phase {
         }
     }
 
-    /// The phases that lead to it, itself included.
+    /// The phases up to and including this one.
     pub(super) fn way(self) -> &'static [Self] {
         match self {
             Self::Load => &[Self::Load],
@@ -53,7 +53,7 @@ impl Phase {
         }
     }
 
-    /// Takes a daemon through it; false when the daemon ended meanwhile.
+    /// Makes a daemon go through this phase. Returns false if the daemon ended meanwhile.
     pub(super) fn drive(self, watched: &Watched, socket: &Path) -> bool {
         let asked =
             |method: &str, path: &str, body: &str| attempt(socket, method, path, body).is_ok();

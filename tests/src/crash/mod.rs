@@ -1,10 +1,10 @@
-//! Ends a daemon at chosen system calls, and looks at what its successor and its peers make of
-//! what it leaves.
+//! Ends a daemon at chosen system calls, and checks how its successor and its peers cope with what
+//! it left.
 //!
-//! A daemon runs under `ptrace` with a seccomp filter that stops it before each call by which a
-//! program changes files; of those the ones count that touch shared memory. `Course` is what the
-//! daemon goes through meanwhile, `Plan` where it ends, `Outcome` what came of it, `Toll` what came of
-//! all points of a phase.
+//! A daemon runs under `ptrace` with a seccomp filter that stops it before each call that can
+//! change files; only calls that affect shared memory are counted. `Course` is what the daemon does
+//! meanwhile, `Plan` says where it ends, `Outcome` is the result for one point, and `Toll` the
+//! result for all points of a phase.
 
 mod course;
 mod outcome;

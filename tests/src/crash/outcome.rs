@@ -1,4 +1,4 @@
-//! What came of ending a daemon at one point.
+//! The result of ending a daemon at one point.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -7,27 +7,27 @@ use std::time::Duration;
 use super::course::Phase;
 use super::watched::Step;
 
-/// What came of it; everything in order when `trouble` and `left` are empty.
+/// The result. Everything is in order if `trouble` and `left` are empty.
 #[derive(Debug)]
 pub struct Outcome {
     /// What the daemon was doing.
     pub phase: Phase,
-    /// Which of its calls it never made, from 0.
+    /// Index of the call before which it was ended.
     pub call: usize,
-    /// The call; none when it made all of them, and was ended after the last.
+    /// That call; `None` if it was ended after the last one.
     pub step: Option<Step>,
-    /// Whether a peer read the daemon's port, and went on when it was gone.
+    /// Whether a peer was reading the daemon's port, and continued afterwards.
     pub followed: bool,
-    /// Until its successor was ready; none when it never was.
+    /// Time until its successor was ready; `None` if it never was.
     pub ready: Option<Duration>,
-    /// What went wrong with successor and peers.
+    /// Problems of the successor and the peers.
     pub trouble: Vec<String>,
-    /// Files that nobody has and nobody removed.
+    /// Files that nobody uses and nobody removed.
     pub left: Vec<PathBuf>,
 }
 
 impl Outcome {
-    /// Whether nobody noticed.
+    /// Whether there were no problems.
     #[must_use]
     pub fn is_fine(&self) -> bool {
         self.ready.is_some() && self.trouble.is_empty() && self.left.is_empty()

@@ -1,4 +1,4 @@
-//! Shared memory with peers at work, on which daemons are ended and started again.
+//! Shared memory with active peers, on which daemons are ended and started again.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -16,22 +16,23 @@ use crate::command::Running;
 use crate::http::attempt;
 use crate::{Daemon, Home, Memory, component, fixture, path};
 
-/// Longest wait for a successor: far beyond what it may take, so that the table tells how long.
+/// Longest wait for a successor: far more than it may take, so that the table can show how long it
+/// took.
 const PATIENCE: Duration = Duration::from_secs(15);
 
 /// Where to end a daemon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// While it does this.
+    /// During this phase.
     pub phase: Phase,
-    /// Before this call of the phase.
+    /// Before the call with this index.
     pub call: usize,
-    /// Whether a peer reads its port, and lives on.
+    /// Whether a peer reads its port and continues afterwards.
     pub followed: bool,
 }
 
-/// The peers: a daemon with two connected components, and a program that knows iceoryx2 only and
-/// writes to itself, opening its port anew all the time.
+/// The peers: a daemon with two connected components, and a program that uses only iceoryx2, writes
+/// to itself, and reopens its port again and again (the flow).
 #[derive(Debug)]
 pub struct Stage {
     memory: Arc<Memory>,
@@ -42,16 +43,16 @@ pub struct Stage {
     library: String,
     /// Files of the peers.
     theirs: BTreeSet<PathBuf>,
-    /// Identities of the flow, whose files come and go.
+    /// Identities of the flow, whose files appear and disappear.
     its: Vec<String>,
     rounds: u32,
-    /// What the flow last said.
+    /// The flow's last line.
     lost: String,
     _made: TempDir,
 }
 
 impl Stage {
-    /// Starts the peers. `program` plays, asked with `--peer`, those that know iceoryx2 only.
+    /// Starts the peers. `program`, called with `--peer`, plays those that use only iceoryx2.
     #[must_use]
     pub fn new(program: &Path) -> Self {
         let memory = Arc::new(Memory::new());
@@ -96,7 +97,7 @@ impl Stage {
         }
         let mut steps = match phase {
             Phase::Stop => watched.finish(),
-            // What it does when it stops belongs to another phase.
+            // What it does while stopping belongs to another phase.
             _ => {
                 watched.enter(usize::MAX);
                 watched.stop();
@@ -106,7 +107,7 @@ impl Stage {
         steps.swap_remove(phase.number())
     }
 
-    /// Ends a daemon there, and starts its successor.
+    /// Ends a daemon at that point, and starts its successor.
     #[must_use]
     pub fn run(&mut self, plan: Plan) -> Outcome {
         let Plan { phase, call, followed } = plan;
@@ -177,7 +178,7 @@ impl Stage {
         }
     }
 
-    /// Everything that could hang on what was left.
+    /// Uses everything that could hang because of what was left.
     fn use_all(&self, outcome: &mut Outcome) {
         let asked = [
             ("GET", "/middlewares?visible=true", ""),
@@ -196,7 +197,7 @@ impl Stage {
         }
     }
 
-    /// Whether the peers go on: a value of each round passes their connections.
+    /// Checks that the peers continue: a new value passes through their connections in each round.
     fn peers(&mut self, outcome: &mut Outcome) {
         self.rounds += 1;
         let (value, sum) =
@@ -209,7 +210,7 @@ impl Stage {
                 outcome.trouble.push(format!("the peer: {arguments:?}: {}", done.err));
             }
         }
-        // Its own line says what it lost so far.
+        // The line contains the number of samples lost so far.
         let lost = self.flow.line_from_now();
         if lost != self.lost {
             outcome.trouble.push(format!("the flow {lost}"));
@@ -217,14 +218,14 @@ impl Stage {
         }
     }
 
-    /// Removes by hand what nobody healed, so that the next point stands alone.
+    /// Removes what nobody cleaned up, so that the next point starts clean.
     fn clear(&self) {
         for file in self.left() {
             let _ = std::fs::remove_file(file);
         }
     }
 
-    /// What is there and belongs to no peer.
+    /// Files that belong to no peer.
     fn left(&self) -> Vec<PathBuf> {
         let of_flow = |file: &PathBuf| {
             let name = file.to_string_lossy();
@@ -234,13 +235,13 @@ impl Stage {
         files.filter(|file| !self.theirs.contains(file) && !of_flow(file)).collect()
     }
 
-    /// Periods that tasks of the peers missed so far.
+    /// Number of periods that tasks of the peers missed so far.
     #[must_use]
     pub fn missed(&self) -> u64 {
         ["sensor", "fuser"].iter().map(|name| self.peer.missed(name)).sum()
     }
 
-    /// Ends the peers; what is left when nobody is there any more.
+    /// Ends the peers. Returns the files that are left.
     #[must_use]
     pub fn end(self) -> Vec<PathBuf> {
         self.flow.signal("TERM");
@@ -256,7 +257,7 @@ fn problem(reply: &Value) -> Option<&Value> {
     all.iter().find_map(|one| one.get("problem"))
 }
 
-/// Starts a peer; its identities.
+/// Starts a peer. Returns it with its identities.
 fn start(program: &Path, role: &str, memory: &Memory) -> (Running, Vec<String>) {
     let mut command = Command::new(program);
     command.arg("--peer").arg(role).arg(memory.prefix()).arg(memory.root());

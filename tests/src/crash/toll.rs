@@ -1,4 +1,4 @@
-//! Daemons ended at many points of a phase, and what came of them together.
+//! Daemons ended at many points of a phase, and the combined result.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
@@ -8,12 +8,12 @@ use super::outcome::Outcome;
 use super::stage::{Plan, Stage};
 use super::watched::Step;
 
-/// Which calls of a phase a daemon is ended before. After the last call is a point as well.
+/// The calls of a phase before which a daemon is ended. After the last call is a point, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Points {
-    /// Every so many calls.
+    /// Every n-th call.
     Every(usize),
-    /// So many, spread over all, and one where a file is there and not finished.
+    /// This many calls, evenly distributed, and one at which a file exists but is incomplete.
     Few(usize),
 }
 
@@ -30,21 +30,21 @@ impl Points {
     }
 }
 
-/// What came of all points of a phase.
+/// The results of all points of a phase.
 #[derive(Debug)]
 pub struct Toll {
     /// What the daemons were doing.
     pub phase: Phase,
-    /// Calls of the phase.
+    /// Number of calls in the phase.
     pub calls: usize,
-    /// By point. A peer reads the daemon's port in every second.
+    /// One result per point. A peer reads the daemon's port at every second point.
     pub outcomes: Vec<Outcome>,
-    /// Periods that tasks of the peers missed meanwhile.
+    /// Number of periods that tasks of the peers missed meanwhile.
     pub missed: u64,
 }
 
 impl Toll {
-    /// Ends a daemon at each of these points of a phase; `told` hears of each.
+    /// Ends a daemon at each of these points of a phase; calls `told` with each result.
     pub fn of(
         stage: &mut Stage,
         phase: Phase,
@@ -62,7 +62,7 @@ impl Toll {
         Self { phase, calls: calls.len(), outcomes, missed: stage.missed() - before }
     }
 
-    /// How long successors took until they were ready: half of them at most, and the slowest.
+    /// Time until successors were ready: the median and the maximum.
     #[must_use]
     pub fn ready(&self) -> [Duration; 2] {
         let mut all: Vec<Duration> = self.outcomes.iter().filter_map(|one| one.ready).collect();

@@ -1,4 +1,5 @@
-//! The system's own means to stop a process before a system call. All that is unsafe here.
+//! Stops a process before a system call, by `ptrace` and seccomp. Contains all unsafe code of this
+//! crate.
 
 #![allow(unsafe_code, reason = "the one module of the tests that needs it")]
 
@@ -9,8 +10,8 @@ use std::process::Command;
 
 use libc::{c_int, c_long, c_uint, c_ulong, c_void, pid_t, sock_filter, sock_fprog};
 
-/// Calls that a program changes files by, and that keep or drop what it has of them. Names are
-/// for the table, numbers for the filter.
+/// System calls that change files, or open and close them. The names are for the table, the numbers
+/// for the filter.
 pub(super) const CALLS: &[(&str, c_long)] = &[
     ("openat", libc::SYS_openat),
     ("close", libc::SYS_close),
@@ -44,16 +45,16 @@ pub(super) const CALLS: &[(&str, c_long)] = &[
     ("rmdir", libc::SYS_rmdir),
 ];
 
-/// Why a traced thread stands still, or that it is gone.
+/// Why a traced thread has stopped, or that it is gone.
 #[derive(Debug)]
 pub(super) enum Stop {
-    /// Before a call of the filter, with its arguments.
+    /// Before a call that the filter selects, with its arguments.
     Call { name: &'static str, arguments: [u64; 6] },
-    /// By a signal that is to be delivered.
+    /// A signal is about to be delivered.
     Signal(c_int),
-    /// By something of tracing itself.
+    /// An event of tracing itself.
     Other,
-    /// The thread, or its process, is gone.
+    /// The thread or its process has ended.
     Gone,
 }
 
@@ -65,14 +66,14 @@ fn statement(code: c_uint, k: u32) -> sock_filter {
     sock_filter { code: code as u16, jt: 0, jf: 0, k }
 }
 
-/// Stops at the calls above, lets all others pass.
+/// Stops at the calls above and allows all others.
 fn filter() -> Vec<sock_filter> {
     let load = libc::BPF_LD | libc::BPF_W | libc::BPF_ABS;
     let number = offset_of!(libc::seccomp_data, nr) as u32;
     let mut program = vec![statement(load, number)];
     for (rank, (_, call)) in CALLS.iter().enumerate() {
         let mut jump = statement(libc::BPF_JMP | libc::BPF_JEQ | libc::BPF_K, *call as u32);
-        // Over the rest of the calls, and over the statement that lets pass.
+        // Jumps over the rest of the comparisons and the statement that allows the call.
         jump.jt = u8::try_from(CALLS.len() - rank).unwrap_or(u8::MAX);
         program.push(jump);
     }
@@ -81,12 +82,12 @@ fn filter() -> Vec<sock_filter> {
     program
 }
 
-/// Lets the program be traced by the thread that starts it.
+/// Makes the program traceable by the thread that starts it.
 pub(super) fn make_traced(command: &mut Command) {
     let mut filter = filter();
     let install = move || {
         let program = sock_fprog { len: filter.len() as u16, filter: filter.as_mut_ptr() };
-        // SAFETY: these calls take numbers, and a pointer to a program that outlives the call.
+        // SAFETY: these calls take integers, and a pointer to a program that outlives the call.
         unsafe {
             check(libc::ptrace(libc::PTRACE_TRACEME, 0, 0, 0))?;
             check(libc::prctl(libc::PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0).into())?;
@@ -100,35 +101,36 @@ pub(super) fn make_traced(command: &mut Command) {
     unsafe { command.pre_exec(install) };
 }
 
-/// What a process stops for from now on; it ends with the thread that traces it.
+/// Selects the events at which a process stops from now on. It is killed when the tracing thread
+/// ends.
 pub(super) fn follow(process: pid_t) -> io::Result<()> {
     let options = libc::PTRACE_O_TRACESECCOMP
         | libc::PTRACE_O_TRACECLONE
         | libc::PTRACE_O_TRACEFORK
         | libc::PTRACE_O_TRACEVFORK
         | libc::PTRACE_O_EXITKILL;
-    // SAFETY: it changes how the traced process stops, and nothing of this one.
+    // SAFETY: changes how the traced process stops, and nothing in this process.
     check(unsafe { libc::ptrace(libc::PTRACE_SETOPTIONS, process, 0, c_long::from(options)) })
         .map(drop)
 }
 
-/// Lets a thread go on, with a signal or 0.
+/// Continues a thread, with a signal or 0.
 pub(super) fn go_on(thread: pid_t, signal: c_int) {
-    // SAFETY: it lets the traced thread run. It may be gone, which is told by the next wait.
+    // SAFETY: continues the traced thread. If that is gone, the next wait reports it.
     let _ = unsafe { libc::ptrace(libc::PTRACE_CONT, thread, 0, c_long::from(signal)) };
 }
 
-/// Ends a process at once.
+/// Kills a process.
 pub(super) fn kill(process: pid_t) {
-    // SAFETY: a signal to a process that this thread started and has not waited for.
+    // SAFETY: sends a signal to a process that this thread started and has not waited for.
     unsafe { libc::kill(process, libc::SIGKILL) };
 }
 
-/// Waits until a process of this thread stops or ends; `None` when there is none left.
+/// Waits until a process of this thread stops or ends; `None` if there is none left.
 pub(super) fn wait() -> Option<(pid_t, Stop)> {
     let mut status = 0;
     let thread = loop {
-        // SAFETY: it writes one number. Only processes of this very thread are waited for.
+        // SAFETY: writes one integer. Waits only for processes of this thread.
         let found = unsafe { libc::waitpid(-1, &raw mut status, libc::__WALL | libc::__WNOTHREAD) };
         if found > 0 {
             break found;
@@ -149,19 +151,19 @@ pub(super) fn wait() -> Option<(pid_t, Stop)> {
     Some((thread, stop))
 }
 
-/// The call a thread stands before.
+/// The call before which a thread has stopped.
 fn call(thread: pid_t) -> Option<Stop> {
-    // SAFETY: numbers, for which zero is a value.
+    // SAFETY: all members are integers, for which zero is a valid value.
     let mut told: libc::ptrace_syscall_info = unsafe { std::mem::zeroed() };
     let size = size_of::<libc::ptrace_syscall_info>();
     let into = (&raw mut told).cast::<c_void>();
-    // SAFETY: the system writes at most the size that it is given.
+    // SAFETY: the system writes at most `size` bytes.
     let got = unsafe { libc::ptrace(libc::PTRACE_GET_SYSCALL_INFO, thread, size, into) };
     check(got).ok()?;
     if told.op != libc::PTRACE_SYSCALL_INFO_SECCOMP {
         return None;
     }
-    // SAFETY: `op` says which one of the union was written.
+    // SAFETY: `op` tells which member of the union was written.
     let told = unsafe { told.u.seccomp };
     let number = c_ulong::from(told.nr) as c_long;
     let name = CALLS.iter().find(|(_, call)| *call == number).map(|(name, _)| *name)?;

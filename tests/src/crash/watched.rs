@@ -1,4 +1,4 @@
-//! A daemon whose calls on shared memory are seen, and that ends before one of them.
+//! A daemon whose calls on shared memory are recorded, and that ends before one of them.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -17,7 +17,7 @@ use std::time::Duration;
 use super::trace::{self, Stop};
 use crate::{Memory, WATCHDOG};
 
-/// Longest path that is read.
+/// Greatest length of a path that is read.
 const PATH: usize = 512;
 
 /// A call on shared memory.
@@ -25,25 +25,25 @@ const PATH: usize = 512;
 pub struct Step {
     /// Name of the call.
     pub call: &'static str,
-    /// What kind of file: `shm .data`, `root .service`.
+    /// Kind of the file: `shm .data`, `root .service`.
     pub file: String,
 }
 
-/// When a daemon is ended.
+/// When a daemon ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// By itself.
+    /// On its own.
     Own,
-    /// Before a call, counted from 0 within a phase.
+    /// Before the call with this index within a phase.
     Before {
-        /// Number of the phase.
+        /// Index of the phase.
         phase: usize,
-        /// Number of the call.
+        /// Index of the call.
         call: usize,
     },
 }
 
-/// What the tracing thread and its owner share.
+/// State that the tracing thread shares with its owner.
 struct Shared {
     phase: AtomicUsize,
     process: Mutex<Option<libc::pid_t>>,
@@ -58,7 +58,7 @@ pub(super) struct Watched {
 }
 
 impl Watched {
-    /// Starts it; phases are numbered below `phases`.
+    /// Starts it; the indices of phases are less than `phases`.
     pub(super) fn start(mut command: Command, memory: &Memory, phases: usize, end: End) -> Self {
         let shared = Arc::new(Shared {
             phase: AtomicUsize::new(0),
@@ -75,7 +75,7 @@ impl Watched {
             end,
             process: 0,
         };
-        // All that is asked of a traced process is asked by the thread that started it.
+        // All `ptrace` requests must come from the thread that started the process.
         let tracer = thread::spawn(move || {
             trace::make_traced(&mut command);
             command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
@@ -93,12 +93,12 @@ impl Watched {
         Self { shared, tracer, lines }
     }
 
-    /// What follows belongs to this phase.
+    /// Calls from now on belong to this phase.
     pub(super) fn enter(&self, phase: usize) {
         self.shared.phase.store(phase, Ordering::SeqCst);
     }
 
-    /// Waits for a line that says it is ready; whether it came.
+    /// Waits for the line that says it is ready. Returns whether it came.
     pub(super) fn is_ready(&self) -> bool {
         while let Ok(line) = self.lines.recv_timeout(WATCHDOG) {
             if line.contains("ready on ") {
@@ -115,21 +115,21 @@ impl Watched {
             process = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
         let id = process.unwrap_or_default().to_string();
-        // It may be gone already.
+        // The process may be gone already.
         let _ = Command::new("kill").args(["-s", name, &id]).stderr(Stdio::null()).status();
     }
 
-    /// Asks it to end.
+    /// Asks it to end (SIGTERM).
     pub(super) fn stop(&self) {
         self.signal("TERM");
     }
 
-    /// Waits for its end; the calls it made, by phase.
+    /// Waits for its end. Returns its calls by phase.
     pub(super) fn finish(self) -> Vec<Vec<Step>> {
         self.tracer.join().expect("the tracing thread ends")
     }
 
-    /// Ends it; the calls it made.
+    /// Kills it. Returns its calls by phase.
     pub(super) fn kill(self) -> Vec<Vec<Step>> {
         self.signal("KILL");
         self.finish()
@@ -138,7 +138,7 @@ impl Watched {
 
 struct Tracer {
     shared: Arc<Shared>,
-    /// Starts of the paths that count.
+    /// Prefixes of the paths that count.
     places: [PathBuf; 2],
     prefix: String,
     steps: Vec<Vec<Step>>,
@@ -147,7 +147,7 @@ struct Tracer {
 }
 
 impl Tracer {
-    /// Sees to the daemon until it is gone.
+    /// Traces the daemon until it has ended.
     fn follow(&mut self, process: libc::pid_t) {
         self.process = process;
         *self.shared.process.lock().unwrap_or_else(PoisonError::into_inner) = Some(process);
@@ -187,7 +187,7 @@ impl Tracer {
         steps.push(Step { call, file });
     }
 
-    /// What kind of file of shared memory it is.
+    /// Kind of a file of shared memory; `None` for other files.
     fn kind(&self, path: &Path) -> Option<String> {
         let whole = path.as_os_str().as_bytes();
         let place =
@@ -200,7 +200,7 @@ impl Tracer {
     }
 }
 
-/// The file that a call is about.
+/// The file that a call refers to.
 fn file(thread: libc::pid_t, call: &str, arguments: [u64; 6]) -> Option<PathBuf> {
     let [first, second, ..] = arguments;
     match call {
@@ -227,11 +227,11 @@ fn descriptor(thread: libc::pid_t, number: u64) -> Option<PathBuf> {
     std::fs::read_link(format!("/proc/{thread}/fd/{number}")).ok()
 }
 
-/// A path in the memory of a process.
+/// Reads a path from the memory of a process.
 fn text(thread: libc::pid_t, at: u64) -> Option<PathBuf> {
     let memory = File::open(format!("/proc/{thread}/mem")).ok()?;
     let mut bytes = vec![0; PATH];
-    // Less, when the page after it is not there.
+    // Fewer bytes if the next page is not mapped.
     let read = memory.read_at(&mut bytes, at).ok()?;
     bytes.truncate(read);
     let end = bytes.iter().position(|byte| *byte == 0)?;

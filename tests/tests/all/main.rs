@@ -1,7 +1,7 @@
 //! The black-box tests: real daemons and commands, run as users run them.
 //!
-//! One program, so that it is linked once; folders name what they cover. One folder, one file or
-//! one test: `cargo test --workspace --test all -- wiring::moves`.
+//! They are one program, so that it is linked only once; folders are named after what they test.
+//! One folder, file or test: `cargo test --workspace --test all -- wiring::moves`.
 
 #![forbid(unsafe_code)]
 #![allow(

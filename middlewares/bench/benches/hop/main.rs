@@ -1,11 +1,12 @@
-//! A hop from a writer in one process to a reader in another, bare and as a port of genomd.
+//! Latency of a hop from a writer in one process to a reader in another: of the bare middleware,
+//! and of a port of genomd.
 //!
 //! `cargo bench -p genom-bench --bench hop [-- BACKEND...] [--period MICROSECONDS] [--rounds N]`
 //!
-//! Bare is the middleware by its own interface, bytes copied in and out. Ours is what a codel's
-//! `write()` and `read()` do: the publisher and subscription of the backend, opened as the daemon
-//! opens them, for an octet array (fixed size) and an octet sequence (variable size). Readers look
-//! again and again, so that no wake-up of the reader's is counted, on either side.
+//! "Bare" uses the middleware's own interface and copies bytes in and out. "Port" is what a codel's
+//! `write()` and `read()` do: the backend's publisher and subscription, opened as the daemon opens
+//! them, for an octet array (fixed size) and an octet sequence (variable size). Readers poll, so
+//! that the time to wake a reader is included in neither.
 
 #![allow(clippy::print_stdout, clippy::unwrap_used, reason = "a program that prints figures")]
 
@@ -22,19 +23,19 @@ use genom_bench::pair::{Reader, Receive, Send, serve};
 use genom_bench::{Figures, SIZES};
 use genom_middleware::Middleware;
 
-/// One middleware, bare and ours, as one process has it.
+/// One middleware, bare and as genomd's backend, in one process.
 trait Backend {
-    /// The writing end without genomd.
+    /// The writing end of the bare middleware.
     fn writer(&self, bytes: usize) -> Box<dyn Send>;
-    /// The reading end without genomd.
+    /// The reading end of the bare middleware.
     fn reader(&self, bytes: usize) -> Box<dyn Receive>;
-    /// The same middleware as genomd has it.
+    /// The same middleware as genomd's backend.
     fn ours(&self) -> &dyn Middleware;
 }
 
 const BACKENDS: [&str; 3] = ["shm", "zenoh", "ros2"];
 
-/// Before the folder the two processes share, in the arguments of the reading one.
+/// Precedes the folder that both processes share, in the arguments of the reading process.
 const READER: &str = "--reader";
 
 fn open(name: &str, place: &Path, reads: bool) -> Box<dyn Backend> {
@@ -80,7 +81,7 @@ fn measure(name: &str, rounds: usize, period: u64) -> Result<(), Box<dyn Error>>
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // `cargo bench` says `--bench`.
+    // `cargo bench` adds `--bench`.
     let arguments: Vec<_> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
     if let [READER, name, place] = words[..] {

@@ -1,4 +1,4 @@
-//! Where a middleware's own thread leaves what arrived, for the reader to copy out.
+//! Where a middleware's own thread stores the last message for the reader to copy.
 
 use std::hint::black_box;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex};
 
 use genom_bench::pair::Receive;
 
-/// Holds the last message as the middleware gives it: nothing is copied here.
+/// Holds the last message as the middleware delivers it, without a copy.
 pub(crate) struct Place<M> {
     count: AtomicU64,
     message: Mutex<Option<M>>,
 }
 
-/// The reader's end; `K` is what keeps messages coming.
+/// The reader's end; `K` is what must stay alive for messages to arrive.
 pub(crate) struct Looks<M, K> {
     place: Arc<Place<M>>,
     seen: u64,

@@ -1,4 +1,5 @@
-//! RustDDS: bytes, copied in and, by the reader of what a waiting thread left, out.
+//! RustDDS: bytes copied in by the writer, and copied out by the reader from where a waiting thread
+//! stored them.
 
 use std::convert::Infallible;
 use std::hint::black_box;
@@ -22,7 +23,7 @@ use rustdds::{
 use crate::Backend;
 use crate::place::{Looks, Place};
 
-/// A domain that robots and tests do not use.
+/// A DDS domain that robots and tests are unlikely to use.
 const DOMAIN: u16 = 101;
 
 pub(crate) struct Both {
@@ -85,7 +86,7 @@ impl Send for Out {
     }
 }
 
-/// The thread that waits.
+/// The thread that waits for samples.
 struct Waits {
     stop: Arc<AtomicBool>,
     waker: Arc<Waker>,
@@ -100,7 +101,7 @@ impl Drop for Waits {
     }
 }
 
-/// As ours: reliable, the last value kept.
+/// The same QoS as genomd's backend: reliable, keep last 1.
 fn qos() -> QosPolicies {
     QosPolicyBuilder::new()
         .reliable(Duration::from_millis(100))

@@ -39,7 +39,7 @@ impl Receive for In {
 }
 
 impl Both {
-    /// Both processes name the same folder, so they meet there and nowhere else.
+    /// Both processes use the same folder, which nothing else uses.
     pub(crate) fn open(place: &Path) -> Self {
         let name = place.file_name().unwrap_or_default().to_string_lossy().replace('.', "");
         let root = place.join("ours");

@@ -1,4 +1,5 @@
-//! zenoh: bytes, copied in and, by the reader of what a callback left, out.
+//! zenoh: bytes copied in by the writer, and copied out by the reader from where a callback stored
+//! them.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -29,7 +30,7 @@ impl Send for Out {
 }
 
 impl Both {
-    /// The bare sessions have the options of ours, and a socket of their own.
+    /// The bare sessions have the options of genomd's, and a socket of their own.
     pub(crate) fn open(place: &Path, reads: bool) -> Self {
         let options = Options { rendezvous: Some(place.join("ours")), ..Options::default() };
         let ours = Zenoh::open(&options).unwrap();

@@ -1,4 +1,4 @@
-//! Addresses that ends of ours have, and what keeps others from having them.
+//! Addresses claimed by our ends, and conflicts with the ends of others.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -9,19 +9,19 @@ use genom_rosidl::TypeName;
 use super::ends::{Entities, Made, Own, Wanted, kind_of};
 use super::known::{Graph, State};
 
-/// News of an end that is just being closed elsewhere may be under way for so long.
+/// How long the news that an end was closed elsewhere may take to arrive.
 const GRACE: Duration = Duration::from_millis(100);
 
-/// Keeps an end of ours known, here and to others.
+/// Keeps an end of ours registered, here and for others.
 pub(crate) struct Claim {
     graph: Arc<Graph>,
     number: u64,
     own: Arc<Own>,
-    /// Has others told of the change.
+    /// Schedules an announcement of our ends.
     announce: Box<dyn Fn() + Send + Sync>,
 }
 
-/// Keeps writers and readers known as a node's.
+/// Keeps DDS writers and readers registered as a node's.
 pub(crate) struct Belonging {
     graph: Arc<Graph>,
     number: u64,
@@ -34,7 +34,7 @@ enum Conflict {
 }
 
 impl Graph {
-    /// Registers an end of ours, unless another one is in the way.
+    /// Registers an end of ours, unless it conflicts with another one.
     pub(crate) fn claim(
         self: &Arc<Self>,
         at: &Address,
@@ -66,7 +66,7 @@ impl Graph {
         Ok(Claim { graph: Arc::clone(self), number, own, announce })
     }
 
-    /// Tells of writers and readers that are no end of ours.
+    /// Registers DDS writers and readers that are not an end of ours.
     pub(crate) fn belong(
         self: &Arc<Self>,
         entities: Entities,
@@ -83,7 +83,7 @@ impl Graph {
 }
 
 impl State {
-    /// What is in the way of an end, and whether that is ours.
+    /// The conflict with an existing end, if any, and whether that end is ours.
     fn conflict(&self, wanted: &Wanted) -> Option<(Conflict, bool)> {
         let port = wanted.kind != EndpointKind::Service;
         let alone = wanted.kind != EndpointKind::Subscription;
@@ -125,7 +125,7 @@ impl Claim {
         &self.own.wanted
     }
 
-    /// The DDS writers and readers of the end are made: others are told.
+    /// The end's DDS writers and readers now exist; schedules an announcement.
     pub(crate) fn made(&self, made: Made) {
         *self.own.made() = Some(made);
         self.graph.touch();

@@ -1,4 +1,4 @@
-//! Ends, ours and those of others, and what is known of one.
+//! Ends of our own and of others.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -13,15 +13,15 @@ pub(crate) struct Wanted {
     pub(crate) kind: EndpointKind,
     /// The address with the namespace in front.
     pub(crate) address: String,
-    /// Full types, for messages.
+    /// The types as error messages spell them.
     pub(crate) types: String,
     pub(crate) digest: String,
-    /// DDS name of the topic (of a service, of its requests) and of its type.
+    /// DDS names of the topic (for a service, of its requests) and of its type.
     pub(crate) topic: String,
     pub(crate) dds_type: String,
-    /// By which ROS nodes know the message of a port.
+    /// Type hash by which ROS nodes identify the message of a port.
     pub(crate) hash: Option<String>,
-    /// The node it belongs to: the instance.
+    /// The ROS node that it belongs to: the component instance.
     pub(crate) node: String,
 }
 
@@ -29,17 +29,17 @@ pub(crate) struct Wanted {
 #[derive(Debug)]
 pub(super) struct Own {
     pub(super) wanted: Wanted,
-    /// `None` until they are made. Locked for an instant, with the lock of the graph held.
+    /// `None` until they exist. Locked only briefly, while the lock of the graph is held.
     pub(super) made: Mutex<Option<Made>>,
 }
 
-/// What an end of ours is in DDS.
+/// The DDS entities of an end of ours.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Made {
-    /// The first one, of the writers or of the readers, stands for the end in announcements.
+    /// The first writer or reader identifies the end in announcements.
     pub(crate) writers: Vec<Gid>,
     pub(crate) readers: Vec<Gid>,
-    /// What the writer of an out port offers.
+    /// QoS that the writer of an out port offers.
     pub(crate) offers: Option<QosPolicies>,
 }
 
@@ -49,22 +49,22 @@ impl Own {
     }
 }
 
-/// What DDS tells of an end of others.
+/// What DDS discovery tells about an end of others.
 #[derive(Clone, Debug)]
 pub(crate) struct Found {
     pub(crate) topic: String,
     pub(crate) dds_type: String,
     pub(crate) writer: bool,
-    /// What it offers, or asks for.
+    /// QoS that it offers or requests.
     pub(crate) qos: QosPolicies,
-    /// By which ROS nodes know the message, where it is told.
+    /// Type hash by which ROS nodes identify the message, if it is announced.
     pub(crate) hash: Option<String>,
 }
 
 impl Found {
-    /// The end that DDS describes.
+    /// From DDS's description of an end.
     pub(crate) fn new(end: EndpointDescription, writer: bool) -> Self {
-        // REP-2016: `typehash=RIHS01_...;` among other words, after the length of all.
+        // REP-2016: USER_DATA contains `typehash=RIHS01_...;` among other keys, after a length.
         let text = String::from_utf8_lossy(&end.user_data);
         let hash = text.split_once("typehash=").and_then(|(_, rest)| rest.split(';').next());
         let hash = hash.map(str::to_owned);
@@ -87,7 +87,7 @@ pub(crate) enum Verdict {
     Right,
     /// It writes another type.
     Wrong,
-    /// It is not there, or not yet.
+    /// It is not known, or not known yet.
     Unknown,
 }
 
@@ -100,7 +100,7 @@ impl Verdict {
 /// What is known of a service that is to be called.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Service {
-    /// With its reader of requests; none when it is of this daemon.
+    /// It exists. With its reader of requests; `None` if it is in this daemon.
     There(Option<GUID>),
     Nobody,
     /// It has these types instead.
@@ -113,7 +113,7 @@ impl Service {
     }
 }
 
-/// A kind of end, by its number in messages.
+/// A kind of end, from its number in messages.
 pub(super) fn kind_of(kind: u8) -> Option<EndpointKind> {
     match kind {
         info::PUBLISHER => Some(EndpointKind::Publisher),

@@ -1,4 +1,4 @@
-//! All ends that are known, as they come and go.
+//! All known ends, as they appear and disappear.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,26 +13,26 @@ use super::ends::{Entities, Found, Own, Service, Verdict, Wanted};
 use crate::info::{self, End, Ends};
 use crate::process::Process;
 
-/// Daemons whose words are kept while they are away.
+/// Number of absent daemons whose announcements are kept.
 const MANY: usize = 256;
 
 #[derive(Debug, Default)]
 pub(super) struct State {
     pub(super) own: HashMap<u64, Arc<Own>>,
-    /// What belongs to our nodes and is no end of ours.
+    /// DDS entities that belong to our nodes and are not ends of ours.
     pub(super) others: HashMap<u64, Entities>,
     pub(super) next: u64,
     pub(super) found: HashMap<GUID, Found>,
-    /// What daemons tell, by the writer they tell it with.
+    /// Announcements of daemons, by the writer that sent them.
     pub(super) told: HashMap<GUID, (Process, HashMap<GUID, End>)>,
 }
 
-/// All ends that are known.
+/// All known ends.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
     state: Mutex<State>,
     pub(super) changed: Condvar,
-    /// Counts changes: a verdict holds as long as this stays the same.
+    /// Counts changes. A verdict is valid while this does not change.
     version: AtomicU64,
 }
 
@@ -50,7 +50,7 @@ impl Graph {
         self.version.load(Ordering::Acquire)
     }
 
-    /// DDS found an end of others; whether it was not known yet.
+    /// DDS discovered an end of others. Returns whether it was not known yet.
     pub(crate) fn found(&self, guid: GUID, found: Found) -> bool {
         let known = self.lock().found.insert(guid, found);
         self.touch();
@@ -64,8 +64,8 @@ impl Graph {
         }
     }
 
-    /// A whole participant is gone: its ends. What it told stays if it may come back, since it
-    /// does not tell that again.
+    /// Removes the ends of participants that are gone. With `may_return` their announcements are
+    /// kept, since they do not send them again when they come back.
     pub(crate) fn lost_all(&self, of: impl Fn(&GUID) -> bool, may_return: bool) -> Vec<Found> {
         let mut state = self.lock();
         let ends = state.found.extract_if(|guid, _| of(guid)).map(|(_, found)| found).collect();
@@ -77,14 +77,14 @@ impl Graph {
         ends
     }
 
-    /// A daemon told its ends, all of them.
+    /// A daemon announced its ends; the list is complete.
     pub(crate) fn told(&self, by: GUID, ends: Ends) {
         let known = ends.ends.into_iter().map(|end| (end.guid(), end)).collect();
         self.lock().told.insert(by, (ends.process, known));
         self.touch();
     }
 
-    /// What is known of a writer, to one who reads this type.
+    /// What is known of a writer, for a reader of this type.
     pub(crate) fn writes(&self, writer: &GUID, digest: &str, dds_type: &str) -> Verdict {
         let state = self.lock();
         let gid = writer.to_bytes();
@@ -107,8 +107,8 @@ impl Graph {
         self.lock().told_of(writer).is_some()
     }
 
-    /// Whether a service is there, and its types where they are known to differ. Until `end` one
-    /// that is not there is waited for: others become known little by little.
+    /// Whether a service exists, and its types if they are known to differ. Waits until `end` for
+    /// one that is not known, since discovery takes time.
     pub(crate) fn service(&self, wanted: &Wanted, end: Instant) -> Service {
         let mut state = self.lock();
         loop {
@@ -121,7 +121,7 @@ impl Graph {
             state = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
     }
-    /// A reader of ours was made anew, with another id.
+    /// A reader of ours was recreated and has another GUID.
     pub(crate) fn renamed(&self, old: GUID, new: GUID) {
         let state = self.lock();
         let (old, new) = (old.to_bytes(), new.to_bytes());
@@ -134,7 +134,7 @@ impl Graph {
         self.touch();
     }
 
-    /// Ends of others on a topic, with what they offer or ask for: writers or readers.
+    /// Writers or readers of others on a topic, with their QoS.
     pub(crate) fn others(&self, topic: &str, writers: bool) -> Vec<(GUID, Found)> {
         let state = self.lock();
         let all = state.found.iter().filter(|(guid, found)| {
@@ -143,7 +143,7 @@ impl Graph {
         all.map(|(guid, found)| (*guid, found.clone())).collect()
     }
 
-    /// Our out port on a topic, and what it offers.
+    /// Our out port on a topic, and the QoS that it offers.
     pub(crate) fn writer(&self, topic: &str) -> Option<(Wanted, QosPolicies)> {
         let state = self.lock();
         let mut own = state.own.values().filter(|own| own.wanted.topic == topic);
@@ -182,7 +182,7 @@ impl State {
         self.told.values().find_map(|(_, ends)| ends.get(guid))
     }
 
-    /// Whether an end is of a daemon, which tells more of it.
+    /// Whether an end belongs to a daemon, which announces more about it.
     pub(super) fn is_daemon(&self, guid: &GUID) -> bool {
         let tells = |(other, found): (&GUID, &Found)| {
             other.prefix == guid.prefix && found.writer && found.topic == info::ENDS.0
@@ -190,7 +190,7 @@ impl State {
         self.told.keys().any(|by| by.prefix == guid.prefix) || self.found.iter().any(tells)
     }
 
-    /// Whether an end is of a process that was killed; DDS learns of that much later.
+    /// Whether an end belongs to a process that was killed; DDS notices that much later.
     pub(super) fn is_dead(&self, guid: &GUID) -> bool {
         let by = self.told.iter().find(|(by, _)| by.prefix == guid.prefix);
         by.is_some_and(|(_, (process, _))| process.has_ended())

@@ -1,4 +1,4 @@
-//! Who is there: our ends, and those of others as DDS and their daemons tell.
+//! The graph: our ends, and those of others as DDS and their daemons announce them.
 
 mod claim;
 mod ends;

@@ -1,4 +1,4 @@
-//! What is listed of all ends, and what is told of ours.
+//! Lists all ends, and those that this daemon announces.
 
 use genom_middleware::{Endpoint, EndpointKind};
 use genom_rosidl::TypeName;
@@ -25,14 +25,14 @@ impl Graph {
                 let kind = kind_of(end.kind)?;
                 Some(Endpoint { kind, address: end.address.clone(), ty: short(&end.types, kind) })
             }
-            // A daemon's end that was not told yet, or one of its own affairs.
+            // A daemon's end that it has not announced yet, or that it uses internally.
             None if state.is_daemon(guid) => None,
             None => foreign(found),
         });
         own.chain(others).collect()
     }
 
-    /// What we tell others: our ends, and our nodes with all their writers and readers.
+    /// What we announce: our ends, and our nodes with all their writers and readers.
     pub(crate) fn ours(&self, namespace: &str) -> (Vec<End>, Vec<Node>) {
         let state = self.lock();
         let mut ends = Vec::new();
@@ -78,13 +78,13 @@ impl Graph {
         (ends, nodes)
     }
 
-    /// What we tell of our nodes.
+    /// The announcement of our nodes.
     pub(crate) fn nodes(participant: Gid, nodes: Vec<Node>) -> Nodes {
         Nodes { participant, nodes }
     }
 }
 
-/// An end of a ROS node that is no daemon; nothing of what DDS and ROS use for themselves.
+/// An end of a ROS node that is not a daemon; `None` for what DDS and ROS use internally.
 fn foreign(found: &Found) -> Option<Endpoint> {
     let ty = TypeName::from_dds(&found.dds_type);
     if let Some(topic) = found.topic.strip_prefix("rt/") {

@@ -1,4 +1,4 @@
-//! What participants announce (RTPS 2.5, 8.5): themselves, their writers, their readers.
+//! Announcements of participants, writers and readers (RTPS 2.5, 8.5).
 
 use std::time::Duration;
 
@@ -6,18 +6,18 @@ use super::limits::{LOCATORS, Limits, NAME, PARAMETERS, USER_DATA};
 use super::message::{Entity, Fields, Prefix, parameters};
 use super::tally::Reason;
 
-/// Entities of DDS's own, writer and reader (9.3.1.5).
+/// Built-in entities, each a writer and its reader (9.3.1.5).
 pub(crate) const PARTICIPANTS: (Entity, Entity) = ([0, 1, 0, 0xc2], [0, 1, 0, 0xc7]);
 pub(crate) const WRITERS: (Entity, Entity) = ([0, 0, 3, 0xc2], [0, 0, 3, 0xc7]);
 pub(crate) const READERS: (Entity, Entity) = ([0, 0, 4, 0xc2], [0, 0, 4, 0xc7]);
 const TOPICS: (Entity, Entity) = ([0, 0, 2, 0xc2], [0, 0, 2, 0xc7]);
 const LIVELINESS: (Entity, Entity) = ([0, 2, 0, 0xc2], [0, 2, 0, 0xc7]);
 
-/// Pairs that talk to each other and to nobody else.
+/// Built-in pairs that communicate only with each other.
 pub(crate) const PAIRS: [(Entity, Entity); 5] =
     [PARTICIPANTS, WRITERS, READERS, TOPICS, LIVELINESS];
 
-/// Parameters (9.6.4).
+/// Ids of parameters (9.6.4).
 mod id {
     pub(super) const LEASE: u16 = 0x0002;
     pub(super) const TOPIC_NAME: u16 = 0x0005;
@@ -30,22 +30,23 @@ mod id {
     pub(super) const END: u16 = 0x005a;
     pub(super) const ENTITY_NAME: u16 = 0x0062;
     pub(super) const KEY_HASH: u16 = 0x0070;
-    /// Unicast and multicast, of participants and of ends, default and for discovery.
+    /// Unicast and multicast locators of participants and ends, for user data and discovery.
     pub(super) const LOCATORS: [u16; 6] = [0x002f, 0x0030, 0x0031, 0x0032, 0x0033, 0x0048];
 }
 
-/// What an announcement says of whom.
+/// Content of an announcement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Announced {
-    /// The end, or the participant's own entity.
+    /// The announced end, or the participant's own entity.
     pub(crate) entity: Option<Entity>,
-    /// How long the participant wants to be waited for, and where in the payload that stands.
+    /// The participant's lease, and its offset in the payload.
     pub(crate) lease: Option<(Duration, usize)>,
 }
 
-/// Reads the payload of an announcement of participant `of`, with the header of its encoding.
+/// Reads the payload of an announcement of participant `of`; the payload starts with its
+/// encapsulation header.
 pub(crate) fn read(payload: &[u8], of: &Prefix) -> Result<Announced, Reason> {
-    // 10.5: a list of parameters, in one of the two orders of bytes.
+    // 10.5: a parameter list, little or big endian.
     let little = match payload {
         [0, 2, ..] => false,
         [0, 3, ..] => true,
@@ -59,7 +60,7 @@ pub(crate) fn read(payload: &[u8], of: &Prefix) -> Result<Announced, Reason> {
         match id {
             id::PARTICIPANT | id::END => {
                 let guid: &[u8; 16] = value.first_chunk().ok_or(Reason::Malformed)?;
-                // A writer's announcement may name its participant besides.
+                // A writer's announcement may also contain the GUID of its participant.
                 let (prefix, entity) = guid.split_at(12);
                 if prefix != of {
                     return Err(Reason::Name);
@@ -78,7 +79,7 @@ pub(crate) fn read(payload: &[u8], of: &Prefix) -> Result<Announced, Reason> {
             id::LEASE if announced.lease.is_none() => {
                 let mut value = Fields::new(value, little);
                 let (seconds, fraction) = (value.u32()?, value.u32()?);
-                // 9.3.2: fractions of 2^-32 s; negative ones are none.
+                // 9.3.2: fractions in units of 2^-32 s; negative durations count as zero.
                 let whole = u64::from(seconds & 0x7fff_ffff);
                 let lease = if seconds >> 31 == 1 {
                     Duration::ZERO
@@ -109,13 +110,13 @@ pub(crate) fn read(payload: &[u8], of: &Prefix) -> Result<Announced, Reason> {
     Ok(announced)
 }
 
-/// The end that an announcement in fragments is about, of its first piece.
+/// The end that a fragmented announcement is about, from its first fragment.
 pub(crate) fn first_piece(payload: &[u8], of: &Prefix) -> Result<Entity, Reason> {
     let little = payload.get(1) == Some(&3);
     let mut fields = Fields::new(payload, little);
     fields.skip(4)?;
     let mut end = None;
-    // It breaks off somewhere: what was read before counts.
+    // The fragment ends somewhere in the list; what was read before counts.
     let _ = parameters(&mut fields, PARAMETERS, |id, _, value| {
         let guid = value.split_first_chunk().filter(|_| id == id::END);
         end = end.or(guid.and_then(|(prefix, rest)| Some((*prefix, *rest.first_chunk()?))));
@@ -128,7 +129,7 @@ pub(crate) fn first_piece(payload: &[u8], of: &Prefix) -> Result<Entity, Reason>
     }
 }
 
-/// Writes a lease of whole seconds where one stands.
+/// Writes a lease of whole seconds at an offset.
 pub(crate) fn put_lease(payload: &mut [u8], at: usize, lease: Duration) {
     let little = payload.get(1) == Some(&3);
     let seconds = u32::try_from(lease.as_secs()).unwrap_or(i32::MAX.cast_unsigned());
@@ -138,17 +139,17 @@ pub(crate) fn put_lease(payload: &mut [u8], at: usize, lease: Duration) {
     }
 }
 
-/// Whom a message is about that has no announcement in it: the key in its inline parameters, or
-/// the payload that is a key alone (9.6.4.8).
+/// The subject of a message that contains no announcement: from the key hash in its inline
+/// parameters, or from a payload that is only a key (9.6.4.8).
 pub(crate) fn key_hash(id: u16, value: &[u8]) -> Option<(&Prefix, Entity)> {
     let (prefix, entity) = value.split_first_chunk()?;
     (id == id::KEY_HASH).then_some(())?;
     Some((prefix, *entity.first_chunk()?))
 }
 
-/// The lease a participant may have.
+/// The lease that a participant is granted.
 pub(crate) fn lease(announced: &Announced, limits: &Limits) -> Duration {
-    // What DDS takes where nothing is said.
+    // Default of DDS if the announcement contains no lease.
     let said = announced.lease.map_or(Duration::from_secs(100), |(lease, _)| lease);
     said.min(limits.silence)
 }

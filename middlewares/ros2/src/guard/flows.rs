@@ -1,8 +1,8 @@
-//! How far the writers of others are: what they may announce, and what DDS may look at of it.
+//! Tracks the sequence numbers of foreign writers: which they may announce, and which DDS may see.
 //!
-//! Sequence numbers may be of any size: a writer that runs for weeks at 1 kHz is at 2^31. What
-//! harms is a range, since RustDDS looks at each number between what it has and what is announced,
-//! and a jump, since it gives up all that lies before.
+//! The numbers themselves may be large: a writer that runs for weeks at 1 kHz reaches 2^31. What is
+//! harmful is a wide range, because RustDDS iterates over all numbers between those received and
+//! those announced, and a jump, because RustDDS gives up all numbers before it.
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -13,17 +13,17 @@ use super::tally::Reason;
 
 #[derive(Clone, Copy, Debug)]
 struct Flow {
-    /// The greatest number received, or declared void.
+    /// Greatest number that was received, or declared not to come.
     high: i64,
-    /// The first number that did not come yet, and which of the 64 after it did.
+    /// First number that is missing, and a bit set of the 64 from there on that were received.
     next: i64,
     after: u64,
-    /// The greatest number told of.
+    /// Greatest number announced.
     told: i64,
-    /// By so much it may go on.
+    /// How much further the writer may announce.
     ahead: i64,
     at: Duration,
-    /// Since when it only was where it could not be.
+    /// Since when all its announcements have been too far ahead.
     elsewhere: Option<Duration>,
 }
 
@@ -32,7 +32,7 @@ impl Flow {
         Self { high: 0, next: 1, after: 0, told, ahead: AHEAD, at: now, elsewhere: None }
     }
 
-    /// All before `end` came, or will not come.
+    /// Marks all numbers before `end` as received or never coming.
     fn skip_to(&mut self, end: i64) {
         while self.next < end && self.after != 0 {
             self.step();
@@ -43,13 +43,14 @@ impl Flow {
         }
     }
 
-    /// Goes on by one number; the lowest bit of `after` is that of `next` itself.
+    /// Advances by one number; the lowest bit of `after` stands for `next` itself.
     fn step(&mut self) {
         self.next += 1;
         self.after >>= 1;
     }
 
-    /// A sample came; one far ahead of the first that is missing is not noted, and comes again.
+    /// Marks a number as received. One that is too far ahead of `next` is not recorded, and is sent
+    /// again.
     fn came(&mut self, number: i64) {
         self.high = self.high.max(number);
         if let Ok(bit @ 0..64) = u32::try_from(number - self.next) {
@@ -66,7 +67,7 @@ impl Flow {
     }
 }
 
-/// A heartbeat as DDS may hear it.
+/// The part of a heartbeat that DDS may see.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Heard {
     pub(crate) first: i64,
@@ -76,7 +77,7 @@ pub(crate) struct Heard {
 #[derive(Debug)]
 pub(crate) struct Flows {
     flows: HashMap<(Prefix, Entity), Flow>,
-    /// Wide heartbeats that may come, and since when.
+    /// How many wide heartbeats may still pass in the current second, and when it began.
     wide: u32,
     second: Duration,
 }
@@ -86,13 +87,13 @@ impl Flows {
         Self { flows: HashMap::new(), wide: WIDE, second: Duration::ZERO }
     }
 
-    /// The writer tells of a number: whether that can be.
+    /// Checks whether a writer may announce this number.
     fn tell(&mut self, writer: (Prefix, Entity), number: i64, now: Duration) -> Result<(), Reason> {
         if number > LAST_NUMBER {
             return Err(Reason::Range);
         }
         if self.flows.len() >= FLOWS && !self.flows.contains_key(&writer) {
-            // Those that were silent longest are of no use any more.
+            // Forget writers that have been silent for a minute.
             self.flows.retain(|_, flow| now.saturating_sub(flow.at) < Duration::from_secs(60));
         }
         let known = self.flows.len();
@@ -126,7 +127,7 @@ impl Flows {
         self.flows.get_mut(&writer)
     }
 
-    /// A sample, or a part of one.
+    /// A sample, or a fragment of one.
     pub(crate) fn sample(
         &mut self,
         writer: (Prefix, Entity),
@@ -143,11 +144,11 @@ impl Flows {
         Ok(())
     }
 
-    /// A heartbeat (8.3.8.6): what DDS may hear of it.
+    /// Limits a heartbeat (8.3.8.6) to what DDS may see.
     ///
-    /// DDS looks at each number from what it has, or `first`, to `last`, and asks for 256 of them
-    /// at most. So it suffices that it hears of those that follow what was received; when they
-    /// have come, the next heartbeat tells of more.
+    /// DDS iterates over all numbers from the last received, or `first`, to `last`, and requests at
+    /// most 256 of them. So it is enough if it sees those that follow the received ones; once they
+    /// have arrived, the next heartbeat announces more.
     pub(crate) fn heartbeat(
         &mut self,
         writer: (Prefix, Entity),
@@ -163,11 +164,12 @@ impl Flows {
         }
         self.tell(writer, last, now)?;
         let Some(flow) = self.flow(writer) else { return Err(Reason::Ends) };
-        // What comes before the first one will never come.
+        // Numbers before `first` will never come.
         flow.high = flow.high.max(first - 1);
         flow.skip_to(first);
-        // Announcements RustDDS takes once: when it meets somebody again, it would ask for those
-        // it has, and who did not lose it does not send them again.
+        // RustDDS processes each announcement once. When it rediscovers a participant, it would
+        // request those it has already, and a participant that did not lose us does not send them
+        // again.
         let first = if is_builtin(writer.1) { first.max(flow.next.min(last + 1)) } else { first };
         if last - first < WINDOW {
             return Ok(Heard { first, last });
@@ -189,11 +191,11 @@ impl Flows {
         may
     }
 
-    /// Numbers that will not come, from `start` to before `end` (8.3.8.4): the end as DDS may hear
-    /// it.
+    /// Limits a gap (8.3.8.4), the numbers from `start` up to but not including `end` that will not
+    /// come. Returns the end that DDS may see.
     ///
-    /// DDS keeps a note for each of them, unless all before them has come: that is so of the first
-    /// number of all, which is where the gap of a late reader begins.
+    /// DDS keeps an entry for each of these numbers unless all before them have come. That is
+    /// always so for a gap that begins at the first number, which a late reader gets.
     pub(crate) fn gap(
         &mut self,
         writer: (Prefix, Entity),
@@ -215,7 +217,7 @@ impl Flows {
         Ok(end)
     }
 
-    /// A participant is gone, and its writers with it.
+    /// Forgets the writers of a participant that is gone.
     pub(crate) fn forget(&mut self, participant: &Prefix) {
         self.flows.retain(|(prefix, _), _| prefix != participant);
     }

@@ -1,16 +1,17 @@
-//! How much of others this daemon bears: bounds far above what peers do, and below what hurts.
+//! Limits for what others may cause here: far above what peers need, and below what does harm.
 
 use std::time::Duration;
 
-/// What peers may have this daemon hold.
+/// Limits that options set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Limits {
-    /// Bytes of the greatest sample that is put together of fragments. Default: 64 MiB.
+    /// Size in bytes of the largest sample that is reassembled from fragments. Default: 64 MiB.
     pub(crate) sample: u32,
-    /// Participants that are known at a time; one address may have half of them. Default: 1024.
+    /// Number of participants at a time; one address may have half of them. Default: 1024.
     pub(crate) participants: usize,
-    /// A participant that is silent for so long is gone, however long it asks to be waited for.
-    /// Default: 50 s, as long as others wait for this daemon, so that both give up.
+    /// Longest lease: a participant that is silent for this long counts as gone, whatever lease it
+    /// announces. Default: 50 s, the lease of this daemon, so that both sides give up at the same
+    /// time.
     pub(crate) silence: Duration,
 }
 
@@ -21,61 +22,61 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Bytes of samples that are put together at a time; one participant may have half of them.
+    /// Bytes of samples being reassembled at a time; one participant may use half of them.
     pub(crate) fn assembly(&self) -> u64 {
         u64::from(self.sample) * 8
     }
 
-    /// Fragments of one sample. DDS libraries cut at 1 KiB and more.
+    /// Number of fragments of one sample. DDS libraries use fragments of at least 1 KiB.
     pub(crate) fn fragments(&self) -> u32 {
         (self.sample / 1024).max(1 << 16)
     }
 }
 
-/// Writers and readers that one participant may have announced at a time.
+/// Writers and readers that one participant may have at a time.
 pub(crate) const ENDS: usize = 4096;
 
-/// Writers and readers that all participants may have announced at a time.
+/// Writers and readers that all participants together may have at a time.
 pub(crate) const ALL_ENDS: usize = 32_768;
 
-/// The greatest sequence number that counts as one: at 1 MHz it takes a writer 2000 years.
+/// Greatest valid sequence number; a writer at 1 MHz needs 2000 years to reach it.
 pub(crate) const LAST_NUMBER: i64 = 1 << 56;
 
-/// Sequence numbers that a heartbeat may name as they are: DDS looks at each of them.
+/// Width up to which the range of a heartbeat is not limited; DDS iterates over it.
 pub(crate) const WINDOW: i64 = 4096;
 
-/// Sequence numbers behind the last one received that may still be looked at.
+/// How far before the last received number a range may begin.
 pub(crate) const REACH: i64 = 1 << 18;
 
-/// Samples that a heartbeat says a writer holds: no writer has the memory for more.
+/// Greatest number of samples that a writer may claim to hold; no writer has memory for more.
 pub(crate) const HELD: i64 = 1 << 24;
 
-/// By so much a writer may be ahead of what was heard of it, at once and for each second.
+/// How far a writer may get ahead of what was heard of it: at once, and additionally per second.
 pub(crate) const AHEAD: i64 = 1 << 20;
 
-/// A writer whose numbers went on elsewhere for so long is believed.
+/// A jump is accepted if the writer's numbers have all been ahead for this long.
 pub(crate) const BELIEVED: Duration = Duration::from_secs(3);
 
-/// Heartbeats of more than [`WINDOW`] numbers that are let through in a second.
+/// Heartbeats wider than [`WINDOW`] that may pass per second.
 pub(crate) const WIDE: u32 = 50;
 
-/// Writers whose numbers are followed.
+/// Number of writers whose sequence numbers are tracked.
 pub(crate) const FLOWS: usize = 32_768;
 
-/// Samples that are put together at a time.
+/// Number of samples being reassembled at a time.
 pub(crate) const ASSEMBLIES: usize = 4096;
 
-/// DDS gives up a sample whose fragments stopped coming for so long, when others of its writer
-/// come; else it counts for the longer time.
+/// Time without fragments after which DDS gives up a sample: the first if its writer sends others,
+/// else the second.
 pub(crate) const GIVEN_UP: (Duration, Duration) =
     (Duration::from_secs(13), Duration::from_secs(60));
 
-/// Locators of a participant, an end or a reply: each is sent to.
+/// Number of locators of a participant, an end or a reply; DDS sends to each of them.
 pub(crate) const LOCATORS: u32 = 32;
 
-/// Parameters of one list.
+/// Number of parameters in one list.
 pub(crate) const PARAMETERS: usize = 512;
 
-/// Bytes of a name in an announcement, and of data that a user attaches.
+/// Size in bytes of a name in an announcement, and of user data.
 pub(crate) const NAME: usize = 1024;
 pub(crate) const USER_DATA: usize = 16 << 10;

@@ -1,16 +1,16 @@
-//! RTPS messages as bytes (RTPS 2.5, 9.4): where what stands, read without a doubt.
+//! Strict parser of RTPS messages (RTPS 2.5, 9.4).
 
 use std::ops::Range;
 
 use super::tally::Reason;
 
-/// The first 12 bytes of a GUID: the participant.
+/// First 12 bytes of a GUID: the participant.
 pub(crate) type Prefix = [u8; 12];
 
-/// The last 4 bytes of a GUID: the writer or reader.
+/// Last 4 bytes of a GUID: the writer or reader.
 pub(crate) type Entity = [u8; 4];
 
-/// Bytes of the header of a message (9.4.4) and of a submessage (9.4.5.1).
+/// Sizes in bytes of a message header (9.4.4) and of a submessage header (9.4.5.1).
 pub(crate) const HEADER: usize = 20;
 const HEAD: usize = 4;
 
@@ -29,7 +29,7 @@ pub(crate) mod kind {
     pub(crate) const DATA_FRAG: u8 = 0x16;
 }
 
-/// A submessage: its kind and flags, and where its body lies in the message.
+/// A submessage: its kind and flags, and the position of its body in the message.
 #[derive(Clone, Debug)]
 pub(crate) struct Head {
     pub(crate) kind: u8,
@@ -39,7 +39,7 @@ pub(crate) struct Head {
 }
 
 impl Head {
-    /// The submessage that begins at `start`; nothing at the end of the message.
+    /// The submessage that begins at `start`; `None` at the end of the message.
     pub(crate) fn read(message: &[u8], start: usize) -> Result<Option<Self>, Reason> {
         if start >= message.len() {
             return Ok(None);
@@ -48,7 +48,8 @@ impl Head {
         let said =
             if flags & 1 == 1 { u16::from_le_bytes([a, b]) } else { u16::from_be_bytes([a, b]) };
         let begin = start + HEAD;
-        // 9.4.5.1.3: 0 means up to the end, but for those that may be empty.
+        // 9.4.5.1.3: length 0 means up to the end of the message, except for kinds that may be
+        // empty.
         let end = match said {
             0 if kind != kind::PAD && kind != kind::INFO_TS => message.len(),
             said => begin + usize::from(said),
@@ -59,9 +60,9 @@ impl Head {
         Ok(Some(Self { kind, flags, start, body: begin..end }))
     }
 
-    /// Makes it one that says nothing (8.3.8.11).
+    /// Turns it into a PAD submessage, which has no effect (8.3.8.11).
     pub(crate) fn silence(&self, message: &mut [u8]) {
-        // The length of 0 of a last one would be taken for an empty body.
+        // Write the real length: 0 would mean an empty body for PAD.
         let length = u16::try_from(self.body.len()).unwrap_or(u16::MAX).to_le_bytes();
         if let Some(head) = message.get_mut(self.start..self.start + HEAD) {
             head.copy_from_slice(&[kind::PAD, 1, length[0], length[1]]);
@@ -126,13 +127,13 @@ impl<'a> Fields<'a> {
         Ok(if self.little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) })
     }
 
-    /// 9.3.2: the high word first, in either order of bytes.
+    /// 9.3.2: the high word comes first in both byte orders.
     pub(crate) fn number(&mut self) -> Result<i64, Reason> {
         let (high, low) = (self.u32()?, self.u32()?);
         Ok((i64::from(high.cast_signed()) << 32) | i64::from(low))
     }
 
-    /// The base of a set of numbers, whose bitmap is stepped over (9.4.2.6, 9.4.2.8): at most 256.
+    /// Skips a set of numbers: its base and a bitmap of at most 256 bits (9.4.2.6, 9.4.2.8).
     pub(crate) fn bitmap(&mut self) -> Result<(), Reason> {
         let bits = self.u32()?;
         if bits > 256 {
@@ -151,7 +152,7 @@ pub(crate) fn put_number(body: &mut [u8], at: usize, little: bool, number: i64) 
     }
 }
 
-/// Steps over a list of parameters (9.4.2.11), each told to `each` with its value.
+/// Reads a parameter list (9.4.2.11), and calls `each` with each parameter and its value.
 pub(crate) fn parameters<'a>(
     fields: &mut Fields<'a>,
     most: usize,
@@ -169,7 +170,7 @@ pub(crate) fn parameters<'a>(
     Err(Reason::Announcement)
 }
 
-/// Whether an entity is one of those that DDS itself has (9.3.1.2).
+/// Whether an entity is a built-in one of DDS (9.3.1.2).
 pub(crate) fn is_builtin(entity: Entity) -> bool {
     entity[3] & 0xc0 == 0xc0
 }

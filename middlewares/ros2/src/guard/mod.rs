@@ -1,15 +1,16 @@
-//! What comes between the network and RustDDS: every datagram is looked at before it is heard.
+//! Filters every datagram between the network and RustDDS.
 //!
-//! RustDDS 0.15 believes what it is told. One heartbeat that announces 2^62 samples, one fragment
-//! of a sample of 4 GiB or one gap of 2^40 numbers takes all memory or a processor for good, and
-//! anybody on the network may send it. So each datagram passes here first (`hook`), on the thread
-//! that will hear it. What no peer has a reason to say is made silent in place, submessage by
-//! submessage; all else goes through as it came, or with less in it: heartbeats and gaps may say
-//! less at a time, since both come again, and a lease may be shorter.
+//! RustDDS 0.15 does not check what it receives. One heartbeat that announces 2^62 samples, one
+//! fragment of a sample of 4 GiB, or one gap of 2^40 numbers uses up all memory or occupies a
+//! processor for ever, and anybody on the network can send it. So each datagram passes through here
+//! first (`hook`), on the thread that receives it. Submessages that no peer has a reason to send
+//! are turned into padding in place; everything else passes unchanged or with smaller values:
+//! heartbeats and gaps may be narrowed, since both are repeated, and a lease may be shortened.
 //!
-//! Nothing here depends on how large sequence numbers are: writers that run for weeks are heard
-//! from their first message on. Who forges messages in the name of a participant that is there can
-//! still end its flows, by saying that it is gone, for one: that is for DDS Security, which
+//! Nothing here depends on the magnitude of sequence numbers: writers that have been running for
+//! weeks are heard from their first message on. Whoever forges messages in the name of an existing
+//! participant can still end its flows, for example by announcing that it leaves. Only DDS Security
+//! prevents that, which RustDDS is not built with here, or a network without strangers.
 //! RustDDS does not speak here, or for a network that strangers are not on.
 
 mod discovery;
@@ -36,22 +37,22 @@ use peers::Peers;
 use pieces::{Piece, Pieces};
 use tally::Reason;
 
-/// Nobody in particular (9.3.1.5).
+/// The entity id that stands for no particular entity (9.3.1.5).
 const UNKNOWN: Entity = [0; 4];
 
-/// Looks at what one participant of ours receives.
+/// Filters what one participant of ours receives.
 #[derive(Debug)]
 pub(crate) struct Guard {
     limits: Limits,
     peers: Peers,
     flows: Flows,
     pieces: Pieces,
-    /// Who says good-bye in the datagram at hand.
+    /// The participant that leaves with the current datagram.
     leaving: Option<Prefix>,
     tally: Arc<Tally>,
 }
 
-/// Where a submessage comes from, and when.
+/// Sender of a submessage, and when it arrived.
 #[derive(Clone, Copy, Debug)]
 struct From {
     participant: Prefix,
@@ -71,9 +72,10 @@ impl Guard {
         }
     }
 
-    /// Makes a datagram one that RustDDS may hear; false if nothing of it is left.
+    /// Modifies a datagram so that RustDDS may receive it. Returns false if nothing is left of it.
     ///
-    /// `now` is the time since the machine started, its sleep included: writers went on meanwhile.
+    /// `now` is the time since boot including suspend, because writers continue while this machine
+    /// sleeps.
     pub(crate) fn screen(
         &mut self,
         datagram: &mut [u8],
@@ -102,7 +104,7 @@ impl Guard {
         };
         let mut from = From { participant: sender, address, now };
         let mut at = HEADER;
-        // All of it is well formed, or none of it is heard: RustDDS holds it likewise.
+        // A datagram that is partly malformed is dropped as a whole, as RustDDS does.
         while let Some(head) = Head::read(datagram, at)? {
             at = head.body.end;
             if head.kind == kind::INFO_SRC {
@@ -112,7 +114,7 @@ impl Guard {
                 head.silence(datagram);
             }
         }
-        // RustDDS notes the way to whoever it hears, even where it does not know them.
+        // RustDDS stores the reply address of every sender, even of unknown ones.
         let known = self.peers.knows(&sender, now);
         if let Some(gone) = self.leaving.take() {
             self.peers.leave(&gone);
@@ -137,7 +139,7 @@ impl Guard {
                 let mut fields = Fields::new(body, head.little());
                 self.ends(&mut fields, from)?;
                 let base = fields.number()?;
-                // 0 is what some makers say who have heard nothing yet.
+                // Some implementations send 0 while they have received nothing.
                 if !(0..=limits::LAST_NUMBER).contains(&base) {
                     return Err(Reason::Range);
                 }
@@ -161,11 +163,12 @@ impl Guard {
         }
     }
 
-    /// Who writes, and to whom, where that may be; they stand first in what ends say.
+    /// Reads the reader and the writer, which come first in submessages between ends; checks that
+    /// they may communicate.
     fn ends(&self, fields: &mut Fields<'_>, from: &From) -> Result<(Entity, Entity), Reason> {
         let (reader, writer): (Entity, Entity) = (fields.bytes()?, fields.bytes()?);
         pair(reader, writer)?;
-        // Who announces itself is not known yet.
+        // A participant that announces itself is not known yet.
         if writer != PARTICIPANTS.0 && !self.peers.knows(&from.participant, from.now) {
             return Err(Reason::Stranger);
         }
@@ -198,7 +201,8 @@ impl Guard {
         if writer == PARTICIPANTS.0 {
             if has != DATA {
                 gone(about, (has == KEY).then_some(payload), from)?;
-                // RustDDS is to hear this yet: a stranger from the next datagram on.
+                // RustDDS must still receive this message; the participant is unknown from the next
+                // datagram on.
                 self.leaving = Some(from.participant);
                 return Ok(());
             }
@@ -208,8 +212,8 @@ impl Guard {
             }
             let lease = discovery::lease(&announced, &self.limits);
             let returned = self.peers.announce(from.participant, from.address, lease, from.now)?;
-            // Fast DDS says the same again under the same number, and RustDDS hears each number
-            // once: one that came back would never be met.
+            // Fast DDS repeats its announcement under the same sequence number, and RustDDS
+            // processes each number once; it would never match a participant that came back.
             if returned > 0 {
                 put_number(body, 12, head.little(), (number & 0xff_ffff_ffff) + (returned << 40));
             }
@@ -240,7 +244,7 @@ impl Guard {
         fields.skip(2)?;
         let skipped = usize::from(fields.u16()?).checked_sub(28).ok_or(Reason::Malformed)?;
         let (_, writer) = self.ends(&mut fields, from)?;
-        // Announcements do not need fragments, and would pass unseen in them.
+        // Participant announcements never need fragments, and fragmented ones could not be checked.
         if writer == PARTICIPANTS.0 {
             return Err(Reason::Announcement);
         }
@@ -287,7 +291,7 @@ impl Guard {
         let heard = self.flows.gap((from.participant, writer), start, end, from.now)?;
         if heard != end {
             put_number(body, at, head.little(), heard);
-            // The rest of what it says is about numbers further on: none of them now.
+            // The bitmap is about later numbers, which do not belong to the narrowed gap.
             if let Some(bits) = body.get_mut(at + 8..at + 12) {
                 bits.fill(0);
             }
@@ -296,7 +300,7 @@ impl Guard {
     }
 }
 
-/// A participant or an end of one is gone: which.
+/// Reads which end is gone; `None` if that cannot be read. Refuses ends of other participants.
 fn gone(
     about: Option<(Prefix, Entity)>,
     key: Option<&[u8]>,
@@ -310,20 +314,20 @@ fn gone(
     }
 }
 
-/// Who speaks from here on (9.4.5.10).
+/// The sender of the submessages that follow (9.4.5.10).
 fn source(body: &[u8]) -> Result<Prefix, Reason> {
     let prefix = body.get(8..).and_then(<[u8]>::first_chunk);
     prefix.copied().ok_or(Reason::Malformed)
 }
 
-/// Ends of DDS's own talk to their counterparts alone, those of users among themselves.
+/// Built-in ends communicate only with their counterparts, and users' ends only with users' ends.
 fn pair(reader: Entity, writer: Entity) -> Result<(), Reason> {
     let mixed = reader != UNKNOWN && is_builtin(reader) != is_builtin(writer);
     let of_own = |(theirs, ours): &(Entity, Entity)| *ours == reader && *theirs != writer;
     if mixed || PAIRS.iter().any(of_own) { Err(Reason::Name) } else { Ok(()) }
 }
 
-/// Where answers are to go (9.4.5.9): few places.
+/// Limits the number of locators to which replies are sent (9.4.5.9).
 fn reply(body: &[u8], head: &Head) -> Result<(), Reason> {
     const MULTICAST: u8 = 2;
     const LOCATOR: usize = 24;

@@ -1,4 +1,4 @@
-//! The participants that are there, and the ends that they announced.
+//! The known participants, and the ends that they announced.
 
 use std::collections::{HashMap, HashSet};
 use std::net::IpAddr;
@@ -8,13 +8,13 @@ use super::limits::{ALL_ENDS, ENDS, Limits};
 use super::message::{Entity, Prefix};
 use super::tally::Reason;
 
-/// DDS may take so much longer to forget somebody.
+/// RustDDS may forget a participant this much later than its lease says.
 const GRACE: Duration = Duration::from_secs(10);
 
-/// RustDDS looks every 2 s who was silent for longer than it may be.
+/// RustDDS checks the leases every 2 s; this is a little longer.
 const LOOKS: Duration = Duration::from_millis(2500);
 
-/// Returns of one participant that are told apart.
+/// Number of returns of one participant that are distinguished.
 const RETURNS: i64 = 1 << 15;
 
 #[derive(Debug)]
@@ -22,9 +22,9 @@ struct Peer {
     address: Option<IpAddr>,
     seen: Duration,
     lease: Duration,
-    /// Until when it is not heard, since it was silent for too long.
+    /// Ignored until this time, because it was silent for longer than its lease.
     late: Option<Duration>,
-    /// How often it was lost in silence and came back.
+    /// How often its lease expired and it came back.
     returned: i64,
     ends: HashSet<Entity>,
 }
@@ -47,17 +47,18 @@ impl Peers {
         Self { peers: HashMap::new(), ends: 0, most: limits.participants }
     }
 
-    /// Whether a participant announced itself, and is not gone.
+    /// Whether a participant has announced itself and is not gone.
     pub(crate) fn knows(&self, prefix: &Prefix, now: Duration) -> bool {
         self.peers.get(prefix).is_some_and(|peer| peer.late.is_none() && !peer.is_gone(now))
     }
 
-    /// A participant announces itself: how often it was lost in silence and came back.
+    /// A participant announces itself. Returns how often its lease expired and it came back.
     ///
-    /// One that was silent for longer than it may be is not heard for a while, until RustDDS has
-    /// lost it for certain. Else it were a matter of chance: RustDDS does not lose those whose
-    /// announcements waited while this process was stopped. They lost us, and begin anew; who does
-    /// not do the same goes on where they were, and never answers what they ask for again.
+    /// A participant whose lease expired is ignored for some time, until RustDDS has certainly
+    /// dropped it. Otherwise it would depend on timing: RustDDS does not drop a participant whose
+    /// announcements were queued while this process was stopped. That participant, however, has
+    /// dropped us and starts anew; if this side continued where it was, it would never get replies
+    /// to what it requests.
     pub(crate) fn announce(
         &mut self,
         prefix: Prefix,
@@ -90,7 +91,7 @@ impl Peers {
         Ok(0)
     }
 
-    /// A participant says that it is gone.
+    /// A participant announces that it leaves.
     pub(crate) fn leave(&mut self, prefix: &Prefix) {
         if let Some(peer) = self.peers.remove(prefix) {
             self.ends -= peer.ends.len();

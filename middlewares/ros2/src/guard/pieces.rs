@@ -1,4 +1,4 @@
-//! Samples that come in fragments: what DDS holds of them until they are complete.
+//! Samples in fragments: limits what DDS holds of them until they are complete.
 
 use std::collections::HashMap;
 use std::time::Duration;
@@ -7,20 +7,20 @@ use super::limits::{ASSEMBLIES, GIVEN_UP, Limits};
 use super::message::{Entity, Prefix};
 use super::tally::Reason;
 
-/// A sample of a writer.
+/// Identifies a sample: participant, writer, sequence number.
 pub(crate) type Sample = (Prefix, Entity, i64);
 
-/// What a DATA_FRAG says (8.3.8.3).
+/// Content of a DATA_FRAG (8.3.8.3).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Piece {
     /// Number of its first fragment, from 1.
     pub(crate) first: u32,
     pub(crate) count: u16,
-    /// Bytes of a fragment.
+    /// Size of a fragment in bytes.
     pub(crate) fragment: u16,
-    /// Bytes of the whole sample.
+    /// Size of the whole sample in bytes.
     pub(crate) whole: u32,
-    /// Bytes that it brings.
+    /// Size of its payload in bytes.
     pub(crate) payload: usize,
 }
 
@@ -45,7 +45,7 @@ impl Pieces {
         Self { assemblies: HashMap::new(), bytes: 0, limits: *limits }
     }
 
-    /// A piece comes: whether DDS may have it.
+    /// Checks whether DDS may receive a fragment.
     pub(crate) fn add(
         &mut self,
         sample: Sample,
@@ -53,7 +53,7 @@ impl Pieces {
         now: Duration,
     ) -> Result<(), Reason> {
         let Piece { first, count, fragment, whole, payload } = piece;
-        // 8.3.8.3.3.
+        // 8.3.8.3.3: validity.
         if fragment == 0 || u32::from(fragment) > whole || first == 0 || count == 0 {
             return Err(Reason::Malformed);
         }
@@ -96,7 +96,7 @@ impl Pieces {
         Ok(())
     }
 
-    /// Finds room for one more, of what DDS has given up by now.
+    /// Makes room for another sample by forgetting those that DDS has given up by now.
     fn make_room(&mut self, sample: &Sample, whole: u32, now: Duration) -> Result<(), Reason> {
         let bytes = &mut self.bytes;
         self.assemblies.retain(|(prefix, entity, _), assembly| {
@@ -115,12 +115,12 @@ impl Pieces {
         if full || theirs + whole > most / 2 { Err(Reason::Assembly) } else { Ok(()) }
     }
 
-    /// Whether a fragment can be asked for by this number.
+    /// Whether this is a valid number of a fragment to request.
     pub(crate) fn can_ask(&self, fragment: u32) -> bool {
         (1..=self.limits.fragments()).contains(&fragment)
     }
 
-    /// A participant is gone, and what it sent with it.
+    /// Forgets the samples of a participant that is gone.
     pub(crate) fn forget(&mut self, participant: &Prefix) {
         let bytes = &mut self.bytes;
         self.assemblies.retain(|(prefix, ..), assembly| {

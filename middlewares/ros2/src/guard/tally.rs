@@ -1,4 +1,4 @@
-//! What was kept from DDS: counted by reason, and told in one line a second at most.
+//! Counts what was kept from DDS, by reason; logs at most one line per second.
 
 use std::net::IpAddr;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,25 +9,26 @@ use crate::complaints::Complaints;
 /// Why something was kept from DDS.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reason {
-    /// It is no message of the protocol.
+    /// It is not a valid RTPS message.
     Malformed,
-    /// Its participant did not announce itself (yet): usual when others come and go.
+    /// Its participant has not announced itself (yet). Normal while participants appear and
+    /// disappear.
     Stranger,
-    /// It speaks in the name of another participant, or mixes up ends.
+    /// It claims to be from another participant, or combines ends that do not belong together.
     Name,
     /// It names more sequence numbers than a writer can hold.
     Range,
-    /// It runs far ahead of what was heard of its writer.
+    /// Its sequence number is far ahead of what was heard of its writer.
     Ahead,
-    /// Its sample is greater than samples may be.
+    /// Its sample is larger than allowed.
     Sample,
-    /// More samples are being put together than fit.
+    /// Too many samples are being reassembled.
     Assembly,
     /// There are too many participants.
     Participants,
     /// There are too many writers and readers.
     Ends,
-    /// It announces more than anybody needs.
+    /// Its announcement is larger than any peer needs.
     Announcement,
 }
 
@@ -61,7 +62,7 @@ impl Reason {
     }
 }
 
-/// Counts what was kept from DDS. Written by DDS's threads, read by anybody.
+/// Counters, written by DDS's threads and read by any thread.
 #[derive(Debug, Default)]
 pub(crate) struct Tally {
     counts: [AtomicU64; Reason::ALL.len()],
@@ -89,7 +90,7 @@ impl Tally {
         }
     }
 
-    /// How many, why, and who sent the last one; those that are usual are left out.
+    /// Each reason with its count and the sender of the last one; without reasons that are normal.
     pub(crate) fn list(&self) -> Vec<(Reason, u64, Option<IpAddr>)> {
         let last = *self.last.lock().unwrap_or_else(PoisonError::into_inner);
         let counts = Reason::ALL.into_iter().zip(&self.counts).zip(last);

@@ -1,4 +1,4 @@
-//! What passes and what does not, as bytes.
+//! Which messages pass and which do not, byte by byte.
 
 #[path = "../../tests/forger/mod.rs"]
 mod forger;
@@ -25,7 +25,7 @@ struct World {
 }
 
 impl World {
-    /// One in which [`PEER`] is known.
+    /// A world in which [`PEER`] is known.
     fn new() -> Self {
         let mut world = Self::with(Limits::default());
         assert!(world.hears(&mut PEER.announcement(1, 7000, 20)));
@@ -41,7 +41,7 @@ impl World {
         self.guard.screen(datagram, Some(IpAddr::from([10, 0, 0, 1])), self.now)
     }
 
-    /// The peer announces itself again, after a silence.
+    /// The peer announces itself again after a silence.
     fn meets_again(&mut self) -> bool {
         let late = !self.hears(&mut PEER.announcement(2, 7000, 20));
         self.now += Duration::from_secs(3);
@@ -52,7 +52,7 @@ impl World {
         self.guard.screen(datagram, Some(IpAddr::from([10, 0, 0, host])), self.now)
     }
 
-    /// What is left of a submessage of the peer's: kind and body.
+    /// Kind and body of a submessage of the peer's after the guard.
     fn left(&mut self, submessage: Vec<u8>) -> (u8, Vec<u8>) {
         let mut datagram = PEER.message(&[submessage]);
         assert!(self.hears(&mut datagram));
@@ -92,7 +92,7 @@ fn what_peers_say_passes_as_it_came() {
     }
     assert!(world.passes(gap(USER, 100, 120)));
     assert!(world.passes(heartbeat(USER, 121, 120, 200)));
-    // In pieces, some twice.
+    // In fragments, some of them twice.
     for first in [1, 2, 2, 3] {
         let payload = if first == 3 { &[0; 100][..] } else { &[0; 1000] };
         assert!(world.passes(fragment(USER, 121, (first, 1, 1000), 2100, payload)));
@@ -104,16 +104,16 @@ fn what_peers_say_passes_as_it_came() {
 fn a_writer_that_runs_for_weeks_is_heard_from_its_first_message_on() {
     let mut world = World::new();
     let far = (1 << 31) + 5;
-    // It holds ten samples, and tells a late reader that the rest is gone.
+    // It holds ten samples, and a gap tells a late reader that earlier ones are gone.
     assert!(world.passes(gap(USER, 1, far)));
     assert!(world.passes(heartbeat(USER, far, far + 9, 1)));
     for number in far..far + 5000 {
         assert!(world.passes(data(USER, number, SAMPLE)));
     }
-    // As its first word, without a gap; and a sample before any heartbeat.
+    // As its first message, without a gap; and a sample before any heartbeat.
     assert!(world.passes(heartbeat([0, 0, 1, 3], 1 << 40, (1 << 40) + 9, 1)));
     assert!(world.passes(data([0, 0, 2, 3], 1 << 40, SAMPLE)));
-    // This machine slept for a night, the writer at 1 kHz did not.
+    // This machine slept for a night; the writer at 1 kHz did not.
     world.now += Duration::from_secs(8 * 3600);
     assert!(world.meets_again());
     assert!(world.passes(data(USER, far + 8 * 3_600_000, SAMPLE)));
@@ -126,7 +126,7 @@ fn a_heartbeat_of_more_numbers_than_can_be_is_silenced() {
         let mut world = World::new();
         assert!(world.is_silenced(heartbeat(USER, 1, last, 1)), "{last}");
         assert_eq!(world.refused(Reason::Range), 1);
-        // The writer's true words pass.
+        // The writer's real messages pass.
         assert!(world.passes(heartbeat(USER, 1, 5, 1)));
     }
 }
@@ -172,13 +172,13 @@ fn a_writer_does_not_jump_unless_it_stays_there() {
     assert_eq!(world.refused(Reason::Ahead), 3);
     assert!(world.passes(data(USER, 6, SAMPLE)));
     assert!(world.passes(data(USER, 6 + AHEAD / 2, SAMPLE)));
-    // Now and then a true one: it is not believed.
+    // Real messages in between: the jump is not accepted.
     for second in 0..10 {
         world.now += Duration::from_secs(1);
         assert!(world.passes(data(USER, 7 + AHEAD / 2 + second, SAMPLE)));
         assert!(world.is_silenced(data(USER, 1 << 50, SAMPLE)));
     }
-    // It really is there: this machine's clock was stopped, say.
+    // The writer really is there, for instance because this machine's clock was stopped.
     let there = 1 << 45;
     for _ in 0..3 {
         assert!(world.is_silenced(data(USER, there, SAMPLE)));
@@ -209,15 +209,15 @@ fn samples_in_fragments_are_bounded_each_and_in_all() {
     for whole in [u32::MAX, u32::MAX - 7, (1 << 20) + 1] {
         assert!(world.is_silenced(piece(1, whole)), "{whole}");
     }
-    // Of one byte each.
+    // Fragments of one byte.
     assert!(world.is_silenced(fragment(USER, 1, (1, 1, 1), 1 << 20, &[0])));
-    // Numbers that are none.
+    // Invalid numbers.
     for (first, count, size) in
         [(0, 1, 1000), (1, 0, 1000), (1, 1, 0), (1, 9, 1000), (u32::MAX, 2, 1000)]
     {
         assert!(world.is_silenced(fragment(USER, 1, (first, count, size), 4000, &[0; 8])));
     }
-    // Half of the room for one participant.
+    // One participant may use half of the memory.
     for number in 1..=4 {
         assert!(world.passes(piece(number, 1 << 20)));
     }
@@ -226,7 +226,7 @@ fn samples_in_fragments_are_bounded_each_and_in_all() {
     let mut theirs = OTHER.message(&[piece(1, 1 << 20)]);
     assert!(world.hears(&mut theirs));
     assert_eq!(theirs, OTHER.message(&[piece(1, 1 << 20)]));
-    // What is complete makes room, and so does what was given up.
+    // Samples that are complete or were given up make room.
     for first in 2..=1049 {
         let size = if first == 1049 { (1 << 20) - 1_048_000 } else { 1000 };
         assert!(world.passes(fragment(USER, 4, (first, 1, 1000), 1 << 20, &vec![0; size])));
@@ -252,7 +252,7 @@ fn strangers_are_not_heard_and_participants_are_counted() {
     }
     assert!(!world.hears_from(&mut forger(100).announcement(1, 7000, 20), 9));
     assert_eq!(world.refused(Reason::Participants), 3);
-    // They are gone some time after their lease.
+    // They are forgotten some time after their lease has expired.
     world.now += Duration::from_secs(31);
     assert!(world.hears_from(&mut forger(100).announcement(1, 7000, 20), 9));
     assert!(!world.hears(&mut forger(1).message(&[data(USER, 2, SAMPLE)])));
@@ -308,7 +308,7 @@ fn announcements_that_came_are_not_asked_for_again() {
     assert_eq!(world.numbers(heartbeat(WRITERS, 1, 6, 2)), (6, 6));
     assert!(world.passes(data(WRITERS, 6, &end(6))));
     assert_eq!(world.numbers(heartbeat(WRITERS, 1, 6, 3)), (7, 6));
-    // Of other writers RustDDS has what it has.
+    // For other writers RustDDS keeps what it has.
     assert!(world.passes(data(USER, 1, SAMPLE)));
     assert_eq!(world.numbers(heartbeat(USER, 1, 6, 1)), (1, 6));
 }
@@ -328,7 +328,7 @@ fn nobody_announces_in_the_name_of_another() {
     let mut world = World::new();
     let stolen = OTHER.end(USER, "rt/a", "a::msg::dds_::A_");
     assert!(world.is_silenced(data(WRITERS, 1, &stolen)));
-    // A user's reader is not told by DDS's own writers, and no list of another topic's.
+    // Built-in writers do not send to users' readers, nor to built-in readers of another kind.
     let mut mixed = data(WRITERS, 1, SAMPLE);
     mixed[8..12].copy_from_slice(&[0, 0, 1, 4]);
     assert!(world.is_silenced(mixed));
@@ -360,7 +360,7 @@ fn a_silenced_submessage_leaves_the_others() {
     let mut datagram = PEER.message(&[heartbeat(USER, 1, HELD * 2, 1), good.clone()]);
     assert!(world.hears(&mut datagram));
     assert!(datagram.ends_with(&good));
-    // The last one may leave its length to the message.
+    // The last submessage may have length 0, which means up to the end of the message.
     let mut open = data(USER, 1 << 60, SAMPLE);
     open[2..4].fill(0);
     let mut datagram = PEER.message(&[good, open]);
@@ -409,13 +409,14 @@ proptest! {
         let _ = world.hears(&mut PEER.message(&[bytes]));
     }
 
-    /// What RustDDS looks at after any messages is bounded: it is asked of a model of what it has.
+    /// Checks, with a model of RustDDS's state, that what it iterates over after any messages is
+    /// bounded.
     #[test]
     fn what_is_heard_is_well_formed_and_bounded(
         messages in prop::collection::vec(prop::collection::vec(any_submessage(), 1..4), 1..30)
     ) {
         let mut world = World::new();
-        // RustDDS has all before this number.
+        // RustDDS has all samples before this number.
         let mut base = 1;
         for message in messages {
             world.now += Duration::from_millis(10);

@@ -1,9 +1,10 @@
-//! Functions of the C library that this crate defines for the whole program, for the sake of
-//! RustDDS's threads: what they receive is looked at first, and signals do not end them.
+//! Functions of the C library that this crate overrides in the whole program for RustDDS's threads:
+//! `recvmsg`, so that the guard sees what they receive, and `epoll_wait`, so that signals do not
+//! end them.
 //!
-//! RustDDS offers no place for either. A program's own definition goes before that of the C
-//! library; for all other threads these do what the C library's do. All unsafe code of this crate
-//! is here.
+//! RustDDS has no interface for either. A definition in the program takes precedence over the C
+//! library's; on all other threads the functions behave as the originals do. All unsafe code of
+//! this crate is in this module.
 
 #![allow(unsafe_code, reason = "defines functions of the C library")]
 
@@ -15,7 +16,7 @@ use std::sync::Arc;
 
 use crate::guard::{Limits, Tally};
 
-/// Has the guard look at what participants receive that are made in a domain from now on.
+/// Makes the guard filter what participants receive that are created in this domain from now on.
 pub(crate) fn guard(domain: u16, limits: Limits) -> Arc<Tally> {
     receive::link();
     wait::link();

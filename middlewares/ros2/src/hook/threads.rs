@@ -1,21 +1,21 @@
-//! Which threads are RustDDS's own.
+//! Recognises RustDDS's own threads.
 
 use std::cell::Cell;
 
-/// How the names of its threads begin.
+/// Prefix of their names.
 const RUSTDDS: &[u8] = b"RustDDS ";
 
 thread_local! {
-    /// Whether this is one, once that was looked at.
+    /// Whether this thread is one; `None` until it was checked.
     static OURS: Cell<Option<bool>> = const { Cell::new(None) };
 }
 
-/// Whether this is a thread of RustDDS's: it has its name before it does anything.
+/// Whether this thread is RustDDS's. Its name is set before it does anything.
 pub(super) fn is_rustdds() -> bool {
     let looked = || {
-        // With its end, the name of a thread has at most 16 bytes.
+        // A thread's name has at most 16 bytes including the NUL.
         let mut name = [0_u8; 16];
-        // SAFETY: the system writes no more than that.
+        // SAFETY: the system writes at most 16 bytes.
         let told = unsafe { libc::prctl(libc::PR_GET_NAME, name.as_mut_ptr()) };
         told == 0 && name.starts_with(RUSTDDS)
     };

@@ -1,4 +1,4 @@
-//! Why a parameter is not set, in the words that the ROS node which asked is given.
+//! Reasons why a parameter is not set, as reported to the ROS node that requested it.
 
 use std::fmt::{Display, Formatter};
 
@@ -6,7 +6,7 @@ use genom_middleware::CallError;
 use genom_types::JsonError;
 use serde_json::Value as Json;
 
-/// A parameter keeps the value it has.
+/// A parameter is not set, and keeps its value.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub(crate) enum SetError {
     #[error("the component is gone")]
@@ -15,17 +15,17 @@ pub(crate) enum SetError {
     Unknown(String),
     #[error("`{0}` can only be read")]
     ReadOnly(String),
-    /// More than one in a request that is to be done as a whole or not at all.
+    /// Several parameters in a request for setting them atomically.
     #[error("attributes are set one by one: use set_parameters")]
     Several,
     #[error("it is of type {wanted}, not {given}")]
     Type { wanted: &'static str, given: &'static str },
     #[error("it has {wanted} elements, not {given}")]
     Length { wanted: usize, given: usize },
-    /// Of the right type, but out of range, too long or no enumerator.
+    /// The value has the right type, but is out of range, too long or not an enumerator.
     #[error(transparent)]
     Value(#[from] JsonError),
-    /// The attribute has a validate codel, which refused.
+    /// The attribute's validate codel refused the value.
     #[error("{}", Exception(.name, .detail))]
     Exception { name: String, detail: Json },
     #[error(transparent)]

@@ -1,4 +1,4 @@
-//! One answer to several requests.
+//! Combines the replies to several requests into one.
 
 use std::sync::{Arc, Mutex};
 
@@ -8,14 +8,14 @@ use crate::lock::lock;
 
 type Then<T> = Box<dyn FnOnce(Vec<T>) + Send>;
 
-/// Results of several requests; when all are there, or given up, something is done with them.
+/// Results of several requests. When all have arrived or were given up, `then` is called.
 pub(super) struct Gather<T> {
     results: Mutex<Vec<T>>,
     then: Mutex<Option<Then<T>>>,
 }
 
 impl<T: Send + 'static> Gather<T> {
-    /// `given_up` is what stands where no result comes.
+    /// `given_up` has the results to use where none arrives.
     pub(super) fn new(given_up: Vec<T>, then: impl FnOnce(Vec<T>) + Send + 'static) -> Arc<Self> {
         let then: Then<T> = Box::new(then);
         Arc::new(Self { results: Mutex::new(given_up), then: Mutex::new(Some(then)) })
@@ -27,7 +27,7 @@ impl<T: Send + 'static> Gather<T> {
         }
     }
 
-    /// What takes the replies to one of the requests.
+    /// Receives the replies to one of the requests.
     pub(super) fn place(
         self: &Arc<Self>,
         place: usize,
@@ -37,7 +37,7 @@ impl<T: Send + 'static> Gather<T> {
     }
 }
 
-// The last one to hold it is the last result.
+// Dropped after the last result has arrived.
 impl<T> Drop for Gather<T> {
     fn drop(&mut self) {
         let results = std::mem::take(&mut *lock(&self.results));

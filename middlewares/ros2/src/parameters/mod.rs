@@ -1,8 +1,8 @@
 //! Attributes as ROS parameters of their node.
 //!
-//! Each instance with an attribute that fits has the six parameter services of `rcl_interfaces`;
-//! they ask the attributes, as any caller does. Nothing is kept here: a parameter has the value
-//! that the component has.
+//! Each instance with suitable attributes has the six parameter services of `rcl_interfaces`, which
+//! call the attributes as any client does. No values are stored here: a parameter always has the
+//! value that the component has.
 
 mod error;
 mod gather;
@@ -21,29 +21,30 @@ use crate::lock::lock;
 use node::{Attributes, Node, SERVICES};
 use table::{Attribute, Way};
 
-/// The parameters of all instances of this daemon, by the path of the instance.
+/// The parameters of all instances of this daemon, by the instance's path.
 #[derive(Default)]
 pub(crate) struct Parameters(Mutex<HashMap<String, Instance>>);
 
 #[derive(Default)]
 struct Instance {
     attributes: Attributes,
-    /// Its own services that go by a name of these services: then it has no parameters.
+    /// Number of the component's own services with the name of a parameter service; if there are
+    /// any, it has no parameters.
     clashes: usize,
     /// The services, while there are attributes.
     node: Option<Arc<Node>>,
 }
 
-/// A part of an instance's parameters, taken away again when it is dropped.
+/// A contribution to an instance's parameters, removed when it is dropped.
 pub(crate) struct Part {
     all: Arc<Parameters>,
     instance: String,
-    /// Of the attribute; none: a service that goes by a name of theirs.
+    /// Name of the attribute; `None` for a service with the name of a parameter service.
     attribute: Option<String>,
 }
 
 impl Parameters {
-    /// Makes an attribute a parameter, if it fits.
+    /// Makes an attribute a parameter, if it is suitable.
     pub(crate) fn add(
         self: &Arc<Self>,
         core: &Core,
@@ -76,7 +77,7 @@ impl Parameters {
             None => return None,
         };
         let given_up = all.get_mut(&instance)?.settle(core, &instance, at);
-        // Its end waits for threads that may be at work for it.
+        // Dropping a node waits for threads that may be serving it.
         drop(all);
         drop(given_up);
         Some(Part { all: Arc::clone(self), instance, attribute })
@@ -102,7 +103,8 @@ impl Drop for Part {
 }
 
 impl Instance {
-    /// Has the services there if they should be; what is to be dropped once no lock is held.
+    /// Creates or removes the services as needed. Returns what must be dropped when no lock is
+    /// held.
     fn settle(&mut self, core: &Core, instance: &str, at: &Address) -> Option<Arc<Node>> {
         if self.clashes > 0 || lock(&self.attributes).is_empty() {
             return self.node.take();

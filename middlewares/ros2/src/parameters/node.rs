@@ -19,19 +19,19 @@ use crate::lock::lock;
 use crate::names::{self, TypeName};
 use crate::sender::Orders;
 
-/// Attributes of an instance by name.
+/// Attributes of an instance, by name.
 pub(crate) type Attributes = Arc<Mutex<BTreeMap<String, Arc<Attribute>>>>;
 
-/// One of the services.
+/// One of the parameter services.
 pub(crate) struct Service {
     pub(crate) name: &'static str,
-    /// Of `rcl_interfaces/srv`.
+    /// Name of its type in `rcl_interfaces/srv`.
     ty: &'static str,
-    /// Takes a request apart and sees that it is answered; none if it cannot be read.
+    /// Decodes a request and arranges for the reply; `None` if it cannot be decoded.
     serve: fn(&Arc<Node>, Reply, Fields<'_>) -> Option<()>,
 }
 
-/// All services, in the order of [`Node`]'s ends.
+/// All parameter services, in the order of [`Node`]'s ends.
 pub(crate) const SERVICES: [Service; 6] = [
     Service { name: "describe_parameters", ty: "DescribeParameters", serve: describe },
     Service { name: "get_parameter_types", ty: "GetParameterTypes", serve: types },
@@ -49,7 +49,7 @@ pub(crate) struct Node {
     orders: Orders,
 }
 
-/// Where the answer to one request goes.
+/// Where the reply to one request goes.
 struct Reply {
     node: std::sync::Weak<Node>,
     service: usize,
@@ -98,7 +98,7 @@ impl Node {
             writers: made.iter().map(|end| end.writer().to_bytes()).collect(),
             readers: made.iter().map(|end| end.reader.to_bytes()).collect(),
         };
-        // Once only: nobody else has the node yet.
+        // Cannot fail: nobody else has the node yet.
         let _ = node.ends.set(made);
         let _ = node.belonging.set(core.graph.belong(entities, core.announcer()));
         Ok(node)
@@ -144,7 +144,7 @@ fn get(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
     Some(())
 }
 
-/// What came of setting a parameter.
+/// Result of setting a parameter: the reason if it was not set.
 type Set = Result<(), SetError>;
 
 fn put_set(out: &mut Vec<u8>, set: &Set) {
@@ -153,7 +153,7 @@ fn put_set(out: &mut Vec<u8>, set: &Set) {
     body::put_string(out, why.as_deref().unwrap_or_default());
 }
 
-/// Has some parameters set, one after the other.
+/// Sets several parameters, one after the other.
 fn set_all(
     node: &Node,
     wanted: Vec<(String, Value)>,
@@ -205,7 +205,8 @@ fn set(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
     Some(())
 }
 
-/// `SetParametersAtomically`. Attributes are set one by one: more than one is no atom.
+/// `SetParametersAtomically`. Attributes are set one by one, so only a single one can be set
+/// atomically.
 fn set_one(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
     let wanted = pairs(&mut fields)?;
     let answer = move |result: Set| {
@@ -248,7 +249,7 @@ fn describe(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()
         out.push(known.ty() as u8);
         body::put_string(out, &known.description());
         body::put_string(out, known.constraint());
-        // Read only, of changing type.
+        // Read-only; may change its type.
         out.extend_from_slice(&[u8::from(known.set.is_none()), 0]);
         let ranges: Vec<_> = known.range().into_iter().collect();
         put_all::<()>(out, &[], |_, ()| {});
@@ -273,8 +274,8 @@ fn list(node: &Arc<Node>, reply: Reply, mut fields: Fields<'_>) -> Option<()> {
     Some(())
 }
 
-/// Names below one of the prefixes, if there are any, and no deeper than `depth` below it, unless
-/// that is 0; and what stands before the last dot of those names.
+/// Names below one of the prefixes (all names if there are none), at most `depth` levels below it
+/// (0: any depth); and the prefixes of these names, up to their last dot.
 fn listed(
     names: impl Iterator<Item = String>,
     prefixes: &[String],

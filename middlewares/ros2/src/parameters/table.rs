@@ -1,9 +1,9 @@
-//! Which attributes make which parameters.
+//! Maps attributes to parameters.
 //!
-//! An attribute that gives one plain value makes a parameter under the name of that member, and
-//! one that takes such a value makes it settable: `get_speed(out velocity)` and
-//! `set_speed(in velocity)` are the parameter `velocity`. Members of one name that do not belong
-//! together are parameters of their own, named `attribute.member`.
+//! An attribute that returns a single plain value makes a parameter named after that member, and
+//! one that takes such a value makes it settable: `get_speed(out velocity)` and `set_speed(in
+//! velocity)` are the parameter `velocity`. If unrelated attributes have members of the same name,
+//! these become separate parameters named `attribute.member`.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -13,7 +13,7 @@ use genom_middleware::{ServiceHandler, ServiceType};
 
 use super::value::{Shape, Type};
 
-/// An attribute that is served, and fits a parameter.
+/// A served attribute that is suitable for a parameter.
 pub(crate) struct Attribute {
     pub(crate) name: String,
     pub(crate) ty: ServiceType,
@@ -29,7 +29,7 @@ pub(crate) enum Way {
 }
 
 impl Way {
-    /// How an attribute serves as (a part of) a parameter, if it does.
+    /// What an attribute can do for a parameter; `None` if it is not suitable.
     pub(crate) fn of(ty: &ServiceType) -> Option<Self> {
         if ty.input.member_count() == 0 {
             Shape::of(&ty.output).map(Self::Get)
@@ -45,7 +45,7 @@ impl Way {
     }
 }
 
-/// A parameter: at least one of both.
+/// A parameter. At least one of `get` and `set` is present.
 #[derive(Clone, Default)]
 pub(crate) struct Parameter {
     pub(crate) get: Option<(Arc<Attribute>, Shape)>,
@@ -53,7 +53,7 @@ pub(crate) struct Parameter {
 }
 
 impl Parameter {
-    /// What it takes, or else what it gives.
+    /// The shape that it takes or, if read-only, that it returns.
     fn shape(&self) -> Option<&Shape> {
         self.set.as_ref().or(self.get.as_ref()).map(|(_, shape)| shape)
     }
@@ -70,7 +70,7 @@ impl Parameter {
         self.shape().map_or("", |shape| &shape.constraint)
     }
 
-    /// How it comes to its value, for users.
+    /// How it is read and set, for users.
     pub(crate) fn description(&self) -> String {
         let mut out = String::new();
         if let Some((attribute, _)) = &self.get {
@@ -92,7 +92,7 @@ impl Parameter {
     }
 }
 
-/// All parameters, by name. The same whatever the order the attributes came in.
+/// All parameters, by name. The result does not depend on the order of the attributes.
 pub(crate) fn parameters<'a>(
     attributes: impl Iterator<Item = &'a Arc<Attribute>>,
 ) -> BTreeMap<String, Parameter> {

@@ -1,4 +1,4 @@
-//! Values of ROS parameters: what they are on the wire, and as values of IDL types.
+//! Values of ROS parameters: their encoding, and their conversion from and to IDL types.
 
 use genom_types::{DataType, Kind};
 use serde_json::{Map, Number, Value as Json};
@@ -6,7 +6,7 @@ use serde_json::{Map, Number, Value as Json};
 use super::error::SetError;
 use crate::body::{self, Fields};
 
-/// Longest chain of structs of one member that is looked through.
+/// Greatest depth of nested structs with one member each that are followed.
 const DEEPEST: usize = 8;
 
 /// `rcl_interfaces/msg/ParameterValue`.
@@ -42,7 +42,7 @@ pub(crate) enum Type {
 }
 
 impl Type {
-    /// What ROS calls it.
+    /// Name in ROS.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::NotSet => "not set",
@@ -75,7 +75,8 @@ impl Value {
         }
     }
 
-    /// Appends it to a payload that starts at 0. All fields are there, of whatever type it is.
+    /// Appends it to a payload whose alignment starts at 0. All fields are encoded, whatever the
+    /// type.
     pub(crate) fn put(&self, out: &mut Vec<u8>) {
         out.push(self.ty() as u8);
         out.push(u8::from(matches!(self, Self::Bool(true))));
@@ -94,7 +95,7 @@ impl Value {
         put_all(out, texts, |out, text| body::put_string(out, text));
     }
 
-    /// Reads one; none if it is cut, or of no type there is.
+    /// Reads a value; `None` if it is truncated or of an unknown type.
     pub(crate) fn take(fields: &mut Fields<'_>) -> Option<Self> {
         let ty = fields.byte()?;
         let bool = Self::Bool(fields.byte()? != 0);
@@ -117,7 +118,7 @@ impl Value {
         let double = |value: &f64| match *value {
             f64::INFINITY => Json::from("inf"),
             f64::NEG_INFINITY => Json::from("-inf"),
-            // NaN is null.
+            // JSON has no NaN: it becomes null.
             value => Number::from_f64(value).map_or(Json::Null, Json::Number),
         };
         match self {
@@ -180,22 +181,22 @@ pub(crate) fn put_all<T>(out: &mut Vec<u8>, all: &[T], mut put: impl FnMut(&mut 
     all.iter().for_each(|one| put(out, one));
 }
 
-/// An IDL struct with one member that a parameter can be.
+/// An IDL struct with one member, which a parameter can represent.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Shape {
-    /// The only member, and the only member of that, and so on.
+    /// Path to the value: the only member, the only member of that, and so on.
     path: Vec<String>,
     pub(crate) ty: Type,
-    /// Least and greatest integer.
+    /// Least and greatest value of an integer.
     pub(crate) range: Option<(i64, i64)>,
-    /// What the parameter takes beyond its type, in words.
+    /// Further restrictions of the value, in words.
     pub(crate) constraint: String,
-    /// Elements of an array, which may not be fewer.
+    /// Number of elements of an array, all of which must be given.
     length: Option<usize>,
 }
 
 impl Shape {
-    /// How a parameter can be the struct; none if it cannot.
+    /// How a parameter represents the struct; `None` if it cannot.
     pub(crate) fn of(ty: &DataType) -> Option<Self> {
         let (mut ty, mut path) = (ty.clone(), Vec::new());
         while matches!(ty.kind(), Kind::Struct { .. }) && path.len() < DEEPEST {
@@ -245,7 +246,7 @@ impl Shape {
         self.path.first().map_or("", String::as_str)
     }
 
-    /// The struct as JSON, from a value of the parameter.
+    /// The struct as JSON, from the parameter's value.
     pub(crate) fn json(&self, value: &Value) -> Result<Json, SetError> {
         if value.ty() != self.ty {
             return Err(SetError::Type { wanted: self.ty.name(), given: value.ty().name() });
@@ -260,14 +261,14 @@ impl Shape {
         Ok(self.path.iter().rev().fold(json, within))
     }
 
-    /// The value of the parameter, from the struct as JSON.
+    /// The parameter's value, from the struct as JSON.
     pub(crate) fn value(&self, json: &Json) -> Option<Value> {
         let json = self.path.iter().try_fold(json, |json, name| json.get(name))?;
         Value::from_json(self.ty, json)
     }
 }
 
-/// Type, range and further constraint of a plain value.
+/// Type, range and further restrictions of a plain value.
 type Scalar = (Type, Option<(i64, i64)>, String);
 
 fn scalar(ty: &DataType) -> Option<Scalar> {
@@ -283,7 +284,7 @@ fn scalar(ty: &DataType) -> Option<Scalar> {
         Kind::UnsignedLongLong => integer(0, i64::MAX),
         Kind::Float | Kind::Double => (Type::Double, None),
         Kind::String { bound: None } => (Type::Text, None),
-        // The bound counts the NUL (genom3.md 5.2).
+        // The bound includes the NUL (genom3.md 5.2).
         Kind::String { bound: Some(bound) } => {
             let most = format!("at most {} bytes", bound.saturating_sub(1));
             return Some((Type::Text, None, most));
@@ -304,7 +305,7 @@ mod tests {
     use genom_types::{Member, ScopedName, TypeTable};
     use serde_json::json;
 
-    /// A struct with one member of a kind.
+    /// A struct with one member of this kind.
     fn with(kind: impl FnOnce(&mut TypeTable) -> Kind) -> DataType {
         let mut table = TypeTable::default();
         let kind = kind(&mut table);
@@ -343,7 +344,7 @@ mod tests {
     fn lengths_beyond_the_message_are_refused() {
         let mut payload = Vec::new();
         Value::NotSet.put(&mut payload);
-        // The type, and all lengths from that of the string on.
+        // The type, and every length from that of the string on.
         let mut message = [&[0, 1, 0, 0][..], &payload].concat();
         message[28..].fill(255);
         assert_eq!(Value::take(&mut Fields::of(&message).unwrap()), None);

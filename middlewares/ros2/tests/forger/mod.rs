@@ -1,21 +1,21 @@
-//! A participant made of bytes: it says on the wire whatever a test wants (RTPS 2.5, 9.4).
+//! A participant that sends whatever bytes a test wants (RTPS 2.5, 9.4).
 
 #![allow(dead_code, reason = "not all tests say everything")]
 #![allow(clippy::unwrap_used, clippy::cast_possible_truncation, reason = "test code")]
 
-/// Entities: writers and readers of announcements, and one writer of a user's.
+/// Entities: built-in writers and readers of announcements, and a user's writer.
 pub(crate) const PARTICIPANTS: [u8; 4] = [0, 1, 0, 0xc2];
 pub(crate) const WRITERS: [u8; 4] = [0, 0, 3, 0xc2];
 pub(crate) const READERS: [u8; 4] = [0, 0, 4, 0xc2];
 pub(crate) const USER: [u8; 4] = [0, 0, 0x12, 0x03];
 pub(crate) const ANYBODY: [u8; 4] = [0; 4];
 
-/// Where participants of a domain hear: announcements and samples, of the first eight (9.6.1.1).
+/// UDP ports of a domain's first eight participants, for announcements and samples (9.6.1.1).
 pub(crate) fn ports(domain: u16) -> impl Iterator<Item = u16> {
     (0..8).flat_map(move |number| [10, 11].map(|port| 7400 + 250 * domain + port + 2 * number))
 }
 
-/// What announcements go to.
+/// UDP ports for announcements.
 pub(crate) fn announcement_ports(domain: u16) -> impl Iterator<Item = u16> {
     ports(domain).step_by(2)
 }
@@ -41,13 +41,13 @@ pub(crate) fn gap(writer: [u8; 4], start: i64, end: i64) -> Vec<u8> {
     submessage(0x08, 0, &body)
 }
 
-/// A sample; `payload` with the header of its encoding.
+/// A DATA submessage; `payload` starts with its encapsulation header.
 pub(crate) fn data(writer: [u8; 4], sequence: i64, payload: &[u8]) -> Vec<u8> {
     let body = [&[0, 0, 16, 0], &ANYBODY[..], &writer, &number(sequence), payload].concat();
     submessage(0x15, 4, &body)
 }
 
-/// A piece of a sample of `whole` bytes.
+/// A DATA_FRAG of a sample of `whole` bytes.
 pub(crate) fn fragment(
     writer: [u8; 4],
     sequence: i64,
@@ -61,7 +61,7 @@ pub(crate) fn fragment(
     submessage(0x16, 0, &[&head[..], &sizes.concat(), payload].concat())
 }
 
-/// Asks a writer for fragments.
+/// A NACK_FRAG: requests fragments from a writer.
 pub(crate) fn nack_fragments(writer: [u8; 4], sequence: i64, base: u32, count: i32) -> Vec<u8> {
     let set = [&base.to_le_bytes()[..], &1_u32.to_le_bytes(), &[0, 0, 0, 0x80]].concat();
     let body =
@@ -69,7 +69,7 @@ pub(crate) fn nack_fragments(writer: [u8; 4], sequence: i64, base: u32, count: i
     submessage(0x12, 0, &body)
 }
 
-/// Asks a participant's writer for its first eight samples.
+/// An ACKNACK: requests the first eight samples of a participant's writer.
 pub(crate) fn acknack(to: &[u8], writer: [u8; 4], count: i32) -> Vec<u8> {
     let reader = [writer[0], writer[1], writer[2], 0xc7];
     let set = [&number(1)[..], &8_u32.to_le_bytes(), &[0, 0, 0, 0xff]].concat();
@@ -99,7 +99,7 @@ fn locator(port: u16) -> Vec<u8> {
     [&1_u32.to_le_bytes()[..], &u32::from(port).to_le_bytes(), &address].concat()
 }
 
-/// A participant of this prefix.
+/// A participant with this GUID prefix.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Forger(pub(crate) [u8; 12]);
 
@@ -112,7 +112,7 @@ impl Forger {
         [&self.0[..], &entity].concat()
     }
 
-    /// It is there, hears at a port, and wants to be waited for so many seconds.
+    /// Announces the participant, with a UDP port and a lease in seconds.
     pub(crate) fn announcement(self, sequence: i64, port: u16, lease: u32) -> Vec<u8> {
         let payload = list(&[
             parameter(0x15, &[2, 4]),
@@ -126,7 +126,7 @@ impl Forger {
         self.message(&[data(PARTICIPANTS, sequence, &payload)])
     }
 
-    /// What it says of a reliable writer or reader of a topic.
+    /// The announcement of a reliable writer or reader of a topic.
     pub(crate) fn end(self, entity: [u8; 4], topic: &str, ty: &str) -> Vec<u8> {
         list(&[
             parameter(0x15, &[2, 4]),
@@ -138,7 +138,7 @@ impl Forger {
         ])
     }
 
-    /// Announces a writer, as its first one.
+    /// Announces a writer as its first one.
     pub(crate) fn writer(self, topic: &str, ty: &str) -> Vec<u8> {
         let payload = self.end(USER, topic, ty);
         self.message(&[data(WRITERS, 1, &payload), heartbeat(WRITERS, 1, 1, 1)])

@@ -1,4 +1,4 @@
-//! A DDS participant that writes raw bytes, in any representation, and bytes that are spoilt.
+//! A DDS participant that writes raw bytes in any representation, and functions that corrupt bytes.
 
 #![allow(clippy::unwrap_used, reason = "test code")]
 
@@ -17,7 +17,7 @@ use rustdds::{
 
 use crate::world::Domain;
 
-/// How a payload is said to be encoded.
+/// The declared encoding of a payload.
 pub(crate) trait Encoding {
     const IS: RepresentationIdentifier;
 }
@@ -40,7 +40,7 @@ impl Encoding for Text {
     const IS: RepresentationIdentifier = RepresentationIdentifier::XML;
 }
 
-/// Bytes after the encapsulation header, whatever they are.
+/// Arbitrary bytes after the encapsulation header.
 pub(crate) struct Raw<E>(Vec<u8>, PhantomData<E>);
 
 pub(crate) struct AsIs<E>(PhantomData<E>);
@@ -57,14 +57,14 @@ impl<E: Encoding> SerializerAdapter<Raw<E>> for AsIs<E> {
     }
 }
 
-/// A participant of another make.
+/// A foreign participant.
 pub(crate) struct Peer {
     participant: DomainParticipant,
     publisher: rustdds::Publisher,
     news: DomainParticipantStatusListener,
 }
 
-/// Writes what it is given.
+/// Writes the given bytes.
 pub(crate) struct Writer<E: Encoding>(DataWriter<Raw<E>, AsIs<E>>);
 
 impl Peer {
@@ -79,7 +79,7 @@ impl Peer {
         Self { participant, publisher, news }
     }
 
-    /// What this writer writes from now on arrives.
+    /// Waits until what this writer writes arrives.
     pub(crate) fn connected<E: Encoding>(&self, writer: &Writer<E>) {
         let ours = |event| {
             matches!(event, DomainParticipantStatusEvent::RemoteReaderMatched { local_writer, .. }
@@ -88,7 +88,7 @@ impl Peer {
         eventually("a reader is connected", || self.news.try_recv_status().is_some_and(ours));
     }
 
-    /// Sends a sample as `writer` would, header and payload as given, to all of the domain.
+    /// Sends a sample as `writer` would, with this header and payload, to the whole domain.
     pub(crate) fn forge<E: Encoding>(
         &self,
         domain: &Domain,
@@ -99,13 +99,13 @@ impl Peer {
         let guid = writer.0.guid().to_bytes();
         let (prefix, entity) = guid.split_at(12);
         let length = u16::try_from(20 + sample.len()).unwrap().to_le_bytes();
-        // RTPS 2.5, 9.4.4 and 9.4.5.4: a header, and DATA, little endian, for any reader.
+        // RTPS 2.5, 9.4.4 and 9.4.5.4: a message header and DATA, little endian, for any reader.
         let (header, data, reader) =
             (b"RTPS\x02\x04\x01\x12", [0x15, 0x05], [0, 0, 16, 0, 0, 0, 0, 0]);
         let number = [0, 0, 0, 0, number, 0, 0, 0];
         let message = [header, prefix, &data, &length, &reader, entity, &number, sample].concat();
         let socket = UdpSocket::bind(("127.0.0.1", 0)).unwrap();
-        // 9.6.2.3: where a domain's participants hear samples for them.
+        // 9.6.2.3: UDP ports on which the domain's participants receive samples.
         let first = 7400 + 250 * domain.number() + 11;
         for participant in 0..8 {
             socket.send_to(&message, ("127.0.0.1", first + 2 * participant)).unwrap();
@@ -132,7 +132,7 @@ impl<E: Encoding> Writer<E> {
     }
 }
 
-/// Numbers that look random and are the same each time.
+/// A deterministic pseudo-random number generator.
 pub(crate) struct Noise(pub(crate) u64);
 
 impl Noise {
@@ -147,7 +147,8 @@ impl Noise {
         usize::try_from(self.next() % end as u64).unwrap()
     }
 
-    /// A payload with some bytes changed, a length or number made huge, and often cut.
+    /// Returns the payload with some bytes changed, a length or number made huge, and often
+    /// truncated.
     pub(crate) fn spoil(&mut self, good: &[u8]) -> Vec<u8> {
         let mut bad = good.to_vec();
         for _ in 0..self.below(4) {
@@ -165,5 +166,5 @@ impl Noise {
     }
 }
 
-/// Where the noise of all tests begins.
+/// Seed of all tests.
 pub(crate) const SEED: u64 = 0x9e37_79b9_7f4a_7c15;

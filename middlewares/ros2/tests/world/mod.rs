@@ -1,4 +1,4 @@
-//! A domain of its own for each test: participants of other tests and processes are not seen.
+//! A DDS domain per test, so that participants of other tests and processes are not seen.
 
 #![allow(clippy::expect_used, clippy::panic, reason = "test code")]
 
@@ -11,14 +11,14 @@ use genom_conformance::World;
 use genom_middleware::Middleware;
 use genom_ros2::{Options, Ros2, ServiceMapping};
 
-/// Ports of domains above this one are also given to programs that ask for any port.
+/// UDP ports of domains above this one are in the range of ephemeral ports.
 const LAST: u16 = 101;
 
-/// A domain that nobody else on this machine uses while this lives.
+/// A domain that nobody else on this machine uses while this exists.
 pub(crate) struct Domain {
     number: u16,
     services: ServiceMapping,
-    /// Locked; the system lets go of it however the process ends.
+    /// Locked; the system releases the lock when the process ends.
     _lock: File,
 }
 
@@ -45,7 +45,7 @@ impl Domain {
         Options { domain: Some(self.number), services: self.services, ..Options::default() }
     }
 
-    /// A DDS peer of another make: `peer.py` with these arguments.
+    /// Starts a foreign DDS peer: `peer.py` with these arguments.
     #[allow(dead_code, reason = "not all tests have one")]
     pub(crate) fn peer(&self, arguments: &[&str]) -> Lines {
         let python = genom_components::python::environment(&["cyclonedds==11.0.1"])

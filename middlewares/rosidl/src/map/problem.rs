@@ -1,4 +1,4 @@
-//! Why a type has no equivalent in ROS.
+//! Reasons why a type has no equivalent in ROS.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use genom_types::ScopedName;
 
 use crate::names::TypeName;
 
-/// Where in a description something stands.
+/// A place in a description.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Place {
     /// A type.
@@ -14,7 +14,7 @@ pub enum Place {
     /// A member of a struct, union or exception; or a parameter, whose struct is
     /// `::component::service::input` or `::output`.
     Member(ScopedName, String),
-    /// A type without a name, which the caller asked for.
+    /// An unnamed type that the caller asked for.
     Nameless,
 }
 
@@ -32,53 +32,53 @@ impl fmt::Display for Place {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {problem}; {}", .problem.help())]
 pub struct MapError {
-    /// What it is about.
+    /// Where the problem is.
     pub place: Place,
-    /// What is wrong with it.
+    /// What the problem is.
     pub problem: Box<Problem>,
 }
 
-/// What is wrong.
+/// What is wrong with a type.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// A pointer that only codels understand.
+    /// A `native` type: a pointer that only codels understand.
     #[error("a native type has no equivalent in ROS")]
     Native,
-    /// `any`, or what was never defined.
+    /// `any`, or a type that was declared and never defined.
     #[error("a type without definite content has no equivalent in ROS")]
     Incomplete,
-    /// It contains itself.
+    /// The type contains itself.
     #[error("a type that contains itself has no equivalent in ROS")]
     Recursive,
-    /// A string that only holds the empty one.
+    /// A string that can hold only the empty string.
     #[error("a string that can only be empty has no equivalent in ROS")]
     EmptyString,
-    /// No elements.
+    /// An array without elements.
     #[error("an array of no elements has no equivalent in ROS")]
     EmptyArray,
-    /// No members.
+    /// A struct without members.
     #[error("a struct without members has no equivalent in ROS within another type")]
     EmptyStruct,
-    /// A name of which nothing legal can be made.
+    /// The name cannot be turned into a valid member name.
     #[error("`{0}` cannot be the name of a field in ROS")]
     Member(String),
-    /// Two members that would be called the same.
+    /// Two members would get the same name.
     #[error("it would be called `{0}` in ROS, as `{1}` is")]
     MemberClash(String, String),
-    /// Two types that would be called the same.
+    /// Two types would get the same name.
     #[error("it would be {0} in ROS, as {1} is")]
     TypeClash(TypeName, String),
-    /// A name of which nothing legal can be made.
+    /// The name cannot be turned into a valid type name.
     #[error("{0} is no legal name in ROS")]
     TypeName(TypeName),
-    /// DDS has a limit.
+    /// The name is longer than DDS allows.
     #[error("{0} is longer than the {1} characters that DDS allows for the name of a type")]
     TooLong(TypeName, usize),
 }
 
 impl Problem {
-    /// The way out.
+    /// How to solve it.
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {

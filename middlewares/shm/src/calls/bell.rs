@@ -1,4 +1,4 @@
-//! What wakes the threads of all daemons, ours among them.
+//! The event that wakes the worker threads of all daemons, including this one.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -11,12 +11,12 @@ pub(super) struct Bell(pub(super) Notifier<Ipc>);
 
 impl Bell {
     pub(super) fn ring(&self) {
-        // Whoever could not be woken looks by itself a little later.
+        // A daemon that could not be notified polls a little later anyway.
         let _ = self.0.notify();
     }
 }
 
-/// Whoever held it before.
+/// Locks a mutex, whether or not a thread panicked while holding it.
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,4 +1,4 @@
-//! One request under way, from the calling side: what came back is handed on.
+//! A request in progress on the calling side: passes responses on to the caller.
 
 use std::sync::{Arc, Mutex};
 
@@ -12,7 +12,7 @@ use crate::raw::Ipc;
 
 pub(super) type Pending = PendingResponse<Ipc, [u8], (), [u8], ()>;
 
-/// One request under way, as the worker sees it.
+/// A request in progress, as the worker thread sees it.
 pub(super) struct Call {
     /// Dropped when the request ends.
     pending: Mutex<Option<Pending>>,
@@ -35,7 +35,7 @@ impl Call {
         Self { pending, replies, at: at.clone(), ty: ty.clone(), bell: Arc::clone(bell) }
     }
 
-    /// Asks the server to stop.
+    /// Asks the server to cancel the activity.
     pub(super) fn cancel(&self) {
         if let Some(pending) = &*lock(&self.pending) {
             pending.set_disconnect_hint();
@@ -43,10 +43,11 @@ impl Call {
         self.bell.ring();
     }
 
-    /// Hands on what came back; whether the request has ended.
+    /// Passes on the responses that arrived. Returns whether the request has ended.
     pub(super) fn work(&self) -> bool {
         loop {
-            // Asked before the last look: what was sent before the end is there.
+            // Check the connection before receiving, so that responses sent before it closed are
+            // still received.
             let (response, over) = match &*lock(&self.pending) {
                 Some(pending) => {
                     let over = !pending.is_connected();
@@ -93,7 +94,7 @@ impl Call {
         }
     }
 
-    /// The server is gone, or this side.
+    /// The server went away, or this side closes.
     pub(super) fn lose(&self) {
         self.fail(CallError::Gone);
     }

@@ -1,4 +1,4 @@
-//! The calling end of a daemon: one client at each daemon that it called.
+//! The calling side of a daemon: one client for each daemon that it called.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
@@ -14,10 +14,10 @@ use crate::error::failed;
 use crate::ground::Ground;
 use crate::raw::Ipc;
 
-/// Memory for requests that is made beforehand.
+/// Number of requests for which memory is preallocated.
 const PREPARED: usize = 160;
 
-/// The way to one daemon.
+/// The connection to one daemon.
 pub(super) struct Way {
     pub(super) client: Client<Ipc, [u8], (), [u8], ()>,
     service: CallService,
@@ -29,7 +29,7 @@ pub(super) struct Callers {
 }
 
 impl Callers {
-    /// The way to who serves the address; `None` when nobody does.
+    /// The connection to the daemon that serves the address; `None` if nobody does.
     pub(super) fn way(&self, ground: &Ground, at: &Address) -> Result<Option<Arc<Way>>, OpenError> {
         for (owner, _) in ground.find(Kind::Service, at) {
             if let Some(way) = self.way_to(ground, owner, at)? {
@@ -66,7 +66,7 @@ impl Callers {
         Ok(Some(way))
     }
 
-    /// Closes all ways.
+    /// Closes all connections.
     pub(super) fn clear(&self) {
         lock(&self.ways).clear();
     }

@@ -18,14 +18,14 @@ use crate::error::BACKEND;
 struct ShmClient {
     at: Address,
     ty: ServiceType,
-    /// What all its requests start with.
+    /// The bytes that precede the input in every request.
     start: Vec<u8>,
     desk: Arc<Desk>,
 }
 
 struct ShmRunning {
     call: Arc<Call>,
-    /// The worker is needed until the request ends.
+    /// Keeps the worker thread until the request ends.
     _desk: Arc<Desk>,
 }
 

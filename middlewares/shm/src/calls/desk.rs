@@ -8,20 +8,20 @@ use super::bell::lock;
 use super::worker::Worker;
 use crate::inner::Inner;
 
-/// A node, and the thread that hands on requests and responses there. Fields are dropped in order.
+/// A node and the thread that passes on its requests and responses. Fields are dropped in order.
 pub(crate) struct Desk {
-    /// Made when the first service is served or called.
+    /// Started when the first service is served or called.
     worker: Mutex<Option<Arc<Worker>>>,
     pub(super) inner: Arc<Inner>,
 }
 
 impl Desk {
-    /// No service yet.
+    /// No services yet.
     pub(crate) fn new(inner: &Arc<Inner>) -> Arc<Self> {
         Arc::new(Self { worker: Mutex::default(), inner: Arc::clone(inner) })
     }
 
-    /// The thread.
+    /// The thread; starts it if necessary.
     pub(super) fn worker(&self, at: &Address) -> Result<Arc<Worker>, OpenError> {
         let mut worker = lock(&self.worker);
         if let Some(worker) = &*worker {

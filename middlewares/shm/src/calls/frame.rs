@@ -1,8 +1,10 @@
-//! What requests and responses hold.
+//! Layout of requests and responses.
 //!
-//! A request: length of the address, 4 bytes little endian; the address, `demo/goto`; length and
-//! text of the digests of the service as the caller knows it, likewise; its input as a CDR message.
+//! A request: length of the address, 4 bytes little endian; the address, such as `demo/goto`;
+//! length and text of the service's digests as the caller knows them, in the same form; the input
+//! as a CDR message.
 //!
+//! A response: one byte for its kind, then the content.
 //! A response: a byte that says what it is, then that.
 //!
 //! | byte | rest |
@@ -44,7 +46,7 @@ fn with(what: u8, rest: &[u8]) -> Vec<u8> {
     frame
 }
 
-/// The end of a request; `None` when there is nothing to say but that it is over.
+/// The last response to a request; `None` if dropping the request already says it all.
 pub(super) fn finished(outcome: &Outcome) -> Option<Vec<u8>> {
     match outcome {
         Outcome::Success(output) => {
@@ -66,7 +68,7 @@ pub(super) fn finished(outcome: &Outcome) -> Option<Vec<u8>> {
     }
 }
 
-/// A request for a service, its input not yet after it.
+/// The beginning of a request; the input is appended to it.
 pub(super) fn request(address: &str, digests: &str) -> Vec<u8> {
     let mut frame = Vec::new();
     put(&mut frame, address);
@@ -74,14 +76,14 @@ pub(super) fn request(address: &str, digests: &str) -> Vec<u8> {
     frame
 }
 
-/// Address, digests and input of a request.
+/// Splits a request into address, digests and input.
 pub(super) fn read_request(frame: &[u8]) -> Option<(&str, &str, &[u8])> {
     let (address, rest) = take(frame)?;
     let (digests, input) = take(rest)?;
     Some((address, digests, input))
 }
 
-/// A text after its length.
+/// Appends a text with its length in front.
 fn put(frame: &mut Vec<u8>, text: &str) {
     frame.extend_from_slice(&(text.len() as u32).to_le_bytes());
     frame.extend_from_slice(text.as_bytes());
@@ -93,7 +95,7 @@ fn take(frame: &[u8]) -> Option<(&str, &[u8])> {
     Some((std::str::from_utf8(text).ok()?, rest))
 }
 
-/// A response, read.
+/// A decoded response.
 pub(super) enum Response {
     Accepted(ActivityId),
     Feedback(String),
@@ -108,7 +110,7 @@ pub(super) fn read(frame: &[u8], output: &DataType) -> Response {
     })
 }
 
-/// A frame is no response.
+/// A frame cannot be decoded as a response.
 #[derive(Debug, thiserror::Error)]
 enum FrameError {
     #[error("it is empty")]

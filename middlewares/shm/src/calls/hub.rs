@@ -1,4 +1,4 @@
-//! The serving end of a daemon: takes requests and hands each to the service it names.
+//! The serving side of a daemon: receives requests and passes each to the service that it names.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, Weak};
@@ -18,7 +18,7 @@ use crate::error::failed;
 use crate::ground::Ground;
 use crate::raw::Ipc;
 
-/// Memory for responses that is made beforehand.
+/// Number of responses for which memory is preallocated.
 const PREPARED: usize = 512;
 
 pub(super) struct Hub {
@@ -55,20 +55,20 @@ impl Hub {
         })
     }
 
-    /// Serves from now on, unless the address is taken.
+    /// Serves `entry` from now on, unless the address is taken.
     pub(super) fn add(&self, at: &Address, entry: &Arc<Entry>) -> Result<(), OpenError> {
-        // Hears requests before it is said that it does.
+        // The server exists before the catalog announces it, so that no request is missed.
         let mut entries = lock(&self.entries);
         self.ground.offer(Kind::Service, at, offer(&entry.ty))?;
         entries.insert(at.to_string(), Arc::clone(entry));
         Ok(())
     }
 
-    /// The service is there no more: callers wait no longer.
+    /// Withdraws a service: its callers stop waiting.
     pub(super) fn withdraw(&self, at: &Address, entry: &Arc<Entry>) {
         lock(&self.entries).remove(&at.to_string());
         self.ground.withdraw(Kind::Service, at);
-        // The handler may keep requests for long: their callers wait no more.
+        // The handler may keep its requests for long; their callers are told now.
         let mut ended = Vec::new();
         lock(&self.requests).retain(|request| match request.upgrade() {
             Some(request) if request.is_for(entry) => {
@@ -80,7 +80,7 @@ impl Hub {
         ended.iter().for_each(|request| request.end());
     }
 
-    /// Hands on what arrived, and what callers gave up. No lock is held while a handler runs.
+    /// Passes on requests and cancellations that arrived. Holds no lock while a handler runs.
     pub(super) fn work(&self) {
         while let Ok(Some(active)) = self.server.receive() {
             let message = active.payload().to_vec();
@@ -102,7 +102,7 @@ impl Hub {
                 continue;
             }
             let served = lock(&self.entries);
-            // Withdrawn meanwhile, or to be ended by who withdraws it.
+            // Withdrawn meanwhile; whoever withdrew it ends the request if this does not.
             if !served.get(address).is_some_and(|now| Arc::ptr_eq(now, &entry)) {
                 send(&active, &frame::not_served());
                 continue;

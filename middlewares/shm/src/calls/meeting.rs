@@ -1,4 +1,4 @@
-//! Where a daemon takes requests: the service of iceoryx2 that its callers and it meet at.
+//! The iceoryx2 service through which a daemon receives requests.
 
 use genom_middleware::{Address, OpenError};
 use iceoryx2::prelude::*;
@@ -12,27 +12,28 @@ use crate::error::failed;
 use crate::ground::Ground;
 use crate::raw::Ipc;
 
-/// A service of requests and responses as byte slices.
+/// A request-response service whose messages are byte slices.
 pub(super) type CallService = CallFactory<Ipc, [u8], (), [u8], ()>;
 
-/// Start of the names of these services; the node of the daemon comes after it.
+/// Prefix of the names of these services; the id of the daemon's node follows.
 const PREFIX: &str = "genom.calls/";
 
-/// Requests of one daemon to another that are under way at a time.
+/// Requests from one daemon to another that may be in progress at a time.
 pub(super) const REQUESTS: usize = 128;
-/// Responses to one request that wait for the caller's thread; more lose the oldest, never the last.
+/// Responses to one request that may wait for the caller's thread. Beyond that the oldest are lost,
+/// never the last.
 const RESPONSES: usize = 32;
-/// Daemons that call one daemon.
+/// Number of daemons that may call one daemon.
 const CALLERS: usize = 64;
-/// First room for messages; it doubles as needed.
+/// Initial size of messages in bytes; doubles when needed.
 pub(super) const FIRST_ROOM: usize = 512;
 
-/// The name of the service of a daemon, by its node.
+/// Name of the service of the daemon whose node is `owner`.
 fn name(owner: u128, at: &Address) -> Result<ServiceName, OpenError> {
     Ground::service_name(&format!("{PREFIX}{owner:032x}"), at)
 }
 
-/// Makes that of this daemon.
+/// Creates the service of this daemon.
 pub(super) fn create(ground: &Ground, at: &Address) -> Result<CallService, OpenError> {
     let name = name(ground.node.id().value(), at)?;
     let create = || {
@@ -60,7 +61,7 @@ pub(super) fn create(ground: &Ground, at: &Address) -> Result<CallService, OpenE
     attain(ground.keeping(), at, || Ok(Attempt::Absent), create)
 }
 
-/// Opens that of a daemon; `None` when it is gone.
+/// Opens the service of another daemon; `None` if it is gone.
 pub(super) fn open(
     ground: &Ground,
     owner: u128,

@@ -1,10 +1,11 @@
 //! Services of all components of a daemon, over one request-response service of iceoryx2.
 //!
-//! Each daemon that serves anything has `genom.calls/<its node>`, with one server; each daemon
-//! that calls it has one client there. A request names the service it is for ([`frame`]); one
-//! request gets many responses; dropping it on either side tells the other. What a daemon serves
-//! stands in its [`catalog`](crate::catalog), so that a service costs neither descriptor nor
-//! memory to be found. A thread of each daemon is woken by an event when anything was sent, and hands it on.
+//! Each daemon that serves anything has a service `genom.calls/<its node>` with one server; each
+//! daemon that calls it has one client there. A request starts with the address of the service it
+//! is for ([`frame`]) and may get many responses. When either side drops it, the other side
+//! notices. What a daemon serves is listed in its [`catalog`](crate::catalog), so that announcing a
+//! service costs neither file descriptors nor shared memory. An event wakes a thread of each daemon
+//! whenever something was sent; the thread passes it on.
 
 mod bell;
 mod call;

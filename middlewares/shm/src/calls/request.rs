@@ -1,4 +1,4 @@
-//! One request under way, from the serving side.
+//! A request in progress on the serving side.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, OnceLock};
@@ -13,7 +13,7 @@ use crate::raw::Ipc;
 
 pub(super) type Active = ActiveRequest<Ipc, [u8], (), [u8], ()>;
 
-/// A service that is served.
+/// A service that is being served.
 pub(super) struct Entry {
     pub(super) handler: Arc<dyn ServiceHandler>,
     pub(super) ty: ServiceType,
@@ -27,22 +27,22 @@ fn kind(ty: &ServiceType) -> &'static str {
     }
 }
 
-/// By which callers and servers agree: the kind and the digests of a service.
+/// The kind and digests of a service. Caller and server must have the same ones.
 pub(super) fn digests(ty: &ServiceType) -> String {
     format!("{} {}", kind(ty), ty.digest())
 }
 
-/// What is said of a service for all to see.
+/// What the catalog says about a service.
 pub(super) fn offer(ty: &ServiceType) -> Offer {
     let spelling = format!("{} {} -> {}", kind(ty), ty.input.name(), ty.output.name());
     Offer { digests: digests(ty), spelling }
 }
 
-/// One request under way.
+/// A request in progress.
 pub(super) struct Request {
-    /// Taken when it ends; its drop tells the caller.
+    /// Taken when the request ends. Dropping it notifies the caller.
     active: Mutex<Option<Active>>,
-    /// The service it is for.
+    /// The service that was called.
     entry: Arc<Entry>,
     id: OnceLock<ActivityId>,
     cancelled: AtomicBool,
@@ -64,7 +64,7 @@ impl Request {
         Arc::ptr_eq(&self.entry, entry)
     }
 
-    /// Tells the handler once that the caller gave up, if it did.
+    /// If the caller has dropped the request, cancels it at the handler, once.
     pub(super) fn look_for_the_caller(&self) {
         let Some(id) = self.id.get() else { return };
         let given_up = lock(&self.active).as_ref().is_some_and(Active::has_disconnect_hint);
@@ -95,7 +95,7 @@ pub(super) fn send(active: &Active, frame: &[u8]) {
     }
 }
 
-/// What the service gets as the caller's replies.
+/// Passes the service's replies on to the caller.
 pub(super) struct ToCaller(pub(super) Arc<Request>);
 
 impl Replies for ToCaller {

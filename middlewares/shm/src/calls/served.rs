@@ -1,4 +1,4 @@
-//! One service that is served, until it is dropped.
+//! A service that is served until this is dropped.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! The thread that hands on requests and responses.
+//! The thread that passes on requests and responses.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -14,11 +14,11 @@ use super::hub::Hub;
 use crate::error::failed;
 use crate::ground::Ground;
 
-/// The event that wakes all daemons of a prefix.
+/// Name of the event that wakes all daemons with the same prefix.
 const WAKE: &str = "genom.wake";
-/// Daemons on one machine.
+/// Greatest number of daemons on one machine.
 const DAEMONS: usize = 64;
-/// How often it looks though nobody rang: for peers that were killed.
+/// How often the thread polls without being woken, to notice peers that were killed.
 const PERIOD: Duration = Duration::from_millis(200);
 
 pub(crate) struct Worker {
@@ -30,7 +30,7 @@ pub(crate) struct Worker {
 
 #[derive(Default)]
 struct Shared {
-    /// Made when the first service is served.
+    /// Created when the first service is served.
     hub: Mutex<Option<Arc<Hub>>>,
     calls: Mutex<Vec<Arc<Call>>>,
     stop: AtomicBool,
@@ -78,7 +78,7 @@ impl Worker {
         &self.bell
     }
 
-    /// The serving end.
+    /// The serving side; creates it if necessary.
     pub(super) fn hub(&self, ground: &Arc<Ground>, at: &Address) -> Result<Arc<Hub>, OpenError> {
         let mut hub = lock(&self.shared.hub);
         if let Some(hub) = &*hub {
@@ -93,7 +93,7 @@ impl Worker {
 }
 
 impl Shared {
-    /// Hands on all there is. No lock is held while somebody else's code runs.
+    /// Passes on everything that arrived. Holds no lock while foreign code runs.
     fn work(&self) {
         let hub = lock(&self.hub).clone();
         if let Some(hub) = hub {
@@ -121,7 +121,7 @@ impl Drop for Worker {
             let _ = thread.join();
         }
         self.callers.clear();
-        // Ends before the node, which others may hold through it.
+        // Must be dropped before the node, which others may still hold through it.
         drop(lock(&self.shared.hub).take());
     }
 }

@@ -1,4 +1,4 @@
-//! What a pass removed.
+//! What a healing pass removed.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -6,7 +6,7 @@ use std::time::Instant;
 /// What a pass removed.
 #[derive(Debug, Default)]
 pub(crate) struct Healed {
-    /// Nodes whose process is gone.
+    /// Number of nodes whose process is gone.
     pub(super) nodes: usize,
     files: Vec<PathBuf>,
 }
@@ -17,14 +17,14 @@ impl Healed {
         self.nodes > 0
     }
 
-    /// Removes a file that nobody needs.
+    /// Removes an unneeded file.
     pub(super) fn remove(&mut self, file: PathBuf) {
         if std::fs::remove_file(&file).is_ok() {
             self.files.push(file);
         }
     }
 
-    /// Says so, in the log of one that began then.
+    /// Logs what was removed; `begin` is when the pass began.
     pub(super) fn tell(&self, begin: Instant) {
         for file in &self.files {
             tracing::debug!(file = %file.display(), "removed: its process is gone");

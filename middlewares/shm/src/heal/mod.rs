@@ -1,22 +1,22 @@
-//! Removes what processes left on shared memory that ended where they stood.
+//! Removes what killed processes left in shared memory.
 //!
-//! iceoryx2 removes what a dead node registered, as long as every file is whole. A process that
-//! ends between two system calls leaves some that are not: a segment of no bytes, on which every
-//! process waits that opens it, a service whose description was never written, a node whose files
-//! are there in part. So before iceoryx2 looks at anything, and when something hangs, a pass
-//! removes what nobody alive can be making or using:
+//! iceoryx2 removes what a dead node registered, provided that every file is complete. A process
+//! that is killed between two system calls leaves incomplete ones: an empty segment, on which every
+//! process that opens it waits; a service without its description; a node with some of its files.
+//! So before iceoryx2 accesses anything, and whenever something blocks, a pass removes what no
+//! living process can be creating or using:
 //!
-//! 1. `nodes` tells the living from the dead by the locks that end with a process. Locks hold
-//!    across containers, where process numbers say nothing.
-//! 2. A node tags what it is about to make, before it makes it. So a file of which only dead
-//!    nodes have the tag is in nobody's hands: `remains` removes those that are not whole.
-//! 3. Nodes that are there in part are completed, so that iceoryx2's own clean-up takes them, and
-//!    the services and ports they have together with living peers with them.
-//! 4. `services` removes services of which no living node has the tag, and the catalogs of what
-//!    dead daemons offered go.
+//! 1. `nodes` distinguishes living nodes from dead ones by file locks, which end with their process.
+//!    Locks work across containers, where process numbers mean nothing.
+//! 2. A node writes a tag for what it is about to create before it creates it. So a file for which
+//!    only dead nodes have the tag is not in use: `remains` removes those that are incomplete.
+//! 3. Incomplete dead nodes are completed, so that iceoryx2's own clean-up removes them, together
+//!    with their part in the services and ports that they shared with living peers.
+//! 4. `services` removes services for which no living node has the tag, and catalogs of dead daemons.
 //!
-//! Passes take turns by a lock on the folder itself, which ends with the process and leaves no
-//! file behind. What living peers have mapped stays mapped, and their files are not touched.
+//! Passes exclude each other by a lock on the folder itself, which ends with the process and leaves
+//! no file behind. Memory that living peers have mapped stays mapped, and their files are not
+//! touched.
 
 mod files;
 mod healed;
@@ -39,12 +39,13 @@ pub(crate) use places::Places;
 use remains::Segments;
 pub(crate) use turn::Turn;
 
-/// A pass. Where folders cannot be read it does what it can: what needs them says why it fails.
+/// Runs a pass. A folder that cannot be read is skipped: opening something in it reports the error.
 pub(crate) fn heal(config: &Config, places: &Places, _turn: &Turn) -> Healed {
     let begin = Instant::now();
     let mut healed = Healed::default();
     remains::counter(places, &mut healed);
-    // Services and catalogs before nodes: whoever made one that is there now is among the nodes.
+    // List services and catalogs before nodes, so that the node of whoever created one is among
+    // those found.
     let there = services::list(places);
     let catalogs = catalog::list(&places.root, &places.prefix);
     let nodes = Nodes::settled(config, places);
@@ -65,17 +66,17 @@ pub(crate) fn heal(config: &Config, places: &Places, _turn: &Turn) -> Healed {
     healed
 }
 
-/// Whether the process of some node is gone: a few system calls a node.
+/// Whether the process of some node is gone. Costs a few system calls per node.
 pub(crate) fn somebody_died(places: &Places) -> bool {
     nodes::somebody_died(places)
 }
 
-/// The processes of living nodes, this one included.
+/// Process ids of the living nodes, including this one.
 pub(crate) fn living_processes(places: &Places) -> BTreeSet<u32> {
     nodes::living_processes(places)
 }
 
-/// Segments without bytes, and the processes their names tell of.
+/// Empty segments, with the process ids in their names.
 pub(crate) fn empty_segments(places: &Places) -> Vec<(PathBuf, Vec<u32>)> {
     remains::empty(places)
 }

@@ -1,4 +1,4 @@
-//! Tells nodes whose process lives from those whose process is gone.
+//! Distinguishes nodes whose process lives from nodes whose process is gone.
 
 use std::collections::BTreeSet;
 use std::fs::{self, OpenOptions, Permissions};
@@ -20,34 +20,35 @@ use super::healed::Healed;
 use super::places::{Places, entries};
 use crate::raw::Ipc;
 
-/// How long a node may take to come or to go: system calls without a wait between them.
+/// How long creating or removing a node may take: system calls with no wait in between.
 const BIRTH: Duration = Duration::from_millis(200);
 
-/// How long others may remove a dead node.
+/// How long another process may take to remove a dead node.
 const REMOVAL: Duration = Duration::from_millis(500);
 
-/// How often is looked again meanwhile.
+/// Polling interval during these times.
 const TICK: Duration = Duration::from_millis(5);
 
-/// What tags in a node's folder say it made, or has open.
+/// What a node created or has open, according to the tags in its folder.
 #[derive(Debug, Default)]
 pub(super) struct Tags {
     pub(super) ports: BTreeSet<u128>,
-    /// Hashes that name services.
+    /// Hashes that identify services.
     pub(super) services: BTreeSet<String>,
 }
 
-/// The nodes there are.
+/// The existing nodes.
 #[derive(Debug, Default)]
 pub(super) struct Nodes {
     pub(super) living: BTreeSet<u128>,
     pub(super) dead: BTreeSet<u128>,
-    /// Neither alive nor dead yet: coming, or going.
+    /// Being created or removed: not known yet to be alive or dead.
     unsettled: BTreeSet<u128>,
 }
 
 impl Nodes {
-    /// Waits until those that come or go have done so; those that never will are dead.
+    /// Waits for nodes that are being created or removed. Those that do not finish in time are
+    /// dead.
     pub(super) fn settled(config: &Config, places: &Places) -> Self {
         let end = Instant::now() + BIRTH;
         loop {
@@ -63,8 +64,8 @@ impl Nodes {
 
     pub(super) fn look(config: &Config, places: &Places) -> Self {
         let mut nodes = Self::default();
-        // Files are listed before processes are looked at: a node that comes meanwhile is not
-        // listed, and so not taken for dead.
+        // List the files before checking processes: a node created in between is not in the list,
+        // and so is not taken for dead.
         for name in entries(&places.nodes) {
             let id = match places.name(&name, "") {
                 Some(rest) => rest.split(places.monitor.as_str()).next().unwrap_or_default(),
@@ -111,14 +112,15 @@ impl Nodes {
         tags
     }
 
-    /// Services that living nodes have or make; none when some node's folder cannot be read.
+    /// Services that living nodes have or are creating; `None` if the folder of a node cannot be
+    /// read.
     pub(super) fn tags_of_living(&self, places: &Places) -> Option<BTreeSet<String>> {
         let mut services = BTreeSet::new();
         for id in &self.living {
             let folder = places.node(*id);
             match fs::read_dir(&folder) {
                 Ok(_) => {}
-                // It went meanwhile.
+                // The node was removed meanwhile.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {}
                 Err(_) => return None,
             }
@@ -130,14 +132,14 @@ impl Nodes {
     }
 }
 
-/// Whether a node is this process's own, or of one before it that had its number. Locks of this
-/// process must not be asked for: to close any descriptor of a file gives up its lock.
+/// Whether a node belongs to this process, or to an earlier one with the same process id. The locks
+/// of this process must not be tested: closing any descriptor of a file gives up the lock on it.
 fn is_own(id: u128) -> bool {
     process(id) == own()
 }
 
-/// The number of this process as iceoryx2 has it in identities: the outermost that the system
-/// tells of, which is another within a container that has the host's `/proc`.
+/// The process id of this process as iceoryx2 writes it into identities: the outermost one that the
+/// system reports, which differs from the inner one in a container that sees the host's `/proc`.
 fn own() -> u32 {
     static OWN: OnceLock<u32> = OnceLock::new();
     *OWN.get_or_init(|| {
@@ -148,14 +150,14 @@ fn own() -> u32 {
     })
 }
 
-/// The process of a node, a port or a service: identities hold it.
+/// The process id of a node, port or service, taken from its identity.
 pub(super) fn process(id: u128) -> u32 {
     #[allow(clippy::cast_possible_truncation, reason = "32 of its bits")]
     let process = (id >> 64) as u32;
     process
 }
 
-/// Whether somebody holds the lock of a file. One of another user is taken for locked.
+/// Whether some process holds a lock on the file. A file of another user counts as locked.
 fn is_locked(file: &Path) -> bool {
     let file = match OpenOptions::new().write(true).open(file) {
         Ok(file) => file,
@@ -165,7 +167,7 @@ fn is_locked(file: &Path) -> bool {
     fcntl_getlk(&file, &whole).is_ok_and(|holder| holder.is_some())
 }
 
-/// The nodes that show that they live, or once did.
+/// The nodes that have a monitoring file, alive or dead.
 fn shown(places: &Places) -> impl Iterator<Item = u128> {
     let named = |name: String| places.name(&name, &places.monitor)?.parse::<u128>().ok();
     entries(&places.nodes).filter_map(named)
@@ -175,19 +177,19 @@ fn shown(places: &Places) -> impl Iterator<Item = u128> {
 pub(super) fn somebody_died(places: &Places) -> bool {
     shown(places).any(|id| {
         let [state, ..] = places.monitor(id);
-        // One that is being made has no lock yet, and cannot be read.
+        // A node that is being created has no lock yet, and its file is not readable.
         let made = || !is_unreadable(&state) || !is_young(places, id);
         !is_own(id) && !is_locked(&state) && made()
     })
 }
 
-/// The processes of living nodes, this one included.
+/// Process ids of the living nodes, including this one.
 pub(super) fn living_processes(places: &Places) -> BTreeSet<u32> {
     let living = shown(places).filter(|id| is_own(*id) || is_locked(&places.monitor(*id)[0]));
     living.map(process).chain([own()]).collect()
 }
 
-/// Whether a process that lives removes a node that does not.
+/// Whether a living process is removing a dead node.
 fn is_being_cleaned(places: &Places, id: u128) -> bool {
     let [_, cleaner, _] = places.monitor(id);
     !is_own(id) && is_locked(&cleaner)
@@ -201,13 +203,13 @@ fn is_young(places: &Places, id: u128) -> bool {
             u64::try_from(told.ctime()).unwrap_or_default(),
             u32::try_from(told.ctime_nsec()).unwrap_or_default(),
         );
-        // One that comes from the future is young as well: clocks are set back.
+        // A time in the future counts as young, because clocks may be set back.
         let age = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH + changed);
         age.is_ok_and(|age| age < BIRTH)
     })
 }
 
-/// Has iceoryx2 remove dead nodes; how many there were.
+/// Makes iceoryx2 remove dead nodes. Returns how many there were.
 pub(super) fn clean(
     config: &Config,
     places: &Places,
@@ -224,7 +226,8 @@ pub(super) fn clean(
         if let NodeState::Dead(node) = state
             && dead.contains(&node.id().value())
         {
-            // Not the folder that the node's own file names: nobody can lead this elsewhere.
+            // Uses our own folder, not the one named in the node's file, so that nobody can
+            // redirect the removal.
             let (id, details) = (*node.id(), NodeDetails::__internal_new(&None, config));
             // Waits for its turn: iceoryx2 removes one node at a time in a process.
             let done = DeadNodeView::<Ipc>::__internal_blocking_remove_stale_resources(
@@ -233,7 +236,7 @@ pub(super) fn clean(
             if let Err(error) = done {
                 tracing::warn!(%error, id = id.value(), "iceoryx2 does not remove a dead node");
                 if error == NodeCleanupFailure::AnotherInstanceIsCleaningUpTheNode {
-                    // Another's, or the next pass's.
+                    // Another process removes it, or the next pass does.
                     given_up.remove(&id.value());
                 }
             }
@@ -256,8 +259,8 @@ pub(super) fn clean(
     dead.len()
 }
 
-/// Makes the files by which iceoryx2 takes a node for dead: a process that was killed while it
-/// made or removed them left a part.
+/// Creates those files that iceoryx2 needs to recognise a dead node. A process that was killed
+/// while creating or removing them left only some.
 fn complete(places: &Places, id: u128) -> io::Result<()> {
     let files = places.monitor(id);
     let modes = [0o600, 0o600, 0o400];
@@ -266,7 +269,7 @@ fn complete(places: &Places, id: u128) -> io::Result<()> {
         let opened = options.write(true).create_new(true).mode(0o600).open(file);
         let context = file == &files[2];
         match opened {
-            // The process it belonged to; any but this one.
+            // The process it belonged to; any id but this process's will do.
             Ok(mut opened) if context => opened.write_all(&id.to_ne_bytes())?,
             Ok(_) => {}
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {

@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 
 use iceoryx2::prelude::Config;
 
-/// Where shared memory is, on Linux.
+/// Folder of POSIX shared memory on Linux.
 const SEGMENTS: &str = "/dev/shm";
 
-/// Folders and names of one prefix and root.
+/// Folders and file names for one prefix and root.
 #[derive(Clone, Debug)]
 pub(crate) struct Places {
     pub(crate) prefix: String,
@@ -42,25 +42,25 @@ impl Places {
         }
     }
 
-    /// What is between prefix and suffix of a file's name.
+    /// The part of a file's name between prefix and suffix.
     pub(super) fn name<'a>(&self, file: &'a str, suffix: &str) -> Option<&'a str> {
         file.strip_prefix(self.prefix.as_str())?.strip_suffix(suffix)
     }
 
-    /// The folder of a node.
+    /// Folder of a node.
     pub(super) fn node(&self, id: u128) -> PathBuf {
         self.nodes.join(id.to_string())
     }
 
-    /// The files by which a node shows that it lives: its state, who cleans it up, its process.
-    /// iceoryx2 removes them in this order.
+    /// The files that show that a node is alive: its state, the lock for cleaning it up, its
+    /// process. In the order in which iceoryx2 removes them.
     pub(super) fn monitor(&self, id: u128) -> [PathBuf; 3] {
         ["", "_owner_lock", "_context"]
             .map(|part| self.nodes.join(format!("{}{id}{}{part}", self.prefix, self.monitor)))
     }
 }
 
-/// Names of a folder's entries; none when it is not there.
+/// Names of a folder's entries; none if the folder does not exist.
 pub(super) fn entries(folder: &Path) -> impl Iterator<Item = String> {
     let found = fs::read_dir(folder).into_iter().flatten().flatten();
     found.filter_map(|entry| entry.file_name().into_string().ok())

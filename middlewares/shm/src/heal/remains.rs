@@ -1,4 +1,4 @@
-//! Segments that are not whole, and ports that nobody has any more.
+//! Incomplete segments, and segments of ports that no living node has open.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -12,15 +12,15 @@ use super::nodes::{self, Tags};
 use super::places::{Places, entries};
 use super::services;
 
-/// How long the counter of nodes may take to be made: system calls without a wait between them.
+/// How long creating the node counter may take: system calls with no wait in between.
 const BIRTH: Duration = Duration::from_millis(50);
 
-/// Its bytes: a version, and a count.
+/// Size of the counter in bytes: a version and a count.
 const COUNTER: u64 = 16;
 
-/// The segments of a prefix.
+/// The segments with one prefix.
 pub(super) struct Segments {
-    /// Names, by each of the identities in them.
+    /// Names of segments, by each identity in them.
     by_id: BTreeMap<u128, Vec<String>>,
 }
 
@@ -40,7 +40,7 @@ impl Segments {
     }
 }
 
-/// Segments without bytes, and the processes their names tell of.
+/// Empty segments, with the process ids in their names.
 pub(super) fn empty(places: &Places) -> Vec<(PathBuf, Vec<u32>)> {
     let own = entries(&places.segments).filter(|name| name.starts_with(&places.prefix));
     let found = own.map(|name| {
@@ -50,13 +50,14 @@ pub(super) fn empty(places: &Places) -> Vec<(PathBuf, Vec<u32>)> {
     found.filter(|(file, _)| is_empty(file)).collect()
 }
 
-/// The counters of nodes of a prefix: one a version of iceoryx2.
+/// The node counters of a prefix: one per version of iceoryx2.
 pub(super) fn counters(places: &Places) -> Vec<PathBuf> {
     let named = |name: &String| name.starts_with(&places.prefix) && name.ends_with(&places.counter);
     entries(&places.segments).filter(named).map(|name| places.segments.join(name)).collect()
 }
 
-/// Removes the counter of nodes when it was never finished, or cut: no node starts with it.
+/// Removes the node counter if it was never completed or was truncated, since no node could start
+/// with it.
 pub(super) fn counter(places: &Places, healed: &mut Healed) {
     for file in counters(places) {
         let short = || fs::symlink_metadata(&file).is_ok_and(|told| told.len() < COUNTER);
@@ -71,7 +72,7 @@ pub(super) fn counter(places: &Places, healed: &mut Healed) {
     }
 }
 
-/// Removes what dead nodes began: segments of their ports, services they were making.
+/// Removes what dead nodes were creating: segments of their ports, and services.
 pub(super) fn unfinished(
     places: &Places,
     segments: &Segments,
@@ -101,9 +102,9 @@ pub(super) fn unfinished(
     }
 }
 
-/// Removes segments of ports that nobody alive has an end of.
+/// Removes segments of ports that no living node has open.
 pub(super) fn ports(places: &Places, dead: &Tags, healed: &mut Healed) {
-    // Listeners have a socket in the folder, too.
+    // Listeners also have a socket in the root folder.
     for folder in [&places.segments, &places.root] {
         for name in entries(folder) {
             let mut ends = ids(places, &name).peekable();

@@ -1,4 +1,4 @@
-//! Services that nobody has.
+//! Services that no node uses.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ pub(super) fn file(places: &Places, hash: &str) -> PathBuf {
     places.services.join(format!("{}{hash}{}", places.prefix, places.service))
 }
 
-/// The identity of a service, from the file that describes it.
+/// Identity of a service, read from the file that describes it.
 pub(super) fn identity(file: &Path) -> Option<u128> {
     let text = std::fs::read_to_string(file).ok()?;
     let (_, after) = text.split_once("[unique_service_id]")?;
@@ -28,15 +28,15 @@ pub(super) fn identity(file: &Path) -> Option<u128> {
     Some(u128::from(high) << 64 | u128::from(low))
 }
 
-/// The services that are there, by the hashes that name them.
+/// The existing services, by the hashes that identify them.
 pub(super) fn list(places: &Places) -> Vec<String> {
     let named = |name: String| Some(places.name(&name, &places.service)?.to_owned());
     entries(&places.services).filter_map(named).collect()
 }
 
-/// Removes services of which no living node has the tag: their last owner was killed when it
-/// removed them, or before it had finished them. A node tags a service before it makes it, and
-/// takes the tag away after it has left it.
+/// Removes services for which no living node has the tag: their last owner was killed while it
+/// created or removed them. A node writes the tag before it creates a service, and removes the tag
+/// after it has left the service.
 pub(super) fn orphans(
     config: &Config,
     places: &Places,
@@ -52,7 +52,7 @@ pub(super) fn orphans(
     if orphans.is_empty() {
         return;
     }
-    // A node may have come meanwhile, and have opened one of them.
+    // Check again: a new node may have opened one of them meanwhile.
     let Some(again) = without(&Nodes::look(config, places)) else { return };
     let segments: Vec<String> = entries(&places.segments).collect();
     for hash in orphans.intersection(&again) {
@@ -66,9 +66,9 @@ pub(super) fn orphans(
     }
 }
 
-/// Removes what dead processes had of services that nothing describes any more: somebody cut or
-/// removed the description. Segments of a prefix may belong to another folder, so only those of
-/// processes that were here, and are nowhere now.
+/// Removes what dead processes had of services whose description was truncated or removed. Segments
+/// with the same prefix may belong to another root folder, so only segments of processes that had a
+/// node here, and have none now, are removed.
 pub(super) fn undescribed(places: &Places, nodes: &Nodes, healed: &mut Healed) {
     let gone = |id: u128| {
         let of = |ids: &BTreeSet<u128>| ids.iter().any(|node| process(*node) == process(id));

@@ -1,4 +1,4 @@
-//! Passes and starts of nodes take turns.
+//! Mutual exclusion between healing passes and the creation of nodes.
 
 use std::fs::File;
 use std::io;
@@ -8,21 +8,22 @@ use std::time::{Duration, Instant};
 
 use rustix::fs::{FlockOperation, flock};
 
-/// How long another's turn is waited for: one that is stopped must not stop everybody.
+/// How long to wait for another process's turn, so that a stopped process does not block all
+/// others.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Tells threads to look again.
+/// Interval between attempts to get the lock.
 const TICK: Duration = Duration::from_millis(1);
 
-/// The folder of iceoryx2's files, locked. The lock is the process's: it ends with it.
+/// The locked folder of iceoryx2's files. The lock ends with the process.
 #[derive(Debug)]
 pub(crate) struct Turn {
     _folder: File,
 }
 
 impl Turn {
-    /// Waits for its turn, within bounds: passes do no harm to each other, they only do twice
-    /// what one would do.
+    /// Waits for the lock for a limited time, then goes on without it: concurrent passes do no
+    /// harm, they only duplicate work.
     pub(crate) fn take(root: &Path) -> io::Result<Self> {
         let folder = File::open(root)?;
         let end = Instant::now() + PATIENCE;

@@ -1,5 +1,5 @@
-//! A program that knows iceoryx2 and nothing else: it declares the type and the name of a port,
-//! and reads or writes it. The tests drive it over its standard input and output.
+//! A program that uses iceoryx2 and nothing of ours: it declares the type and the name of a port,
+//! and reads or writes it. The tests control it through its standard input and output.
 //!
 //! `shm-typed-peer PREFIX ROOT read|read-double|write|create|write-bytes|wrong SERVICE`
 
@@ -9,7 +9,7 @@ use std::io::BufRead;
 
 use iceoryx2::prelude::*;
 
-/// What the IDL calls `::demo::state`.
+/// The type `::demo::state` of the IDL.
 #[derive(Clone, Copy, Debug, ZeroCopySend)]
 #[type_name("demo::state")]
 #[repr(C)]
@@ -35,7 +35,7 @@ fn main() {
             let port = node.service_builder(&name).publish_subscribe::<State>().open().unwrap();
             let reader = port.subscriber_builder().create().unwrap();
             println!("ready");
-            // One line asks for one sample.
+            // Each input line asks for one sample.
             for _ in lines {
                 let sample = loop {
                     if let Some(sample) = reader.receive().unwrap() {
@@ -66,7 +66,7 @@ fn main() {
                 if role == "write" { builder.open().unwrap() } else { builder.create().unwrap() };
             let writer = port.publisher_builder().create().unwrap();
             println!("ready");
-            // One line is one count to publish.
+            // Each input line is a count to publish.
             for line in lines {
                 let count: u64 = line.parse().unwrap();
                 let values = std::array::from_fn(|i| count as f64 + i as f64);
@@ -78,7 +78,7 @@ fn main() {
             let port = node.service_builder(&name).publish_subscribe::<[u8]>().open().unwrap();
             let writer = port.publisher_builder().initial_max_slice_len(64).create().unwrap();
             println!("ready");
-            // One line is one sample, as decimal bytes.
+            // Each input line is a sample, as decimal bytes.
             for line in lines {
                 let bytes: Vec<u8> = line.split(' ').map(|byte| byte.parse().unwrap()).collect();
                 let sample = writer.loan_slice_uninit(bytes.len()).unwrap();

@@ -1,4 +1,4 @@
-//! A folder and a prefix of its own for each test.
+//! A separate root folder and prefix for each test.
 
 #![allow(
     dead_code,
@@ -19,7 +19,7 @@ use genom_conformance::World;
 use genom_middleware::Middleware;
 use genom_shm::{Options, Shm};
 
-/// Apart from all other tests of this machine.
+/// Isolated from all other tests on this machine.
 pub(crate) struct ShmWorld {
     root: PathBuf,
     prefix: String,
@@ -65,8 +65,8 @@ impl World for ShmWorld {
         let shared = Path::new("/dev/shm").read_dir().into_iter().flatten().flatten();
         let shared = shared.map(|file| file.path().display().to_string());
         found.extend(shared.filter(|name| name.contains(&self.prefix)));
-        // The 16 bytes in which iceoryx2 counts nodes, one for all processes of a prefix: it
-        // never removes them, since it cannot know who is about to use them.
+        // The 16 bytes in which iceoryx2 counts nodes. There is one counter for all processes of a
+        // prefix; it is never removed, since somebody may be about to use it.
         found.retain(|name| !name.ends_with(".global_mgmt"));
         found
     }

@@ -1,4 +1,4 @@
-//! Another process, driven by lines.
+//! Another process, controlled by lines of text.
 
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -8,17 +8,18 @@ use std::time::Duration;
 
 use super::ShmWorld;
 
-/// Before each line that the writer says: the test program that it is says things of its own.
+/// Starts each line of the writer, because the test harness in that process prints lines of its
+/// own.
 pub(crate) const MARK: &str = "> ";
 
-/// Variables by which the writer learns where to write.
+/// Environment variables that tell the writer prefix and root.
 pub(crate) const PREFIX: &str = "GENOM_SHM_WRITER_PREFIX";
 pub(crate) const ROOT: &str = "GENOM_SHM_WRITER_ROOT";
 
-/// The test of each program that starts a [writer](Process::writer) which is the writer.
+/// The test, in each program that starts a [writer](Process::writer), that acts as the writer.
 const WRITER: &str = "writes_until_it_is_killed";
 
-/// A process that takes longer than this hangs.
+/// A process that takes longer counts as hanging.
 const WATCHDOG: Duration = Duration::from_secs(60);
 
 pub(crate) struct Process {
@@ -28,13 +29,13 @@ pub(crate) struct Process {
 }
 
 impl Process {
-    /// A program that is told where to meet, and more.
+    /// Starts a program with prefix, root and further arguments.
     pub(crate) fn start(program: &str, world: &ShmWorld, arguments: &[&str]) -> Self {
         let mut command = Command::new(program);
         Self::run(command.arg(world.prefix()).arg(world.root()).args(arguments), "")
     }
 
-    /// This test program once more, as the [writer](super::writer).
+    /// Starts this test program again as the [writer](super::writer).
     pub(crate) fn writer(world: &ShmWorld) -> Self {
         let mut command = genom_conformance::again(WRITER);
         Self::run(command.env(PREFIX, world.prefix()).env(ROOT, world.root()), MARK)
@@ -56,24 +57,24 @@ impl Process {
         Self { input: child.stdin.take(), child, lines }
     }
 
-    /// The next line it says.
+    /// The next line that it prints.
     pub(crate) fn says(&self) -> String {
         self.lines.recv_timeout(WATCHDOG).expect("the process says something")
     }
 
-    /// Tells it a line.
+    /// Sends it a line.
     pub(crate) fn tell(&mut self, line: &str) {
         let input = self.input.as_mut().expect("its input");
         writeln!(input, "{line}").expect("the process listens");
     }
 
-    /// `kill -9`.
+    /// Kills it with SIGKILL.
     pub(crate) fn kill(mut self) {
         self.child.kill().expect("killed");
         self.child.wait().expect("ended");
     }
 
-    /// Ends it by the end of its input.
+    /// Closes its input and waits for it to end.
     pub(crate) fn end(mut self) {
         drop(self.input.take());
         assert!(self.child.wait().expect("ended").success());

@@ -13,7 +13,7 @@ use genom_types::Record;
 
 use super::process::{MARK, PREFIX, ROOT};
 
-/// Accepts, and keeps the request for good.
+/// Accepts a request and never finishes it.
 #[derive(Default)]
 struct Endless(Mutex<Vec<Box<dyn Replies>>>);
 
@@ -27,7 +27,7 @@ impl ServiceHandler for Endless {
 }
 
 /// Publishes the numbers it reads on `demo/position`, and a note; serves the activity `demo/goto`,
-/// which never ends. Does nothing when it was not started by [`Process::writer`].
+/// which never ends. Does nothing unless it was started by [`Process::writer`].
 ///
 /// [`Process::writer`]: super::process::Process::writer
 pub(crate) fn run() {

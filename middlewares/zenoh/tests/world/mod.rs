@@ -1,4 +1,4 @@
-//! A folder of its own in which sessions meet: tests see no others, and use no network.
+//! A rendezvous folder per test: tests do not see each other and use no network.
 
 #![allow(clippy::unwrap_used, reason = "test code that stands outside of test functions")]
 

@@ -1,18 +1,18 @@
-//! Two daemons that meet over ROS 2 for the first time, again and again: from then on samples flow.
+//! Pairs of daemons that meet over ROS 2 for the first time, many times: samples flow each time.
 
 use std::sync::Arc;
 use std::thread;
 
 use genom_tests::{Daemon, Home, Memory, component, path, request, until};
 
-/// Starts, in all.
+/// Number of starts.
 const STARTS: usize = 100;
-/// Side by side.
+/// Number of starts in parallel.
 const SIDES: usize = 4;
-/// Samples that are read of each.
+/// Number of samples read in each.
 const SAMPLES: u64 = 200;
 
-/// A component on ROS 2 whose task ticks every millisecond.
+/// Starts a component on ROS 2 whose task ticks every millisecond.
 fn start(memory: &Arc<Memory>, name: &str, task: &str) -> Daemon {
     let library = component(name).library;
     let text = format!(
@@ -23,8 +23,8 @@ fn start(memory: &Arc<Memory>, name: &str, task: &str) -> Daemon {
     Home::with(memory).configured(&text).start(&[])
 }
 
-/// The mission writes a gain in each tick, and the demo reads it: how many it read, and how many it
-/// lost on the way.
+/// The mission writes a gain in each tick, and the demo reads it. Returns how many were read and
+/// how many were lost.
 fn flow(reader_first: bool) -> (u64, u64) {
     let memory = Arc::new(Memory::new());
     let write = || start(&memory, "mission", "watch");
@@ -37,7 +37,7 @@ fn flow(reader_first: bool) -> (u64, u64) {
     };
     let connect = ["connect", "--wait", "demo/parameter", "mission/gain", "--policy", "ring:64"];
     reader.ctl(&connect).expect_code(0);
-    // The demo looks at its port as long as it moves.
+    // The demo reads its port while it moves.
     reader.ctl(&["call", "demo", "set_speed", "velocity=0.0001"]).expect_code(0);
     reader.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
     let counted = || {
@@ -66,6 +66,6 @@ fn samples_flow_after_each_of_many_first_meetings_of_two_daemons() {
     assert_eq!(counts.len(), STARTS);
     let seen: u64 = counts.iter().map(|count| count.0).sum();
     let lost: u64 = counts.iter().map(|count| count.1).sum();
-    // All but a few; half of them where other tests take the processors.
+    // Usually almost all; half of them if other tests use the processors.
     assert!(seen > lost, "{seen} arrived, {lost} did not: {counts:?}");
 }

@@ -1,4 +1,4 @@
-//! Datagrams that took a whole daemon with them, sent to one in which a component runs.
+//! Forged datagrams that would end a whole daemon, sent to one in which a component runs.
 
 #[path = "../../../../middlewares/ros2/tests/forger/mod.rs"]
 mod forger;
@@ -8,7 +8,7 @@ use std::net::UdpSocket;
 use forger::{Forger, USER, announcement_ports, fragment, gap, heartbeat, ports};
 use genom_tests::{Daemon, Footprint, Home, component, path, until};
 
-/// Ticks of the demo's task so far.
+/// Number of ticks of the demo's task.
 fn ticks(daemon: &Daemon) -> u64 {
     let told = daemon.json(&["stats", "demo"]);
     let tasks = told["tasks"].as_array().unwrap();
@@ -27,7 +27,7 @@ fn a_component_goes_on_under_datagrams_that_would_end_its_daemon() {
     let port = socket.local_addr().unwrap().port();
     let forger = Forger(*b"\x01\x10forged....");
     let before = Footprint::of(daemon.process().id()).peak;
-    // Known first, with a writer of what the demo reads.
+    // First it announces itself, with a writer of what the demo reads.
     let announced = || {
         for to in announcement_ports(domain) {
             let _ = socket.send_to(&forger.announcement(1, port, 100), ("127.0.0.1", to));

@@ -1,4 +1,4 @@
-//! Daemons beside programs of others on the same middleware.
+//! Daemons together with foreign programs on the same middleware.
 
 mod cold_starts;
 mod forged;

@@ -1,8 +1,8 @@
-//! Genuine ROS 2 Jazzy nodes and a daemon with the demo: with the demo's own types, as ROS users
-//! build them, and ROS's generators of code.
+//! Genuine ROS 2 Jazzy nodes together with a daemon that runs the demo. The nodes use the demo's
+//! own types, built with ROS's code generators as users do.
 //!
-//! A peer replies to what it is told once ROS says that the other end is there: nothing here
-//! counts on discovery being done.
+//! A peer replies to a command when ROS reports that the other end exists, so no test assumes that
+//! discovery has finished.
 
 use genom_components::peer::Peer;
 use genom_components::ros2;
@@ -37,7 +37,7 @@ fn a_ros_node_reads_calls_and_sets_the_demo() {
     let rest = json!({"position": 0.0, "velocity": 0.0});
     assert_eq!(peer.ask(&json!(["sample", name("position")])), rest);
 
-    // A service, and its exception.
+    // A service and its exception.
     peer.ask(&json!(["client", name("set_speed"), "demo/srv/SetSpeed"]));
     let set = |velocity: f64| json!(["call", name("set_speed"), {"velocity": velocity}]);
     let done = json!({"genom_exception": "", "genom_detail": ""});
@@ -60,18 +60,18 @@ fn a_ros_node_reads_calls_and_sets_the_demo() {
     assert!(reason.starts_with("::demo::OUT_OF_RANGE {"), "{reason}");
     daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 1.5\n");
 
-    // What ROS knows of the node.
+    // What ROS shows of the node.
     let types = peer.ask(&json!(["service", name("set_speed"), "demo", namespace]));
     assert_eq!(types, json!(["demo/srv/SetSpeed"]));
     let topics = peer.ask(&json!(["topics"]));
     assert_eq!(topics[name("position")], json!(["demo/msg/State"]));
     assert_eq!(topics[name("goto/_action/feedback")], json!(["demo/action/Goto_FeedbackMessage"]));
 
-    // A topic of a ROS node feeds a port.
+    // A topic of a ROS node, connected to a port.
     daemon.ctl(&["connect", "demo/parameter", "ros2:/hand/gain"]).expect_code(0);
     peer.ask(&json!(["write", "/hand/gain", "std_msgs/msg/Float64"]));
     peer.ask(&json!(["put", "/hand/gain", {"data": 0.25}]));
-    // It is read while the axis moves: slowly, so that it moves all the time.
+    // The port is read only during a motion; this one is slow enough to last.
     daemon.ctl(&["call", "demo", "set_speed", "velocity=0.01"]).expect_code(0);
     daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
     let echo = daemon.spawn(&["echo", "demo/parameter"]);
@@ -95,20 +95,20 @@ fn a_ros_node_sends_the_demo_goals_and_gives_them_up() {
     assert_eq!(peer.ask(&result), ended("SUCCEEDED", "", ""));
     assert_eq!(daemon.port("demo", "position")["value"]["position"], 0.01);
 
-    // Standing still it never arrives.
+    // With a gain of 0 it never arrives.
     daemon.ctl(&["pub", "demo/parameter", "0"]).expect_code(0);
     assert_eq!(peer.ask(&goal(1.0)), json!(true));
-    // States of a moment may go by untold, this one lasts.
+    // Short states may be missed; this one lasts.
     while peer.ask(&feed) != json!({"genom_state": "main"}) {}
     peer.ask(&json!(["status", goto, "EXECUTING"]));
     assert_eq!(peer.ask(&json!(["cancel", goto])), json!({"code": 0, "goals": 1}));
-    // It braked and stopped, as its description says.
+    // It braked and stopped, as described.
     assert_eq!(peer.ask(&result), ended("CANCELED", "", ""));
     peer.ask(&json!(["status", goto, "CANCELED"]));
-    // It has ended: there is nothing to give up any more.
+    // It has ended, so there is nothing to cancel.
     assert_eq!(peer.ask(&json!(["cancel", goto])), json!({"code": 3, "goals": 0}));
 
-    // What the component refuses ends with its exception.
+    // A goal that the component refuses ends with its exception.
     assert_eq!(peer.ask(&goal(99.0)), json!(true));
     let refused = peer.ask(&result);
     assert_eq!(refused["status"], "ABORTED");

@@ -1,7 +1,7 @@
-//! A network that stalls under a running daemon, and a daemon that is stopped: what still works.
+//! What still works if the network of a running daemon stalls, or a daemon's process is stopped.
 //!
-//! The daemon runs with `fixtures/stall` preloaded: while a file is locked here, each thread that
-//! sends a datagram waits. Nothing in the daemon knows of it.
+//! The daemon runs with `fixtures/stall` preloaded: while this test locks a file, every thread that
+//! sends a datagram blocks. The daemon does not know about it.
 
 use std::fs::File;
 use std::path::PathBuf;
@@ -17,8 +17,8 @@ const PERIOD: u64 = 1;
 /// More samples than DDS and the daemon together keep for a reader.
 const MANY: u64 = 3000;
 
-/// The paper's component on ROS 2, which writes at each tick of its motion, and a daemon whose
-/// demo reads it.
+/// The paper's component on ROS 2, which writes in each tick of its motion, and another daemon
+/// whose demo reads it.
 struct World {
     writer: Daemon,
     reader: Daemon,
@@ -49,14 +49,14 @@ impl World {
         let reader = Home::with(&memory).start(&["--backend", "ros2", path(&demo.library)]);
         let connect = ["connect", "demo/parameter", "paper/position", "--wait"];
         reader.ctl(&connect).expect_code(0);
-        // Both go on for ever: the demo stands still while it reads less than 0.
+        // Both run without end: the demo does not move while it reads a value below 0.
         writer.ctl(&["start", "paper", "goto", "position=-1e9"]).expect_code(0);
         reader.ctl(&["call", "demo", "set_speed", "velocity=0.01"]).expect_code(0);
         reader.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
         Self { writer, reader, gate }
     }
 
-    /// The network stalls until the result is dropped: no datagram leaves from now on.
+    /// Stalls the network until the result is dropped: from now on no datagram is sent.
     fn stall(&self) -> File {
         let gate = File::open(&self.gate).unwrap();
         gate.lock().unwrap();
@@ -83,7 +83,7 @@ fn every_tick_is_run_while_the_network_stalls_and_what_is_given_up_is_counted() 
     until("the last value arrives", || world.read() == world.sent());
     let (before, value) = (world.counts(), world.read());
     let stalled = world.stall();
-    // A step ends when all its ticks were run: else the test hangs here.
+    // A step ends after all its ticks have run; otherwise the test hangs here.
     (0..MANY / 100).for_each(|_| world.writer.step(100 * PERIOD));
     let after = world.counts();
     assert_eq!(world.read(), value, "something arrived");
@@ -134,7 +134,8 @@ fn a_port_leaves_a_middleware_that_stalls_and_no_tick_waits_for_it() {
 
 #[test]
 fn daemons_that_were_stopped_and_go_on_still_exchange_samples() {
-    // As by Ctrl-Z and `fg`, a debugger, or the machine's sleep: waits of all threads are cut.
+    // As caused by Ctrl-Z and `fg`, a debugger, or system suspend: the waits of all threads are
+    // interrupted.
     let world = World::new("virtual");
     world.writer.step(20 * PERIOD);
     until("the last value arrives", || world.read() == world.sent());

@@ -1,4 +1,4 @@
-//! What peers that are no genomd see: a typed iceoryx2 program reads a port.
+//! A typed iceoryx2 program that is not genomd reads a port.
 
 use std::process::Command;
 

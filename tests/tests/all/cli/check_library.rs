@@ -1,4 +1,4 @@
-//! A library is checked against its description without a daemon.
+//! `genomd --check` compares a library with its description; no daemon runs.
 
 use std::fs;
 use std::process::Command;
@@ -38,7 +38,7 @@ fn a_library_that_lacks_a_codel_is_refused_with_the_line_of_the_description() {
     home.refused(&["--check"]).expect_code(2).expect_err("--check goes with the libraries");
 }
 
-/// What is said of a library whose constructor does this.
+/// Output for a library whose constructor does this.
 fn constructor(does: &str) -> Finished {
     let home = Home::new();
     let at = |name: &str| home.path().join(name);

@@ -1,4 +1,4 @@
-//! Verbs on descriptions: no daemon runs.
+//! Verbs that work on descriptions; no daemon runs.
 
 use std::fs;
 use std::process::Command;

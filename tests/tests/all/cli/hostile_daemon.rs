@@ -1,4 +1,5 @@
-//! What answers on a socket may be anything: what genomctl shows of it, and where it asks at all.
+//! Any program may answer on a socket: genomctl shows its replies safely, and does not connect
+//! where others could put a socket.
 
 use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::os::unix::fs::PermissionsExt as _;
@@ -9,11 +10,11 @@ use std::process::Command;
 use genom_tests::{Finished, Running, program};
 use serde_json::{Value, json};
 
-/// Clears the screen, sets the title, turns the order of the text around, is invisible; and
-/// begins a line of its own.
+/// Clears the screen, sets the title, reverses the direction of text, contains invisible
+/// characters, and begins a line of its own.
 const EVIL: &str = "e\u{1b}[2J\u{1b}]0;owned\u{7}v\u{9b}31mi\u{202e}l\u{200b}\r\u{7f}\nerror: x";
 
-/// A value of everything that genomctl may read, with evil in every text.
+/// A reply with everything that genomctl may read; every text contains `EVIL`.
 fn reply(path: &str) -> Value {
     let service = json!({
         "name": EVIL, "kind": EVIL, "doc": EVIL, "task": EVIL, "throws": [EVIL],
@@ -71,12 +72,12 @@ fn answer(stream: UnixStream) -> std::io::Result<()> {
     write!(stream, "HTTP/1.1 {status}\r\nContent-Length: {}\r\n\r\n{body}", body.len())
 }
 
-/// A socket on which something answers that is no genomd.
+/// Listens on a socket, and answers as a program that is not genomd.
 fn listen(socket: &Path) {
     let listener = UnixListener::bind(socket).unwrap();
     std::thread::spawn(move || {
         for stream in listener.incoming().flatten() {
-            // A client that goes away early is none of the test's.
+            // A client that disconnects early is no error of the test.
             let _ = answer(stream);
         }
     });
@@ -114,7 +115,7 @@ fn a_terminal_is_told_nothing_by_names_docs_values_and_messages() {
         let text = format!("{}{}", shown.out, shown.err);
         assert!(!text.contains(obeyed), "{verb:?}: {text:?}");
         assert!(text.contains("u{9b}31m") || text.contains("u009b31m"), "{verb:?}: {text:?}");
-        // With --json it is the same value, and as harmless.
+        // With --json the value is unchanged and just as harmless.
         let told = ctl(&socket, &[&["--json"], verb].concat());
         let text = if told.code == Some(0) { &told.out } else { &told.err };
         assert!(!text.contains(obeyed), "{verb:?}: {text:?}");
@@ -124,7 +125,7 @@ fn a_terminal_is_told_nothing_by_names_docs_values_and_messages() {
     }
     let listed: Value = serde_json::from_str(&ctl(&socket, &["--json", "list"]).out).unwrap();
     assert_eq!(listed, reply("/components"));
-    // A row stays a row.
+    // A row remains one line.
     assert_eq!(ctl(&socket, &["list"]).out.lines().count(), 2);
 }
 
@@ -143,7 +144,7 @@ fn a_socket_that_others_may_have_put_there_is_not_asked() {
     let refused = ctl(&socket, &["list"]);
     refused.expect_code(2).expect_out("").expect_err("others may put files into its directory");
     refused.expect_err("--socket");
-    // As in /tmp: others may add files and not replace those that are there.
+    // As in /tmp: others may add files but not replace existing ones.
     mode(0o1777);
     ctl(&socket, &["list"]).expect_code(0);
 }

@@ -1,4 +1,4 @@
-//! Bad input: what is wrong is named, and nothing changes.
+//! Bad input: the message names what is wrong, and nothing changes.
 
 use std::io::{Read as _, Write as _};
 
@@ -35,7 +35,7 @@ fn two_components_of_one_name_are_refused() {
     let refused = home.refused(&["--backend", "shm", path(&demo.library), path(&demo.library)]);
     refused.expect_code(1).expect_err("a component named demo runs already");
     refused.expect_err("--name");
-    // The first one ran: it was stopped, and nothing stays.
+    // The first component was running; it was stopped, and nothing remains.
     assert!(!home.socket().exists());
     assert_eq!(home.memory().files(), Vec::<std::path::PathBuf>::new());
 
@@ -154,14 +154,15 @@ fn every_refusal_of_the_control_plane_has_one_shape() {
         assert_eq!((reply.status, reply.code()), (status, code), "{method} {path}: {reply:?}");
         assert!(reply.body["error"]["message"].is_string(), "{reply:?}");
     }
-    // A body that is too large is refused before it is sent, and cut off if its length is not said.
+    // A body that is too large is refused before it is sent; without a declared length it is cut
+    // off.
     let lengths = ["Content-Length: 2000000", "Transfer-Encoding: chunked"];
     for (length, sent) in lengths.into_iter().zip([0, 2_000_000]) {
         let mut stream = connect(&socket);
         let head = format!("POST /components HTTP/1.1\r\nHost: x\r\n{length}\r\n\r\n");
         stream.write_all(head.as_bytes()).unwrap();
         let chunk = format!("{sent:x}\r\n{}", " ".repeat(sent));
-        // The daemon hangs up before it has read all.
+        // The daemon hangs up before it has read everything.
         let _ = stream.write_all(if sent > 0 { chunk.as_bytes() } else { b"" });
         let mut status = [0; 12];
         stream.read_exact(&mut status).unwrap();
@@ -175,7 +176,7 @@ fn every_refusal_of_the_control_plane_has_one_shape() {
 fn random_bytes_on_the_socket_do_not_disturb() {
     let daemon = Daemon::demo("local");
     let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=0.2"]);
-    // A fixed seed: a failure must come again.
+    // A fixed seed, so that failures can be reproduced.
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     let mut half_open = Vec::new();
     for round in 0..200_usize {
@@ -188,7 +189,7 @@ fn random_bytes_on_the_socket_do_not_disturb() {
             })
             .collect();
         let mut stream = connect(&daemon.home().socket());
-        // The daemon may hang up in the middle: that is its right.
+        // The daemon may hang up in the middle.
         let _ = stream.write_all(if round % 3 == 0 { b"POST / HTTP/1.1\r\n" } else { &bytes });
         if round % 5 == 0 {
             half_open.push(stream);

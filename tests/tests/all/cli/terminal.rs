@@ -1,4 +1,4 @@
-//! genomctl on a terminal: what it asks, how it is interrupted, what fits and what is coloured.
+//! genomctl on a terminal: its questions, interruption, layout and colours.
 
 use genom_tests::{Daemon, component, path, program};
 use serde_json::json;
@@ -16,12 +16,12 @@ fn inputs_are_asked_for_when_none_were_given() {
     daemon.ctl(&["step", "10s"]).expect_code(0);
     daemon.ctl(&["wait", "demo", "2"]).expect_code(0);
     assert_eq!(daemon.port("demo", "position")["value"]["position"], 0.25);
-    // An empty answer takes the default, and what has no inputs asks nothing.
+    // An empty answer takes the default; a service without inputs asks nothing.
     let steps = json!([{"wait": "[0.5]: "}, {"type": "\n"}, {"wait": "done"}]);
     daemon.on_terminal(80, &[], &steps, &["call", "demo", "set_speed"]).expect_code(0);
     let steps = json!([{"wait": "velocity = 0.5"}]);
     daemon.on_terminal(80, &[], &steps, &["call", "demo", "get_speed"]).expect_code(0);
-    // The end of input sends nothing.
+    // The end of input sends no request.
     let steps = json!([{"wait": question}, {"type": "\u{4}"}, {"wait": "nothing was started"}]);
     daemon.on_terminal(80, &[], &steps, &["start", "demo", "goto"]).expect_code(2);
     let steps = json!([{"wait": "done"}]);
@@ -45,7 +45,7 @@ fn a_wrong_answer_is_asked_for_again() {
     };
     run(json!([{"type": "0.25\n"}, {"wait": "done"}])).expect_code(0);
     daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 0.25\n");
-    // Three times is enough, and so is the end of input.
+    // It gives up after three wrong answers, and at the end of input.
     let wrong = json!([{"type": "x\n"}, {"wait": refused}, {"type": "y\n"}, {"wait": refused}]);
     run(wrong).expect_code(1);
     run(json!([{"type": "\u{4}"}, {"wait": "no answer for velocity"}])).expect_code(2);
@@ -55,7 +55,7 @@ fn a_wrong_answer_is_asked_for_again() {
 #[test]
 fn ctrl_c_aborts_what_was_started_and_a_second_one_leaves_it() {
     let daemon = stepped();
-    // It runs once time has gone on; what only waits to run would end at once.
+    // It runs only after a step; an activity that is still waiting would end at once.
     let step = json!([program("genomctl"), "step", "100ms"]);
     let steps = json!([
         {"wait": "demo/goto (activity 2)"}, {"run": step}, {"type": "\u{3}"},
@@ -65,11 +65,11 @@ fn ctrl_c_aborts_what_was_started_and_a_second_one_leaves_it() {
     let arguments = ["start", "--wait", "demo", "goto", "goal=1"];
     daemon.on_terminal(100, &[], &steps, &arguments).expect_code(1);
     daemon.ctl(&["step", "10s"]).expect_code(0);
-    // It ended, far from its goal.
+    // It ended far from its goal.
     daemon.ctl(&["wait", "demo", "2", "--timeout", "0"]).expect_code(0);
     assert!(daemon.port("demo", "position")["value"]["position"].as_f64().unwrap() < 0.5);
 
-    // With time that goes on by itself, one is enough: the axis brakes and the command ends.
+    // If time advances by itself, one Ctrl-C is enough: the axis brakes and the command ends.
     let daemon = Daemon::demo("local");
     daemon.ctl(&["call", "demo", "set_speed", "velocity=0.001"]).expect_code(0);
     let steps = json!([
@@ -82,7 +82,7 @@ fn ctrl_c_aborts_what_was_started_and_a_second_one_leaves_it() {
     assert_ne!(listed["activities"][0]["status"], "running", "{listed}");
 }
 
-/// Lines without what colours them.
+/// Lines without colour codes.
 fn plain(text: &str) -> Vec<String> {
     let mut out = String::new();
     let mut pieces = text.split('\u{1b}');
@@ -110,7 +110,7 @@ fn tables_fit_the_terminal_and_colours_are_for_terminals_alone() {
     }
     assert!(!list(80, &[("NO_COLOR", "1")]).contains('\u{1b}'));
     assert!(!list(80, &[("TERM", "dumb")]).contains('\u{1b}'));
-    // No terminal: nothing cut, nothing coloured.
+    // Without a terminal nothing is cut or coloured.
     let finished = daemon.ctl(&["list"]);
     assert!(finished.out.contains(path(&component("demo").library)), "{}", finished.out);
     assert!(!finished.out.contains('\u{1b}'));
@@ -123,7 +123,7 @@ fn the_live_table_shows_ports_and_gives_the_terminal_back() {
         json!([{"wait": "demo/position"}, {"type": "p"}, {"wait": "paused"}, {"type": "q"}]);
     let finished = daemon.on_terminal(100, &[], &steps, &["top"]);
     finished.expect_code(0);
-    // It was on the other screen, and left it.
+    // It switched to the alternate screen, and back.
     let (entered, left) = ("\u{1b}[?1049h", "\u{1b}[?1049l");
     assert!(finished.out.find(entered) < finished.out.rfind(left), "{:?}", finished.out);
     assert!(finished.out.contains(entered));
@@ -133,7 +133,7 @@ fn the_live_table_shows_ports_and_gives_the_terminal_back() {
 fn events_are_told_as_they_happen() {
     let daemon = stepped();
     let mut following = Some(daemon.spawn(&["events", "-n", "1"]));
-    // Fired again and again: one of them comes after the follower began to listen.
+    // Fired repeatedly, so that one of them comes after the follower has begun to listen.
     let (sender, ended) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {
         let following = following.take().unwrap();
@@ -152,7 +152,7 @@ fn events_are_told_as_they_happen() {
 fn a_long_wait_is_seen_on_a_terminal_and_leaves_no_trace_elsewhere() {
     let daemon = stepped();
     daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
-    // Held by the daemon until the clock is stepped: after it was seen.
+    // The daemon holds this until the clock is stepped, which is after the text was seen.
     let step = json!([program("genomctl"), "step", "10s"]);
     let steps = json!([{"wait": "waiting for genomd, "}, {"run": step}, {"wait": "done"}]);
     let arguments = ["wait", "demo", "2", "--timeout", "50"];

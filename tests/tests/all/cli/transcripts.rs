@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use genom_tests::{repository, transcript};
 
-/// A test for each transcript, named as a sentence.
+/// One test per transcript, named as a sentence.
 macro_rules! transcripts {
     ($($file:literal: $name:ident,)*) => {
         $(

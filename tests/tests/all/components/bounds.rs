@@ -1,5 +1,5 @@
-//! Descriptions that are made to take memory: each ends in a precise message or is read, by a
-//! program that may have 300 MB.
+//! Descriptions made to use up memory: a program that may use 300 MB either reads them or refuses
+//! them with a precise message.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,8 @@ use std::process::Command;
 
 use genom_tests::{Daemon, Finished, Footprint, Running, component, path, program};
 
-/// What the program may allocate, in KiB: the system refuses it more, and the program ends.
+/// Limit in KiB for the program's data (`ulimit -d`); allocations beyond it fail, and the program
+/// ends.
 const ROOM: &str = "300000";
 
 fn genomctl(verb: &str, text: &str) -> Finished {
@@ -43,7 +44,7 @@ fn repeat(count: usize, line: impl Fn(usize) -> String) -> String {
     (0..count).map(line).collect()
 }
 
-/// A macro in itself: `q(q(q(...)))`.
+/// A macro applied to itself: `q(q(q(...)))`.
 fn nested(name: &str, levels: usize, inside: &str) -> String {
     format!("{}{inside}{}", format!("{name}(").repeat(levels), ")".repeat(levels))
 }
@@ -155,7 +156,7 @@ fn a_daemon_that_is_to_load_them_stays_within_as_much_and_goes_on() {
     let daemon = Daemon::demo("local");
     let scratch = tempfile::tempdir().unwrap();
     let file = scratch.path().join("x.gen");
-    // Any library: the description is read first.
+    // Any library will do, because the description is read first.
     fs::write(scratch.path().join("x.so"), fs::read(component("demo").library).unwrap()).unwrap();
     let head = "#define s(x) #x\n#define q(x) s(x)\nconst string a = ";
     let doubled = format!("{head}{};\n", nested("q", 60, r#""\\""#));

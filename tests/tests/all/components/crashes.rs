@@ -1,5 +1,5 @@
-//! What is done to daemons that are ended in shared memory. What becomes of it is a part of
-//! `cargo faults` (`trials.rs`).
+//! Ways of ending daemons while they use shared memory. The effects are part of `cargo faults`
+//! (`trials.rs`).
 
 use std::path::Path;
 

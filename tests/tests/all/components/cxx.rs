@@ -1,4 +1,4 @@
-//! The demo with codels in C++ (`lang "c++"`, genom3.md 6), as a supervisor drives it.
+//! The demo with codels in C++ (`lang "c++"`, genom3.md 6), used through genomd and genomctl.
 
 use std::fs;
 use std::process::Command;
@@ -10,12 +10,12 @@ fn start(backend: &str) -> Daemon {
     Daemon::start(&["--backend", backend, path(&component("demo-cpp").library)])
 }
 
-/// The value last published on a port.
+/// The last value of a port.
 fn value(daemon: &Daemon, port: &str) -> Value {
     daemon.port("demo", port)["value"].clone()
 }
 
-/// The session that the demo in C passes, request for request.
+/// The same requests as in the test of the demo in C.
 #[track_caller]
 fn the_session_of_the_demo_in_c(backend: &str) {
     let daemon = start(backend);
@@ -38,10 +38,10 @@ fn the_session_of_the_demo_in_c(backend: &str) {
     assert_eq!(reply["exception"], "::demo::OUT_OF_RANGE");
     daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 2.0\n");
 
-    // So slow that a motion lasts as long as the test wants.
+    // So slow that a motion lasts as long as the test needs.
     daemon.ctl(&["call", "demo", "set_speed", "velocity=0.1"]).expect_code(0);
     let moving = || {
-        // A stream for each: the last one may still have news of the motion before.
+        // A new stream each time: the old one may still contain events of the previous motion.
         let mut events = daemon.events();
         let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=10"]);
         events.wait_for(|e| e["state"] == "main" && e["paused"] == true);
@@ -86,7 +86,7 @@ fn texts_and_sequences_go_in_and_come_out(backend: &str) {
     let passed = json!({ "axis": name, "states": stops, "next": null });
     assert_eq!(value(&daemon, "passed"), passed);
 
-    // Exceptions carry them too.
+    // Exceptions contain them, too.
     let refused = daemon.ctl(&["call", "demo", "follow", r#"{"route":[1.0,99.0]}"#]);
     refused.expect_code(1).expect_err("::demo::BAD_ROUTE");
     refused.expect_err(r#"{"what":"the axis cannot reach 99.000000 m","route":[1.0,99.0]}"#);
@@ -102,7 +102,7 @@ fn texts_and_sequences_go_in_and_come_out_on_zenoh() {
     texts_and_sequences_go_in_and_come_out("zenoh");
 }
 
-/// What `--check` says of the library with another description.
+/// Output of `--check` for the library with a changed description.
 fn checked(from: &str, to: &str) -> (i32, String) {
     let home = Home::new();
     let library = component("demo-cpp").library;
@@ -127,7 +127,7 @@ fn another_type_is_refused_with_both_declarations() {
     ] {
         assert!(said.contains(wanted), "expected `{wanted}` in:\n{said}");
     }
-    // The same C++ function; only its debug information tells.
+    // The C++ function's name is the same; only its debug information shows the difference.
     let (line, said) = checked("double velocity;   /* m/s */", "float velocity;");
     for wanted in [
         &format!("codel `demo_reset` (other.gen:{line}): argument 1 `current`: "),

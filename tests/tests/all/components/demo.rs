@@ -1,9 +1,9 @@
-//! The demo as a supervisor drives it: `genomd --backend B demo.so` and `genomctl`.
+//! The demo, used through `genomd --backend B demo.so` and `genomctl`.
 
 use genom_tests::Daemon;
 use serde_json::{Value, json};
 
-/// Activity numbers as genomctl prints them: `activity 3`.
+/// Activity number that genomctl printed: `activity 3`.
 fn number(line: &str) -> String {
     line.trim().strip_prefix("activity ").expect("an activity number").to_owned()
 }
@@ -12,7 +12,7 @@ fn position(daemon: &Daemon) -> Value {
     daemon.port("demo", "position")["value"]["position"].clone()
 }
 
-/// Waits until the axis is so fast that it takes some periods to stop.
+/// Waits until the axis is so fast that it needs several periods to stop.
 fn wait_until_fast(daemon: &Daemon) {
     let echo = daemon.spawn(&["echo", "demo/position", "--rate", "200"]);
     echo.line_where(|line| {
@@ -28,7 +28,7 @@ fn the_demo_moves_to_its_goal(backend: &str) {
     daemon.ctl(&["call", "demo", "get_speed"]).expect_code(0).expect_out("velocity = 2.0\n");
     daemon.ctl(&["start", "--wait", "demo", "goto", r#"{"goal":0.5}"#]).expect_code(0);
     assert_eq!(position(&daemon), 0.5);
-    // The next one starts from there; inputs as words; `call` waits for activities too.
+    // The next one starts from there; inputs are words; `call` waits for activities, too.
     daemon.ctl(&["call", "demo", "goto", "goal=0.25"]).expect_code(0).expect_out("done\n");
     assert_eq!(position(&daemon), 0.25);
 }
@@ -92,7 +92,7 @@ fn a_second_goto_stops_the_first_and_each_caller_is_told() {
     wait_until_fast(&daemon);
     let second = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=0.1"]);
 
-    // genom3.md 7.6: the first runs its stop codel and ends before the second starts.
+    // genom3.md 7.6: the first one runs its stop codel and ends before the second one starts.
     let told = events.until(|e| e["event"] == "activity_ended" && e["activity"] != one);
     let at = |wanted: &dyn Fn(&Value) -> bool| told.iter().position(wanted).expect("told");
     let stops = at(&|e| e["activity"] == one && e["state"] == "stop");
@@ -100,7 +100,7 @@ fn a_second_goto_stops_the_first_and_each_caller_is_told() {
     let starts = at(&|e| e["activity"] != one && e["event"] == "transition");
     assert!(stops < ends && ends < starts, "{told:#?}");
 
-    // genom3.md 7.5: a stop codel that yields ether ends the activity well.
+    // genom3.md 7.5: an activity whose stop codel yields ether ends without an exception.
     first.finish().expect_code(0).expect_out("done\n");
     second.finish().expect_code(0).expect_out("done\n");
     assert_eq!(position(&daemon), 0.1);
@@ -119,7 +119,7 @@ fn abort_runs_the_stop_codel() {
     daemon.ctl(&["abort", "demo", &activity]).expect_code(0).expect_out(&told);
     events.wait_for(|e| e["event"] == "transition" && e["state"] == "stop");
     daemon.ctl(&["wait", "demo", &activity]).expect_code(0).expect_out("done\n");
-    // The result stays readable, and a second abort is told that it is over.
+    // The result can still be read; a second abort reports that the activity has ended.
     daemon.ctl(&["wait", "demo", &activity]).expect_code(0);
     daemon.ctl(&["abort", "demo", &activity]).expect_code(1).expect_err("already ended");
     assert!(position(&daemon).as_f64().unwrap() < 10.0);
@@ -158,7 +158,7 @@ fn a_goal_out_of_range_is_an_exception_with_its_detail() {
     let reply: Value = serde_json::from_str(&finished.out).unwrap();
     assert_eq!(reply["exception"], "::demo::OUT_OF_RANGE");
     assert_eq!(reply["detail"]["upper"], 2.0);
-    // Nothing was changed.
+    // Nothing changed.
     daemon.ctl(&["call", "demo", "get_speed"]).expect_out("velocity = 0.5\n");
 }
 

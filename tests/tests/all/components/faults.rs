@@ -1,17 +1,17 @@
-//! Components that misbehave (`components/faults`): what must still work, for each of them.
-//! Codels that never return have a file of their own, `hangs.rs`.
+//! Components that misbehave (`components/faults`): for each, what must still work. Codels that
+//! never return are in `hangs.rs`.
 
 use genom_tests::{Daemon, Home, component, path};
 use serde_json::{Value, json};
 
-/// A daemon with the demo and a component that misbehaves.
+/// Starts a daemon with the demo and a component that misbehaves.
 fn beside_the_demo(name: &str) -> Daemon {
     let daemon = Daemon::demo("local");
     daemon.ctl(&["load", path(&component(name).library)]).expect_code(0);
     daemon
 }
 
-/// The demo moves, and the daemon ends as it should.
+/// Checks that the demo moves and that the daemon ends normally.
 #[track_caller]
 fn goes_on_and_ends_well(daemon: Daemon) {
     daemon.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
@@ -35,13 +35,13 @@ fn a_service_that_blocks_holds_up_only_those_that_wait_for_it() {
         daemon.spawn(&["call", "blocks", "wait_validate"]),
         daemon.spawn(&["call", "blocks", "hang_async"]),
     ];
-    // Attributes are served, and the periodic task goes on.
+    // Attributes are served, and the periodic task continues.
     let before = counted();
     let end = std::time::Instant::now() + genom_tests::WATCHDOG;
     while counted() < before + 3 {
         assert!(std::time::Instant::now() < end, "the task stands still");
     }
-    // Whichever of them has come to its gate by now or comes there later.
+    // Whether or not each of them has reached its gate by now.
     for _ in &blocked {
         daemon.ctl(&["call", "blocks", "release"]).expect_code(0);
     }
@@ -66,7 +66,7 @@ fn a_codel_beyond_its_period_is_counted_and_disturbs_no_other_task() {
     let stats = daemon.json(&["stats", "overruns"]);
     let all = stats["tasks"].as_array().unwrap();
     let main = all.iter().find(|task| task["name"] == "main").unwrap();
-    // Each of ten calls takes three periods, which is no burst of thirty calls.
+    // Ten calls of three periods each cause at least ten overruns.
     assert!(number(&main["overruns"]) >= 10, "{main}");
     let codels = stats["codels"].as_array().unwrap();
     let work = codels.iter().find(|codel| codel["name"] == "overruns_work").unwrap();
@@ -76,7 +76,7 @@ fn a_codel_beyond_its_period_is_counted_and_disturbs_no_other_task() {
 
 #[test]
 fn what_is_written_past_a_period_arrives_whole() {
-    // genom3.md 7.8: a port has the value of its last write, whenever that was.
+    // genom3.md 7.8: a port keeps the value of its last write.
     let daemon = beside_the_demo("overruns");
     let echo = daemon.spawn(&["echo", "overruns/progress", "--rate", "1000"]);
     daemon.ctl(&["call", "overruns", "work", "calls=8", "duration=0.012"]).expect_code(0);
@@ -115,7 +115,7 @@ fn what_a_codel_may_not_return_ends_its_service_and_nothing_else() {
     ends("system_error", r#"::genom::unkex {"what":"::genom::syserr"}"#);
     ends("second_fails", r#"::strays::DECLARED {"code":2"#);
     ends("refused", "::strays::nowhere");
-    // Twice: nothing was used up.
+    // Twice, to show that nothing was used up.
     ends("declared", r#"::strays::DECLARED {"code":42,"what":"as declared"}"#);
     goes_on_and_ends_well(daemon);
 }
@@ -129,14 +129,14 @@ fn a_crash_takes_its_own_daemon_only_and_leaves_nothing_in_the_way() {
         let start = || Home::with(&memory).start(&["--backend", "shm", path(&crashes.library)]);
         let daemon = start();
         daemon.ctl(&["call", "crashes", "divide", "by=3"]).expect_code(0);
-        // The client learns that nobody is there any more, sooner or later.
+        // The client notices, sooner or later, that the daemon is gone.
         let told = daemon.ctl(&["start", "crashes", service]);
         assert!(told.code == Some(0) || told.code == Some(3), "{told:?}");
         let ended = daemon.finish().0;
         assert_eq!(ended.code, None, "a signal ends it");
         ended.expect_err(&format!("{signal} in codel `crashes_{service}` of "));
         demo.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
-        // The name is free again, and its shared memory too.
+        // The name and its shared memory are free again.
         let daemon = start();
         daemon.ctl(&["call", "crashes", "divide", "by=3"]).expect_code(0);
         daemon.stop("TERM").0.expect_code(0);
@@ -155,7 +155,7 @@ fn a_codel_that_calls_exit_is_named_and_is_no_success() {
 
 #[test]
 fn what_codels_allocate_is_released_and_a_leak_harms_nobody() {
-    // genom3.md 7.9: allocations in outputs become the host's to release.
+    // genom3.md 7.9: the host releases allocations in outputs.
     let daemon = beside_the_demo("allocates");
     let call = |service: &str, inputs: &[&str]| {
         daemon.json(&[&["call", "allocates", service], inputs].concat())["result"].clone()
@@ -167,7 +167,7 @@ fn what_codels_allocate_is_released_and_a_leak_harms_nobody() {
         let owned = call("owned", &[&format!("count={count}")]);
         assert_eq!(owned["values"].as_array().unwrap().len().to_string(), count);
     }
-    // At most those kept for the next request are not given back yet.
+    // Only buffers kept for the next request have not been given back.
     let held = call("balance", &[])["buffers"].as_i64().unwrap();
     assert!((0..=2).contains(&held), "{held} buffers are held");
     for count in ["5", "2", "0", "3"] {
@@ -219,7 +219,7 @@ fn an_exception_of_cpp_that_escapes_becomes_unkex_with_what_it_says() {
     let later = daemon.ctl(&["call", "escapes", "fail_later", "after=2"]);
     later.expect_code(1);
     later.expect_err(r#"::genom::unkex {"what":"stalled after 2 periods"}"#);
-    // Destructors ran, the native object is whole, and codels run on.
+    // Destructors ran, the native object is intact, and codels continue.
     let turned = daemon.json(&["call", "escapes", "revolutions"]);
     assert_eq!(turned["result"]["revolutions"], 3);
     ends("fail", "the motor is on fire");
@@ -233,7 +233,7 @@ fn codels_that_treat_the_process_as_their_own_do_not_end_it() {
     assert_eq!(call("constructed")["constructed"], 1);
     assert_eq!(call("fork")["status"], 3);
     assert_eq!(call("shell")["status"], 4);
-    // A thread of the library's own.
+    // A thread that the library started.
     let before = number(&call("turns")["turns"]);
     let end = std::time::Instant::now() + genom_tests::WATCHDOG;
     while number(&call("turns")["turns"]) == before {
@@ -244,7 +244,7 @@ fn codels_that_treat_the_process_as_their_own_do_not_end_it() {
     }
     let put_back = |line: &str| line.contains("SIGTERM") && line.contains("put back");
     assert!(daemon.process().error_line_where(put_back).is_some());
-    // Numbers read as before, files are found, other components load.
+    // Numbers are parsed as before, files are found, and other components can be loaded.
     let speed = daemon.ctl(&["call", "demo", "set_speed", "velocity=0.25"]);
     speed.expect_code(0);
     assert_eq!(daemon.json(&["call", "demo", "get_speed"])["result"]["velocity"], 0.25);

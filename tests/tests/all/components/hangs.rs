@@ -1,5 +1,4 @@
-//! Codels that do not return: what is told of them, what still works meanwhile, and how the
-//! daemon ends.
+//! Codels that do not return: what is reported, what still works, and how the daemon ends.
 
 use std::fs;
 use std::time::Duration;
@@ -21,14 +20,14 @@ fn hanging() -> Daemon {
     hanging_in("hang", &[])
 }
 
-/// The same, once it counts as stuck.
+/// The same, after the codel has been reported as stuck.
 fn stuck_in(activity: &str, arguments: &[&str]) -> Daemon {
     let daemon = hanging_in(activity, &[&["--set", "stuck_after=1"], arguments].concat());
     until("it counts as stuck", || state(&daemon).starts_with("stuck in blocks_hang"));
     daemon
 }
 
-/// What `list` says of blocks.
+/// State of blocks in `list`.
 fn state(daemon: &Daemon) -> String {
     let listed = daemon.json(&["list"]);
     let mut all = listed["components"].as_array().unwrap().iter();
@@ -86,7 +85,7 @@ fn what_a_stuck_codel_holds_up_is_refused_and_the_rest_goes_on() {
     let held_up = "blocks is held up: codel blocks_hang of hang has been running for ";
     daemon.ctl(&["backend", "blocks", "shm"]).expect_code(1).expect_err(held_up);
     assert_eq!(daemon.json(&["info", "blocks"])["backend"], "local", "nothing was done");
-    // A whole file, and what comes after it.
+    // A complete file, followed by the message.
     let dump = daemon.json(&["dump"])["text"].as_str().unwrap().to_owned();
     let file = daemon.home().path().join("robot.toml");
     fs::write(
@@ -96,7 +95,7 @@ fn what_a_stuck_codel_holds_up_is_refused_and_the_rest_goes_on() {
     .unwrap();
     daemon.ctl(&["apply", path(&file)]).expect_code(1).expect_err(held_up);
     daemon.ctl(&["apply", "--dry-run", path(&file)]).expect_code(0);
-    // A function of which one blocks: the next waits behind it.
+    // A function that blocks: the next request waits for it.
     let socket = daemon.home().socket();
     let waiting = daemon.spawn(&["call", "blocks", "wait"]);
     until("the first is served", || {
@@ -164,7 +163,7 @@ fn after_an_unload_that_failed_the_name_is_free_and_what_is_left_is_told_until_i
     assert_eq!(left()[0]["was"], "blocks");
     let doctor = daemon.ctl(&["doctor"]);
     assert!(doctor.out.contains("left behind: stuck in blocks_hang_until"), "{}", doctor.out);
-    // Name, ports and services: all of it as if nothing had been.
+    // Name, ports and services are available as if nothing had happened.
     daemon.ctl(&["load", &library]).expect_code(0);
     daemon.ctl(&["call", "blocks", "get_count"]).expect_code(0);
     daemon.ctl(&["backend", "blocks", "local"]).expect_code(0);
@@ -181,7 +180,7 @@ fn signals_that_come_together_are_one_wish_and_stop_codels_run() {
     let mut events = daemon.events();
     daemon.ctl(&["start", "demo", "goto", "goal=10"]).expect_code(0);
     events.wait_for(|e| e["state"] == "main" && e["paused"] == true);
-    // As fast as a speed that takes some periods to stop from.
+    // So fast that it needs several periods to stop.
     let echo = daemon.spawn(&["echo", "demo/position", "--rate", "200"]);
     echo.line_where(|line| line.contains("\"velocity\":0.5"));
     drop(echo);

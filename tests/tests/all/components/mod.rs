@@ -1,4 +1,4 @@
-//! What components are, and what they may do to a daemon.
+//! Components: what they can be, and what they may do to a daemon.
 
 mod bounds;
 mod crashes;

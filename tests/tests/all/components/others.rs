@@ -1,4 +1,4 @@
-//! Components as others write them for GenoM3: the habits that `components/` does not have.
+//! Components written as others do for GenoM3, with habits that `components/` does not show.
 
 use std::fs;
 use std::process::Command;
@@ -6,14 +6,14 @@ use std::process::Command;
 use genom_tests::{Daemon, Finished, Home, fixture, path, repository};
 use serde_json::{Value, json};
 
-/// What an activity said that waits until it is done.
+/// Output of an activity, after waiting until it is done.
 fn outputs(daemon: &Daemon, arguments: &[&str]) -> Finished {
     let finished = daemon.ctl(&[&["start", "--wait"], arguments].concat());
     finished.expect_code(0);
     finished
 }
 
-/// Cameras tell streams of one port apart by names such as `left/jpeg`.
+/// Camera components distinguish streams of one port by names such as `left/jpeg`.
 #[test]
 fn elements_of_a_port_have_slashes_in_their_names_on_every_middleware_of_one_machine() {
     let made = tempfile::tempdir().unwrap();
@@ -36,7 +36,7 @@ fn elements_of_a_port_have_slashes_in_their_names_on_every_middleware_of_one_mac
         let image = "\"pixels\":[7,7,7],\"gains\":[0.0,0.5]";
         assert!(seen.out.contains(image), "{backend}: {}", seen.out);
         daemon.ctl(&["echo", "-n", "1", "camera/image/left/jpeg"]).expect_code(0);
-        // What it kept shares memory with its port: freed once.
+        // The kept value shares memory with its port; it must be freed once.
         daemon.ctl(&["unload", "viewer"]).expect_code(0);
         daemon.ctl(&["kill"]).expect_code(0);
         daemon.finish().0.expect_code(0);
@@ -59,7 +59,7 @@ fn a_closed_element_leaves_the_list_and_is_waited_for_with_a_word() {
         outputs(&daemon, &["camera", "drop", "name=left"]);
         assert!(!listed().contains("camera/image/left"), "{}", listed());
         assert!(listed().contains("camera/image/right "), "{}", listed());
-        // Whoever asks for it is told so, and gets it when it comes back.
+        // Whoever reads it is told, and gets it when it comes back.
         let echo = daemon.spawn(&["echo", "-n", "1", "camera/image/left"]);
         let waits = "camera/image has no element `left` yet: waiting for it; there is right";
         assert!(echo.error_line_where(|line| line.contains(waits)).is_some());
@@ -70,7 +70,7 @@ fn a_closed_element_leaves_the_list_and_is_waited_for_with_a_word() {
     }
 }
 
-/// `genomd .libs/libx_codels.so` in folder `codels` of a project's tree, as after `make`.
+/// `genomd .libs/libx_codels.so` in folder `codels` of a project, as after `make`.
 #[test]
 fn a_library_is_loaded_by_its_relative_path_from_within_its_folder() {
     let home = Home::new();
@@ -141,7 +141,7 @@ fn exceptions_are_thrown_with_errno_or_without_a_detail() {
     daemon.ctl(&["call", "camera", "idle"]).expect_code(0);
 }
 
-/// Codels of mobile bases leave a thread behind, with the address of the IDS.
+/// Codels of mobile bases leave a thread behind that has the address of the IDS.
 #[test]
 fn a_thread_that_a_codel_left_behind_does_not_take_the_daemon_along() {
     let made = tempfile::tempdir().unwrap();
@@ -160,7 +160,7 @@ fn a_thread_that_a_codel_left_behind_does_not_take_the_daemon_along() {
     daemon.finish().0.expect_code(0);
 }
 
-/// genom3.md 5.9: in its tree, where libtool leaves the library, and installed under a prefix.
+/// genom3.md 5.9: in the source tree, where libtool puts the library, and installed under a prefix.
 #[test]
 fn a_project_of_genom3_is_found_from_its_library_and_from_its_description() {
     let made = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! The figures of the two papers, typed as printed: they run, and take the transitions that the
-//! papers say (dialects.md A, B).
+//! The figures of the two papers as printed: they run, with the transitions that the papers
+//! describe (dialects.md A, B).
 
 use genom_tests::{Daemon, Events, component, path};
 
@@ -8,7 +8,7 @@ fn figure(name: &str) -> Daemon {
     Daemon::start(&["--backend", "shm", path(&figure.description)])
 }
 
-/// States in the order they were entered, until the activity ended; repetitions once.
+/// States in the order in which they were entered, until the activity ended; without repetitions.
 fn states(events: &mut Events) -> Vec<String> {
     let told = events.until(|e| e["event"] == "activity_ended");
     let mut states: Vec<String> = told
@@ -35,7 +35,7 @@ fn the_figure_of_2010_goes_from_start_to_main_to_stop() {
 fn the_figure_of_2011_goes_from_start_to_main_to_stop() {
     let daemon = figure("demo-2011");
     assert_eq!(daemon.json(&["info", "demo"])["dialect"], "2011");
-    // The validation codel brings the speed within what the axis can do.
+    // The validation codel limits the speed to what the axis can do.
     let set = daemon.ctl(&["call", "demo", "setspeed", "velocity=50"]);
     set.expect_code(0).expect_out("velocity = 2.0\n");
     let mut events = daemon.events();
@@ -51,7 +51,8 @@ fn the_event_of_2010_puts_a_token_on_its_place_while_others_stay() {
     let waiting = daemon.spawn(&["call", "demo", "goto", "position=0.5"]);
     events.wait_for(|e| e["state"] == "main");
     daemon.ctl(&["fire", "demo", "emergency"]).expect_code(0);
-    // Its codel runs beside main, which goes on to the goal: the marking is a set of places.
+    // Its codel runs in parallel with main, which continues to the goal: several states are active
+    // at once.
     waiting.finish().expect_code(0).expect_out("position = 0.5\n");
     assert_eq!(states(&mut events).last().map(String::as_str), Some("stop"));
     let reply = daemon.json(&["stats", "demo"]);
@@ -64,6 +65,6 @@ fn the_event_of_2010_puts_a_token_on_its_place_while_others_stay() {
 fn the_event_of_2011_needs_no_declaration() {
     let daemon = figure("demo-2011");
     assert_eq!(daemon.json(&["info", "demo"])["events"], serde_json::json!(["emergency"]));
-    // Nothing runs that would handle it: it goes unnoticed.
+    // No activity is waiting for it, so it has no effect.
     daemon.ctl(&["fire", "demo", "emergency"]).expect_code(0);
 }

@@ -1,4 +1,4 @@
-//! Activities that never pause: what is told of them while they last.
+//! Activities that never pause: what is reported while they run.
 
 use genom_tests::{Daemon, component, path, until};
 
@@ -24,7 +24,7 @@ fn a_codel_that_spins_is_named_wherever_one_looks_until_it_ends() {
     assert!(state(&daemon).starts_with("spins in spins_spin_steady for "), "{}", state(&daemon));
     let why = daemon.ctl(&["why", "spins/genom_state"]);
     assert!(why.out.contains(&format!("task steady of spins does not pause: {named}")), "{why:?}");
-    // The task that spins is not that of the port, which is written once a second.
+    // The port belongs to another task, which writes it once a second.
     until("it is said first that data flows", || {
         let why = daemon.ctl(&["why", "spins/genom_state"]);
         why.out.starts_with("data flows: spins/genom_state was last written ")
@@ -35,7 +35,7 @@ fn a_codel_that_spins_is_named_wherever_one_looks_until_it_ends() {
     let top = daemon.ctl(&["top", "--once"]);
     assert!(top.out.starts_with("spins spins in spins_spin_steady for "), "{}", top.out);
     daemon.ctl(&["stats", "spins"]).expect_code(0).expect_err("task steady did not pause for ");
-    // It counts while it lasts: the longest cycle is the one that lasts.
+    // The running cycle counts: it is the longest.
     let cycles = || daemon.json(&["stats", "spins"])["tasks"][1]["cycles"].clone();
     let longest = || cycles()["max_ns"].as_u64().unwrap();
     let (first, count) = (longest(), cycles()["count"].as_u64().unwrap());
@@ -54,7 +54,7 @@ fn a_codel_that_waits_for_data_without_a_pause_does_not_spin() {
         let told = daemon.json(&["stats", "spins"])["tasks"][0]["unpaused"].clone();
         told["for_ns"].as_u64().unwrap_or_default()
     };
-    // Long enough for several looks after it counted as one that does not pause.
+    // Enough time for several checks after the limit was reached.
     until("it does not pause for seconds", || unpaused() > 4_000_000_000);
     assert_eq!(state(&daemon), "running");
     daemon.ctl(&["stop"]).expect_code(0);

@@ -1,5 +1,5 @@
-//! Each row of the table of faults (`genom_tests::faults`): what becomes of the service, that the
-//! demo beside it goes on or finds its successor started, and what is left behind.
+//! Each row of the table of faults (`genom_tests::faults`): the effect on the service, whether the
+//! demo in the same daemon continues or the next daemon starts, and what is left behind.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -18,7 +18,7 @@ fn demo_moves(daemon: &Daemon) {
     daemon.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
 }
 
-/// The next daemon starts where this one was.
+/// Checks that another daemon can start in the same home.
 #[track_caller]
 fn next_starts(home: Home) {
     let next = home.start(&[path(&component("demo").library)]);
@@ -26,7 +26,7 @@ fn next_starts(home: Home) {
     next.stop("TERM").0.expect_code(0);
 }
 
-/// Ends a child that a codel forked.
+/// Ends a child process that a codel forked.
 fn end_child(said: &str) {
     if let Some(pid) = said.trim().strip_prefix("pid = ") {
         let _ = Command::new("kill").args(["-s", "KILL", pid]).status();
@@ -64,7 +64,7 @@ fn holds(component: &str, service: &str) {
         assert!(daemon.process().error_line_where(told).is_some(), "nothing says {}", fault.told);
     }
     let stays = has_mapped(&daemon, component);
-    // Compilers make some C++ libraries so that they are never unmapped.
+    // Compilers build some C++ libraries so that they are never unmapped.
     if component == "remains" {
         assert_eq!(stays, fault.stays, "whether the library stays mapped");
     }
@@ -142,7 +142,7 @@ fn a_daemon_that_was_killed_has_a_successor_while_a_child_of_its_codels_lives() 
     let said = Fault::of("remains", "child").provoke(&daemon).said;
     let (killed, home) = daemon.stop("KILL");
     assert_eq!(killed.code, None);
-    // Nobody answers, and clients see that at once.
+    // Nobody answers, and clients notice at once.
     let mut command = Command::new(genom_tests::program("genomctl"));
     command.arg("--socket").arg(home.socket()).arg("list");
     genom_tests::Running::start(&mut command).finish().expect_code(3);
@@ -150,12 +150,12 @@ fn a_daemon_that_was_killed_has_a_successor_while_a_child_of_its_codels_lives() 
     end_child(&said);
 }
 
-/// What programs that this process runs inherit from it, beside the standard descriptors.
+/// Descriptors that programs started by this process inherit, except the standard ones.
 fn inherited_from(process: &str) -> Vec<PathBuf> {
     let mut inherited = Vec::new();
     for entry in std::fs::read_dir(format!("/proc/{process}/fdinfo")).unwrap().flatten() {
         let number: u32 = entry.file_name().to_str().unwrap().parse().unwrap();
-        // One that is closed meanwhile is inherited by nobody.
+        // A descriptor that is closed meanwhile is not inherited.
         let Ok(told) = std::fs::read_to_string(entry.path()) else { continue };
         let flags = told.lines().find_map(|line| line.strip_prefix("flags:")).unwrap();
         let flags = u32::from_str_radix(flags.trim(), 8).unwrap();
@@ -171,7 +171,7 @@ fn programs_that_codels_run_inherit_no_descriptor_of_the_daemon() {
     for backend in ["local", "shm", "zenoh", "ros2"] {
         let daemon = Daemon::demo(backend);
         let mut inherited = inherited_from(&daemon.process().id().to_string());
-        // It has some itself from who runs the tests.
+        // This process itself inherited some from whoever runs the tests.
         let given = inherited_from("self");
         inherited.retain(|file| !given.contains(file));
         assert!(inherited.is_empty(), "{backend}: {inherited:?}");
@@ -216,12 +216,12 @@ fn a_component_whose_codels_wrote_past_their_memory_is_told_and_the_codel_is_fou
         assert!(why.out.contains("is damaged"), "{why:?}");
         let doctor = daemon.ctl(&["doctor"]);
         assert!(doctor.out.contains("codels of overwrites wrote past"), "{doctor:?}");
-        // Nothing else was harmed.
+        // Nothing else was damaged.
         daemon.ctl(&["call", "overwrites", "within"]).expect_code(0);
         daemon.ctl(&["unload", "overwrites"]).expect_code(0);
         daemon.stop("TERM").0.expect_code(0);
     };
-    // The first codel does it, and yields no pause; the second ends the activity.
+    // The first codel does it and yields without a pause; the second ends the activity.
     damaged("pauses", "overwrites_rest");
     damaged("each-codel", "overwrites_past_ids_and_on");
 }

@@ -1,5 +1,5 @@
-//! `cargo faults`, in short: what becomes of a daemon whose codels misbehave, or
-//! that is killed wherever it stands in shared memory.
+//! A short `cargo faults`: what becomes of a daemon whose codels misbehave, or that is killed while
+//! it uses shared memory.
 
 use std::process::Command;
 use std::time::Duration;

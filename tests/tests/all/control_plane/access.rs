@@ -1,4 +1,4 @@
-//! Who may come in, and what for: sockets, tokens, certificates, contexts.
+//! Who may use the control plane, and for what: sockets, tokens, certificates, contexts.
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
@@ -10,14 +10,14 @@ use genom_tests::{
     Daemon, Finished, Home, Running, WATCHDOG, component, path, program, repository, request,
 };
 
-/// A `genomctl` that knows no daemon but by its arguments and the contexts of this directory.
+/// A `genomctl` that finds a daemon only by its arguments and the contexts in this directory.
 fn ctl(home: &Path, arguments: &[&str]) -> Finished {
     let mut command = Command::new(program("genomctl"));
     command.env_clear().env("XDG_CONFIG_HOME", home.join("config")).current_dir(home);
     Running::start(command.args(arguments)).finish()
 }
 
-/// A home with tokens for each right, alone in a file each too.
+/// A home with a token for each right, also in one file each.
 fn tokens() -> Home {
     let home = Home::new();
     for right in ["read", "call", "wire", "admin"] {
@@ -25,7 +25,7 @@ fn tokens() -> Home {
             let made = ctl(home.path(), &["token", right, "--rights", right, "--into", file]);
             made.expect_code(0).expect_out("");
         }
-        // The daemon's file takes the token that the client has.
+        // The entry that the daemon's file needs for the client's token.
         let entry = std::fs::read_to_string(home.path().join(right)).unwrap();
         let all = home.path().join("tokens.toml");
         let text = std::fs::read_to_string(&all).unwrap();
@@ -49,7 +49,7 @@ fn demo_on_tcp() -> (Daemon, String) {
     (daemon, address)
 }
 
-/// One request over TCP; the whole reply.
+/// Sends one request over TCP and returns the whole reply.
 fn raw(address: &str, head: &str) -> String {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.set_read_timeout(Some(WATCHDOG)).unwrap();
@@ -95,7 +95,7 @@ fn each_right_opens_what_it_names_and_nothing_else() {
             with("admin", arguments).expect_code(0);
         }
     }
-    // Services that every component has are no way round.
+    // The services that every component has do not circumvent rights.
     let inputs = r#"{"local":"parameter","remote":"demo/position"}"#;
     for (needed, arguments) in [
         ("admin", &["call", "demo", "kill"][..]),
@@ -128,7 +128,7 @@ fn whoever_has_no_token_learns_nothing() {
     assert!(raw(&address, "GET /docs HTTP/1.1").starts_with("HTTP/1.1 200"));
     let refused = ctl(daemon.home().path(), &["--host", &address, "list"]);
     refused.expect_code(1).expect_err("a token is needed here").expect_err("--token-file");
-    // Another page than our own must not use a token that a browser may keep.
+    // Another web page must not be able to use a token that a browser may have stored.
     let token = std::fs::read_to_string(daemon.home().path().join("read")).unwrap();
     let token = token.lines().find_map(|line| line.strip_prefix("token = ")).unwrap();
     let head = format!("GET / HTTP/1.1\r\nAuthorization: Bearer {}", token.trim_matches('"'));
@@ -166,7 +166,7 @@ fn contexts_name_daemons() {
     let home = daemon.home().path();
     ctl(home, &["list"]).expect_code(3);
     let add = ["context", "add", "robot", "--host", &address, "--token-file", "read"];
-    // Nothing is reached by it until somebody says so.
+    // The context is not used until it is selected.
     ctl(home, &add).expect_code(0).expect_err("`genomctl context use robot` does from now on");
     ctl(home, &["list"]).expect_code(3);
     ctl(home, &["context", "use", "robot"]).expect_code(0);
@@ -176,7 +176,7 @@ fn contexts_name_daemons() {
     ctl(home, &["context", "use", "other"]).expect_code(0);
     ctl(home, &["list"]).expect_code(3).expect_err("/nowhere/socket");
     ctl(home, &["--context", "robot", "list"]).expect_code(0);
-    // What the command line says comes first.
+    // The command line takes precedence.
     ctl(home, &["--socket", path(&daemon.home().socket()), "list"]).expect_code(0);
     ctl(home, &["--context", "robot", "--token-file", "admin", "call", "demo", "get_speed"])
         .expect_code(0);
@@ -191,7 +191,7 @@ fn contexts_name_daemons() {
     assert_eq!(file.mode() & 0o777, 0o600);
 }
 
-/// A root, a daemon's certificate for 127.0.0.1 and a client's, in files.
+/// Writes a root certificate, a daemon's certificate for 127.0.0.1 and a client's to files.
 fn certificates(home: &Path) {
     use rcgen::{BasicConstraints, CertificateParams, DnType, IsCa, Issuer, KeyPair};
     let mut root = CertificateParams::new(Vec::<String>::new()).unwrap();
@@ -203,7 +203,7 @@ fn certificates(home: &Path) {
     for (name, of) in [("robot", "127.0.0.1"), ("client", "client")] {
         let key = KeyPair::generate().unwrap();
         let mut params = CertificateParams::new(vec![of.to_owned()]).unwrap();
-        // One that has the name of its root passes for that to some.
+        // Some programs take a certificate with the name of its root for the root.
         params.distinguished_name.push(DnType::CommonName, name);
         let pem = params.signed_by(&key, &issuer).unwrap().pem();
         std::fs::write(home.join(format!("{name}.key")), key.serialize_pem()).unwrap();
@@ -227,13 +227,13 @@ fn a_daemon_on_the_network_is_reached_by_tls_and_token() {
     let home = daemon.home().path();
     let here = ["--host", &address, "--token-file", "read"];
     ctl(home, &[&here[..], &["--ca", "ca.pem", "list"]].concat()).expect_code(0);
-    // Nothing is taken on trust, neither the daemon nor its client.
+    // Neither the daemon nor its client is trusted without a certificate.
     ctl(home, &[&here[..], &["list"]].concat()).expect_code(2).expect_err("--ca FILE");
     let wrong = ctl(home, &[&here[..], &["--ca", "client.pem", "list"]].concat());
     wrong.expect_code(3).expect_err("certificate").expect_err("--ca FILE");
     let refused = ctl(home, &["--host", &address, "--ca", "ca.pem", "list"]);
     refused.expect_code(1).expect_err("a token is needed here");
-    // In the clear there is no answer.
+    // Without encryption there is no reply.
     let mut stream = TcpStream::connect(address.trim_start_matches("https://")).unwrap();
     stream.set_read_timeout(Some(WATCHDOG)).unwrap();
     let _ = stream.write_all(b"GET / HTTP/1.1\r\nHost: x\r\n\r\n");
@@ -258,7 +258,7 @@ fn a_client_certificate_may_stand_for_a_token() {
     ctl(home, &[&with[..], &["list"]].concat()).expect_code(0);
     let refused = ctl(home, &[&with[..], &["kill"]].concat());
     refused.expect_code(1).expect_err("needs the right `admin`");
-    // TLS 1.3 tells it with the first answer: unreachable or lost, as it comes.
+    // TLS 1.3 reports it with the first reply: as unreachable or lost, depending on timing.
     ctl(home, &[&here[..], &["list"]].concat()).expect_code(3);
 }
 
@@ -273,7 +273,7 @@ fn certificates_that_cannot_be_used_are_named() {
     home.refused(&arguments).expect_code(2).expect_err("certificate and key of rpc.tls");
 }
 
-/// The tests of the Python client, with what lies in a daemon's home, against that daemon.
+/// Runs tests of the Python client against a daemon, with the files in its home.
 #[track_caller]
 fn python_comes_in(daemon: &Daemon, tests: &str) {
     let (package, home) = (repository().join("clients/python"), daemon.home().path());

@@ -1,4 +1,4 @@
-//! Several daemons that see each other over zenoh: supervised from one of them.
+//! Several daemons that see each other over zenoh, controlled through one of them.
 
 use std::process::Command;
 use std::sync::Arc;
@@ -18,9 +18,9 @@ fn a_daemon_is_supervised_through_another_one() {
         .expect_out("DAEMON  BACKEND\ndesk*   zenoh\nrobot   zenoh\n");
     far(&["call", "demo", "set_speed", "velocity=0.25"]).expect_code(0);
     robot.ctl(&["call", "demo", "get_speed"]).expect_code(0).expect_out("velocity = 0.25\n");
-    // An activity is waited for as if it ran here.
+    // Waits for an activity as if it ran here.
     far(&["start", "--wait", "demo", "goto", "goal=0.01"]).expect_code(0);
-    // What is refused there is refused here, in the same words.
+    // A refusal arrives unchanged.
     let refused = far(&["call", "demo", "goto", "gaol=1"]);
     refused.expect_code(1).expect_err("did you mean `goal`?");
 }
@@ -32,16 +32,16 @@ fn streams_of_another_daemon_are_followed_through_this_one() {
     let far = |arguments: &[&str]| {
         desk.spawn(&[&["--host", "zenoh:robot", "--token-file", path(&token)], arguments].concat())
     };
-    // It was written once at least, when the activity ended.
+    // It was written at least when the activity ended.
     robot.ctl(&["start", "--wait", "demo", "goto", "goal=0.01"]).expect_code(0);
     let echo = far(&["--json", "echo", "demo/position"]);
     echo.line_where(|line| line.contains("0.01"));
-    // It goes on: what happens only now comes too.
+    // The stream continues with later values.
     robot.ctl(&["start", "--wait", "demo", "goto", "goal=0.02"]).expect_code(0);
     echo.line_where(|line| line.contains("0.02"));
     echo.signal("INT");
     echo.finish().expect_code(0);
-    // A recording is bytes, not text, and ends when it is asked to.
+    // A recording is binary, and ends on request.
     let file = robot.home().path().join("far.mcap");
     let record = far(&["record", "-o", path(&file), "demo/position"]);
     record.error_line_where(|line| line.contains("recording to")).expect("it starts");
@@ -50,7 +50,7 @@ fn streams_of_another_daemon_are_followed_through_this_one() {
     record.finish().expect_code(0);
     let recorded = std::fs::read(&file).unwrap();
     assert!(recorded.starts_with(b"\x89MCAP0\r\n") && recorded.ends_with(b"\x89MCAP0\r\n"));
-    // The robot stops: who follows it is told.
+    // The robot stops: its followers are notified.
     let echo = far(&["echo", "demo/position"]);
     echo.line_where(|line| line.contains("0.03"));
     robot.stop("TERM").0.expect_code(0);
@@ -63,7 +63,7 @@ fn events_of_another_daemon_are_followed_through_this_one() {
     let token = robot.home().path().join("watcher");
     let arguments = ["--host", "zenoh:robot", "--token-file", path(&token), "events"];
     let events = desk.spawn(&arguments);
-    // Fired again and again: one of them comes after the desk began to listen.
+    // Fired repeatedly, so that one of them comes after the desk has begun to listen.
     let (sender, first) = std::sync::mpsc::channel();
     let events = std::thread::scope(|scope| {
         scope.spawn(move || {
@@ -78,11 +78,11 @@ fn events_of_another_daemon_are_followed_through_this_one() {
             }
         }
     });
-    // From then on, all comes, in order.
+    // From then on everything arrives, in order.
     robot.ctl(&["start", "--wait", "demo", "goto", "goal=0.01"]).expect_code(0);
     events.line_where(|line| line.starts_with("activity_started component=demo"));
     events.line_where(|line| line.starts_with("activity_ended component=demo"));
-    // The robot stops: who follows it is told, and the command ends.
+    // The robot stops: its followers are notified, and the command ends.
     robot.stop("TERM").0.expect_code(0);
     events.line_where(|line| line == "stopping");
     events.finish().expect_code(3).expect_err("went away");
@@ -96,7 +96,7 @@ fn the_live_table_shows_another_daemon() {
     robot.ctl(&["start", "--wait", "demo", "goto", "goal=0.01"]).expect_code(0);
     let token = robot.home().path().join("watcher");
     let arguments = ["--host", "zenoh:robot", "--token-file", path(&token), "top"];
-    // What it shows is the robot's, what is asked for is named, and it ends as on this machine.
+    // It shows the robot's state, names the robot, and ends as on this machine.
     let steps = json!([
         {"wait": "zenoh:robot"}, {"wait": "demo/position"}, {"type": "p"}, {"wait": "paused"},
         {"type": "q"},
@@ -133,7 +133,7 @@ fn a_second_daemon_of_one_name_is_told_so() {
     let _first = Home::with(&memory).start(&arguments);
     let home = Home::with(&memory);
     let second = home.spawn(&arguments);
-    // As it starts, or when it hears of the first.
+    // Either at its start or when it discovers the first one.
     let told = second.error_line_where(|line| line.contains("another daemon named `robot`"));
     let told = told.expect("it says what is the matter");
     assert!(told.contains("reachable on zenoh") && told.contains("--daemon NAME"), "{told}");
@@ -149,7 +149,7 @@ fn a_token_counts_over_zenoh_as_it_does_over_tcp() {
     refused.expect_code(1).expect_err("needs the right `call`; token watcher has read");
     let refused = desk.ctl(&["--host", "zenoh:robot", "list"]);
     refused.expect_code(1).expect_err("a token is needed here");
-    // The desk has no token file: nobody comes in from outside.
+    // The desk has no token file: nobody may use it from outside.
     let token = robot.home().path().join("driver");
     let back = robot.ctl(&["--host", "zenoh:desk", "--token-file", path(&token), "list"]);
     back.expect_code(1).expect_err("does not know your token");
@@ -179,7 +179,7 @@ fn components_of_two_daemons_are_connected_by_one_command() {
         "paper",
         path(&writer.description),
     ]);
-    // The reader lives on another middleware: the address says where the writer is.
+    // The reader is on another middleware; the address says where the writer is.
     let reader = Home::with(&memory).start(&["--backend", "local", path(&reader.library)]);
     reader.ctl(&["connect", "demo/parameter", "zenoh:paper/position"]).expect_code(0);
     writer.ctl(&["call", "paper", "goto", "position=0.5"]).expect_code(0);

@@ -1,4 +1,4 @@
-//! The control plane describes itself, and does what it says.
+//! The OpenAPI document is complete, and the control plane behaves as it says.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -14,7 +14,7 @@ fn document(daemon: &Daemon) -> Value {
     reply.body
 }
 
-/// A path with names that nothing has.
+/// The path with placeholders replaced by names that do not exist.
 fn filled(path: &str) -> String {
     let filled: Vec<_> =
         path.split('/').map(|one| if one.starts_with('{') { "none" } else { one }).collect();
@@ -23,7 +23,7 @@ fn filled(path: &str) -> String {
 
 #[test]
 fn every_route_is_in_the_document_and_the_other_way_round() {
-    // Routes come into the router with their part of the document, and by no other way.
+    // Routes are added to the router only together with their part of the document.
     for path in files("rs") {
         if path.starts_with(repository().join("daemon/genomd/src")) {
             let text = fs::read_to_string(&path).unwrap();
@@ -38,7 +38,7 @@ fn every_route_is_in_the_document_and_the_other_way_round() {
     assert!(paths.len() > 20, "{}", paths.len());
     for (path, item) in paths {
         for method in METHODS {
-            // The end of the daemon, and streams, which do not end, are tried elsewhere.
+            // The end of the daemon, and endless streams, are tested elsewhere.
             let endless = [("get", "/events"), ("get", "/logs/stream"), ("post", "/recordings")]
                 .contains(&(method, path.as_str()));
             if endless || path == "/shutdown" && method == "post" {
@@ -71,7 +71,7 @@ fn every_operation_says_what_it_does_and_which_right_it_needs() {
             match right {
                 Some(right) => {
                     assert!(["read", "call", "wire", "admin"].contains(&right), "{what}");
-                    // Looking changes nothing, and nothing that changes is only looking.
+                    // A route needs the right `read` if and only if it changes nothing.
                     let looks = method == "get" || path.starts_with("/recordings");
                     assert_eq!(looks, right == "read", "{what}");
                 }
@@ -82,11 +82,11 @@ fn every_operation_says_what_it_does_and_which_right_it_needs() {
             }
         }
     }
-    // Without a token one may read how to ask, and nothing else.
+    // Without a token only these may be read.
     assert_eq!(open, ["get /openapi.json", "get /docs"]);
 }
 
-/// Every `$ref` in a value.
+/// Collects every `$ref` in a value.
 fn references(value: &Value, found: &mut BTreeSet<String>) {
     match value {
         Value::Object(map) => {

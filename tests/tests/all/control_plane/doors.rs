@@ -1,5 +1,5 @@
-//! The doors of a daemon under attack: tokens that are wrong, taken away or greedy, connections
-//! that say nothing, secrets that others could read.
+//! Attacks on the listeners of a daemon: wrong, revoked or overused tokens, silent connections,
+//! secrets that others can read.
 
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
@@ -25,7 +25,7 @@ fn private(path: &Path, text: &str) {
     std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o600)).unwrap();
 }
 
-/// A daemon with the demo on TCP, with these settings of `[rpc]`; its address.
+/// A daemon with the demo on TCP, with these settings of `[rpc]`; and its address.
 fn listening(settings: &str) -> (Daemon, String) {
     let home = Home::new().configured(&format!("[rpc]\n{settings}\n"));
     let all: String = TOKENS.iter().map(|(name, rights)| entry(name, rights)).collect();
@@ -44,7 +44,7 @@ fn connected(address: &str) -> TcpStream {
     stream
 }
 
-/// A connection on which a request was sent, and the status it was answered with.
+/// A connection on which a request was sent, and the status of the reply.
 fn asked(address: &str, line: &str, authorization: &str) -> (TcpStream, u16) {
     let mut stream = connected(address);
     write!(stream, "{line} HTTP/1.1\r\nHost: x\r\nAuthorization: {authorization}\r\n").unwrap();
@@ -117,7 +117,7 @@ fn the_token_file_is_read_again_and_a_mistake_in_it_changes_nothing() {
     let told = daemon.process().error_line_where(|line| line.contains("those of before"));
     assert!(told.unwrap().contains("tokens.toml"));
     assert!(known("other"));
-    // Who may only look may not do that.
+    // The right to read is not enough for that.
     assert_eq!(status(&address, "POST /tokens/reload", "other"), 403);
     let none = Daemon::start(&[]);
     none.ctl(&["token", "reload"]).expect_code(1).expect_err("no token file");
@@ -151,7 +151,7 @@ fn a_greedy_token_leaves_requests_to_others() {
     assert_eq!(status(&address, "GET /", "driver"), 200);
 }
 
-/// Whether the daemon has not hung up: nothing comes, instead of an end.
+/// Whether the daemon has not closed the connection.
 fn is_open(stream: &TcpStream) -> bool {
     stream.set_nonblocking(true).unwrap();
     let mut stream = stream;
@@ -169,7 +169,7 @@ fn connections_that_say_nothing_or_half_of_something_are_no_obstacle() {
         stream.write_all(text.as_bytes()).unwrap();
         stream
     };
-    // Many more than there is room for.
+    // Many more than are allowed.
     let all: Vec<_> = (0..24)
         .map(|number| match number % 3 {
             0 => half(""),
@@ -177,10 +177,10 @@ fn connections_that_say_nothing_or_half_of_something_are_no_obstacle() {
             _ => half("POST /components HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n"),
         })
         .collect();
-    // Nobody waits for their time-outs: the first go, those that came last are there still.
+    // They need not time out: the oldest are closed, and the newest stay open.
     assert_eq!(status(&address, "GET /", "reader"), 200);
     assert!(!is_open(&all[0]) && is_open(all.last().unwrap()));
-    // Nobody goes who showed a token.
+    // Connections with a valid token are not closed.
     daemon.ctl(&["call", "demo", "reset"]).expect_code(0);
     let mut told = [0; 16];
     (&known).read_exact(&mut told).unwrap();
@@ -205,7 +205,7 @@ fn keys_that_others_may_read_are_refused() {
     private(&file("robot.key"), &made.signing_key.serialize_pem());
     let daemon = home.start(&arguments);
     let file = |name: &str| daemon.home().path().join(name);
-    // The same holds for the key of a client.
+    // The same applies to a client's key.
     let both = format!("{}{}", made.cert.pem(), made.signing_key.serialize_pem());
     std::fs::write(file("both.pem"), both).unwrap();
     let (ca, cert) = (file("robot.pem"), file("both.pem"));

@@ -1,5 +1,5 @@
-//! A daemon whose process is stopped answers nobody: who asks is told so, in time. One that is
-//! slow is waited for.
+//! A daemon whose process is stopped: its clients report that after a timeout. A slow daemon is
+//! waited for.
 
 use std::time::Instant;
 
@@ -7,9 +7,9 @@ use genom_tests::fleet::{at_the_robot, fleet};
 use genom_tests::{Daemon, fixture, until};
 use serde_json::Value;
 
-/// How long genomctl is to wait for a daemon that is stopped.
+/// How long genomctl waits for a stopped daemon, in seconds.
 const MOMENT: &str = "0.4";
-/// For one that runs, on a machine that has more to do.
+/// The same for a running one on a busy machine.
 const LONG: &str = "5";
 
 #[test]
@@ -50,7 +50,7 @@ fn a_daemon_that_is_stopped_is_told_by_every_kind_of_verb() {
     daemon.ctl(&["list"]).expect_code(0);
 }
 
-/// Connections that the daemon has open at its socket.
+/// Number of connections that the daemon has open on its socket.
 fn open_sockets(daemon: &Daemon) -> usize {
     let all = std::fs::read_to_string("/proc/net/unix").unwrap();
     let socket = daemon.home().socket();

@@ -1,11 +1,11 @@
-//! An independent program reads the control plane's document and tries to catch it lying.
+//! An independent fuzzer checks the control plane against its OpenAPI document.
 
 use std::process::Command;
 
 use genom_components::python;
 use genom_tests::{Home, Running, WATCHDOG, component, path, program, repository, request};
 
-/// Requests to each operation, at most: enough for every border of its parameters.
+/// Greatest number of requests per operation; enough for all boundary values of its parameters.
 const EXAMPLES: &str = "10";
 
 #[test]
@@ -35,8 +35,8 @@ fn the_control_plane_does_what_its_document_says() {
     let mut command = Command::new(python.with_file_name("schemathesis"));
     command.current_dir(daemon.home().path()).env_clear().env("PATH", "/usr/bin:/bin");
     command.args(["--config-file", path(&config), "run", &url, "--header", &header]);
-    // What ends the daemon or the demo is tried elsewhere, and so are streams, which do not end,
-    // and samples in their binary form, of which a schema says nothing.
+    // What ends the daemon or the demo is tested elsewhere, and so are endless streams and binary
+    // samples, which a schema does not describe.
     for operation in [
         "post_shutdown",
         "delete_components_component",
@@ -51,6 +51,6 @@ fn the_control_plane_does_what_its_document_says() {
     command.args(["--max-examples", EXAMPLES, "--seed", "1", "--no-color"]);
     let finished = Running::start(&mut command).finish_within(WATCHDOG * 5);
     assert_eq!(finished.code, Some(0), "{}\n{}", finished.out, finished.err);
-    // It lives, and still does what it is told.
+    // It still runs and works.
     daemon.ctl(&["list"]).expect_code(0);
 }

@@ -1,5 +1,5 @@
-//! Programs on zenoh that pass for a daemon, listen, or send again what they heard: what they
-//! learn, and what they bring about.
+//! Programs on zenoh that pretend to be a daemon, eavesdrop, or replay: what they learn and what
+//! they can cause.
 
 use std::sync::{Arc, Mutex};
 
@@ -10,20 +10,20 @@ use genom_tests::{Daemon, Home, Memory, path, until};
 use zenoh::Wait as _;
 use zenoh::query::Query;
 
-/// What an impostor answers: to a message, at its own end of zenoh.
+/// Computes an impostor's reply from a message and the zenoh id of its own session.
 type Answer = dyn Fn(&[u8], &str) -> Option<Vec<u8>> + Send + Sync;
 
-/// A program on zenoh that takes what is sent to the robot.
+/// A program on zenoh that receives what is sent to the robot.
 struct Impostor {
     session: zenoh::Session,
     heard: Heard,
 }
 
-/// Keys and messages.
+/// Received messages with their keys.
 type Heard = Arc<Mutex<Vec<(String, Vec<u8>)>>>;
 
 impl Impostor {
-    /// Declares the keys of the robot, and shows itself as it does.
+    /// Declares the robot's keys, and makes itself visible as the robot does.
     fn new(memory: &Memory, answer: Box<Answer>) -> Self {
         let sockets = std::fs::read_dir(memory.root().join("zenoh")).unwrap();
         let sockets = sockets.map(|entry| entry.unwrap().path());
@@ -51,7 +51,7 @@ impl Impostor {
             }
             kept.lock().unwrap().push((query.key_expr().to_string(), message));
         };
-        // One chunk and more: also what is meant for the robot's own end alone.
+        // One or more chunks, so that it also receives requests to the robot's own session.
         session
             .declare_queryable("@genom/rpc/robot/**")
             .callback(take)
@@ -60,7 +60,7 @@ impl Impostor {
             .unwrap();
         let shown = format!("@genom/daemon/{}/robot", session.zid());
         let shown = session.liveliness().declare_token(shown).wait().unwrap();
-        // For as long as the session is there.
+        // Keeps it until the session ends.
         std::mem::forget(shown);
         Self { session, heard }
     }
@@ -74,12 +74,12 @@ impl Impostor {
         self.session.zid().to_string()
     }
 
-    /// All that was sent to it.
+    /// Everything that was sent to it.
     fn heard(&self) -> Vec<(String, Vec<u8>)> {
         self.heard.lock().unwrap().clone()
     }
 
-    /// The answer to a message it sends itself.
+    /// Sends a message itself and returns the reply.
     fn send(&self, key: &str, message: &[u8]) -> String {
         let replies = self.session.get(key).payload(message).wait().unwrap();
         let replies = replies.into_iter().filter_map(|reply| {
@@ -89,7 +89,7 @@ impl Impostor {
     }
 }
 
-/// Answers a hello as a daemon that holds this token.
+/// Answers a hello as a daemon that has this token.
 fn with_token(text: &str) -> Box<Answer> {
     let token = Token::new(text);
     Box::new(move |message, at| {
@@ -108,7 +108,7 @@ fn text_of_token(robot: &Daemon, name: &str) -> String {
     text.split("token = \"").nth(1).unwrap().split('"').next().unwrap().to_owned()
 }
 
-/// Nothing of what was sent there holds the token, or a part of it that could be told.
+/// Checks that nothing that was sent contains the token or a recognisable part of it.
 #[track_caller]
 fn hears_no_token(impostor: &Impostor, token: &str) {
     let heard = impostor.heard();
@@ -131,7 +131,7 @@ fn an_impostor_beside_the_daemon_is_named_and_gets_neither_token_nor_request() {
     at_the_robot(&robot, &desk, "driver", &CALL).expect_code(0);
     let guessed = "guessed-guessed-guessed-guessed-guessed";
     let nonsense: Box<Answer> = Box::new(|_, _| Some(b"{\"status\":200}\n{}".to_vec()));
-    // The last one holds the token itself: two of one name are an error even then.
+    // The last one has the right token; two daemons of one name are an error even then.
     for (answer, what) in [
         (nonsense, "sends what is no answer of a genomd"),
         (with_token(guessed), "does not prove that it holds your token"),
@@ -164,7 +164,7 @@ fn an_impostor_before_or_instead_of_the_daemon_gets_nothing() {
     let asked = || at_the_robot(&desk, &desk, "driver", &CALL);
     let said = format!("what answers to the name `robot` ({})", impostor.id());
     asked().expect_code(1).expect_err(&said).expect_err("does not prove that it holds");
-    // The daemon comes second: it sees that its name is taken and says so.
+    // The daemon starts second, notices that its name is taken, and reports it.
     let home = Home::with(&memory);
     let robot = home.start(&["--backend", "zenoh", "--daemon", "robot"]);
     asked().expect_code(1).expect_err(&impostor.id());
@@ -189,7 +189,7 @@ fn what_was_overheard_can_be_neither_sent_again_nor_changed() {
     assert!(ear.send(key, changed.as_bytes()).contains("changed on its way"));
     let other = changed.replacen("\"number\":1", "\"number\":2", 1);
     assert!(ear.send(key, other.as_bytes()).contains("changed on its way"));
-    // Nor does the hello lead anywhere, however often it is said, nor a request of the old kind.
+    // Replaying the hello has no effect, nor does a request in the old format.
     let (hello_key, hello) = &heard[0];
     for _ in 0..100 {
         assert!(ear.send(hello_key, hello).contains("proof"));
@@ -205,7 +205,8 @@ fn what_was_overheard_can_be_neither_sent_again_nor_changed() {
 #[test]
 fn an_answer_that_somebody_made_up_is_told_as_such() {
     let (robot, desk) = fleet();
-    // It lets the daemon answer the hello, and answers the question, before the daemon or after.
+    // It lets the daemon answer the hello, and answers the request itself, before or after the
+    // daemon.
     let forger = Impostor::new(
         robot.home().memory(),
         Box::new(|message, _| {

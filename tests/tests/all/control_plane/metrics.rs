@@ -1,4 +1,4 @@
-//! What a monitoring system reads.
+//! The metrics for monitoring systems.
 
 use std::io::{Read as _, Write as _};
 use std::process::Command;
@@ -43,7 +43,7 @@ fn components_tasks_codels_ports_and_connections_are_counted() {
     told_as_prometheus_reads(&page);
 }
 
-/// What `promtool check metrics` looks at, asked of Prometheus' own parser for Python.
+/// The checks of `promtool check metrics`, made with Prometheus' own parser for Python.
 const CHECK: &str = r#"
 import sys
 from prometheus_client.parser import text_string_to_metric_families

@@ -1,4 +1,4 @@
-//! What is asked of a daemon, by whom, and what it answers.
+//! Requests to a daemon: who may make them, and the replies.
 
 mod access;
 mod daemons;

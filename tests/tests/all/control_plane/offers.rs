@@ -1,10 +1,10 @@
-//! What strangers on a middleware can call, and what they cannot.
+//! What foreign programs on a middleware can call, and what not.
 
 use std::sync::Arc;
 
 use genom_tests::{Daemon, Home, Memory, component, path, until};
 
-/// What supervisors do.
+/// Services that are only for supervisors.
 const SUPERVISORS: [&str; 4] = ["kill", "connect_port", "connect_service", "abort_activity"];
 
 fn visible(daemon: &Daemon, backend: &str) -> String {
@@ -20,7 +20,7 @@ fn strangers_find_no_service_that_supervisors_need_a_right_for() {
         let memory = Arc::new(Memory::new());
         let demo = component("demo");
         let robot = Home::with(&memory).start(&["--backend", backend, path(&demo.library)]);
-        // Another daemon is one, too: it sees what anybody sees there.
+        // Another daemon is a foreign program, too: it sees what anybody sees.
         let other = Home::with(&memory).start(&["--backend", backend]);
         until("it sees the services", || visible(&other, backend).contains("demo/goto"));
         let seen = visible(&other, backend);
@@ -28,7 +28,7 @@ fn strangers_find_no_service_that_supervisors_need_a_right_for() {
             assert!(!seen.contains(&format!("demo/{service}")), "{backend} {service}: {seen}");
             let described = robot.json(&["info", "demo", service]);
             assert_eq!(described["served"], serde_json::json!([]), "{described}");
-            // By the control plane they are there.
+            // They are available on the control plane.
             let called = robot.ctl(&["info", "demo", service]);
             called.expect_code(0);
         }
@@ -58,7 +58,7 @@ fn the_configuration_says_what_is_offered_where() {
     assert_eq!(served("demo", "goto"), serde_json::json!([]));
     until("it sees the service", || visible(&other, "zenoh").contains("demo/kill"));
     assert!(!visible(&other, "zenoh").contains("demo/goto"));
-    // It holds for those that are loaded later, and for those that move.
+    // This also applies to components that are loaded later or move.
     robot.ctl(&["load", path(&demo.library), "--name", "other"]).expect_code(0);
     let told = robot.ctl(&["info", "other"]);
     assert!(told.expect_code(0).out.contains("\n  zenoh has no service\n"), "{}", told.out);

@@ -1,5 +1,5 @@
-//! Inputs that are left out: an attribute keeps its value, a function or activity takes its
-//! default, and what has neither is refused by name; by every way in alike.
+//! Omitted inputs: an attribute keeps its value, a function or activity takes its default, and an
+//! input without either is refused by name; the same through every interface.
 
 use genom_tests::{Daemon, component, fixture, path, request, until};
 use serde_json::{Value, json};
@@ -27,7 +27,7 @@ impl Gains {
         reply["result"].clone()
     }
 
-    /// The three gains, as they are.
+    /// Checks the three gains.
     #[track_caller]
     fn are(&self, wanted: [f64; 3]) {
         let [a, b, c] = wanted;
@@ -41,7 +41,7 @@ fn what_is_left_out_of_an_attribute_keeps_its_value() {
     gains.are([1.0, 2.0, 3.0]);
     gains.call(&["set", "all.b=5"]);
     gains.are([1.0, 5.0, 3.0]);
-    // Nor does a whole input that is left out take its default.
+    // Nor is a whole input that is omitted set to its default.
     gains.call(&["two", "b=6"]);
     gains.are([1.0, 6.0, 3.0]);
     gains.call(&["set"]);
@@ -49,13 +49,13 @@ fn what_is_left_out_of_an_attribute_keeps_its_value() {
     // An element of a sequence.
     gains.call(&["set_list", r#"{"list": {"1": 8}}"#]);
     assert_eq!(gains.result(&["get"])["list"], json!([0.5, 8.0]));
-    // As HTTP has it.
+    // The same over HTTP.
     let body = r#"{"all": {"c": 7}}"#;
     let socket = gains.daemon.home().socket();
     let reply = request(&socket, "POST", "/components/gains/services/set", body);
     assert_eq!(reply.status, 200, "{}", reply.body);
     gains.are([1.0, 6.0, 7.0]);
-    // A dump sets the whole, and sets it back.
+    // A dump contains the whole value, and restores it.
     let dump = gains.daemon.ctl(&["dump"]);
     for line in ["a = 1.0", "b = 6.0", "c = 7.0"] {
         assert!(dump.out.contains(line), "{}", dump.out);
@@ -90,7 +90,7 @@ fn what_has_neither_value_nor_default_is_refused_by_name() {
         refused.expect_code(1).expect_err(&format!("wants input {name}, which has no default"));
         refused.expect_err("--zero");
     }
-    // Nothing ran.
+    // No codel ran.
     gains.are([1.0, 2.0, 3.0]);
     let described = gains.daemon.json(&["info", "gains", "sum"]);
     assert_eq!(described["input_schema"]["required"], json!(["of"]));
@@ -103,7 +103,7 @@ fn what_an_attribute_keeps_is_shown() {
         .daemon
         .ctl(&["info", "gains", "two"])
         .expect_out("attribute two(in double a = ?, in double b = ?)\n    a ? 1.0\n    b ? 2.0\n");
-    // Who looks calls nothing: no codel is asked, none has to be allowed.
+    // Reading the value calls no codel, so it needs no permission to call.
     gains.daemon.ctl(&["info", "gains", "set_slowly"]).expect_code(0);
     assert_eq!(gains.result(&["waits"])["yes"], false);
 }

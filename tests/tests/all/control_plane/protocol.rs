@@ -1,5 +1,4 @@
-//! What the daemon says on the control plane is what the protocol crate says of it: routes, types
-//! and replies.
+//! The control plane matches the protocol crate: routes, types and replies.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +9,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
-/// Types of what streams and recordings send, which no operation of the document refers to.
+/// Types in streams and recordings, to which no operation of the document refers.
 const STREAMED: [&str; 7] = [
     "Change",
     "LogEntry",
@@ -25,12 +24,12 @@ fn document(daemon: &Daemon) -> Value {
     request(&daemon.home().socket(), "GET", "/openapi.json", "").body
 }
 
-/// Name of the type that a `$ref` leads to.
+/// Name of the type that a `$ref` refers to.
 fn name(reference: &str) -> String {
     reference.rsplit('/').next().unwrap_or_default().to_owned()
 }
 
-/// Names of the types that a part of the document refers to, in order.
+/// Collects the names of the types that a part of the document refers to, in order.
 fn named(value: &Value, found: &mut Vec<String>) {
     match value {
         Value::Object(members) => {
@@ -53,7 +52,7 @@ fn the_document_has_the_types_of_the_protocol_and_no_others() {
     for (name, schema) in &ours {
         assert_eq!(told[name], *schema, "{name}");
     }
-    // None is there for nothing: an operation or a stream says it, or one that is said.
+    // Every type is used: by an operation, by a stream, or by another type that is used.
     let mut waiting: Vec<String> = STREAMED.map(str::to_owned).to_vec();
     named(&document["paths"], &mut waiting);
     let mut said = BTreeSet::new();
@@ -65,7 +64,7 @@ fn the_document_has_the_types_of_the_protocol_and_no_others() {
     assert_eq!(said, names(&ours));
 }
 
-/// What the document says of a content: the name of its type, or what its bytes are.
+/// What the document says of a content: the name of its type, or its format.
 fn told_of(content: &Value) -> Vec<String> {
     let Some((kind, media)) = content.as_object().and_then(|all| all.iter().next()) else {
         return vec!["()".to_owned()];
@@ -98,7 +97,7 @@ fn routes_are_those_of_the_document_and_answer_the_types_that_it_tells() {
             let responses = operation["responses"].as_object().unwrap();
             let good = responses.iter().filter(|(status, _)| status.starts_with('2'));
             let replies: Vec<_> = good.flat_map(|(_, reply)| told_of(&reply["content"])).collect();
-            // Whoever calls does not know which of these comes.
+            // The caller cannot know which of these it gets.
             let several = route.reply == "CallReply" && replies == ["Outcome", "Started"];
             assert!(several || replies == [route.reply], "{method} {path}: {replies:?}, {route:?}");
             let bodies = told_of(&operation["requestBody"]["content"]);
@@ -108,8 +107,8 @@ fn routes_are_those_of_the_document_and_answer_the_types_that_it_tells() {
     assert!(left.is_empty(), "the daemon has no such routes: {left:#?}");
 }
 
-/// Asks, reads the reply as what its route answers, and writes it again: nothing is lost, so that
-/// the type has all that the daemon says.
+/// Sends a request, reads the reply as its route's type, and serialises it again; nothing must be
+/// lost, so the type has everything that the daemon sends.
 #[track_caller]
 fn read_whole<R: DeserializeOwned + Serialize, Q, B>(daemon: &Daemon, route: &Route<R, Q, B>) -> R {
     let reply = request(&daemon.home().socket(), route.method.as_str(), &route.path, "{}");

@@ -1,9 +1,9 @@
-//! Values that a supervisor publishes to in ports: `genomctl pub` and the RPC behind it.
+//! Values that are published to in ports with `genomctl pub` and its route.
 
 use genom_tests::{Daemon, component, path, request};
 use serde_json::json;
 
-/// The gain stops the axis at once, whatever its goal: it was read by the codels.
+/// The gain stops the axis at once, whatever its goal, because the codels read it.
 #[track_caller]
 fn a_published_gain_reaches_the_codels(backend: &str) {
     let daemon = Daemon::demo(backend);
@@ -17,7 +17,7 @@ fn a_published_gain_reaches_the_codels(backend: &str) {
     let echo = daemon.spawn(&["echo", "demo/parameter"]);
     assert_eq!(echo.line(), "0.0");
     assert_eq!(daemon.port("demo", "position")["value"]["position"], 0.0);
-    // Values that follow go the same way: the axis moves and arrives.
+    // Later values arrive, too: the axis moves and reaches its goal.
     daemon.ctl(&["pub", "demo/parameter", "1.0"]).expect_code(0);
     waiting.finish().expect_code(0);
     assert_eq!(daemon.port("demo", "position")["value"]["position"], 0.1);
@@ -43,7 +43,7 @@ fn what_cannot_be_published_is_refused_with_the_way_out() {
     daemon.ctl(&["pub", "demo/position", "1"]).expect_code(1).expect_err("is an out port");
     daemon.ctl(&["pub", "demo/parametre", "1"]).expect_code(1).expect_err("mean `parameter`?");
     daemon.ctl(&["pub", "demo/parameter", "fast"]).expect_code(1).expect_err("number");
-    // Nothing of it connected the port.
+    // The port was not connected by it.
     assert_eq!(daemon.port("demo", "parameter")["connected"], json!(null));
 }
 
@@ -56,7 +56,7 @@ fn a_port_that_a_component_feeds_is_not_taken_from_it() {
     let refused = daemon.ctl(&["pub", "demo/parameter", "1"]);
     refused.expect_code(1).expect_err("demo/parameter reads elsewhere/gain");
     refused.expect_err("help: `genomctl disconnect demo/parameter` first");
-    // And the other way round: connecting takes the place of what was published.
+    // And the other way round: a connection replaces the published value.
     daemon.ctl(&["pub", "other/parameter", "0.5"]).expect_code(0);
     daemon.ctl(&["connect", "--wait", "other/parameter", "elsewhere/gain"]).expect_code(0);
     assert_eq!(daemon.port("other", "parameter")["connected"], "elsewhere/gain");
@@ -74,7 +74,7 @@ fn the_type_of_a_port_is_told_as_it_lies_in_memory() {
     let members = &told["types"][0]["members"];
     assert_eq!(members[1], json!({"name": "velocity", "offset": 8, "type": 1}));
     assert_eq!(told["types"][1]["kind"], "double");
-    // Where a program of another make meets the ports of this daemon.
+    // How a foreign program reaches the ports of this daemon.
     let reply = request(&socket, "GET", "/middlewares", "");
     let all = reply.body["middlewares"].as_array().unwrap();
     let shm = all.iter().find(|one| one["name"] == "shm").unwrap();

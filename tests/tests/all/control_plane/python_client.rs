@@ -1,5 +1,5 @@
-//! The Python client drives a daemon: its own tests (clients/python/tests) run here, each file
-//! against a daemon of its own.
+//! Runs the Python client's own tests (clients/python/tests), each file against a daemon of its
+//! own.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,7 +7,7 @@ use std::process::Command;
 use genom_components::python;
 use genom_tests::{Daemon, Finished, Running, component, fixture, path, program, repository};
 
-/// Runs one file of the client's tests, with components of others at hand for those that want them.
+/// Runs one file of the client's tests; provides external components to those that need them.
 #[track_caller]
 fn the_client_passes(interpreter: &Path, options: &[&str], file: &str, backend: &str) -> Finished {
     the_client_passes_with(interpreter, options, file, &["--backend", backend])
@@ -38,19 +38,19 @@ fn the_client_passes_with(
         .env("GENOM_DEMO", path(&demo.library))
         .env("GENOM_FIXTURES", fixtures.path())
         .env("GENOMCTL", program("genomctl"))
-        // A forgotten socket or thread is an error too.
+        // An unclosed socket or a forgotten thread is an error, too.
         .args(["-W", "error"])
         .args(options)
         .args(["-m", "unittest", "--verbose", file]);
     let finished = Running::start(&mut command).finish();
     finished.expect_code(0);
-    // Python counts: no file of tests may be empty, or skip some.
+    // No file may contain no tests, or skip some.
     assert!(!finished.err.contains("Ran 0 tests"), "{}", finished.err);
     assert!(!finished.err.contains("skipped"), "{}", finished.err);
     finished
 }
 
-/// `-S`: without installed packages, so that the standard library alone is what is needed.
+/// `-S`: without installed packages, so that only the standard library is available.
 #[track_caller]
 fn the_standard_library_is_enough(file: &str, backend: &str) {
     the_client_passes(&python(), &["-S"], file, backend);
@@ -100,7 +100,7 @@ fn python_is_told_when_the_daemon_stands_still() {
     the_standard_library_is_enough("tests.test_stopped", "local");
 }
 
-/// Shows what the tests measured: as many lines.
+/// Prints the figures that the tests measured: `count` lines.
 #[track_caller]
 #[allow(clippy::print_stdout, reason = "figures are for whoever runs the test")]
 fn figures(finished: &Finished, count: usize) {
@@ -125,7 +125,7 @@ fn python_speaks_zenoh_with_ports() {
     figures(&the_client_passes(&python, &[], "tests.test_zenoh", "zenoh"), 2);
 }
 
-/// Both packages: what moves from one middleware to another.
+/// Both packages, for ports that move from one middleware to another.
 const STRAIGHT: [&str; 2] = ["iceoryx2==0.10.0", "eclipse-zenoh==1.10.2"];
 
 #[test]

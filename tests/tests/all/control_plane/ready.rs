@@ -1,10 +1,10 @@
-//! A daemon that starts: what it says of components that are not there yet.
+//! A starting daemon: how it reports components that are not running yet.
 
 use std::process::Command;
 
 use genom_tests::{Home, Running, component, fixture, path, program, request, until};
 
-/// A home, and a component that starts when there is a file `go` in it.
+/// A home, and a component that starts when a file `go` exists there.
 fn home() -> (Home, String) {
     let home = Home::new();
     let late = fixture("late", "late", home.path());
@@ -41,7 +41,7 @@ fn a_script_waits_for_a_daemon_that_is_not_there_yet_and_then_for_its_components
     late_one.expect_code(1).expect_err("not ready after 0 s: late is being loaded, then demo");
     let_it_start(&home);
     waiting.finish().expect_code(0).expect_out("ready\n");
-    // What it waited for is so.
+    // The condition it waited for holds.
     genomctl(&home, &["call", "demo", "goto", "goal=0.01"]).finish().expect_code(0);
     assert_eq!((ready("").status, ready("?deployed=true&wait=60").status), (200, 200));
     assert_eq!(ready("?wait=-1").status, 422);
@@ -56,7 +56,7 @@ fn whoever_waits_for_a_daemon_that_refuses_a_component_is_told_that_it_went() {
     let (home, late) = home();
     let daemon = home.spawn(&[&late, "nothing.so"]);
     until("the component starts", || home.path().join("waits").exists());
-    // Should it come too late to meet the daemon, it gives up in time.
+    // If it is too late to reach the daemon, it gives up in time.
     let waiting = genomctl(&home, &["wait-ready", "--within", "2"]);
     let_it_start(&home);
     daemon.finish().expect_code(1).expect_err("no library for nothing.so");

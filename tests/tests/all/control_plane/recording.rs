@@ -1,4 +1,4 @@
-//! Recordings: written by genomctl, read back by the MCAP packages of others, replayed.
+//! Recordings: written by genomctl, read with the public MCAP packages, replayed.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,12 +7,12 @@ use genom_components::python;
 use genom_tests::{Daemon, Finished, Home, Running, component, path, program, repository, until};
 use serde_json::{Value, json};
 
-/// A daemon whose time stands still until it is stepped.
+/// A daemon whose clock stands still until it is stepped.
 fn stepped() -> Daemon {
     Daemon::start(&["--clock", "virtual", path(&component("demo").library)])
 }
 
-/// A recording under way.
+/// A recording in progress.
 struct Recorder {
     running: Running,
     file: PathBuf,
@@ -28,7 +28,7 @@ impl Recorder {
         Self { running, file }
     }
 
-    /// Ends it as Ctrl-C does; what it says.
+    /// Ends it as Ctrl-C does; returns its summary and its file.
     fn end(self) -> (Value, PathBuf) {
         self.running.signal("INT");
         let finished = self.running.finish();
@@ -37,15 +37,15 @@ impl Recorder {
     }
 }
 
-/// Messages of a topic as `genomctl record` counted them, and the lost ones.
+/// Recorded and lost messages of a topic according to `genomctl record`.
 fn counted(summary: &Value, topic: &str) -> (u64, u64) {
     let channels = summary["channels"].as_array().expect("channels");
     let channel = channels.iter().find(|channel| channel["topic"] == topic).expect(topic);
     (channel["messages"].as_u64().unwrap(), channel["lost"].as_u64().unwrap_or_default())
 }
 
-/// The file as the Python packages `mcap` and `mcap-ros2-support` read it: by topic, a list of
-/// `[date, number, message]`.
+/// The file as the Python packages `mcap` and `mcap-ros2-support` read it: for each topic, a list
+/// of `[date, number, message]`.
 fn read(file: &Path) -> Value {
     const SCRIPT: &str = r#"
 import json, sys
@@ -97,13 +97,13 @@ fn a_recording_is_read_back_by_others_with_calls_activities_and_exceptions() {
     assert_eq!(summary["complete"], true);
 
     let topics = read(&file);
-    // One sample was written before, by the start codel.
+    // The start codel wrote one sample before.
     let positions = list(&topics, "/demo/position");
     assert_eq!(positions.len() as u64, written - 1);
     assert_eq!(counted(&summary, "/demo/position"), (written - 1, 0));
     for (number, sample) in positions.iter().enumerate() {
         assert_eq!(sample[1], number as u64);
-        // A tick each 5 ms of the stepped clock.
+        // One tick per 5 ms of the stepped clock.
         assert_eq!(sample[0].as_u64().unwrap() % 5_000_000, 0);
     }
     let last = positions.last().unwrap();
@@ -142,8 +142,8 @@ fn lost_samples_are_counted_and_leave_gaps() {
     let recorder = Recorder::start(&daemon, "run.mcap", &["demo/position"]);
     daemon.ctl(&["call", "demo", "set_speed", "velocity=0.001"]).expect_code(0);
     daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
-    // A reader that stands still while twice as much is written as buffers hold, and not for so
-    // long that the daemon gives it up (10 s), on a busy machine either.
+    // The reader is stopped while twice as much is written as the buffers hold, but not so long
+    // that the daemon gives it up (10 s), even on a busy machine.
     recorder.running.signal("STOP");
     daemon.ctl(&["step", "200s"]).expect_code(0);
     recorder.running.signal("CONT");
@@ -151,14 +151,14 @@ fn lost_samples_are_counted_and_leave_gaps() {
     let (summary, file) = recorder.end();
     let (messages, lost) = counted(&summary, "/demo/position");
     assert!(lost > 0 && messages > 0, "{summary}");
-    // Each one is in the file or counted; the first was written before.
+    // Each sample is in the file or counted as lost; the first was written before.
     assert_eq!(messages + lost, written - 1);
     let topics = read(&file);
     assert_eq!(list(&topics, "/demo/position").len() as u64, messages);
     assert_eq!(topics["metadata"]["genom.lost"]["/demo/position"], lost.to_string());
 }
 
-/// Positions with their dates, of a daemon that moves while its gain is what `feed` makes it.
+/// Positions with their dates, of a daemon that moves while `feed` sets its gain.
 fn motion(feed: impl FnOnce(&Daemon)) -> (Value, PathBuf, Daemon) {
     let daemon = stepped();
     let recorder = Recorder::start(&daemon, "run.mcap", &["demo"]);
@@ -182,7 +182,7 @@ fn a_replay_on_the_stepped_clock_gives_the_same_motion() {
         assert_eq!(replayed["ports"], json!([{"port": "demo/parameter", "published": 3}]));
     });
     assert_eq!(first, again);
-    // And it is the gains that make it so.
+    // The gains do make a difference.
     let (other, _, _daemon) = motion(|_| {});
     assert_ne!(first, other);
 }
@@ -268,7 +268,7 @@ fn settable() -> (Daemon, std::fs::File) {
 
 #[test]
 fn samples_keep_their_distance_when_the_machines_clock_is_set() {
-    /// Seconds by which the clock is set, forth and then back.
+    /// Seconds by which the clock is set forward and back.
     const BY: u64 = 100_000;
     let (daemon, clock) = settable();
     daemon.ctl(&["call", "demo", "set_speed", "velocity=0.001"]).expect_code(0);
@@ -292,7 +292,7 @@ fn samples_keep_their_distance_when_the_machines_clock_is_set() {
         let gap = |pair: &[u64]| pair[1].abs_diff(pair[0]);
         assert!(dates.is_sorted(), "{dates:?}");
         assert!(dates.windows(2).map(gap).all(|gap| gap < BY / 2 * 1_000_000_000), "{dates:?}");
-        // Who compares it with other logs learns of it.
+        // The recording shows it, for whoever compares it with other logs.
         let changes = list(&topics, "/genom/changes");
         let set = changes.iter().find(|change| change[2]["event"] == "clock_set");
         let by = set.expect("it is noted")[2]["ahead_ns"].as_i64().unwrap() / 1_000_000_000;
@@ -317,7 +317,7 @@ fn of_a_recorder_that_was_killed_all_that_is_whole_is_replayed_and_recovered() {
     recorder.running.signal("KILL");
     let file = recorder.file;
     assert_eq!(recorder.running.finish().code, None);
-    // It ends in the middle of a sample: one byte short of the last one that is whole.
+    // The file ends in the middle of a sample: one byte before the end of the last complete one.
     let cut = std::fs::File::options().write(true).open(&file).unwrap();
     cut.set_len(100_000).unwrap();
     let whole = daemon.home().path().join("whole.mcap");
@@ -366,7 +366,7 @@ fn a_recording_that_finds_no_room_ends_in_order_and_says_so() {
     assert!(recorder.error_line_where(|line| line.contains("recording to")).is_some());
     daemon.ctl(&["call", "demo", "set_speed", "velocity=0.001"]).expect_code(0);
     daemon.ctl(&["start", "demo", "goto", "goal=1"]).expect_code(0);
-    // It ends by itself.
+    // It ends on its own.
     for _ in 0..5 {
         daemon.ctl(&["step", "10s"]).expect_code(0);
     }
@@ -380,7 +380,7 @@ fn a_recording_that_finds_no_room_ends_in_order_and_says_so() {
     assert_eq!(counted(&summary, "/demo/position").0, messages);
     assert_eq!(topics["metadata"]["genom.lost"]["complete"], "false");
 
-    // A disk that does not say so before.
+    // A full disk that is noticed only when writing.
     let full = daemon.ctl(&["record", "-o", "/dev/full", "--force", "--duration", "0.01"]);
     full.expect_code(1).expect_err("/dev/full: No space left on device");
 }

@@ -5,7 +5,7 @@ use std::io::{BufReader, Write as _};
 
 use genom_tests::{Daemon, Home, component, connect, path, request};
 
-/// Reads a stream up to the first event that holds `text`; the lines so far.
+/// Reads a stream up to the first event that contains `text`; returns the lines.
 fn read_until(reader: &mut impl std::io::BufRead, text: &str) -> Vec<String> {
     let mut lines = Vec::new();
     loop {
@@ -31,9 +31,9 @@ fn a_listener_that_comes_back_hears_what_it_missed() {
     assert!(heard.iter().any(|line| line.contains("activity_started")), "{heard:#?}");
 }
 
-/// Fires an event so many times, on one connection.
+/// Fires an event this many times on one connection.
 fn fire(daemon: &Daemon, times: usize) {
-    /// Requests under way: their answers fit in the socket.
+    /// Requests in progress at a time; their replies fit into the socket's buffer.
     const TURN: usize = 100;
     let mut stream = connect(&daemon.home().socket());
     let mut answers = BufReader::new(stream.try_clone().unwrap());
@@ -55,7 +55,7 @@ fn a_listener_that_was_away_for_long_hears_how_much_it_missed() {
     write!(stream, "GET /events HTTP/1.1\r\nHost: x\r\nLast-Event-ID: 1\r\n\r\n").unwrap();
     let mut reader = BufReader::new(stream);
     let heard = read_until(&mut reader, "data: ");
-    // All but the first and the 1024 that are kept. Something was told before the first was fired:
+    // All but the first and the 1024 that are kept. Before the first was fired there was one event:
     // that the component runs.
     assert_eq!(heard.last().unwrap(), r#"data: {"event":"missed","changes":476}"#, "{heard:#?}");
     assert!(heard.contains(&"id: 477".to_owned()), "{heard:#?}");
@@ -74,7 +74,7 @@ fn a_follower_that_stood_still_tells_how_many_events_it_missed() {
             events.line();
             sender.send(events).unwrap();
         });
-        // One of them comes after it began to listen.
+        // One of them is fired after it has begun to listen.
         loop {
             fire(&daemon, 1);
             if let Ok(events) = first.try_recv() {
@@ -85,7 +85,7 @@ fn a_follower_that_stood_still_tells_how_many_events_it_missed() {
     let library = component("demo").library;
     daemon.ctl(&["load", path(&library), "--name", "mark"]).expect_code(0);
     events.line_where(|line| line.contains("component_loaded"));
-    // It stands still, and more happens than the daemon, the socket and it can keep.
+    // It is stopped, and more happens than it, the socket and the daemon can buffer.
     events.signal("STOP");
     while !stands_still(events.id()) {}
     let times = 12_000;
@@ -145,7 +145,7 @@ fn connections_beyond_the_limit_wait_for_their_turn() {
     waiting.finish().expect_code(0);
 }
 
-/// A task runs so many activities at a time, and refuses the next.
+/// A task runs up to `most` activities at a time, and refuses the next.
 #[track_caller]
 fn there_is_room_for(most: usize, arguments: &[&str]) {
     let blocks = component("blocks");
@@ -174,7 +174,7 @@ fn one_activity_too_many_is_told_so() {
 fn logs_are_kept_and_followed_by_component_and_level() {
     let daemon = Daemon::demo("local");
     let following = daemon.spawn(&["logs", "--follow"]);
-    // What is kept comes first, then what happens.
+    // First the lines that are kept, then new ones.
     following.line_where(|line| line.ends_with("INFO  demo: runs on local"));
     following.line_where(|line| line.contains("ready on "));
     let library = component("demo").library;

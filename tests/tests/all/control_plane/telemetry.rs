@@ -8,7 +8,7 @@ use std::thread;
 use genom_tests::{Home, WATCHDOG, component, path};
 use serde_json::Value;
 
-/// A collector that takes all it gets.
+/// A collector that accepts everything.
 struct Collector {
     address: String,
     requests: Receiver<(String, Value)>,
@@ -25,7 +25,7 @@ impl Collector {
         Self { address, requests }
     }
 
-    /// The next span whose name this is.
+    /// Waits for the next span of this name.
     fn span(&self, name: &str) -> Value {
         let mut seen = Vec::new();
         loop {
@@ -43,7 +43,7 @@ impl Collector {
     }
 }
 
-/// Reads one request and accepts it; nothing when nobody wants more.
+/// Reads one request and accepts it; `None` if the test no longer listens.
 fn take(stream: TcpStream, sender: &Sender<(String, Value)>) -> Option<()> {
     let mut reader = BufReader::new(stream);
     let (mut first, mut length) = (String::new(), 0);
@@ -97,7 +97,7 @@ fn a_collector_gets_a_span_for_each_service_that_is_called() {
     assert_eq!(span["status"]["code"], 2);
     assert_eq!(span["status"]["message"], "::demo::OUT_OF_RANGE");
 
-    // What is under way when the daemon stops is told, too.
+    // Activities that are running when the daemon stops are exported, too.
     daemon.ctl(&["start", "demo", "goto", "goal=-9"]).expect_code(0);
     let (stopped, _) = daemon.stop("TERM");
     stopped.expect_code(0);

@@ -1,4 +1,4 @@
-//! Whoever reaches the control plane and means ill does not disturb the components.
+//! Attackers who can reach the control plane do not disturb the components.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -44,7 +44,7 @@ impl Doors {
     }
 }
 
-/// The demo with a task of 1 kHz, to be reached by socket and by TCP.
+/// The demo with a task at 1 kHz, reachable by socket and by TCP.
 fn start(extra: &str, arguments: &[&str]) -> (Daemon, Doors) {
     let home = Home::new();
     let mut command = Command::new(program("genomctl"));
@@ -67,7 +67,7 @@ fn start(extra: &str, arguments: &[&str]) -> (Daemon, Doors) {
     (daemon, Doors { socket, tcp, token })
 }
 
-/// Everything that ought not to disturb, again and again until told to end; at least once each.
+/// Attacks that must not disturb, repeated until told to end; each at least once.
 struct Foes<'a> {
     doors: &'a Doors,
     enough: AtomicBool,
@@ -75,7 +75,7 @@ struct Foes<'a> {
 }
 
 impl Foes<'_> {
-    /// Bytes that are no HTTP; a fixed seed, so that a failure comes again.
+    /// Bytes that are not HTTP; with a fixed seed, so that failures can be reproduced.
     fn noise(&self, door: usize) {
         let mut state = 0x9e37_79b9_7f4a_7c15_u64 + door as u64;
         self.again(|round| {
@@ -89,12 +89,13 @@ impl Foes<'_> {
             .take(length)
             .collect();
             let mut wire = self.doors.open(door);
-            // The daemon may hang up in the middle: that is its right.
+            // The daemon may hang up in the middle.
             let _ = wire.write_all(&bytes);
         });
     }
 
-    /// Half a head and half a body, of connections that stay open; few, so that friends find room.
+    /// Incomplete heads and bodies on connections that stay open; few, so that legitimate clients
+    /// can still connect.
     fn halves(&self, door: usize) {
         let mut open = std::collections::VecDeque::new();
         self.again(|round| {
@@ -124,7 +125,7 @@ impl Foes<'_> {
         });
     }
 
-    /// Bodies beyond any limit: one that says so, and one that does not end by itself.
+    /// Bodies beyond any limit: one with a declared length, one without an end.
     fn large(&self, door: usize) {
         self.again(|round| {
             let mut wire = self.doors.open(door);
@@ -142,7 +143,7 @@ impl Foes<'_> {
                     assert!(sent < 64 << 20, "the daemon reads on and on");
                 }
             }
-            // Refused with 413, or cut off while it was being sent.
+            // Refused with 413, or cut off while being sent.
             let mut status = [0; 12];
             if wire.read_exact(&mut status).is_ok() {
                 assert_eq!(&status, b"HTTP/1.1 413");
@@ -157,13 +158,13 @@ impl Foes<'_> {
             }
             attack(round);
             self.attacks.fetch_add(1, Ordering::Relaxed);
-            // They are many on one machine: the daemon shall be disturbed, not starved.
+            // There are many attackers on one machine, and the daemon must still get the processor.
             thread::yield_now();
         }
     }
 }
 
-/// Does `work` while a daemon is under attack by socket and by TCP; how many attacks there were.
+/// Runs `work` while a daemon is attacked by socket and by TCP. Returns the number of attacks.
 fn under_attack(doors: &Doors, work: impl FnOnce()) -> u64 {
     let foes = Foes { doors, enough: AtomicBool::new(false), attacks: AtomicU64::new(0) };
     thread::scope(|scope| {
@@ -173,7 +174,7 @@ fn under_attack(doors: &Doors, work: impl FnOnce()) -> u64 {
                 scope.spawn(move || attack(foes, door));
             }
         }
-        // Also when the work panics.
+        // Ends the attackers even if the work panics.
         let _end = End(&foes.enough);
         work();
     });
@@ -233,8 +234,8 @@ fn a_task_of_1_khz_goes_on_and_every_request_is_answered() {
     let begin = Instant::now();
     let mut asked = 0;
     let attacks = under_attack(&doors, || {
-        // As long as the one left alone needs for a second of its time, however loaded the
-        // machine is.
+        // For as long as the daemon that is not attacked needs for one second of its time, however
+        // busy the machine is.
         while ticks(&one).0 < before_alone.0 + 1000 {
             let speed = 0.25 + f64::from(asked % 2) / 4.0;
             let body = format!(r#"{{"velocity":{speed}}}"#);
@@ -252,10 +253,10 @@ fn a_task_of_1_khz_goes_on_and_every_request_is_answered() {
         "{attacks} attacks and {asked} requests: {ran} ticks alone, {undisturbed} under attack \
          with {overruns} overruns ({before:?} before)"
     );
-    // Both share a machine under one load. A task that waited for the control plane would stand
-    // still; a factor of 4 leaves room for what the scheduler does.
+    // Both run on one machine under the same load. A task that waited for the control plane would
+    // stand still; a factor of 4 allows for the scheduler.
     assert!(undisturbed * 4 >= ran, "{undisturbed} ticks under attack, {ran} alone");
-    // Both end as they should.
+    // Both end normally.
     attacked.stop("TERM").0.expect_code(0);
 }
 
@@ -271,14 +272,14 @@ fn half_open_connections_that_fill_the_daemon_are_closed_in_time() {
             wire.write_all(half.as_bytes()).unwrap();
             open.push(wire);
         }
-        // There is no room for one more until they are given up.
+        // No further connection is possible until they are given up.
         let mut friend = doors.open(door);
         let request = format!("{}Connection: close\r\n\r\n", doors.head("GET /components"));
         friend.write_all(request.as_bytes()).unwrap();
         let mut reply = String::new();
         friend.read_to_string(&mut reply).expect("it has its turn");
         assert!(reply.starts_with("HTTP/1.1 200"), "{reply}");
-        // Each was closed by the daemon: reading comes to an end.
+        // The daemon closed each of them: reading ends.
         for mut wire in open {
             let mut rest = Vec::new();
             wire.read_to_end(&mut rest).expect("the daemon hung up");

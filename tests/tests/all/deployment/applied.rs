@@ -1,10 +1,10 @@
-//! Deployment files: whose they are, what runs beside them, what they change, and what is told of
-//! mistakes.
+//! Deployment files: to whom they apply, what may run besides, what they change, and how mistakes
+//! are reported.
 
 use genom_tests::{Daemon, Home, component, path};
 use serde_json::json;
 
-/// Two demos of two daemons, by name or not.
+/// Demos for two daemons; a daemon may be named or not.
 fn demos(daemons: [&str; 2]) -> String {
     let library = component("demo").library;
     let one = |name: &str, daemon: &str| {
@@ -23,7 +23,7 @@ fn write(daemon: &Daemon, text: &str) -> String {
     path(&file).to_owned()
 }
 
-/// The in port of `left` that the paper's component feeds.
+/// The in port of `left`, connected to the paper's component.
 fn wired() -> String {
     let paper = component("demo-2010").description;
     format!("{}[[component]]\nlibrary = {paper:?}\nname = \"paper\"\n", demos(["", ""]))
@@ -44,7 +44,7 @@ fn a_file_of_several_daemons_is_nothing_for_one_that_it_does_not_name() {
         refused.expect_code(1).expect_err(told);
         assert_eq!(daemon.json(&["list"])["components"], json!([]));
     }
-    // By the name that it was started with.
+    // By the name with which it was started.
     let daemon = Home::new().start(&["--daemon", "arm"]);
     daemon.ctl(&["apply", &write(&daemon, &text)]).expect_code(0);
     assert_eq!(daemon.json(&["list"])["components"][0]["name"], "right");
@@ -68,7 +68,7 @@ fn what_runs_beside_a_file_is_told_and_taken_away_on_request() {
     assert_eq!(daemon.json(&["apply", "--prune", &only])["steps"], steps);
     assert_eq!(daemon.json(&["list"])["components"].as_array().unwrap().len(), 2);
     assert_eq!(daemon.json(&["connections"])["connections"], json!([]));
-    // Nor is it declared any more.
+    // The declaration is gone, too.
     let paper = component("demo-2010").description;
     daemon.ctl(&["load", path(&paper), "--name", "paper"]).expect_code(0);
     daemon.ctl(&["unload", "paper"]).expect_code(0);
@@ -96,7 +96,7 @@ fn other_settings_of_tasks_load_a_component_anew_and_keep_what_it_had() {
     assert_eq!(daemon.port("left", "parameter")["connected"], "paper/position");
     daemon.ctl(&["apply", &file]).expect_out("nothing to do: everything is as the file says\n");
 
-    // A later step is refused: it is as it was before.
+    // If a later step is refused, the state is as before.
     let wrong = changed.replace("period_ms = 4.0", "period_ms = 2.0")
         + "[[call]]\ncomponent = \"right\"\nservice = \"goto\"\ninputs = { goal = 99.0 }\n";
     daemon.ctl(&["apply", &write(&daemon, &wrong)]).expect_code(1).expect_err("OUT_OF_RANGE");
@@ -112,7 +112,7 @@ fn a_dump_has_the_options_of_the_middlewares() {
     assert_eq!(dumped["backend"].as_str(), Some("shm"));
     let prefix = daemon.home().memory().prefix().to_owned();
     assert_eq!(dumped["backends"]["shm"]["prefix"].as_str(), Some(prefix.as_str()));
-    // A daemon comes up from it, where the first one was.
+    // A daemon starts from it, in the place of the first one.
     let (_, home) = daemon.stop("TERM");
     std::fs::write(home.path().join("genomd.toml"), toml::to_string(&dumped).unwrap()).unwrap();
     let again = home.start(&[]);

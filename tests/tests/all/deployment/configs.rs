@@ -1,4 +1,4 @@
-//! The example configurations of several middlewares and machines: accepted as they are.
+//! The example configurations for several middlewares and machines are accepted as they are.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -40,7 +40,7 @@ fn two_machines_take_their_parts_of_one_file() {
     }
 }
 
-/// A component on ROS 2, with a quality of its own for a port.
+/// A component on ROS 2 with a QoS of its own for one port.
 fn on_ros2(library: &Path, name: &str, port: &str, quality: &str) -> String {
     format!(
         "backend = \"ros2\"\n[[component]]\nlibrary = {library:?}\nname = \"{name}\"\n\
@@ -60,7 +60,7 @@ fn quality_that_does_not_fit_is_told_by_why_and_by_doctor() {
     let _writer = writer.start(&[]);
     let text = on_ros2(&demo.library, "demo", "parameter", "reliable = true");
     let reader = Home::with(&memory).configured(&text).start(&[]);
-    // It is visible when it is connected.
+    // The QoS is visible when the port is connected.
     reader.ctl(&["connect", "demo/parameter", "paper/position"]).expect_code(0);
     let told = reader.ctl(&["why", "demo/parameter"]);
     let what = "a writer of paper/position on ros2 offers best effort, and the in port asks for \

@@ -1,4 +1,4 @@
-//! Deployment files: brought up, applied, dumped, refused, kept.
+//! Deployment files: started from, applied, dumped, refused, kept in force.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -68,7 +68,7 @@ fn a_file_is_applied_once_and_then_there_is_nothing_to_do() {
 
     let again = daemon.ctl(&["apply", &file]);
     again.expect_code(0).expect_out("nothing to do: everything is as the file says\n");
-    // What differs, and only that, is put right.
+    // Only what differs is changed.
     daemon.ctl(&["call", "reader", "set_speed", "velocity=0.5"]).expect_code(0);
     daemon.ctl(&["disconnect", "reader/parameter"]).expect_code(0);
     let steps = daemon.json(&["apply", &file])["steps"].clone();
@@ -90,7 +90,7 @@ fn a_dump_applied_on_a_fresh_daemon_gives_the_same() {
 
     let fresh = Daemon::start(&["--backend", "local"]);
     fresh.ctl(&["apply", &write(&fresh, &dumped.out)]).expect_code(0);
-    // But for the options of its own middlewares.
+    // Without the options of its own middlewares.
     let runs = |dump: &str| dump[dump.find("[[component]]").unwrap()..].to_owned();
     assert_eq!(runs(&fresh.ctl(&["dump"]).out), runs(&dumped.out));
     fresh.ctl(&["call", "reader", "get_speed"]).expect_out("velocity = 0.75\n");
@@ -105,7 +105,7 @@ fn a_refused_step_takes_back_all_that_were_taken() {
     refused.expect_code(1).expect_err("reader/goto ended with ::demo::OUT_OF_RANGE");
     assert_eq!(daemon.json(&["list"])["components"], Value::Array(Vec::new()));
 
-    // The other side of a connection never comes.
+    // The other side of a connection never appears.
     let waits = pair().replace("\"paper/position\"", "\"nobody/position\"");
     let refused = daemon.ctl(&["apply", "--timeout", "0.1", &write(&daemon, &waits)]);
     refused.expect_code(1).expect_err("connect reader/parameter to nobody/position: nothing after");
@@ -136,7 +136,8 @@ fn a_mistake_names_file_line_and_key_and_changes_nothing() {
     daemon.ctl(&["apply", "nothing.toml"]).expect_code(2).expect_err("nothing.toml");
 }
 
-/// Mistakes that show only when the file is applied, since they are about what components have.
+/// Mistakes that only show when the file is applied, because they concern the content of
+/// components.
 #[test]
 fn a_mistake_about_a_component_names_file_line_and_key_and_takes_all_back() {
     let daemon = Daemon::start(&["--backend", "shm"]);
@@ -167,11 +168,11 @@ fn a_mistake_about_a_component_names_file_line_and_key_and_takes_all_back() {
         let text = right.replacen(from, to, 1);
         assert_ne!(text, right, "{from}");
         daemon.ctl(&["apply", &write(&daemon, &text)]).expect_code(1).expect_err(told);
-        // As it was: nothing runs, and every name and address is free.
+        // The state is as before: nothing runs, and every name and address is free.
         assert_eq!(daemon.json(&["list"])["components"], Value::Array(Vec::new()), "{to}");
     }
     daemon.ctl(&["apply", &write(&daemon, &right)]).expect_code(0);
-    // The same from the start of a daemon.
+    // The same at the start of a daemon.
     let home = Home::new().configured(&right.replacen("velocity = 0.75", "velocity = 75.0", 1));
     let refused = home.refused(&["--backend", "shm"]);
     refused.expect_code(1).expect_err("genomd.toml:6: component.attributes.set_speed: ");
@@ -184,7 +185,7 @@ fn an_apply_tells_what_it_waits_for() {
     let applying = daemon.spawn(&["apply", "--timeout", "60", &write(&daemon, &waits)]);
     let line = applying.error_line_where(|line| line.contains("waiting"));
     assert_eq!(line.as_deref(), Some("waiting: connect reader/parameter to later/position"));
-    // Its writer comes, in another daemon on the same middleware.
+    // Its writer starts in another daemon on the same middleware.
     let paper = component("demo-2010");
     let other = Home::with(daemon.home().memory());
     let _writer = other.start(&["--backend", "shm", "--name", "later", path(&paper.description)]);
@@ -225,7 +226,7 @@ fn deployed(daemon: &Daemon) {
 fn two_daemons_come_up_from_one_file_and_a_killed_one_is_wired_again() {
     let memory = Arc::new(Memory::new());
     let start = |name| Home::with(&memory).configured(&robot()).start(&["--daemon", name]);
-    // The reader first: it waits for the writer.
+    // The reader is started first, and waits for the writer.
     let arm = start("arm");
     let base = start("base");
     deployed(&arm);
@@ -251,7 +252,7 @@ fn two_daemons_come_up_from_one_file_and_a_killed_one_is_wired_again() {
         until_answer(&Value::from(0.25), || reads(&arm, reader));
     }
 
-    // The writer's daemon dies and comes back: no command, and the samples come again.
+    // The writer's daemon is killed and started again: samples arrive without any command.
     let (_, home) = base.stop("KILL");
     let base = home.start(&["--daemon", "base"]);
     deployed(&base);
@@ -260,7 +261,7 @@ fn two_daemons_come_up_from_one_file_and_a_killed_one_is_wired_again() {
         until_answer(&Value::from(0.75), || reads(&arm, reader));
     }
 
-    // So it is when a reader goes and comes back.
+    // The same when a reader is unloaded and loaded again.
     let demo = component("demo");
     arm.ctl(&["unload", "reader4"]).expect_code(0);
     arm.ctl(&["load", path(&demo.library), "--name", "reader4", "--backend", "shm"]).expect_code(0);
@@ -268,7 +269,7 @@ fn two_daemons_come_up_from_one_file_and_a_killed_one_is_wired_again() {
         arm.port("reader4", "parameter")["connected"].clone()
     });
     until_answer(&Value::from(0.75), || reads(&arm, "reader4"));
-    // Who disconnects by hand is obeyed.
+    // A connection that was ended by hand is not restored.
     arm.ctl(&["disconnect", "reader4/parameter"]).expect_code(0);
     let file = arm.home().path().join("genomd.toml");
     let planned = arm.json(&["apply", "--dry-run", "--daemon", "arm", path(&file)]);
@@ -296,7 +297,7 @@ fn the_configuration_is_printed_as_it_is_understood() {
     let table: toml::Table = printed.out.parse().expect("TOML");
     assert_eq!(table["backend"].as_str(), Some("shm"));
     assert_eq!(table["rpc"]["max_streams"].as_integer(), Some(8));
-    // What is printed can be used.
+    // The printed text can be used as a file.
     let other = Home::new();
     std::fs::write(other.path().join("genomd.toml"), &printed.out).unwrap();
     let again = other.refused(&["--dump-config"]);

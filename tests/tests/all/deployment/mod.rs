@@ -1,4 +1,4 @@
-//! Files that say what is to run.
+//! Deployment files.
 
 mod applied;
 mod configs;

@@ -1,5 +1,5 @@
-//! A robot from cold: three components on two middlewares in two daemons, six connections, an
-//! activity, from one file; and from the death of one of its daemons.
+//! A whole robot from one file: three components on two middlewares in two daemons, six connections
+//! and an activity; from a cold start, and after one of its daemons was killed.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -9,7 +9,8 @@ use std::time::Instant;
 
 use genom_tests::{Daemon, Home, Memory, fixture};
 
-/// `near` reads the sensor over shared memory in its own daemon, `far` over zenoh in another.
+/// In the sensor's daemon `near` reads it over shared memory; in another one `far` reads it over
+/// zenoh.
 fn robot(made: &Path) -> String {
     let (sensor, fuser) = (fixture("robot", "sensor", made), fixture("robot", "fuser", made));
     let mut text = format!(
@@ -33,7 +34,8 @@ fn deployed(daemon: &Daemon) {
     assert!(line.is_some(), "the daemon ended");
 }
 
-/// Ends when all three ports of a component have this sum: who reads waits, nobody asks again.
+/// Waits until the three ports of a component have this sum: an activity waits in the component, so
+/// nothing is polled.
 #[track_caller]
 fn sums_up(daemon: &Daemon, reader: &str, wanted: &str) {
     let done = daemon.ctl(&["start", "--wait", reader, "watch", &format!("wanted={wanted}")]);
@@ -62,7 +64,7 @@ fn a_robot_comes_up_from_one_file_and_survives_the_death_of_a_daemon() {
         all.map(|made| made["backend"].as_str().unwrap().to_owned()).collect()
     };
     assert_eq!((backends(&base), backends(&arm)), (vec!["shm".into(); 3], vec!["zenoh".into(); 3]));
-    // The activity of the file ends when all three values have come.
+    // The activity of the file ends when all three values have arrived.
     let activities = arm.json(&["activities", "far"])["activities"].clone();
     let mut all = activities.as_array().unwrap().iter();
     let watch = all.find(|one| one["service"] == "watch").expect("it was started");

@@ -1,12 +1,12 @@
-//! A deployment that cannot be completed leaves a daemon that was at work as it was.
+//! A deployment that cannot be completed leaves a working daemon unchanged.
 
 use std::sync::Arc;
 
 use genom_tests::{Daemon, Home, Memory, component, path};
 use serde_json::{Value, json};
 
-/// What runs before: a writer on two middlewares, a reader of it, an axis that moves for hours,
-/// one that nobody ever touched, and one whose port has a name that another daemon uses too.
+/// The state before: a writer on two middlewares, a reader of it, an axis that moves for hours, one
+/// that is never changed, and one whose port has a name that another daemon also uses.
 fn before() -> String {
     let (demo, paper) = (component("demo"), component("demo-2010"));
     let load = |library: &std::path::Path, name: &str, rest: &str| {
@@ -30,7 +30,7 @@ fn before() -> String {
 }
 
 /// The same with a change of each kind: middlewares of components and ports, attributes (one that
-/// was set, one that never was), wires, a component more, an activity more.
+/// was set before, one that was not), connections, an additional component, an additional activity.
 fn changed() -> String {
     let demo = component("demo");
     let text = before()
@@ -52,7 +52,7 @@ fn changed() -> String {
     )
 }
 
-/// All that a supervisor sees of it.
+/// The state as a supervisor sees it.
 fn state(daemon: &Daemon) -> Value {
     let speed = |name: &&str| daemon.json(&["call", name, "get_speed"])["result"].clone();
     let running = |name: &&str| {
@@ -77,7 +77,7 @@ fn apply(daemon: &Daemon, text: &str) -> genom_tests::Finished {
     daemon.ctl(&["apply", "--timeout", "0.1", path(&file)])
 }
 
-/// Another daemon that publishes `clash/position` of another type, and the daemon at work.
+/// Another daemon that publishes `clash/position` with another type, and the daemon under test.
 fn at_work() -> (Daemon, Daemon) {
     let memory = Arc::new(Memory::new());
     let demo = component("demo");
@@ -114,19 +114,19 @@ fn whatever_step_fails_everything_is_as_it_was() {
         refused.expect_code(1).expect_err(told).expect_err("everything is as it was before");
         assert_eq!(state(&daemon), was, "{fault}");
     }
-    // A middleware refuses a port of a component that runs: its name is taken there.
+    // A middleware refuses a port of a running component, because its name is taken there.
     let clash =
         changed().replacen("\"clash\"\nbackend = \"local\"", "\"clash\"\nbackend = \"shm\"", 1);
     let refused = apply(&daemon, &clash);
     refused.expect_code(1).expect_err("component.backend: move clash to shm: ");
     assert_eq!(state(&daemon), was);
-    // An attribute of one that runs is refused.
+    // An attribute of a running component is refused.
     let fast = changed().replacen("velocity = 0.125", "velocity = 99.0", 1);
     let refused = apply(&daemon, &fast);
     refused.expect_code(1).expect_err("component.attributes.set_speed: set plain/set_speed");
     assert_eq!(state(&daemon), was);
 
-    // Without a fault it is what the file says.
+    // Without the mistake, the file takes effect.
     apply(&daemon, &changed()).expect_code(0);
     assert_ne!(state(&daemon), was);
     apply(&daemon, &changed()).expect_out("nothing to do: everything is as the file says\n");
@@ -148,7 +148,7 @@ fn what_cannot_be_taken_back_is_named() {
     let refused = apply(&daemon, &text);
     refused.expect_code(1).expect_err("all is as it was, but for: mast/goto was interrupted");
     refused.expect_err("call plain/reset {}");
-    // It was not called for a deployment that holds.
+    // It was not called as part of the deployment, so the dump does not contain it.
     let dumped = daemon.ctl(&["dump"]).out;
     assert!(!dumped.contains("reset"), "{dumped}");
 }

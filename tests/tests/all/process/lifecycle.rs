@@ -1,4 +1,4 @@
-//! Starting, stopping, being killed: nothing stays behind, nothing is in the way.
+//! Starting, stopping, being killed: nothing stays behind, and nothing blocks the next start.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt as _;
@@ -19,7 +19,7 @@ fn a_signal_stops_it_cleanly(signal: &str) {
     let waiting = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=10"]);
     let moving = events.wait_for(|e| e["state"] == "main" && e["paused"] == true);
     assert!(!daemon.home().memory().files().is_empty());
-    // So fast that it takes some periods to stop.
+    // So fast that it needs several periods to stop.
     let echo = daemon.spawn(&["echo", "demo/position", "--rate", "200"]);
     echo.line_where(|line| {
         let sample: serde_json::Value = serde_json::from_str(line).unwrap();
@@ -28,7 +28,7 @@ fn a_signal_stops_it_cleanly(signal: &str) {
     drop(echo);
     let (stopped, home) = daemon.stop(signal);
     stopped.expect_code(0);
-    // The activity was interrupted, its stop codel ran, its caller was answered.
+    // The activity was interrupted, its stop codel ran, and its caller got the reply.
     events.wait_for(|e| e["activity"] == moving["activity"] && e["state"] == "stop");
     events.wait_for(|e| e["event"] == "activity_ended" && e["activity"] == moving["activity"]);
     events.wait_for(|e| e["event"] == "component_unloaded");

@@ -15,11 +15,11 @@ fn one_library_runs_under_many_names_and_values_go_through_all_of_them() {
     }
 }
 
-/// What a daemon with so many components holds on shared memory, while all write.
+/// Resources of a daemon with this many components on shared memory, while all of them write.
 fn on_shm(components: usize, chained: bool) -> (Footprint, usize) {
     let made = tempfile::tempdir().unwrap();
     let text = Many { components, chained }.configuration("shm", made.path());
-    // Soft and hard: the daemon cannot raise it.
+    // Both the soft and the hard limit, so that the daemon cannot raise it.
     let daemon = Home::new().configured(&text).start_by(&["prlimit", "--nofile=1024:1024"], &[]);
     let last = format!("m{}", components - 1);
     let activity = if chained { "hear" } else { "reach" };
@@ -32,7 +32,7 @@ fn on_shm(components: usize, chained: bool) -> (Footprint, usize) {
     (held, segments)
 }
 
-/// What each component costs: descriptors, segments and KiB.
+/// Cost of each component: descriptors, segments and KiB.
 fn each(components: usize, chained: bool) -> (f64, f64, u64) {
     let ((few, few_segments), (many, many_segments)) =
         (on_shm(2, chained), on_shm(components, chained));
@@ -45,7 +45,7 @@ fn each(components: usize, chained: bool) -> (f64, f64, u64) {
 
 #[test]
 fn sixty_components_on_shm_fit_a_limit_of_1024_files() {
-    // Each has four out ports, that of its state among them, and thirteen services.
+    // Each has four out ports, including that of its state, and thirteen services.
     let (files, segments, resident) = each(60, false);
     assert!(files < 10., "{files} descriptors a component");
     assert!(segments < 5., "{segments} segments a component");
@@ -72,7 +72,8 @@ fn a_limit_of_files_that_is_too_low_is_named_with_the_way_out() {
 
 #[test]
 fn components_stop_side_by_side() {
-    // Each has a task of 10 Hz: who waits for its ticks one after the other needs 0.2 s for each.
+    // Each has a task at 10 Hz; waiting for their ticks one after the other would take 0.2 s for
+    // each.
     let made = tempfile::tempdir().unwrap();
     for chained in [false, true] {
         let text = Many { components: 100, chained }.configuration("local", made.path());

@@ -1,4 +1,4 @@
-//! The daemon as a process of its machine: start, stop, signals, numbers.
+//! The daemon as a process: start, stop, signals, resources.
 
 mod lifecycle;
 mod many;

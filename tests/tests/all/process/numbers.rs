@@ -1,10 +1,10 @@
-//! Many components in one daemon: what is done once for all of them, and the limits of the system
+//! Many components in one daemon: work that is done once for all of them, and limits of the system
 //! that they may reach.
 
 use genom_tests::{Footprint, Many};
 use genom_tests::{Home, path};
 
-/// More components than a daemon of 64 files can have.
+/// More components than a daemon with 64 file descriptors can have.
 const ALL: Many = Many { components: 20, chained: false };
 
 #[test]
@@ -16,7 +16,7 @@ fn one_library_under_many_names_is_read_and_compared_once_until_it_changes() {
     let (library, description) = (made.path().join("many.so"), made.path().join("many.gen"));
     let load = |name: &str| daemon.ctl(&["load", path(&description), "--name", name]);
     load("again").expect_code(0);
-    // Written anew with the same contents, it is the same; with others, it is not.
+    // Rewritten with the same contents it counts as the same; with other contents it does not.
     std::fs::copy(&library, made.path().join("copy")).unwrap();
     std::fs::rename(made.path().join("copy"), &library).unwrap();
     load("copied").expect_code(0);

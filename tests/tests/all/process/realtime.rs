@@ -1,7 +1,8 @@
-//! What the configuration asks of the system: memory that stays, processors, real-time priority.
+//! What the configuration requests from the system: locked memory, processors, real-time priority.
 //!
-//! Whether the system grants it depends on who runs the tests: what is checked is that the daemon
-//! tells the truth. That it goes on when all is refused is checked by giving every right away.
+//! Whether the system grants it depends on who runs the tests, so these check that the daemon
+//! reports it truthfully. That it continues when everything is refused is checked by giving up all
+//! privileges.
 
 use std::fs;
 use std::time::{Duration, Instant};
@@ -9,7 +10,7 @@ use std::time::{Duration, Instant};
 use genom_tests::{Daemon, Home, WATCHDOG, component, path};
 use serde_json::Value;
 
-/// Value of a field of a `status` file of the system.
+/// Value of a field in `/proc/<pid>/status`.
 fn field(status: &str, name: &str) -> String {
     let mut lines = status.lines();
     let value = lines.find_map(|line| line.strip_prefix(name)?.strip_prefix(':'));
@@ -27,7 +28,7 @@ fn some_cpu() -> usize {
     last.parse().unwrap()
 }
 
-/// The demo, with something asked for its task, and for the memory.
+/// The demo with real-time settings for its task and memory.
 fn demo(prefix: &[&str], cpu: usize) -> Daemon {
     let demo = component("demo");
     let config = format!(
@@ -38,7 +39,7 @@ fn demo(prefix: &[&str], cpu: usize) -> Daemon {
     Home::new().configured(&config).start_by(prefix, &[])
 }
 
-/// Where the thread of the demo's task may run, and how the system schedules it.
+/// Allowed processors, priority and scheduling policy of the demo's task thread.
 fn thread_of_task(daemon: &Daemon) -> (String, u32, i32) {
     let tasks = format!("/proc/{}/task", daemon.process().id());
     for entry in fs::read_dir(tasks).unwrap() {
@@ -46,7 +47,8 @@ fn thread_of_task(daemon: &Daemon) -> (String, u32, i32) {
         let status = fs::read_to_string(directory.join("status")).unwrap_or_default();
         if status.starts_with("Name:\tdemo:main\n") {
             let stat = fs::read_to_string(directory.join("stat")).unwrap();
-            // proc(5): fields 40 and 41, counted from 1; the third comes after the name.
+            // proc(5): fields 40 and 41, counted from 1; the text after the name begins with field
+            // 3.
             let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
             let priority = fields[40 - 3].parse().unwrap();
             return (
@@ -65,7 +67,7 @@ const FIFO: i32 = 1;
 fn the_daemon_says_truly_what_the_system_granted() {
     let cpu = some_cpu();
     let daemon = demo(&[], cpu);
-    // genom3.md 7.4: 0 is the highest, 255 the lowest, which is 1 for the system.
+    // genom3.md 7.4: 0 is the highest priority, 255 the lowest, which is 1 for the system.
     let (cpus, priority, policy) = thread_of_task(&daemon);
     let locked = field(&status(&daemon.process().id().to_string()), "VmLck") != "0 kB";
     let real_time = daemon.json(&["stats", "demo"])["tasks"][0]["real_time"] == true;
@@ -83,17 +85,17 @@ fn the_daemon_says_truly_what_the_system_granted() {
 #[test]
 fn what_is_refused_is_said_and_done_without() {
     let limits = ["prlimit", "--memlock=65536", "--rtprio=0"];
-    // Who may do everything gives that away first.
+    // A privileged user gives up the privileges first.
     let given_away = ["setpriv", "--bounding-set", "-sys_nice,-ipc_lock,-sys_resource"];
     let mighty = field(&status("self"), "CapEff").contains(|digit| digit != '0');
     let prefix: Vec<&str> =
         if mighty { limits.into_iter().chain(given_away).collect() } else { limits.to_vec() };
-    // The last processor there can be is not there.
+    // The last possible processor does not exist.
     let daemon = demo(&prefix, 1023);
     let (_, _, policy) = thread_of_task(&daemon);
     assert_ne!(policy, FIFO);
     assert_eq!(daemon.json(&["stats", "demo"])["tasks"][0]["real_time"], false);
-    // It works all the same.
+    // It works nevertheless.
     daemon.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
     let (stopped, _) = daemon.stop("TERM");
     stopped.expect_code(0);
@@ -119,15 +121,15 @@ fn the_state_port_tells_when_the_library_was_built() {
     assert!(is_date, "{date}");
 }
 
-/// Figures of the demo's task.
+/// Statistics of the demo's task.
 fn figures(daemon: &Daemon) -> Value {
     daemon.json(&["stats", "demo"])["tasks"][0].clone()
 }
 
 #[test]
 fn ticks_missed_while_the_system_gave_no_processor_are_counted() {
-    // genom3.md 7.4: what comes beyond the one latched tick is lost, also when the task slept
-    // through it.
+    // genom3.md 7.4: ticks beyond the one that is latched are lost, also while the process was
+    // stopped.
     let daemon = Daemon::demo("local");
     let overruns = |figures: &Value| figures["overruns"].as_u64().unwrap();
     let passes = |figures: &Value| figures["lateness"]["count"].as_u64().unwrap();
@@ -146,7 +148,7 @@ fn ticks_missed_while_the_system_gave_no_processor_are_counted() {
     let period = Duration::from_nanos(before["period_ns"].as_u64().unwrap());
     let ticks = stopped.elapsed().as_nanos() / period.as_nanos();
     daemon.process().signal("CONT");
-    // The pass after the stop is counted when two more have been made than were until now.
+    // The pass after the stop has been counted once two more passes have been made.
     let first = figures(&daemon);
     let after = loop {
         let after = figures(&daemon);

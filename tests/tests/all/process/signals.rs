@@ -1,4 +1,4 @@
-//! Signals to a daemon: the end of its terminal, and requests to stop while it starts.
+//! Signals to a daemon: its terminal is closed, or it is asked to stop while it starts.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -6,14 +6,14 @@ use std::process::Command;
 use genom_tests::{Home, Running, component, fixture, path, program, repository, request, until};
 use serde_json::json;
 
-/// A home, and a component that says in files of it when it starts and when its stop codel ran.
+/// A home, and a component that writes to files when it starts and when its stop codel has run.
 fn home() -> (Home, String) {
     let home = Home::new();
     let late = fixture("late", "late", home.path());
     (home, late)
 }
 
-/// Runs a command on a terminal that is closed once `text` was seen on it; returns after that.
+/// Runs a command on a terminal that is closed when `text` appears on it; returns after that.
 fn on_a_terminal_that_closes(home: &Home, text: &str, command: &[&str]) -> Running {
     let steps = json!([{"wait": text}, {"close": true}]).to_string();
     let mut python = Command::new(std::env::var_os("PYTHON").unwrap_or_else(|| "python3".into()));
@@ -24,7 +24,7 @@ fn on_a_terminal_that_closes(home: &Home, text: &str, command: &[&str]) -> Runni
     running
 }
 
-/// The daemon of this home, as a command line.
+/// The command line for a daemon in this home.
 fn genomd(home: &Home, arguments: &[&str]) -> Vec<String> {
     let (program, socket) = (program("genomd"), home.socket());
     let config = home.path().join("genomd.toml");
@@ -62,7 +62,7 @@ fn the_end_of_the_terminal_of_its_shell_stops_the_daemon() {
     until("it is gone", || !home.socket().exists());
 }
 
-/// The daemon outlives its terminal, logs into nowhere, and stops in the end when asked.
+/// Checks that the daemon survives its terminal, although it can log nowhere, and stops when asked.
 #[track_caller]
 fn goes_on_without_its_terminal(home: &Home, command: &[&str]) {
     let terminal = on_a_terminal_that_closes(home, "ready on", command);
@@ -96,12 +96,12 @@ fn with_keep_the_daemon_outlives_its_terminal() {
 fn with_nohup_the_daemon_outlives_its_terminal() {
     let (home, late) = home();
     let_it_start(&home);
-    // As nohup does, which would take the terminal's output as well.
+    // As nohup does, but without redirecting the output.
     let line = format!("trap '' HUP; exec {}", genomd(&home, &[&late]).join(" "));
     goes_on_without_its_terminal(&home, &["sh", "-c", &line]);
 }
 
-/// A daemon with the demo, which moves, and a component in a start codel that does not return.
+/// A daemon with the demo in motion, and a component in a start codel that does not return.
 fn starting(home: &Home, late: &str, arguments: &[&str]) -> Running {
     let demo = component("demo");
     let running = home.spawn(&[arguments, &[path(&demo.library), late]].concat());

@@ -1,4 +1,4 @@
-//! `docs/backend.md` shows the example backend as it is.
+//! `docs/backend.md` shows the example backend's actual code.
 
 use genom_tests::repository;
 
@@ -19,7 +19,7 @@ fn what_the_page_on_backends_shows_is_the_text_of_the_example() {
         let is_there = sources.iter().any(|source| source.contains(block));
         assert!(is_there, "middlewares/example says otherwise by now:\n{block}");
     }
-    // Each way that a sample takes, and the test, are on the page.
+    // Both directions of a sample, and the test, are on the page.
     for part in ["impl Publisher for", "impl Subscription for", "impl Ports for", "conformance!"] {
         assert!(shown.iter().any(|block| block.contains(part)), "the page shows no `{part}`");
     }

@@ -1,5 +1,5 @@
-//! No file of a crate uses one that uses it, directly or over others: each can be read with those
-//! below it alone.
+//! The files of a crate do not depend on each other in circles, so that each can be read with only
+//! those below it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -9,10 +9,10 @@ use genom_tests::{files, repository};
 
 use super::uses::{Uses, uses};
 
-/// Crates whose circles are still to be opened. A crate here that has none fails the test.
+/// Crates that still have circles. A crate listed here without any fails the test.
 const CIRCULAR: &[&str] = &[];
 
-/// Files that each file uses, directly or over others.
+/// All files that each file uses, directly or indirectly.
 fn reached(uses: &Uses) -> BTreeMap<&str, BTreeSet<&str>> {
     let mut below: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
     for (from, to) in uses.keys() {
@@ -31,7 +31,7 @@ fn reached(uses: &Uses) -> BTreeMap<&str, BTreeSet<&str>> {
     all
 }
 
-/// Files that use each other, directly or over others: each circle once.
+/// Sets of files that use each other, directly or indirectly; each set once.
 fn circles(uses: &Uses) -> Vec<BTreeSet<&str>> {
     let reached = reached(uses);
     let mut all = BTreeSet::new();
@@ -43,7 +43,7 @@ fn circles(uses: &Uses) -> Vec<BTreeSet<&str>> {
     all.into_iter().filter(|circle| !circle.is_empty()).collect()
 }
 
-/// A circle, for a reader: who uses whom, by which names.
+/// Describes a circle: which file uses which, through which names.
 fn drawn(uses: &Uses, circle: &BTreeSet<&str>) -> String {
     let inside = |(from, to): &(String, String)| {
         circle.contains(from.as_str()) && circle.contains(to.as_str())
@@ -90,7 +90,7 @@ fn no_file_uses_one_that_uses_it() {
     assert!(wrong.is_empty(), "files that use each other (what both need goes below):\n{wrong}");
 }
 
-/// The uses of a made-up crate, and what its circles are.
+/// The uses and circles of a made-up crate.
 fn of(files: &[(&str, &str)]) -> (Uses, Vec<Vec<String>>) {
     let texts = files.iter().map(|(path, text)| ((*path).to_owned(), (*text).to_owned()));
     let uses = uses("src/lib.rs", &texts.collect());
@@ -133,7 +133,8 @@ fn declaring_and_exporting_children_is_no_use_but_naming_them_in_code_is() {
 
 #[test]
 fn names_are_followed_to_the_file_that_defines_them() {
-    // By a re-export, another name, a glob, a module inside a file, a list, a path inside a macro.
+    // Through a re-export, another name, a glob, a module inside a file, a list, a path inside a
+    // macro.
     for code in [
         "use crate::b::Below; fn f(_: Below) {}",
         "use crate::b::inner::{self, Below as Other}; fn f(_: Other) {}",

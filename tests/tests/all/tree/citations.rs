@@ -1,11 +1,11 @@
-//! Code and tests cite `docs/reference` by section; each section cited exists.
+//! Code and tests cite `docs/reference` by section; each cited section exists.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use genom_tests::{files, repository};
 
-/// Numbers of the sections of a reference: `7` of `## 7. ...`, `7.5` of `### 7.5 ...`, `A`.
+/// Section numbers of a reference: `7` from `## 7. ...`, `7.5` from `### 7.5 ...`, `A`.
 fn sections(reference: &str) -> BTreeSet<String> {
     let text = std::fs::read_to_string(repository().join("docs/reference").join(reference));
     let text = text.expect("the reference is there");
@@ -17,7 +17,7 @@ fn sections(reference: &str) -> BTreeSet<String> {
     headings.filter_map(number).collect()
 }
 
-/// What stands right after each `genom3.md ` of a file: `7.5`, `K24`, `appendix`, ...
+/// The text right after each `genom3.md ` in a file: `7.5`, `K24`, `appendix`, ...
 fn citations(file: &Path, reference: &str) -> Vec<String> {
     let text = std::fs::read_to_string(file).unwrap_or_default();
     let mut after = text.split(reference).skip(1).map(str::to_owned).collect::<Vec<_>>();
@@ -37,7 +37,7 @@ fn every_section_that_is_cited_exists() {
         assert!(sections.len() > 2, "{reference} has sections: {sections:?}");
         for file in files("rs") {
             for cited in citations(&file, reference) {
-                // A rule of section 3 (K24) or words are no number of a section.
+                // A rule of section 3 (K24) or a word is not a section number.
                 if !cited.starts_with(|c: char| c.is_ascii_digit()) {
                     continue;
                 }

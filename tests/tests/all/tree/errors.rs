@@ -1,12 +1,12 @@
-//! An error is a type with a case for each thing that can go wrong, not a text: callers tell cases
-//! apart, and the cause stays.
+//! Errors are enums with a variant for each cause, not texts, so that callers can distinguish them
+//! and the cause is kept.
 
 use std::collections::BTreeMap;
 use std::fs;
 
 use genom_tests::{files, repository};
 
-/// Files where a function may fail with a text, how many do, and why they may.
+/// Files in which functions may return an error as text, with their number and the reason.
 const TEXTS: &[(&str, usize, &str)] = &[
     ("daemon/genomctl/src/times.rs", 1, "a parser of clap, which prints the text"),
     ("daemon/genomctl/src/verbs/step.rs", 1, "a parser of clap, which prints the text"),
@@ -32,19 +32,19 @@ fn functions_fail_with_errors_and_not_with_texts() {
     assert_eq!(found, wanted, "write an error enum, or say here why a text is enough");
 }
 
-/// How many types `Result<_, String>` there are, on one line or on several, within others or not.
+/// Number of types `Result<_, String>`, on one line or several, nested in others or not.
 fn results_with_text(code: &str) -> usize {
     let types = code.match_indices("Result<").map(|(at, word)| &code[at + word.len()..]);
     types.filter(|rest| second_argument(rest).is_some_and(|one| one.trim() == "String")).count()
 }
 
-/// What stands after the first comma between the brackets that `rest` begins within.
+/// The text after the first comma at the level at which `rest` begins.
 fn second_argument(rest: &str) -> Option<&str> {
     let (mut depth, mut comma, mut before) = (0_i32, None, ' ');
     for (at, sign) in rest.char_indices() {
         match sign {
             '<' | '(' | '[' => depth += 1,
-            // The end of an arrow closes nothing.
+            // The `>` of `->` is not a closing bracket.
             '>' if before == '-' => {}
             '>' | ')' | ']' if depth == 0 => {
                 let all = &rest[comma? + 1..at];

@@ -1,4 +1,4 @@
-//! What holds for the files of this repository.
+//! Rules for the files of this repository.
 
 mod backend_page;
 mod circles;

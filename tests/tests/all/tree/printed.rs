@@ -1,5 +1,5 @@
-//! Every command that the README and the other pages show is run as it is printed, in order; or it
-//! is named here with the reason why not.
+//! Every command in the README and the other pages is run as printed, in order, or is listed here
+//! with the reason why not.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -12,7 +12,7 @@ use std::process::Command;
 use genom_tests::{Memory, Running, component, files, path, program, repository};
 use tempfile::TempDir;
 
-/// Commands by their beginnings, and what runs them, or why nothing does.
+/// Beginnings of commands that are not run here, with what runs them or the reason.
 const ELSEWHERE: &[(&str, &str)] = &[
     ("cargo demo", "components/build/tests/demos.rs"),
     ("cargo test", "what this is part of"),
@@ -39,13 +39,13 @@ const ELSEWHERE: &[(&str, &str)] = &[
     ("genomd -I idl NAME.so", "NAME is the reader's"),
 ];
 
-/// Commands that go on until somebody ends them.
+/// Commands that run until they are interrupted.
 const ENDLESS: &[&str] = &["genomctl echo ", "genomctl hz ", "genomctl bw ", "genomctl events"];
 
-/// Other than 0, since it depends on the machine.
+/// May exit with a status other than 0, depending on the machine.
 const MAY_COMPLAIN: &str = "genomctl doctor";
 
-/// The commands of the `sh` blocks of a page, and files that it shows.
+/// The commands of a page's `sh` blocks, and the files that it shows.
 #[derive(Default)]
 struct Page {
     commands: Vec<String>,
@@ -74,7 +74,7 @@ impl Page {
     }
 }
 
-/// Lines, those that go on with a `\` joined.
+/// Lines; those that end with `\` are joined with the next.
 fn commands(block: &str) -> Vec<String> {
     let joined = block.replace("\\\n", " ");
     let lines = joined.lines().map(str::trim).filter(|line| !line.is_empty());
@@ -85,13 +85,14 @@ fn elsewhere(command: &str) -> Option<usize> {
     ELSEWHERE.iter().position(|(begin, _)| command.starts_with(begin))
 }
 
-/// A place that looks like the repository after `cargo demo`, with directories of a user of its own.
+/// A directory that looks like the repository after `cargo demo`, with a separate home for the
+/// user's files.
 struct Place {
     root: TempDir,
     memory: Memory,
-    /// In place of the one that the pages show.
+    /// Replaces the address on the pages.
     address: String,
-    /// Those that run, with the sockets they were given.
+    /// Running daemons, by the socket they were given.
     daemons: RefCell<Vec<(String, Running)>>,
 }
 
@@ -113,7 +114,7 @@ impl Place {
             fs::create_dir(place.path(name)).unwrap();
             fs::set_permissions(place.path(name), fs::Permissions::from_mode(0o700)).unwrap();
         }
-        // genomd on shared memory and a network that nobody else is on.
+        // genomd on shared memory and a network that nobody else uses.
         let genomd = format!(
             "#!/bin/sh\nexec {:?} --set backends.shm.prefix={} --set backends.shm.root={:?} \
              --set backends.zenoh.rendezvous={:?} \"$@\"\n",
@@ -133,7 +134,7 @@ impl Place {
     }
 
     fn start(&self, command: &str) -> Running {
-        // The one thing that is not as printed: another test, or a daemon, may have the address.
+        // The only difference from what is printed: another test or daemon may use that address.
         let command = command.replace("127.0.0.1:7300", &self.address);
         let system = std::env::var("PATH").unwrap_or_default();
         let mut shell = Command::new("sh");
@@ -172,7 +173,7 @@ impl Place {
         assert!(done, "`{command}` ends with {:?}:\n{}", finished.code, finished.err);
     }
 
-    /// Stops the daemon at this socket, or all of them; they end as they should.
+    /// Stops the daemon at this socket, or all of them; checks that they end normally.
     fn stop(&self, socket: Option<&str>) {
         let (stop, keep) = self
             .daemons
@@ -188,7 +189,7 @@ impl Place {
     }
 }
 
-/// An address that nobody has.
+/// A free address.
 fn free() -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     listener.local_addr().unwrap().to_string()
@@ -206,7 +207,7 @@ fn pages() -> Vec<PathBuf> {
 fn every_command_of_the_pages_is_run_as_printed_or_named_with_its_reason() {
     let mut ran = 0;
     let mut held = BTreeSet::new();
-    // Later pages go on with what the first one, the README, shows.
+    // Later pages continue with the files of the first page, the README.
     let mut shown = Vec::new();
     for page in pages() {
         let Page { commands, files } = Page::read(&page);
@@ -240,7 +241,7 @@ fn verbs_and_options_named_in_sentences_are_there() {
         for said in text.split("`genomctl ").skip(1).filter_map(|rest| rest.split_once('`')) {
             let words = said.0.split(' ').filter(|word| !word.is_empty());
             let words: Vec<&str> = words.take_while(|word| *word != "|").collect();
-            // `genomctl --json`, `genomctl --host X VERB`: options come first there.
+            // `genomctl --json`, `genomctl --host X VERB`: options come before the verb.
             let verb = words.first().copied().unwrap_or_default();
             if verb.is_empty() || verb.starts_with('-') || verb.starts_with(char::is_uppercase) {
                 continue;

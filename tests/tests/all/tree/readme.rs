@@ -1,4 +1,4 @@
-//! The components that README.md shows are written, built and run as it says.
+//! The components in README.md are written to files, built and run as it says.
 
 use std::path::Path;
 use std::process::Command;
@@ -8,7 +8,7 @@ use genom_components::Paths;
 use genom_tests::{Daemon, WATCHDOG, path, repository};
 use tempfile::TempDir;
 
-/// The fenced block of README.md that holds `text`.
+/// The fenced block of README.md that contains `text`.
 #[track_caller]
 fn block(text: &str) -> String {
     let readme = std::fs::read_to_string(repository().join("README.md")).unwrap();
@@ -23,7 +23,7 @@ fn run(command: &mut Command) {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
 }
 
-/// Its lamp is lit and put out every half second.
+/// Checks that the lamp switches every half second.
 fn blinks(library: &Path) {
     let daemon = Daemon::start(&[path(library)]);
     let lamp = || daemon.ctl(&["call", "blink", "get"]).expect_code(0).out.clone();
@@ -60,7 +60,7 @@ fn the_component_in_rust_runs() {
         repository().join("plugin-api/rust"),
     );
     std::fs::write(root.join("Cargo.toml"), manifest).unwrap();
-    // The versions that are there already.
+    // Uses the versions of dependencies that are already there.
     std::fs::copy(repository().join("Cargo.lock"), root.join("Cargo.lock")).unwrap();
     let target = Paths::of_workspace().unwrap().target.join("readme");
     let mut build = Command::new(env!("CARGO"));

@@ -1,4 +1,4 @@
-//! docs/cli.md is what genomctl says of itself, and every verb has a test.
+//! docs/cli.md matches the help texts of genomctl, and every verb has a test.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use std::process::Command;
 
 use genom_tests::{Running, program, repository};
 
-/// Verbs that no transcript can show, with the tests that do.
+/// Verbs that cannot be in a transcript, with the tests that use them.
 const ELSEWHERE: &[(&str, &str, &str)] = &[
     (
         "lsp",
@@ -53,7 +53,7 @@ const ELSEWHERE: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Transcripts by the test that plays them: `"look": what_runs_is_listed,`.
+/// Transcripts and the tests that play them: `"look": what_runs_is_listed,`.
 fn played() -> Vec<(String, String)> {
     let source =
         fs::read_to_string(repository().join("tests/tests/all/cli/transcripts.rs")).unwrap();
@@ -68,7 +68,7 @@ fn played() -> Vec<(String, String)> {
     found
 }
 
-/// Whether a transcript uses a verb, and sees it refused.
+/// Whether a transcript uses a verb, and whether it shows a refusal.
 fn uses(text: &str, verb: &str) -> (bool, bool) {
     let (mut used, mut refused, mut current) = (false, false, false);
     for line in text.lines() {
@@ -118,7 +118,7 @@ fn table(verbs: &[&str]) -> String {
     }
     let way = "show it in tests/transcripts, or name its test in ELSEWHERE";
     assert!(untested.is_empty(), "verbs without a test: {untested:?}; {way}");
-    // Without a daemon, at least, every verb that needs one is refused.
+    // Every verb that needs a daemon is refused at least when there is none.
     assert!(unrefused.is_empty(), "verbs never seen refused: {unrefused:?}; {way}");
     out
 }

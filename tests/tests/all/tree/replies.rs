@@ -1,11 +1,11 @@
-//! Types of the control plane stand in the protocol crate: what the daemon says and what its
-//! client reads are no types of their own.
+//! Types of the control plane are defined in the protocol crate only; neither the daemon nor its
+//! client defines its own.
 
 use std::fs;
 
 use genom_tests::{files, repository};
 
-/// Lines of the code below a folder, but for tests, each with its file below the folder.
+/// Lines of code in a folder, without tests, with file and line number.
 fn code(folder: &str) -> Vec<(String, usize, String)> {
     let root = repository().join(folder);
     let mut all = Vec::new();
@@ -21,12 +21,12 @@ fn code(folder: &str) -> Vec<(String, usize, String)> {
     all
 }
 
-/// Whether a line says a word of its own, not as part of a longer one.
+/// Whether a line contains a word, not as part of a longer one.
 fn says(line: &str, word: &str) -> bool {
     line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|found| found == word)
 }
 
-/// Whether a line looks a member up by a name that stands there: `["name"]`, `.get("name")`,
+/// Whether a line accesses a member by a literal name: `["name"]`, `.get("name")`,
 /// `.pointer("/name")`.
 fn looks_up(line: &str) -> bool {
     let quoted = |open: &str| {
@@ -54,7 +54,7 @@ fn what_the_daemon_says_has_its_types_in_the_protocol_alone() {
         let schema = ["ToSchema", "IntoParams", "ToResponse"].iter().any(|word| says(&line, word));
         let told = file.starts_with("genomd/src/rpc/")
             && ["Serialize", "Deserialize"].iter().any(|word| says(&line, word))
-            // The trait's function, to read a protocol's type.
+            // Calls the trait's function, to read a type of the protocol crate.
             && !line.contains("Deserialize as _");
         if schema || told {
             wrong.push(format!("daemon/{file}:{at}: {line}"));
@@ -63,10 +63,10 @@ fn what_the_daemon_says_has_its_types_in_the_protocol_alone() {
     none(wrong);
 }
 
-/// Files of genomctl that read something else than replies, and what.
+/// Files of genomctl that deserialise something other than replies, and what.
 const READ: &[(&str, &str)] = &[("lsp/mod.rs", "options that an editor sends")];
 
-/// Files of genomctl that name members of something else than replies, and of what.
+/// Files of genomctl that access members of something other than replies, and of what.
 const LOOKED_UP: &[(&str, &str)] = &[
     ("agreement.rs", "lines of a manifest"),
     ("doctor/live.rs", "options of a middleware, which are a map in the protocol, too"),

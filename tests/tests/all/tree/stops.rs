@@ -1,4 +1,4 @@
-//! ARCHITECTURE.md tells where a request, a sample and a description go: each stop exists.
+//! ARCHITECTURE.md lists the path of a request, a sample and a description; each stop exists.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use genom_tests::repository;
 
 const TITLE: &str = "## One request, one sample, one description: where they go";
 
-/// The lists below the title, each with its stops: `1. FILE, FUNCTION: what happens there`.
+/// The lists by title, each with its stops: `1. FILE, FUNCTION: what happens there`.
 fn ways() -> Vec<(String, Vec<String>)> {
     let text = fs::read_to_string(repository().join("ARCHITECTURE.md")).unwrap();
     let (_, page) = text.split_once(TITLE).expect("ARCHITECTURE.md has the page");
@@ -23,7 +23,7 @@ fn ways() -> Vec<(String, Vec<String>)> {
     ways
 }
 
-/// File and function of a stop, each between back quotes.
+/// File and function of a stop, each in backquotes.
 fn place(stop: &str) -> (&str, &str) {
     let mut quoted = stop.split('`').skip(1).step_by(2);
     match (quoted.next(), quoted.next()) {

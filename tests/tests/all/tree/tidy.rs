@@ -1,5 +1,5 @@
-//! What holds for the whole tree: arrows between crates, size and shape of files, words that
-//! must not leak, configurations that parse.
+//! Rules for the whole repository: dependencies between crates, size and shape of files, words that
+//! may not be used in some crates, valid configurations.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -39,7 +39,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-components", &[]),
     ("genom-allocations", &[]),
 ];
-/// `genom`: the table that libraries of Rust codels export, which the host reads.
+/// `genom`: the table that Rust component libraries export, which the host reads.
 const HOST: &[&str] = &[
     "genom",
     "genom-description",
@@ -56,7 +56,7 @@ const GENOMCTL: &[&str] = &[
     "genom-rosidl",
     "genom-types",
 ];
-/// The one crate that knows which middlewares there are.
+/// The only crate that knows which middlewares exist.
 const BACKENDS: &[&str] =
     &["genom-local", "genom-middleware", "genom-nearest", "genom-ros2", "genom-shm", "genom-zenoh"];
 const CONFIGURATION: &[&str] =
@@ -75,9 +75,9 @@ const SUPERVISOR: &[&str] = &[
 ];
 const MIDDLEWARE: &[&str] = &["genom-middleware", "genom-types"];
 const BACKEND: &[&str] = &["genom-kit", "genom-middleware", "genom-types"];
-/// Crates above all others: what they know is their own affair.
+/// Crates at the top: they may use any other.
 const TOP: &[&str] = &["genomd", "genom-tests"];
-/// Crates outside which nothing is unsafe.
+/// Crates that may contain unsafe code.
 const UNSAFE: &[&str] = &[
     "genom-types",
     "genom-host",
@@ -128,7 +128,7 @@ fn crates_know_only_those_below() {
         if TOP.contains(&name) {
             continue;
         }
-        // Components are their authors': they know the SDK and nothing else.
+        // Components use the SDK and nothing else.
         let component = relative(package.manifest_path.as_std_path()).starts_with("components/");
         let known = allowed.get(name).copied().or(component.then_some(&["genom"][..]));
         let Some(known) = known else {
@@ -137,7 +137,7 @@ fn crates_know_only_those_below() {
         };
         for dependency in &package.dependencies {
             let below = dependency.name.as_str();
-            // Tests of a crate may use its neighbours; the product may not.
+            // Tests of a crate may use other crates; the crate itself may not.
             let product = dependency.kind != cargo_metadata::DependencyKind::Development;
             if product && ours.contains(below) && !known.contains(&below) {
                 wrong.push(format!("{name} -> {below}"));
@@ -207,7 +207,7 @@ fn no_crate_has_more_than_12000_lines() {
     let all = files("rs");
     let mut wrong = Vec::new();
     for package in &metadata.packages {
-        // What ships; tests and benchmarks beside it do not count.
+        // Only what ships; tests and benchmarks do not count.
         let source = package.manifest_path.as_std_path().with_file_name("src");
         let own = all.iter().filter(|path| path.starts_with(&source));
         let lines = own.map(|path| fs::read_to_string(path).unwrap().lines().count());
@@ -230,7 +230,7 @@ fn unsafe_code_stays_where_it_belongs() {
     for package in &metadata.packages {
         let component = relative(package.manifest_path.as_std_path()).starts_with("components/");
         let exempt = UNSAFE.contains(&package.name.as_str())
-            // Rust codels are C functions: their export is an unsafe attribute.
+            // Rust codels are C functions: exporting them needs an unsafe attribute.
             || component && package.name.as_str() != "genom-components";
         for target in &package.targets {
             let root = fs::read_to_string(&target.src_path).unwrap();
@@ -248,7 +248,7 @@ fn unsafe_code_stays_where_it_belongs() {
 
 #[test]
 fn every_unsafe_block_says_why_it_is_sound() {
-    // Clippy checks blocks; this catches `unsafe impl` and files that switch the lint off.
+    // Clippy checks blocks; this finds `unsafe impl` and files that disable the lint.
     let mut wrong = Vec::new();
     for path in files("rs") {
         let text = fs::read_to_string(&path).unwrap();

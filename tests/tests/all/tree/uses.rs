@@ -1,20 +1,20 @@
-//! Which files of a crate use which: a small reader of modules, imports and paths.
+//! Which files of a crate use which: a small parser of modules, imports and paths.
 //!
-//! File A uses file B when A's code says a name that B defines: in an import, or in a path that
+//! File A uses file B if A's code contains a name that B defines: in an import, or in a path that
 //! begins with `crate`, `super`, `self`, a child module or an imported name. Names are followed
-//! through re-exports and globs to the file that defines them. No use are: the declaration of a
-//! module, a re-export whose name the file does not say otherwise, code for tests (`#[test]`,
-//! `#[cfg(test)]`), comments and strings. Methods and fields are not followed: who calls a method
-//! on a value that it was handed knows the value's type by another name already.
+//! through re-exports and globs to the file that defines them. Not counted are: the declaration of
+//! a module, a re-export whose name the file does not use otherwise, test code (`#[test]`,
+//! `#[cfg(test)]`), comments and strings. Methods and fields are not followed: code that calls a
+//! method on a value usually also names the value's type.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
-/// Files that use others, with the names they say: `(from, to) -> names`.
+/// Files that use others, with the names they use: `(from, to) -> names`.
 pub(crate) type Uses = BTreeMap<(String, String), BTreeSet<String>>;
 
-/// The uses between the files of the crate with this root, `texts` being its files by their paths.
+/// The uses between the files of the crate with this root; `texts` contains its files by path.
 pub(crate) fn uses(root: &str, texts: &BTreeMap<String, String>) -> Uses {
     let mut reader = Reader { texts, modules: Vec::new() };
     reader.modules.push(Module::new(root, None));
@@ -23,7 +23,7 @@ pub(crate) fn uses(root: &str, texts: &BTreeMap<String, String>) -> Uses {
     Crate(reader.modules).uses()
 }
 
-/// A module: a file's, or one written out inside a file.
+/// A module: a file, or an inline one within a file.
 struct Module {
     file: String,
     parent: Option<usize>,
@@ -31,14 +31,14 @@ struct Module {
     /// Names that it defines.
     items: BTreeSet<String>,
     imports: Vec<Import>,
-    /// Paths that its code says outside of imports.
+    /// Paths in its code outside imports.
     paths: Vec<Vec<String>>,
 }
 
 /// One name of a `use` declaration, or all names of a module.
 struct Import {
     path: Vec<String>,
-    /// What the path is called here; `None` for `*`.
+    /// Name under which the path is imported; `None` for `*`.
     name: Option<String>,
     exported: bool,
 }
@@ -74,7 +74,7 @@ const ITEMS: &[&str] = &[
     "unsafe",
     "use",
 ];
-/// Words before a name that is being defined, not used.
+/// Words that precede a name that is being defined.
 const DEFINE: &[&str] = &[
     "const",
     "enum",
@@ -114,7 +114,8 @@ fn group(token: Option<&TokenTree>, delimiter: Delimiter) -> Option<Vec<TokenTre
     }
 }
 
-/// Whether these are the tokens of an attribute of tests: `test`, `cfg(test)`, `cfg(all(test, ..))`.
+/// Whether these are the tokens of an attribute for tests: `test`, `cfg(test)`, `cfg(all(test,
+/// ..))`.
 fn is_for_tests(attribute: &[TokenTree]) -> bool {
     let inside = || group(attribute.get(1), Delimiter::Parenthesis).unwrap_or_default();
     match word(attribute.first()).as_deref() {
@@ -127,21 +128,21 @@ fn is_for_tests(attribute: &[TokenTree]) -> bool {
     }
 }
 
-/// Reads the files of a crate, from its root on.
+/// Reads the files of a crate, starting at its root.
 struct Reader<'a> {
     texts: &'a BTreeMap<String, String>,
     modules: Vec<Module>,
 }
 
 impl Reader<'_> {
-    /// Reads a file; `folder` holds those of its children.
+    /// Reads a file; `folder` contains the files of its child modules.
     fn file(&mut self, path: &str, module: usize, folder: &str) {
         let text = self.texts.get(path).unwrap_or_else(|| panic!("no file {path}"));
         let tokens: TokenStream = text.parse().unwrap_or_else(|why| panic!("{path}: {why}"));
         self.tokens(&Vec::from_iter(tokens), module, folder, true);
     }
 
-    /// Reads tokens of a module; `top` unless they are inside of a body, a list or a macro.
+    /// Reads tokens of a module; `top` is false inside a body, a list or a macro.
     fn tokens(&mut self, tokens: &[TokenTree], module: usize, folder: &str, top: bool) {
         let (mut at, mut for_tests, mut exported) = (0, false, false);
         while at < tokens.len() {
@@ -195,7 +196,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Reads a child module, from its name on.
+    /// Reads a child module, starting at its name.
     fn child(&mut self, tokens: &[TokenTree], parent: usize, folder: &str) {
         let name = word(tokens.first()).unwrap_or_default();
         let within = format!("{folder}/{name}");
@@ -214,7 +215,7 @@ impl Reader<'_> {
         self.file(file, child, &within);
     }
 
-    /// Reads a tree of imports behind `prefix`.
+    /// Reads a tree of imports below `prefix`.
     fn import(&mut self, tree: &[TokenTree], module: usize, prefix: &[String], exported: bool) {
         for part in tree.split(|token| is_sign(Some(token), ',')) {
             let mut path = prefix.to_vec();
@@ -248,14 +249,14 @@ impl Reader<'_> {
     }
 }
 
-/// Where what follows the item, field or statement at `at` begins.
+/// Index after the item, field or statement that begins at `at`.
 fn end_of_item(tokens: &[TokenTree], at: usize) -> usize {
     let mut first = at;
     if is_word(tokens.get(first), &["pub"]) {
         first += 1 + usize::from(group(tokens.get(first + 1), Delimiter::Parenthesis).is_some());
     }
     let item = is_word(tokens.get(first), ITEMS);
-    // What ends with a semicolon may hold braces before it.
+    // An item that ends with a semicolon may contain braces before it.
     let value = is_word(tokens.get(first), &["const", "let", "static", "type", "use"])
         && !is_word(tokens.get(first + 1), &["fn", "unsafe", "extern", "async"]);
     let end = tokens[at..].iter().position(|token| {
@@ -266,12 +267,12 @@ fn end_of_item(tokens: &[TokenTree], at: usize) -> usize {
     end.map_or(tokens.len(), |length| at + length + 1)
 }
 
-/// The path that begins at `at`, when one does.
+/// The path that begins at `at`, if there is one.
 fn path_at(tokens: &[TokenTree], at: usize) -> Option<Vec<String>> {
     let mut path = vec![word(tokens.get(at))?];
     let before = at.checked_sub(1).and_then(|before| tokens.get(before));
     let inside = [':', '.', '\''].iter().any(|sign| is_sign(before, *sign));
-    // `a: T` has a single colon before T, `..T` two points.
+    // `a: T` has a single colon before T; `..T` has two dots.
     let before_that = at.checked_sub(2).and_then(|before| tokens.get(before));
     let single = is_sign(before, ':') && !is_sign(before_that, ':')
         || is_sign(before, '.') && is_sign(before_that, '.');
@@ -293,7 +294,7 @@ fn path_at(tokens: &[TokenTree], at: usize) -> Option<Vec<String>> {
 /// The modules of a crate, the root first.
 struct Crate(Vec<Module>);
 
-/// What a path leads to.
+/// What a path refers to.
 enum Place<'a> {
     Module(usize),
     /// An item of this file.
@@ -319,7 +320,7 @@ impl Crate {
         uses
     }
 
-    /// What `path`, said in module `from`, leads to; `None` when it leads out of the crate.
+    /// What `path` in module `from` refers to; `None` if it leads out of the crate.
     fn find(
         &self,
         from: usize,
@@ -340,7 +341,7 @@ impl Crate {
         self.descend(module, rest, seen)
     }
 
-    /// What the names of `path` lead to, from `module` on.
+    /// What the names of `path` refer to, starting in `module`.
     fn descend(
         &self,
         module: usize,
@@ -355,7 +356,8 @@ impl Crate {
         seen.push(here);
         let own = &self.0[module];
         let found = match own.children.get(name) {
-            // A module and a function may have one name: more of the path means the module.
+            // A module and a function may have the same name; if the path continues, it is the
+            // module.
             Some(child) if !rest.is_empty() || !self.defines(module, name) => {
                 self.descend(*child, rest, seen)
             }
@@ -374,7 +376,7 @@ impl Crate {
         found
     }
 
-    /// Whether the module has something of this name that is no child.
+    /// Whether the module defines this name other than as a child module.
     fn defines(&self, module: usize, name: &str) -> bool {
         let own = &self.0[module];
         let child = |import: &Import| import.path.last().is_some_and(|last| last == name);

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use genom_tests::{Daemon, Running, fixture};
 
-/// How long a newcomer on a network may take to become visible.
+/// How long a new participant on a network may take to become visible.
 const NETWORK: Duration = Duration::from_secs(2);
 
 #[test]
@@ -27,18 +27,19 @@ fn services_that_are_not_there_are_told_at_once_as_well() {
     daemon.stop("TERM").0.expect_code(0);
 }
 
-/// Asks many times at once; each is refused without the wait for a newcomer.
+/// Calls many times; each call must be refused without waiting for new participants.
 #[track_caller]
 fn told_at_once(daemon: &Daemon, call: &[&str], exception: &str) {
     let ask = || daemon.spawn(call);
     let told = |asked: Running| {
         asked.finish().expect_code(1).expect_err(exception);
     };
-    // The daemon itself is new on the network, and may look for as long as others take to show.
+    // The daemon itself is new on the network, and may wait as long as others take to become
+    // visible.
     told(ask());
     let begin = Instant::now();
     let asked: Vec<Running> = (0..20).map(|_| ask()).collect();
     asked.into_iter().for_each(told);
-    // One after the other; each of them had waited for a newcomer.
+    // In sequence; if each had waited for a new participant, they would take longer.
     assert!(begin.elapsed() < NETWORK * 10, "{:?}", begin.elapsed());
 }

@@ -1,4 +1,4 @@
-//! Ports and services that are tied together, and moved between middlewares.
+//! Ports and services that are connected, and that move between middlewares.
 
 mod connect_port;
 mod moves;

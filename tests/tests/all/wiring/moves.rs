@@ -1,4 +1,4 @@
-//! Several middlewares on one daemon, and components that move between them while they run.
+//! Several middlewares in one daemon, and components that move between them while running.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -45,7 +45,7 @@ fn a_running_component_moves_and_what_it_feeds_follows() {
 #[test]
 fn a_move_in_the_middle_of_a_motion_misses_no_tick() {
     let demo = component("demo");
-    // A period that the noise of a busy machine does not use up; opening a middleware does.
+    // A period that a busy machine does not exceed, but opening a middleware would.
     let config = format!(
         "backend = \"shm\"\n[[component]]\nlibrary = {:?}\ntasks = {{ main = {{ period_ms = 100 }} }}\n",
         demo.library
@@ -66,15 +66,15 @@ fn a_move_in_the_middle_of_a_motion_misses_no_tick() {
     assert_eq!(running, "running", "the motion ended before the moves did");
     waiting.finish().expect_code(0);
     let after = daemon.json(&["stats", "demo"])["tasks"][0].clone();
-    // Ticks that the machine lets a task sleep through say nothing of the moves: a tick is missed
-    // by them when the one before takes longer than the period.
+    // Ticks missed because the machine was busy do not count: a move causes missed ticks only if
+    // the tick before took longer than the period.
     let period = after["period_ns"].as_u64().unwrap();
     assert!(after["cycles"]["max_ns"].as_u64().unwrap() < period, "{after}");
     assert!(after["cycles"]["count"].as_u64().unwrap() > 40, "{after}");
 }
 
-/// Both components move for ever: the paper's away from 0, and the demo stands still, since the
-/// gain that it reads is less than 0.
+/// Both components run without end: the paper's moves away from 0, and the demo does not move,
+/// because the gain that it reads is below 0.
 fn both_under_way() -> Daemon {
     let daemon = both("local", "virtual");
     daemon.ctl(&["start", "paper", "goto", "position=-1e9"]).expect_code(0);
@@ -84,11 +84,11 @@ fn both_under_way() -> Daemon {
     daemon
 }
 
-/// What a move could change: counts of both, and where they are.
+/// What a move could affect: counters and positions of both.
 fn state_of(daemon: &Daemon) -> [(Counts, Value); 2] {
     ["paper", "demo"].map(|name| {
         let counts = daemon.counts(name, "demo_servo", "position");
-        // Steps follow each other faster than a network takes samples.
+        // Steps follow each other faster than a network accepts samples.
         (Counts { dropped: 0, ..counts }, daemon.port(name, "position")["value"].clone())
     })
 }
@@ -101,7 +101,7 @@ fn moves_through_every_middleware_cost_no_tick_and_no_codel_notices() {
     let parameter = || daemon.port("demo", "parameter")["value"].as_f64().unwrap();
     let position = || daemon.port("paper", "position")["value"].as_f64().unwrap();
     thread::scope(|scope| {
-        // Time goes on all the while.
+        // Time advances meanwhile.
         scope.spawn(|| {
             while !enough.load(Ordering::Relaxed) {
                 step(&socket, 5);
@@ -157,7 +157,7 @@ fn one_out_port_on_two_middlewares_feeds_readers_on_both() {
             path(&reader.library),
         ]);
         let inport = format!("{name}/parameter");
-        // The in port's own middleware is taken, and any can be named.
+        // The in port's own middleware is the default, and any can be named.
         for outport in ["paper/position".to_owned(), format!("{backend}:paper/position")] {
             let made = reader.ctl(&["connect", &inport, &outport, "--wait"]);
             made.expect_code(0);

@@ -6,7 +6,7 @@ use std::hash::{Hash as _, Hasher as _};
 use genom_tests::{Daemon, Home, component, path};
 use serde_json::{Value, json};
 
-/// What a supervisor does in a session, and what it is told: the same whatever the middleware.
+/// A supervisor's session and its replies; they are the same on every middleware.
 fn session(daemon: &Daemon) -> Vec<Value> {
     let ctl = |arguments: &[&str]| {
         let finished = daemon.ctl(arguments);
@@ -20,7 +20,7 @@ fn session(daemon: &Daemon) -> Vec<Value> {
         ctl(&["call", "demo", "get_position"]),
     ];
     let position = daemon.port("demo", "position")["value"].clone();
-    // A value from outside goes through the middleware: a gain of 0 keeps the axis where it is.
+    // A value from outside passes through the middleware: a gain of 0 keeps the axis in place.
     daemon.ctl(&["pub", "demo/parameter", "0"]).expect_code(0);
     let mut events = daemon.events();
     let held = daemon.spawn(&["start", "--wait", "demo", "goto", "goal=0"]);

@@ -22,7 +22,7 @@ fn equal_types_of_other_names_connect_and_move_on_every_middleware() {
         assert_eq!(daemon.json(&["connections"])["connections"][0]["backend"], backend);
         hears(&daemon, &format!("{}", n + 2));
     }
-    // In another daemon, and the reader first: the port has the name of its type.
+    // In another daemon, with the reader first: the port has the name of the reader's type.
     let reader =
         Home::with(daemon.home().memory()).start(&["--backend", "shm", "--name", "far", &right]);
     reader.ctl(&["connect", "--wait", "far/heard", "shm:late/told"]).expect_code(0);

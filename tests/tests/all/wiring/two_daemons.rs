@@ -5,7 +5,7 @@ use std::sync::Arc;
 use genom_tests::{Daemon, Home, Memory, component, path, until};
 use serde_json::Value;
 
-/// The figure of 2010 publishes a double, the demo reads one.
+/// The 2010 paper's component publishes a double, and the demo reads one.
 fn pair(backend: &str) -> (Daemon, Daemon) {
     let memory = Arc::new(Memory::new());
     let (writer, reader) = (component("demo-2010"), component("demo"));
@@ -20,7 +20,7 @@ fn pair(backend: &str) -> (Daemon, Daemon) {
     (writer, reader)
 }
 
-/// What the demo read from its in port last.
+/// The last value that the demo read from its in port.
 fn parameter(reader: &Daemon) -> Value {
     reader.port("demo", "parameter")
 }
@@ -35,7 +35,7 @@ fn feeds(backend: &str) {
     let port = parameter(&reader);
     assert_eq!((&port["value"], &port["connected"]), (&0.5.into(), &"paper/position".into()));
 
-    // Without the connection the codels see nothing any more.
+    // Without the connection the codels see no new values.
     reader.ctl(&["disconnect", "demo/parameter"]).expect_code(0);
     assert_eq!(parameter(&reader)["connected"], Value::Null);
     reader.ctl(&["connections"]).expect_code(0).expect_out("");
@@ -69,7 +69,7 @@ fn types_that_differ_are_both_named() {
         Home::with(&memory).start(&["--backend", "shm", "--name", name, path(&demo.library)])
     };
     let (_one, two) = (start("one"), start("two"));
-    // demo reads a double, and publishes a struct: once across daemons, once within one.
+    // The demo reads a double and publishes a struct: once across daemons, once within one.
     for writer in ["one/position", "two/position"] {
         let refused = two.ctl(&["connect", "two/parameter", writer]);
         refused.expect_code(1).expect_err("demo::gain").expect_err("demo::state");
@@ -83,7 +83,7 @@ fn a_writer_that_comes_later_is_waited_for() {
     let (writer, reader) = (component("demo-2011"), component("demo"));
     let reader = Home::with(&memory).start(&["--backend", "shm", path(&reader.library)]);
     reader.ctl(&["connect", "--wait", "demo/parameter", "paper/position"]).expect_code(0);
-    // Connected and never written: the codels run with their default.
+    // Connected but never written: the codels run with their default.
     reader.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
     assert_eq!(parameter(&reader)["value"], Value::Null);
     let writer = Home::with(&memory).start(&[
@@ -108,7 +108,7 @@ fn the_policy_of_a_connection_is_chosen_when_it_is_made() {
     }
     let refused = reader.ctl(&["connect", "demo/parameter", "paper/position", "--policy", "fifo"]);
     refused.expect_code(1).expect_err("queue:N");
-    // One in port, one connection.
+    // An in port has one connection.
     assert_eq!(reader.json(&["connections"])["connections"].as_array().unwrap().len(), 1);
 }
 
@@ -122,7 +122,7 @@ fn components_of_one_daemon_connect_too() {
         daemon.ctl(&["call", "paper", "goto", "position=0.125"]).expect_code(0);
         daemon.ctl(&["call", "demo", "goto", "goal=0.01"]).expect_code(0);
         assert_eq!(parameter(&daemon)["value"], 0.125, "{backend}");
-        // A supervisor that speaks GenoM's own service gets the same (genom3.md 4.8).
+        // A supervisor that uses GenoM3's own service gets the same (genom3.md 4.8).
         let inputs = r#"{"local":"parameter","remote":"paper/nothing"}"#;
         let refused = daemon.ctl(&["call", "demo", "connect_port", inputs]);
         refused.expect_code(1).expect_err("::genom::no_such_outport");
@@ -135,7 +135,7 @@ fn a_connection_follows_a_writer_that_moves_after_its_reader() {
     reader.ctl(&["connect", "demo/parameter", "paper/position"]).expect_code(0);
     writer.ctl(&["call", "paper", "goto", "position=0.5"]).expect_code(0);
     let backend = || reader.json(&["connections"])["connections"][0]["backend"].clone();
-    // Nobody publishes there yet: what arrives goes on arriving.
+    // Nobody publishes there yet, so the previous samples keep arriving.
     reader.ctl(&["backend", "demo", "zenoh"]).expect_code(0);
     assert_eq!(backend(), "shm");
     writer.ctl(&["backend", "paper", "zenoh"]).expect_code(0);

@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::make;
 
-/// The caller, the provider and the wire between them; each in a daemon of its own, or not.
+/// The caller, the provider and the connection between them; in one daemon or in one each.
 fn file(files: &Path, backend: &str, apart: bool) -> String {
     let of = |daemon: &str| if apart { format!("daemon = {daemon:?}\n") } else { String::new() };
     format!(
@@ -44,21 +44,21 @@ fn a_remote_in_a_file_is_planned_connected_dumped_and_connected_again() {
     assert_eq!(sum(&daemon), "sum = 42\n");
     assert_eq!(plan(&daemon, &robot), json!([]));
 
-    // What runs, written as a file, gives the same elsewhere.
+    // A dump of what runs has the same effect elsewhere.
     let dumped = daemon.ctl(&["dump"]).out;
     let fresh = Daemon::start(&[]);
     fresh.ctl(&["apply", &write(&fresh, &dumped)]).expect_code(0);
-    // But for the options of its own middlewares.
+    // Without the options of its own middlewares.
     let runs = |dump: &str| dump[dump.find("[[component]]").unwrap()..].to_owned();
     assert_eq!(runs(&fresh.ctl(&["dump"]).out), runs(&dumped));
     assert_eq!(sum(&fresh), "sum = 42\n");
 
-    // The caller goes and comes back: it is connected without a command.
+    // The caller is unloaded and loaded again: it is connected without a command.
     daemon.ctl(&["unload", "caller"]).expect_code(0);
     let caller = files.path().join("caller.gen");
     daemon.ctl(&["load", path(&caller), "--backend", "shm"]).expect_code(0);
     until_answer("sum = 42\n", || sum(&daemon));
-    // Who disconnects by hand is obeyed.
+    // A connection that was ended by hand is not restored.
     daemon.ctl(&["disconnect", "caller/add"]).expect_code(0);
     assert_eq!(plan(&daemon, &robot), json!(["connect caller/add to provider/add"]));
     assert!(!daemon.ctl(&["dump"]).out.contains("connection"));
@@ -89,7 +89,7 @@ fn apart(backend: &'static str) {
     let (memory, files) = (Arc::new(Memory::new()), tempfile::tempdir().unwrap());
     let text = file(files.path(), backend, true);
     let start = |name| Home::with(&memory).configured(&text).start(&["--daemon", name]);
-    // The caller first: it waits for the service.
+    // The caller is started first, and waits for the service.
     let caller = start("caller");
     let line = caller.process().error_line_where(|line| line.contains("waiting to connect"));
     assert!(line.is_some_and(|line| line.contains("caller/add to provider/add")));
@@ -100,11 +100,11 @@ fn apart(backend: &'static str) {
     assert_eq!((&made[0]["kind"], &made[0]["backend"]), (&json!("service"), &json!(backend)));
     until_answer("sum = 42\n", || sum(&caller));
 
-    // The provider's daemon is killed and comes back.
+    // The provider's daemon is killed and started again.
     let (_, home) = provider.stop("KILL");
     let _provider = home.start(&["--daemon", "provider"]);
     until_answer("sum = 42\n", || sum(&caller));
-    // So does the caller's.
+    // The same with the caller's.
     let (_, home) = caller.stop("KILL");
     let caller = home.start(&["--daemon", "caller"]);
     until_answer("sum = 42\n", || sum(&caller));

@@ -1,4 +1,4 @@
-//! The service is in another daemon: found and called through the middleware both are on.
+//! The service is in another daemon: found and called through a middleware that both use.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use super::make;
 
-/// A daemon with the caller, one with the provider, and what it takes to start another provider.
+/// A daemon with the caller, one with the provider, and what is needed to start another provider.
 struct Pair {
     caller: Daemon,
     provider: Option<Daemon>,
@@ -34,7 +34,7 @@ impl Pair {
         self.provider = Some(Home::with(&self.memory).start(&arguments));
     }
 
-    /// Ends the provider's daemon as a crash does.
+    /// Kills the provider's daemon.
     fn kill(&mut self) {
         let killed = self.provider.take().unwrap().stop("KILL").0;
         assert_eq!(killed.code, None);
@@ -60,7 +60,7 @@ impl Pair {
         self.caller.ctl(&["call", "caller", "ask", &format!("a={a}"), "b=2"])
     }
 
-    /// Asks until the answer is this: others become visible some time after they came up.
+    /// Calls until the result is as expected, since other daemons become visible with a delay.
     fn ask_until(&self, expected: impl Fn(&Finished) -> bool) {
         let end = Instant::now() + WATCHDOG;
         loop {
@@ -82,7 +82,7 @@ fn calls(backend: &'static str) {
     pair.ask("1001").expect_code(1).expect_err(r#"::adder::TOO_LARGE {"limit":1000}"#);
     let listed = pair.caller.json(&["connections"]);
     assert_eq!(listed["connections"][0]["backend"], backend, "{listed}");
-    // GenoM's own service does the same (genom3.md 4.8), also with the middleware named.
+    // GenoM3's own service does the same (genom3.md 4.8), also with the middleware named.
     pair.caller.ctl(&["disconnect", "caller/add"]).expect_code(0);
     let inputs = format!(r#"{{"local":"add","remote":"{backend}:provider/add"}}"#);
     pair.caller.ctl(&["call", "caller", "connect_service", &inputs]).expect_code(0);
@@ -94,7 +94,7 @@ fn calls_follow_a_service_that_moves_to_another_middleware() {
     let pair = Pair::new("shm");
     pair.connect_when_there("caller/add", "provider/add").expect_code(0);
     pair.caller.ctl(&["backend", "caller", "zenoh"]).expect_code(0);
-    // It is not there yet: it is called where it was.
+    // It does not exist yet, so the previous service is called.
     pair.ask("1").expect_code(0).expect_out("sum = 3\n");
     let provider = pair.provider.as_ref().unwrap();
     provider.ctl(&["backend", "provider", "zenoh"]).expect_code(0);
@@ -109,13 +109,13 @@ fn refuses(backend: &'static str) {
     let refused = pair.connect("provider/ad");
     refused.expect_code(1).expect_err("no_such_service").expect_err(&format!("on {backend}"));
     refused.expect_err("did you mean `provider/add`?");
-    // genom3.md 4.9: both are named, with their digests.
+    // genom3.md 4.9: the message names both with their digests.
     let demo = component("demo");
     pair.provider.as_ref().unwrap().ctl(&["load", path(&demo.library)]).expect_code(0);
     let refused = pair.connect_when_there("caller/add", "demo/reset");
     refused.expect_code(1).expect_err("add of interface adder").expect_err("::demo::reset");
     refused.expect_err("digest").expect_err("make the two .gen interfaces equal");
-    // What was there before still is.
+    // The previous connection is unchanged.
     pair.ask("1").expect_code(0).expect_out("sum = 3\n");
 }
 
@@ -124,24 +124,26 @@ fn survives(backend: &'static str) {
     pair.connect_when_there("caller/add", "provider/add").expect_code(0);
     pair.connect_when_there("caller/stay", "provider/stay").expect_code(0);
     pair.ask("1").expect_code(0);
-    // A call under way when the other daemon dies ends.
+    // A call in progress ends when the other daemon dies.
     let joining = pair.caller.spawn(&["call", "caller", "join"]);
     assert_eq!(pair.provider.as_ref().unwrap().process().line(), "stays");
     pair.kill();
     joining.finish().expect_code(1).expect_err("::genom::remote_io");
-    // Calls while nobody is there say so; when it is back nothing need be done.
+    // Calls fail with a clear message while nobody serves; afterwards they work again without a
+    // command.
     pair.ask_until(|answer| answer.err.contains("::genom::no_such_service"));
     pair.provide("provider");
     pair.ask_until(|answer| answer.out == "sum = 3\n");
-    // Another interface under the same name is no answer: genom3.md 4.9, also when it differs by
-    // its exceptions alone.
+    // Another interface under the same name is refused (genom3.md 4.9), even if only its exceptions
+    // differ.
     pair.kill();
     pair.ask_until(|answer| answer.err.contains("::genom::no_such_service"));
     pair.provide("liar");
     pair.ask_until(|answer| answer.err.contains("::genom::incompatible_digest"));
 }
 
-/// A call under way when the component that serves it is killed ends, though its codel never does.
+/// A call in progress ends when the component that serves it is killed, although its codel never
+/// returns.
 fn is_told_of_a_kill(backend: &'static str) {
     let pair = Pair::new(backend);
     pair.connect_when_there("caller/stay", "provider/stay").expect_code(0);

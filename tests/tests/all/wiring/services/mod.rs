@@ -1,4 +1,4 @@
-//! One component calls a service of another, once a supervisor has connected them.
+//! One component calls a service of another, after a supervisor has connected them.
 
 mod deployed;
 mod far;
@@ -9,7 +9,7 @@ use std::process::Command;
 use genom_tests::{Daemon, Running, fixture, program};
 use serde_json::Value;
 
-/// Makes one of the components in a directory.
+/// Builds one of the components in a directory.
 fn make(name: &str, into: &Path) -> String {
     fixture("adders", name, into)
 }
@@ -31,12 +31,12 @@ fn a_codel_calls_the_service_that_its_remote_is_connected_to() {
         let made = daemon.ctl(&["connect", "caller/add", "provider/add"]);
         made.expect_code(0).expect_out("caller/add calls provider/add\n");
         ask("1", "2").expect_code(0).expect_out("sum = 3\n");
-        // An exception of the service is the codel's to pass on, with its detail.
+        // An exception of the service reaches the calling codel, with its detail.
         ask("1001", "2").expect_code(1).expect_err(r#"::adder::TOO_LARGE {"limit":1000}"#);
-        // The provider may go and come back.
+        // The provider may be unloaded and loaded again.
         daemon.ctl(&["unload", "provider"]).expect_code(0);
         ask("1", "2").expect_code(1).expect_err("::genom::no_such_service");
-        // Another one of its name is no answer: genom3.md 4.9, its exceptions differ.
+        // Another component of that name is refused: its exceptions differ (genom3.md 4.9).
         let liar = make("liar", files.path());
         daemon.ctl(&["load", &liar, "--name", "provider"]).expect_code(0);
         ask("1", "2").expect_code(1).expect_err("::genom::incompatible_digest");
@@ -54,7 +54,7 @@ fn a_remote_is_connected_to_its_like_only() {
     refused.expect_code(1).expect_err("make the two .gen interfaces equal");
     let refused = daemon.ctl(&["connect", "caller/add", "provider/add", "--policy", "latest"]);
     refused.expect_code(1).expect_err("it takes a service, and no policy");
-    // GenoM's own service does the same (genom3.md 4.8).
+    // GenoM3's own service does the same (genom3.md 4.8).
     let connect = |remote: &str| {
         let inputs = format!(r#"{{"local":"add","remote":"{remote}"}}"#);
         daemon.ctl(&["call", "caller", "connect_service", &inputs])
@@ -66,7 +66,7 @@ fn a_remote_is_connected_to_its_like_only() {
     assert_eq!(listed["connections"][0]["kind"], "service", "{listed}");
 }
 
-/// What a shell is offered for the last word.
+/// What shell completion offers for the last word.
 fn offered(daemon: &Daemon, words: &[&str]) -> String {
     let mut command = Command::new(program("genomctl"));
     command.env_clear().env("GENOMD_SOCKET", daemon.home().socket());
