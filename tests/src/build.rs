@@ -68,7 +68,6 @@ pub fn component(name: &str) -> Artifact {
 ///
 /// # Panics
 /// If it cannot be built.
-/// It cannot be made.
 #[must_use]
 pub fn fixture(folder: &str, name: &str, into: &Path) -> String {
     let source = repository().join("tests/fixtures").join(folder);

@@ -3,6 +3,15 @@
 use std::fmt;
 
 /// `<instance>/<port>`, or `<instance>/<port>/<element>` for an element of a multiple port.
+///
+/// ```
+/// use genom_middleware::Address;
+///
+/// let at = Address::parse("arm/poses/left").expect("an instance and a port");
+/// assert_eq!((at.instance.as_str(), at.name.as_str()), ("arm", "poses/left"));
+/// assert_eq!(at, Address::new("arm", "poses/left"));
+/// assert_eq!(Address::parse("arm"), None);
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Address {
     /// Instance name of the component.

@@ -39,7 +39,6 @@ pub trait Relay: Send + Sync {
     ///
     /// # Errors
     /// No daemon of that name is visible, or the middleware fails.
-    /// No daemon of that name shows, or the middleware fails.
     fn ask_all(
         &self,
         name: &str,

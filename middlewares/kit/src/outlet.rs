@@ -10,6 +10,25 @@ use crate::spares::{Message, Spares};
 
 /// Samples on their way from a codel to a sending thread. If the thread cannot keep up, the oldest
 /// samples are dropped and counted.
+///
+/// ```
+/// use std::sync::Arc;
+/// use genom_kit::outlet::Outlet;
+/// use genom_types::{DataType, Kind, Record, TypeTable};
+///
+/// let mut types = TypeTable::default();
+/// let double = types.add(Kind::Double);
+/// let ty = DataType::new(&Arc::new(types), double)?;
+/// let outlet = Outlet::new(&ty, 2, 64); // two samples, buffers of 64 bytes
+/// for _ in 0..3 {
+///     outlet.put(&Record::new(&ty))?;
+/// }
+/// assert_eq!(outlet.dropped(), 1);
+/// let sample = outlet.take().expect("two samples are left");
+/// let bytes: &[u8] = sample.as_ref();
+/// assert_eq!(bytes.len(), 4 + 8); // encapsulation header and a double
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Outlet {
     ty: DataType,

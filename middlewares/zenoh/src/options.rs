@@ -125,7 +125,6 @@ impl Options {
                 ("adminspace/enabled", "false"),
                 // Queries and replies are not sent in shared memory: under load zenoh may free it
                 // while they are in transit (eclipse-zenoh/zenoh#2628).
-                // back while they are under way (eclipse-zenoh/zenoh#2628).
                 ("transport/shared_memory/transport_optimization/messages", "[\"put\"]"),
             ] {
                 insert(&mut config, key, value)?;

@@ -11,7 +11,6 @@
 //! weeks are heard from their first message on. Whoever forges messages in the name of an existing
 //! participant can still end its flows, for example by announcing that it leaves. Only DDS Security
 //! prevents that, which RustDDS is not built with here, or a network without strangers.
-//! RustDDS does not speak here, or for a network that strangers are not on.
 
 mod discovery;
 mod flows;

@@ -68,7 +68,7 @@ impl Hub {
     pub(super) fn withdraw(&self, at: &Address, entry: &Arc<Entry>) {
         lock(&self.entries).remove(&at.to_string());
         self.ground.withdraw(Kind::Service, at);
-        // The handler may keep its requests for long; their callers are told now.
+        // The handler may keep its requests for long; their callers are notified now.
         let mut ended = Vec::new();
         lock(&self.requests).retain(|request| match request.upgrade() {
             Some(request) if request.is_for(entry) => {

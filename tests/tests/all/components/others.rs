@@ -59,7 +59,7 @@ fn a_closed_element_leaves_the_list_and_is_waited_for_with_a_word() {
         outputs(&daemon, &["camera", "drop", "name=left"]);
         assert!(!listed().contains("camera/image/left"), "{}", listed());
         assert!(listed().contains("camera/image/right "), "{}", listed());
-        // Whoever reads it is told, and gets it when it comes back.
+        // `echo` says that the element does not exist, and prints it when it comes back.
         let echo = daemon.spawn(&["echo", "-n", "1", "camera/image/left"]);
         let waits = "camera/image has no element `left` yet: waiting for it; there is right";
         assert!(echo.error_line_where(|line| line.contains(waits)).is_some());
