@@ -1,8 +1,8 @@
 //! Types as ROS 2 messages: their names, and their definitions as text.
 //!
-//! The text describes exactly what [`cdr`](crate::cdr) encodes: a ROS 2 reader decodes one by the
-//! other. Where ROS has no such field type, a sequence of sequences for instance, it is wrapped in
-//! a message with one member `data`, which adds no bytes in CDR.
+//! The text describes exactly what [`cdr`](crate::cdr) encodes, so that a ROS 2 reader can decode
+//! it. Where ROS has no such field type, a sequence of sequences for instance, it is wrapped in a
+//! message with one member `data`, which adds no bytes in CDR.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -224,7 +224,7 @@ impl<'m> Sharing<'m> {
     }
 
     /// For each activity, the activities whose codels conflict with its own, itself included.
-    // dialects.md A: what a service of the papers interrupts unless it says so.
+    // dialects.md A: a service of the papers interrupts these, unless it lists others.
     pub(super) fn incompatible(&self) -> Option<Indexed<ServiceIx, Vec<ServiceIx>>> {
         let services = &self.component.services;
         let activity = |node: usize| match self.component.codels.get(node)?.owner {

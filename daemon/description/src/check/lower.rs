@@ -365,7 +365,7 @@ impl Checker {
 /// dialects. False when the limit is exceeded.
 fn complete(component: &mut Component) -> bool {
     if component.dialect != Dialect::Current {
-        // dialects.md A: a service interrupts those it is incompatible with, unless it says.
+        // dialects.md A: a service interrupts those it is incompatible with, unless it lists others.
         let Some(lists) = Sharing::new(component).incompatible() else { return false };
         for (service, list) in component.services.iter_mut().zip(lists) {
             if service.interrupts.is_empty() && service.kind == ServiceKind::Activity {

@@ -66,7 +66,7 @@ template <typename F> static int guarded(F call, char *what, std::size_t room, c
     return 0;
   } catch (const abi::__forced_unwind &) {
     genom_host_thread_ends();
-    throw;  // the thread is being cancelled: that must go on
+    throw;  // the cancellation of the thread has to continue
   } catch (const genom_host::left &l) {
     tell(what, room, l.how);
     return 2;

@@ -107,7 +107,7 @@ pub(super) fn beside<T>(
         .prefix(&format!(".{name}.genomd-"))
         .tempfile_in(directory.unwrap_or(Path::new(".")))?;
     file.write_all(bytes)?;
-    // Closed for writing first: the kernel refuses to execute a file that is open for writing.
+    // Closed for writing first: the kernel may refuse to execute a file that is open for writing.
     let path = file.into_temp_path();
     let absolute = path.canonicalize()?;
     Ok(load(&absolute))

@@ -158,7 +158,7 @@ impl Library {
         self.symbol(name).filter(|at| self.mappings.iter().any(|own| own.range.contains(at)))
     }
 
-    /// Finds C function `name` in this library, or in one that it is linked with.
+    /// Finds C function `name` in this library, or in one that it is linked with, except the system's.
     pub(crate) fn function(&self, name: &str) -> FoundFunction {
         let Some(at) = self.symbol(name) else { return FoundFunction::Nowhere };
         if self.own_symbol(name).is_some() {

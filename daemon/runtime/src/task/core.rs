@@ -123,7 +123,7 @@ fn prepare(run: &mut Run, plan: &Plan, runnable: bool, calls: &mut impl Calls) {
     }
 }
 
-/// Makes `token` the whole marking; removes it if there is no codel for it.
+/// Makes `token` the whole marking; if its state has no codel, the run ends with success.
 fn enter(run: &mut Run, token: Token, has_codel: bool, calls: &mut impl Calls) {
     run.tokens.clear();
     if has_codel {
@@ -137,7 +137,7 @@ fn enter(run: &mut Run, token: Token, has_codel: bool, calls: &mut impl Calls) {
     }
 }
 
-/// An external event adds a token in its state, or wakes a sleeping one (dialects.md A).
+/// An external event puts a ready token in its state, which replaces sleeping ones (dialects.md A).
 fn fire(run: &mut Run, plan: &Plan, state: u16, calls: &mut impl Calls) {
     let active = matches!(run.marker.status(), Status::Run | Status::Stop);
     if !active || run.outcome.is_some() || plan.machines()[run.machine].codel(state).is_none() {
