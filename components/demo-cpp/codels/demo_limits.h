@@ -1,5 +1,5 @@
 /*
- * What the axis can do.
+ * Limits of the axis.
  */
 #ifndef DEMO_LIMITS_H
 #define DEMO_LIMITS_H

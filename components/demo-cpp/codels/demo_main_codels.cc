@@ -9,7 +9,7 @@
 #include "demo_limits.h"
 #include "demo_types.h"
 
-/* Publishes where the axis is. */
+/* Publishes the state of the axis. */
 static void
 publish(const demo::state &current, demo::position &position)
 {
@@ -17,7 +17,7 @@ publish(const demo::state &current, demo::position &position)
   position.write();
 }
 
-/* The gain on inport parameter: 1 while nobody writes it, never negative. */
+/* The gain on inport parameter: 1 if it was never written, never negative. */
 static double
 gain(demo::parameter &parameter)
 {

@@ -1,5 +1,5 @@
 /*
- * Codels of the control task of demo: what is asked is checked here.
+ * Codels of the control task of demo: they validate requests.
  */
 #include "demo_c_types.h"
 #include "demo_limits.h"

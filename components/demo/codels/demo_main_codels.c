@@ -1,12 +1,12 @@
 /*
- * Codels of task main of demo: the axis moves here, one period at a time.
+ * Codels of task main of demo: they move the axis, one period at a time.
  */
 #include <math.h>
 
 #include "demo_c_types.h"
 #include "demo_limits.h"
 
-/* Publishes where the axis is; the exception of the port, if any, is the caller's to return. */
+/* Publishes the state of the axis; the exception of the port, if any, is the caller's to return. */
 static genom_event
 publish(const demo_state *current, const demo_position *position, genom_context self)
 {
@@ -16,7 +16,7 @@ publish(const demo_state *current, const demo_position *position, genom_context 
   return position->write(self);
 }
 
-/* The gain on inport parameter: 1 while nobody writes it, never negative. */
+/* The gain on inport parameter: 1 if it was never written, never negative. */
 static double
 gain(const demo_parameter *parameter, genom_context self)
 {

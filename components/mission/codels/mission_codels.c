@@ -9,7 +9,7 @@
 
 GENOM_DESCRIPTION("mission.gen");
 
-/* As slow as it gets: an axis that stands still would not come to its end. */
+/* Lowest speed factor: at 0 the axis would never reach its goal. */
 #define MISSION_SLOWEST 0.25
 
 static genom_event
@@ -61,7 +61,7 @@ mission_begin(uint32_t *legs, const genom_context self)
   return mission_main;
 }
 
-/* Activity patrol, state main: where to now. Yields leg, and ether after the last one. */
+/* Activity patrol, state main: chooses the next goal. Yields leg, and ether after the last one. */
 genom_event
 mission_turn(uint32_t rounds, const mission_ends *turns, uint32_t *legs, double *goal,
              const genom_context self)

@@ -1,6 +1,6 @@
-//! `genomd --check`: everything that loading does before a component starts.
+//! `genomd --check`: performs all steps of loading a component up to its start.
 //!
-//! The library is opened, so its constructors run; no codel does.
+//! The library is opened, which runs its constructors, but no codels are called.
 
 use std::io::Write as _;
 
@@ -9,7 +9,7 @@ use genom_supervisor::loading::{self, LoadError};
 use crate::run::Refusal;
 use crate::settings::Settings;
 
-/// Checks every component asked for; says what is wrong with each that is refused.
+/// Checks every component of the command line and configuration, and reports each that fails.
 pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     if settings.deployment.component.is_empty() {
         return Err(Refusal::usage("--check goes with the libraries to check"));
@@ -17,7 +17,7 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     let refused = settings.deployment.component.iter().filter_map(|request| {
         match loading::fit(&settings.supervisor, request) {
             Ok(line) => {
-                // A closed pipe is the reader's choice, not a failure.
+                // A closed pipe is not a failure.
                 let _ = writeln!(std::io::stdout().lock(), "{line}");
                 None
             }

@@ -1,4 +1,4 @@
-//! What is typed on genomd's command line; `settings::Settings` is what it means.
+//! The command line of genomd; `settings::Settings` is made from it and the configuration.
 
 use std::net::SocketAddr;
 use std::path::PathBuf;
@@ -9,13 +9,13 @@ use genom_configuration::{ClockKind, Config};
 /// Runs GenoM3 components: libraries of codels with their descriptions, on a middleware chosen
 /// here.
 ///
-/// Exit status: 0 stopped on request; 1 a component was refused; 2 wrong usage or
-/// configuration; 3 the daemon's own socket or middleware could not be opened; 4 stopped on
-/// request, and a codel that does not return was left behind.
+/// Exit status: 0 stopped on request; 1 a component was refused; 2 wrong usage or configuration; 3
+/// the daemon's own socket or middleware could not be opened; 4 stopped on request, and a codel
+/// that does not return was left behind.
 ///
-/// SIGINT, SIGTERM and the end of its terminal stop it: activities are interrupted, `stop` codels
-/// run. Another signal a second or more after the first ends it at once. SIGHUP that somebody sends
-/// stops it too; with a token file, it has that read again instead.
+/// SIGINT, SIGTERM and the end of its terminal stop the daemon: activities are interrupted, and
+/// `stop` codels run. Another signal, a second or more after the first, ends it at once. A SIGHUP
+/// that somebody sends stops it, too; with a token file, that file is read again instead.
 #[derive(Debug, Default, Parser)]
 #[command(name = "genomd", max_term_width = 100, disable_version_flag = true)]
 pub(crate) struct Cli {
@@ -23,79 +23,79 @@ pub(crate) struct Cli {
     /// component path (demo).
     #[arg(value_name = "LIB", value_hint = ValueHint::FilePath)]
     pub(crate) components: Vec<PathBuf>,
-    /// Middleware of ports and services [default: local].
+    /// Default middleware of ports and services [default: local].
     #[arg(long, short)]
     pub(crate) backend: Option<String>,
-    /// Configuration (TOML); see configs/default.toml for every key.
+    /// Configuration file (TOML); configs/default.toml describes every key.
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) config: Option<PathBuf>,
-    /// Set a key of the configuration, for instance rpc.max_streams=8; may be repeated, comes
-    /// after the file.
+    /// Set a key of the configuration, for instance rpc.max_streams=8; may be repeated, takes
+    /// precedence over the file.
     #[arg(long, value_name = "KEY=VALUE")]
     pub(crate) set: Vec<String>,
-    /// Print the configuration as it is understood, with every default, and end.
+    /// Print the configuration that results, with every default, and exit.
     #[arg(long)]
     pub(crate) dump_config: bool,
-    /// Which daemon this is, when the configuration describes several: it takes the components
-    /// with that `daemon`, and those with none.
+    /// Which daemon this is, if the configuration describes several: it runs the components with
+    /// this `daemon`, and those without `daemon`.
     #[arg(long, value_name = "NAME")]
     pub(crate) daemon: Option<String>,
-    /// Instance name, when one component is given [default: the component's name].
+    /// Instance name, if a single component is given [default: the component's name].
     #[arg(long)]
     pub(crate) name: Option<String>,
-    /// Description, when one component is given and its description is neither in the library
+    /// Description, if a single component is given and its description is neither in the library
     /// nor beside it.
     #[arg(long = "gen", value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) gen_file: Option<PathBuf>,
-    /// Directory to look for components in; may be repeated, comes before GENOM_PATH.
+    /// Directory to search for components; may be repeated, takes precedence over GENOM_PATH.
     #[arg(long, value_name = "DIRECTORY", value_hint = ValueHint::DirPath)]
     pub(crate) path: Vec<PathBuf>,
-    /// Directories to look for components in, separated by colons.
+    /// Directories to search for components, separated by colons.
     #[arg(long, hide = true, env = "GENOM_PATH", value_delimiter = ':')]
     pub(crate) genom_path: Vec<PathBuf>,
-    /// Directory for the descriptions' #include; may be repeated.
+    /// Directory to search for #include of descriptions; may be repeated.
     #[arg(long, short = 'I', value_name = "DIRECTORY")]
     pub(crate) include: Vec<PathBuf>,
     /// Socket to listen on [default: $XDG_RUNTIME_DIR/genomd.sock, else
     /// /tmp/genomd-UID/genomd.sock].
     #[arg(long, value_name = "PATH", env = "GENOMD_SOCKET")]
     pub(crate) socket: Option<PathBuf>,
-    /// Also listen on this address, for those who have a token or a certificate. One that
-    /// others can reach needs TLS: section [rpc.tls] of the configuration.
+    /// Also listen on this address, for clients with a token or a certificate. TLS is required if
+    /// other machines can reach it: section [rpc.tls] of the configuration.
     #[arg(long, value_name = "ADDRESS:PORT")]
     pub(crate) listen: Option<SocketAddr>,
-    /// Tokens of those who may come in there, each with its rights; see configs/default.toml.
+    /// File of tokens of clients at that address, with their rights; see configs/default.toml.
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) token_file: Option<PathBuf>,
-    /// Time of the components: that of the machine, or one that `genomctl step` advances
-    /// [default: monotonic].
+    /// Clock of the components: that of the machine, or one that `genomctl step` advances [default:
+    /// monotonic].
     #[arg(long, value_name = "CLOCK")]
     pub(crate) clock: Option<ClockKind>,
     /// What to log on standard error: error, warn, info, debug, trace, or a filter such as
     /// info,genomd=debug [default: info].
     #[arg(long, value_name = "FILTER")]
     pub(crate) log: Option<String>,
-    /// Go on when the terminal is closed that it was started on, as with `nohup`.
+    /// Continue when the terminal is closed that the daemon was started on, as with `nohup`.
     #[arg(long)]
     pub(crate) keep: bool,
-    /// Do everything but start: find, read, open and compare each component, and say what is
-    /// wrong. No socket, no middleware.
+    /// Only check: find, read, open and compare each component without starting it, and report what
+    /// is wrong. Opens no socket and no middleware.
     #[arg(long)]
     pub(crate) check: bool,
-    /// Print the completions of genomd for a shell; in ~/.bashrc: `source <(genomd --completion
-    /// bash)`.
+    /// Print the completion script of genomd for a shell; in ~/.bashrc: `source <(genomd
+    /// --completion bash)`.
     #[arg(long, value_name = "SHELL")]
     pub(crate) completion: Option<clap_complete::Shell>,
     /// Write the manual page of genomd into a directory, such as ~/.local/share/man/man1.
     #[arg(long, value_name = "DIRECTORY", value_hint = ValueHint::DirPath)]
     pub(crate) man: Option<PathBuf>,
-    /// Print the version, the middlewares this daemon knows and their versions.
+    /// Print the version, and the middlewares this daemon was built with and their versions.
     #[arg(long, short = 'V')]
     pub(crate) version: bool,
 }
 
 impl Cli {
-    /// A configuration with what the command line says instead.
+    /// Applies the options of the command line to a configuration.
     pub(crate) fn over(&self, mut config: Config) -> Config {
         config.backend = self.backend.clone().unwrap_or(config.backend);
         config.log = self.log.clone().unwrap_or(config.log);

@@ -1,6 +1,6 @@
 //! `genomd`: runs GenoM3 components on a middleware chosen at run time.
 //!
-//! Only wires the parts: settings, components, the control plane, and the end.
+//! This file only connects the parts: settings, components, control plane, and shutdown.
 
 #![forbid(unsafe_code)]
 
@@ -34,7 +34,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => {
             let code = if error.use_stderr() { 2 } else { 0 };
-            // A closed pipe is the reader's choice, not a failure.
+            // A closed pipe is not a failure.
             let _ = error.print();
             return ExitCode::from(code);
         }
@@ -46,7 +46,7 @@ fn main() -> ExitCode {
     if let Some(shell) = cli.completion {
         let mut text = Vec::new();
         clap_complete::generate(shell, &mut Cli::command(), "genomd", &mut text);
-        // A closed pipe is the reader's choice, not a failure.
+        // A closed pipe is not a failure.
         let _ = std::io::stdout().lock().write_all(&text);
         return ExitCode::SUCCESS;
     }
@@ -67,7 +67,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The command line over the configuration file, with everything checked that can be.
+/// Applies the command line to the configuration file, and checks the result.
 fn settings(cli: Cli) -> Result<Settings, Refusal> {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage)?;
     let settings = Settings::new(cli, config).map_err(Refusal::usage)?;
@@ -77,7 +77,7 @@ fn settings(cli: Cli) -> Result<Settings, Refusal> {
     Ok(settings)
 }
 
-/// Writes the manual page, which is made of what `--help` says.
+/// Writes the manual page, generated from the definitions of `--help`.
 fn write_manual(directory: &Path) -> ExitCode {
     let written = std::fs::create_dir_all(directory)
         .and_then(|()| clap_mangen::generate_to(Cli::command(), directory));
@@ -87,7 +87,7 @@ fn write_manual(directory: &Path) -> ExitCode {
     }
 }
 
-/// Prints the configuration as it is understood.
+/// Prints the configuration that results from file and command line.
 fn dump_config(cli: &Cli) -> ExitCode {
     let config = Config::read(cli.config.as_deref(), &cli.set).map_err(Refusal::usage);
     let text = config.and_then(|config| cli.over(config).text().map_err(Refusal::usage));

@@ -1,9 +1,9 @@
-//! Memory of the daemon kept in RAM, so that no task waits for a page.
+//! Locks the daemon's memory in RAM, so that no task waits for a page.
 
 use rustix::io::Result;
 use rustix::mm::{MlockAllFlags, mlockall};
 
-/// Locks what there is and what will come; where that is not allowed, says so and goes on.
+/// Locks present and future memory. If that is not permitted, logs a warning and returns.
 pub(crate) fn lock() {
     match refusal(mlockall(MlockAllFlags::CURRENT | MlockAllFlags::FUTURE)) {
         None => tracing::info!("memory is locked"),

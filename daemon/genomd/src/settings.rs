@@ -1,4 +1,4 @@
-//! Everything decided before anything starts: the configuration file, and the command line over it.
+//! All settings of a run, made from the configuration file and the command line.
 
 use std::path::PathBuf;
 
@@ -10,33 +10,33 @@ use genom_supervisor::settings::Settings as Supervised;
 use crate::cli::Cli;
 use crate::telemetry::Collector;
 
-/// Everything decided before anything starts.
+/// All settings of a run.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
-    /// The configuration file, for messages.
+    /// Path of the configuration file, for messages.
     pub(crate) file: Option<PathBuf>,
-    /// What to bring up: components first, those of the command line last among them.
+    /// The deployment to apply. Components of the command line come last.
     pub(crate) deployment: Deployment,
-    /// Which daemon of a file that describes several this one is.
+    /// Name of this daemon in files that describe several.
     pub(crate) name: Option<String>,
-    /// What to log.
+    /// Filter of the log.
     pub(crate) log: String,
-    /// Whether to go on when the terminal is closed.
+    /// Whether to continue when the terminal is closed.
     pub(crate) keep: bool,
-    /// Whether to keep all memory in RAM.
+    /// Whether to lock all memory in RAM.
     pub(crate) lock_memory: bool,
-    /// When to look whether codels wrote past their memory.
+    /// When to check whether codels wrote past their memory.
     pub(crate) check_memory: genom_host::MemoryCheck,
-    /// Where spans go, if anywhere.
+    /// The collector that receives spans, if any.
     pub(crate) collector: Option<Collector>,
     /// The control plane.
     pub(crate) rpc: RpcSettings,
-    /// What holds for all components.
+    /// Settings that apply to all components.
     pub(crate) supervisor: Supervised,
 }
 
 impl Settings {
-    /// The command line over the configuration.
+    /// Combines the configuration with the command line, and checks the result.
     pub(crate) fn new(cli: Cli, config: Config) -> Result<Self, UsageError> {
         let config = cli.over(config);
         let rpc = RpcSettings::new(config.rpc.clone())?;
@@ -83,7 +83,7 @@ impl Settings {
     }
 }
 
-/// As the host says it.
+/// Converts the setting to the type of the host.
 fn host(check: MemoryCheck) -> genom_host::MemoryCheck {
     match check {
         MemoryCheck::Off => genom_host::MemoryCheck::Off,

@@ -1,16 +1,16 @@
-//! How far the daemon is with what it was started with.
+//! Progress of loading what the daemon was started with.
 
 use std::sync::{Mutex, PoisonError};
 
 use genom_supervisor::flag::Flag;
 
-/// What is still to be loaded, and whether all is there.
+/// What is still to be loaded.
 pub(crate) struct Startup {
-    /// Instance names, as far as they are known; the first is being loaded.
+    /// Instance names, as far as known; the first is being loaded.
     to_load: Mutex<Vec<String>>,
-    /// Every component is loaded.
+    /// Raised when every component is loaded.
     pub(crate) ready: Flag,
-    /// Everything else of the deployment was done, too: connections, calls, activities.
+    /// Raised when the rest of the deployment is applied, too: connections, calls, activities.
     pub(crate) deployed: Flag,
 }
 
@@ -19,7 +19,7 @@ impl Startup {
         Self { to_load: Mutex::default(), ready: Flag::new(), deployed: Flag::new() }
     }
 
-    /// These are to be loaded, in this order.
+    /// Sets the components to be loaded, in order.
     pub(crate) fn begins(&self, names: Vec<String>) {
         *self.to_load.lock().unwrap_or_else(PoisonError::into_inner) = names;
     }
@@ -32,7 +32,7 @@ impl Startup {
         }
     }
 
-    /// Those that are still to be loaded, in order.
+    /// The components still to be loaded, in order.
     pub(crate) fn to_load(&self) -> Vec<String> {
         self.to_load.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

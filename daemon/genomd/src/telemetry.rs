@@ -1,8 +1,8 @@
-//! Spans of services for an OpenTelemetry collector: OTLP over HTTP, in JSON.
+//! Sends spans of services to an OpenTelemetry collector: OTLP over HTTP, in JSON.
 //!
-//! A layer of `tracing` turns each span that closes into OTLP and queues it; a task posts what is
-//! queued. Nobody waits for the collector: what finds no room is lost and counted. No TLS: the
-//! collector is on this machine, or on a network that is trusted.
+//! A layer of `tracing` converts each span to OTLP when it closes, and queues it; a task posts the
+//! queue. Nothing waits for the collector: spans that do not fit in the queue are dropped and
+//! counted. There is no TLS: the collector has to be on this machine or on a trusted network.
 
 use std::collections::VecDeque;
 use std::hash::{BuildHasher as _, Hasher as _, RandomState};
@@ -26,16 +26,16 @@ use tracing_subscriber::Layer;
 use tracing_subscriber::layer::Context;
 use tracing_subscriber::registry::LookupSpan;
 
-/// Spans that wait for the collector at most.
+/// Maximum number of queued spans.
 const MOST: usize = 4096;
-/// Spans in one request.
+/// Maximum number of spans in one request.
 const BATCH: usize = 512;
-/// A collector that takes longer is none.
+/// Timeout of a request to the collector.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// How long the last spans may take once the daemon has stopped.
+/// How long sending the last spans may take after the daemon stopped.
 const LAST: Duration = Duration::from_secs(1);
 
-/// What waits for the collector: one process has one.
+/// The queue; there is one per process.
 static QUEUE: LazyLock<Queue> = LazyLock::new(Queue::default);
 
 #[derive(Default)]
@@ -57,7 +57,7 @@ impl Queue {
         self.bell.notify_one();
     }
 
-    /// The oldest spans, and how many were lost since this was asked.
+    /// Takes the oldest spans, and the number of spans dropped since the last call.
     fn take(&self) -> (Vec<Value>, u64) {
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         let (spans, lost) = &mut *waiting;
@@ -66,12 +66,12 @@ impl Queue {
     }
 }
 
-/// Whether a span is exported.
+/// Whether a span is to be exported.
 pub(crate) fn is_ours(about: &Metadata<'_>) -> bool {
     about.is_span() && about.target() == TARGET
 }
 
-/// Where spans go.
+/// Address of a collector.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Collector {
     /// `host:port`
@@ -80,7 +80,7 @@ pub(crate) struct Collector {
 }
 
 impl Collector {
-    /// Reads `http://HOST:PORT`, with a path or without.
+    /// Parses `http://HOST:PORT`, with or without a path.
     pub(crate) fn parse(text: &str) -> Result<Self, NoCollector> {
         let text = || text.to_owned();
         let uri: Uri = text().parse().map_err(|_| NoCollector::NoUrl(text()))?;
@@ -100,7 +100,7 @@ impl Collector {
 /// Queues spans when they close.
 pub(crate) struct Exported;
 
-/// What a span has told so far.
+/// The fields of a span so far.
 struct Told {
     start: u128,
     words: Words,
@@ -153,7 +153,7 @@ impl<S: Subscriber + for<'a> LookupSpan<'a>> Layer<S> for Exported {
     }
 }
 
-/// A span as OTLP has it.
+/// Converts a span to OTLP.
 fn otlp(told: &Told, end: u128) -> Value {
     let Told { start, words } = told;
     let word = |key| words.text(key).unwrap_or_default();
@@ -170,7 +170,7 @@ fn otlp(told: &Told, end: u128) -> Value {
         "traceId": format!("{:016x}{:016x}", random(), random()),
         "spanId": format!("{:016x}", random()),
         "name": format!("{}/{}", word("component"), word("service")),
-        // A request served.
+        // `SPAN_KIND_SERVER`.
         "kind": 2,
         "startTimeUnixNano": start.to_string(),
         "endTimeUnixNano": end.to_string(),
@@ -183,12 +183,12 @@ fn now() -> u128 {
     SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos()
 }
 
-/// Never 0, which is no identity.
+/// Never 0, which OTLP does not allow as an identifier.
 fn random() -> u64 {
     RandomState::new().build_hasher().finish().max(1)
 }
 
-/// Posts what is queued until `closed` is raised, and then the rest.
+/// Posts queued spans until `closed` is raised, then the remaining ones.
 pub(crate) async fn export(collector: Collector, daemon: Option<String>, closed: Flag) {
     let mut refused = false;
     loop {

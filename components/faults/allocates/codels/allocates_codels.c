@@ -165,7 +165,7 @@ allocates_balance(int32_t *buffers, const genom_context self)
 genom_event
 allocates_leak(uint32_t bytes, const genom_context self)
 {
-  /* Written, or the system would not count it; volatile, or the compiler would drop it. */
+  /* Written, so that the system counts it; volatile, so that the compiler keeps it. */
   volatile char *forgotten = (volatile char *)malloc(bytes);
   uint32_t i;
 

@@ -20,7 +20,7 @@ genom_event crashes_divide(int32_t by, const genom_context self);
 genom_event
 crashes_segfault(const genom_context self)
 {
-  /* Out of the compiler's sight, or it would warn. */
+  /* Hidden from the compiler, which would warn. */
   volatile int *volatile nowhere = NULL;
 
   (void)self;

@@ -18,7 +18,7 @@ GENOM_DESCRIPTION("grabs.gen");
   genom_event name(const genom_context self); \
   genom_event name(const genom_context self)
 
-/* As those do who do not look at what setrlimit says. */
+/* Like code that ignores the result of setrlimit. */
 static genom_event
 limit(int resource, rlim_t most)
 {

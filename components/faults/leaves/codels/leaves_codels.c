@@ -72,7 +72,7 @@ static jmp_buf place;
 CODEL(leaves_mark)
 {
   (void)self;
-  /* Its frame is gone by the time somebody jumps here. */
+  /* This frame does not exist any more when the jump comes back here. */
   if (setjmp(place)) return leaves_ether;
   return leaves_jump_state;
 }

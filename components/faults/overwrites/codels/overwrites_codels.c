@@ -36,7 +36,7 @@ genom_event overwrites_past_argument(const double values[4], const genom_context
 genom_event overwrites_within(double gains[4], const overwrites_samples *samples,
                               const genom_context self);
 
-/* Out of the compiler's sight, or it would warn. */
+/* Hidden from the compiler, which would warn. */
 static void
 scribble(void *at, long from, long to)
 {

@@ -162,7 +162,7 @@ remains_child(int32_t *pid, const genom_context self)
     const struct timespec long_enough = { 100, 0 };
     int descriptor;
 
-    /* As those do that stay in the background. */
+    /* Like programs that run in the background. */
     for (descriptor = 0; descriptor < 3; descriptor++) close(descriptor);
     nanosleep(&long_enough, NULL);
     _exit(0);

@@ -1,4 +1,4 @@
-//! The clock that components live by, and its steps when it is virtual.
+//! The clock of the components, and steps of a virtual one.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,10 +12,10 @@ use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::Body;
 
-/// A longer step is several.
+/// The longest step; more time takes several steps.
 const LONGEST: Duration = Duration::from_nanos(StepRequest::LONGEST);
 
-/// Tell which clock components live by, and its date.
+/// Get the kind and the time of the components' clock.
 #[utoipa::path(
     get,
     path = "/clock",
@@ -27,7 +27,7 @@ pub(crate) async fn look(State(daemon): State<Arc<Daemon>>) -> Json<genom_protoc
     Json(now(&daemon.clock))
 }
 
-/// Advance a virtual clock, and answer when everything on the way was run.
+/// Advance the virtual clock; replies when everything that was due has run.
 #[utoipa::path(
     post,
     path = "/clock",
@@ -51,7 +51,7 @@ pub(crate) async fn step(
             format!("a step of {duration:?} is too long: {} s are the most", LONGEST.as_secs());
         return Err(RpcError::bad_input(message).place("/nanoseconds"));
     }
-    // Codels run in the thread that steps.
+    // Codels run in the thread that steps the clock.
     tokio::task::spawn_blocking(move || clock.step(duration))
         .await
         .map_err(|error| RpcError::internal(error.to_string()))?;
@@ -62,7 +62,7 @@ fn now(clock: &Clock) -> genom_protocol::Clock {
     genom_protocol::Clock { clock: kind(clock), now: clock.now() }
 }
 
-/// Which time components live in.
+/// The kind of a clock.
 pub(super) fn kind(clock: &Clock) -> ClockKind {
     match clock {
         Clock::Monotonic => ClockKind::Monotonic,

@@ -1,10 +1,10 @@
-//! Codels that keep others from working, as the control plane tells of them.
+//! Conversions of running codels and tasks that never pause to types of the control plane.
 
 use genom_protocol::{RunningCodel, Spin, Unpaused};
 use genom_runtime as runtime;
 use genom_supervisor::components;
 
-/// A codel that runs, as it is told.
+/// Converts a running codel.
 pub(super) fn running(of: &runtime::RunningCodel) -> RunningCodel {
     RunningCodel {
         codel: of.codel.clone(),
@@ -15,12 +15,12 @@ pub(super) fn running(of: &runtime::RunningCodel) -> RunningCodel {
     }
 }
 
-/// A task that keeps a processor, as it is told.
+/// Converts a task that occupies a processor.
 pub(super) fn spin(of: &components::Spin) -> Spin {
     Spin { unpaused: unpaused(&of.unpaused), processor: of.processor }
 }
 
-/// A task that does not pause, as it is told.
+/// Converts a task that never pauses.
 pub(super) fn unpaused(of: &runtime::Unpaused) -> Unpaused {
     Unpaused {
         task: of.task.clone(),

@@ -1,4 +1,4 @@
-//! Connections: what feeds which in port.
+//! Connections: list, make, remove.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Connections>
 
 /// Connect an in port to an out port, or a remote to a service.
 ///
-/// A remote takes no policy. The other side may belong to another daemon.
+/// A policy must not be given for a remote. The other side may belong to another daemon.
 #[utoipa::path(
     post,
     path = "/connections",
@@ -119,7 +119,7 @@ async fn take_away(
     let work = tokio::task::spawn_blocking(move || daemon.connections.disconnect(&inport));
     match work.await {
         Ok(Ok(true)) => Ok(Json(Disconnected { disconnected: address })),
-        // Nor is what takes no connection.
+        // Nor can anything else of that name be connected.
         Ok(Ok(false) | Err(ConnectError::NoSuchInport { .. })) => {
             Err(RpcError::conflict(Code::NotConnected, format!("{address} is not connected")))
         }

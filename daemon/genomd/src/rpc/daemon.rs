@@ -1,4 +1,4 @@
-//! The daemon itself: what it is, and its end.
+//! The daemon itself: description and shutdown.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use genom_protocol::{About, Stopping, routes};
 
 use crate::daemon::Daemon;
 
-/// Tell what this daemon is.
+/// Describe this daemon.
 #[utoipa::path(
     get,
     path = "/",
@@ -29,7 +29,7 @@ pub(crate) async fn about(State(daemon): State<Arc<Daemon>>) -> Json<About> {
 
 /// Stop the daemon.
 ///
-/// Answers at once; the end of `GET /events` tells when it is done.
+/// Replies at once. The stream of `GET /events` ends when the daemon has stopped.
 #[utoipa::path(
     post,
     path = "/shutdown",

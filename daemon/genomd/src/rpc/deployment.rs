@@ -1,4 +1,4 @@
-//! The whole wiring as one document: dump, plan, apply.
+//! Deployments: dump, plan, apply.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,15 +17,15 @@ use crate::rpc::error::RpcError;
 use crate::rpc::holder::Holder;
 use crate::rpc::input::Body;
 
-/// Seconds a connection waits for its other side when nothing is said.
+/// Default of `timeout`, in seconds.
 const PATIENCE: f64 = 10.0;
 
-/// The longest it may be told to wait.
+/// Maximum of `timeout`.
 const LONGEST: Duration = Duration::from_secs(86_400);
 
-/// Tell what runs, as a deployment file.
+/// Get the running system as a deployment file.
 ///
-/// Options of middlewares are in it for those who have the right `admin`.
+/// Options of middlewares are included for clients with the right `admin`.
 #[utoipa::path(
     get,
     path = "/deployment",
@@ -48,7 +48,7 @@ pub(crate) async fn dump(
     Ok(Json(Dumped { deployment, text }))
 }
 
-/// Bring the daemon to what a deployment file says, or tell how.
+/// Apply a deployment file, or list the steps this would take.
 #[utoipa::path(
     post,
     path = "/deployment",
@@ -93,7 +93,7 @@ pub(crate) async fn apply(
     }
 }
 
-/// Options of middlewares, which are TOML where they come from.
+/// Options of middlewares, converted from TOML to JSON.
 fn options(
     of: &BTreeMap<String, toml::Table>,
 ) -> Result<BTreeMap<String, Map<String, Value>>, RpcError> {
@@ -110,7 +110,7 @@ fn read(daemon: &Daemon, wanted: &DeploymentRequest) -> Result<Deployment, RpcEr
     let mut deployment = config.deployment(name).map_err(|why| {
         RpcError::bad_input(format!("{}: {why}", wanted.file.display())).place("/daemon")
     })?;
-    // A file that says its own default middleware means it for its components.
+    // The default middleware of a file is that of its components.
     if config.backend != Config::default().backend {
         let default = genom_configuration::BackendNames::one(config.backend.as_str());
         for component in &mut deployment.component {
@@ -125,7 +125,7 @@ fn impossible(error: &Contradiction, wanted: &DeploymentRequest) -> RpcError {
         .help("nothing was changed")
 }
 
-/// The message, with file, line and key before it when they are known.
+/// The message, preceded by file, line and key if these are known.
 fn placed(place: &Spot, wanted: &DeploymentRequest, error: &impl std::fmt::Display) -> String {
     match place.told(&wanted.file, &wanted.text) {
         Some(place) => format!("{place}: {error}"),

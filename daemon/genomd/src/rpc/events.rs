@@ -1,4 +1,4 @@
-//! External events to components, and what changes in the daemon as it happens.
+//! External events of components, and changes in the daemon.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::rpc::holder::Holder;
 use crate::rpc::input::Parameters;
 use crate::rpc::stream;
 
-/// Which changes a listener wants to hear.
+/// The kinds of changes that a listener asked for.
 struct Wanted(Option<Vec<String>>);
 
 /// Fire an external event of a component.
@@ -48,11 +48,11 @@ pub(crate) async fn fire(
     Ok(Json(Fired { fired: true }))
 }
 
-/// Follow what changes, from now on or since `Last-Event-ID`.
+/// Stream changes in the daemon, from now on or since `Last-Event-ID`.
 ///
-/// Server-sent events `change`; data is a JSON object whose `event` says what changed. The last
-/// 1024 changes are kept for readers that are slow or were away. In place of older ones comes
-/// `{"event": "missed", "changes": COUNT}`.
+/// Sends server-sent events `change`; their data is a JSON object whose member `event` is the kind
+/// of the change. The last 1024 changes are kept for readers that are slow or reconnect. Older ones
+/// are replaced by `{"event": "missed", "changes": COUNT}`.
 #[utoipa::path(
     get,
     path = "/events",

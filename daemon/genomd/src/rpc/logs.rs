@@ -1,4 +1,4 @@
-//! What the daemon logged lately, and what it logs as it does.
+//! The daemon's log: latest entries, and a stream of new ones.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -23,7 +23,7 @@ use crate::rpc::holder::Holder;
 use crate::rpc::input::Parameters;
 use crate::rpc::stream;
 
-/// Which entries are wanted.
+/// Selects entries.
 struct Wanted {
     level: Level,
     component: Option<String>,
@@ -46,14 +46,14 @@ impl Wanted {
     }
 }
 
-/// The last of those wanted.
+/// The latest `last` of the selected entries.
 fn latest(all: Vec<Numbered>, wanted: &Wanted, last: Option<usize>) -> Vec<Numbered> {
     let mut found: Vec<_> = all.into_iter().filter(|entry| wanted.has(entry)).collect();
     found.drain(..found.len().saturating_sub(last.unwrap_or(usize::MAX)));
     found
 }
 
-/// Tell what the daemon logged lately.
+/// Get the latest entries of the daemon's log.
 #[utoipa::path(
     get,
     path = "/logs",
@@ -69,7 +69,8 @@ pub(crate) async fn list(
     let LogParameters { level, component, last } = parameters;
     let wanted = Wanted::new(level.as_deref(), component)?;
     let all = logs::past().listen(Some(0)).take_past();
-    // What a component left stays readable when it is gone; of one that never was there is none.
+    // Entries about a component that was unloaded remain available; a name without entries must be
+    // that of a component.
     if let Some(name) = &wanted.component
         && !all.iter().any(|entry| entry.data["component"] == *name.as_str())
     {
@@ -80,10 +81,11 @@ pub(crate) async fn list(
     Ok(Json(Logs { logs: logs.collect() }))
 }
 
-/// Follow what the daemon logs, from the last `last` entries on, or since `Last-Event-ID`.
+/// Stream entries of the daemon's log, starting with the latest `last` entries, or since
+/// `Last-Event-ID`.
 ///
-/// The last 1024 entries are kept for readers that are slow or were away; an entry that says so
-/// stands for older ones.
+/// The last 1024 entries are kept for readers that are slow or reconnect. An entry that says so
+/// replaces those that were missed.
 #[utoipa::path(
     get,
     path = "/logs/stream",

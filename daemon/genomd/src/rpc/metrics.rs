@@ -1,4 +1,4 @@
-//! Figures for Prometheus, in its text format: components, tasks, codels, ports, connections.
+//! Metrics in the text format of Prometheus: components, tasks, codels, ports, connections.
 
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use genom_supervisor::components::Hosted;
 use crate::daemon::Daemon;
 use crate::rpc::ports;
 
-/// Figures for Prometheus, in its text format.
+/// Get metrics in the text format of Prometheus.
 #[utoipa::path(
     get,
     path = "/metrics",
@@ -98,7 +98,8 @@ fn count(value: u64) -> f64 {
     value as f64
 }
 
-/// The page: samples by name, since those of one name stand together.
+/// The page. Samples are grouped by name, because Prometheus requires those of one name to be
+/// adjacent.
 #[derive(Default)]
 struct Page {
     families: indexmap::IndexMap<String, String>,

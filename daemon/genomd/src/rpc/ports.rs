@@ -1,4 +1,4 @@
-//! Ports: what they are connected to, and their values.
+//! Ports: connections, values, counters.
 
 use std::sync::Arc;
 
@@ -59,7 +59,7 @@ pub(crate) async fn of_component(
     Ok(Json(Ports { ports: described(&hosted, &parameters) }))
 }
 
-/// Tell a port and its last value.
+/// Describe a port, with its last value.
 #[utoipa::path(
     get,
     path = "/components/{component}/ports/{port}",
@@ -80,8 +80,8 @@ pub(crate) async fn value(
 
 /// Publish a value to an in port.
 ///
-/// The first time, the port is connected to what is published here. Members that are left out
-/// keep the value they had. The value's schema is that of the port.
+/// The first such request connects the port to the values published here. Members that are left out
+/// keep their last values. The schema of the value is that of the port.
 #[utoipa::path(
     post,
     path = "/components/{component}/ports/{port}",
@@ -131,9 +131,9 @@ pub(super) fn not_published(error: &FeedError) -> RpcError {
     }
 }
 
-/// Tell the type of a port as it lies in memory.
+/// Get the type of a port, with its memory layout.
 ///
-/// What a program needs that reads or writes the port on its middleware itself.
+/// For programs that read or write the port on its middleware directly.
 #[utoipa::path(
     get,
     path = "/components/{component}/ports/{port}/type",
@@ -153,7 +153,8 @@ pub(crate) async fn layout(
     }
 }
 
-/// Tell counts of a port whose differences give rates, as `genomctl hz` and `genomctl bw` do.
+/// Get counters of a port; differences between two readings give rates, as in `genomctl hz` and
+/// `genomctl bw`.
 #[utoipa::path(
     get,
     path = "/components/{component}/ports/{port}/traffic",
@@ -188,7 +189,8 @@ pub(super) fn find(hosted: &Hosted, port: &str) -> Result<PortIx, RpcError> {
     })
 }
 
-/// The port of that name, or its element: a multiple port needs one, a single one has none.
+/// The port of that name, or an element of it. A multiple port requires an element, a single one
+/// allows none.
 pub(super) fn key(
     hosted: &Hosted,
     port: &str,
@@ -208,7 +210,7 @@ pub(super) fn key(
     Err(RpcError::bad_input(message).place("element"))
 }
 
-/// The port itself, or the elements of a multiple one.
+/// The port itself or, if it is multiple, its elements.
 pub(super) fn elements(hosted: &Hosted, port: PortIx) -> Vec<PortKey> {
     if hosted.model().ports[port].multiple {
         let elements = hosted.ties.elements(port).into_iter();

@@ -1,4 +1,4 @@
-//! Whether the daemon has loaded what it was started with.
+//! Whether the daemon has loaded the components of its configuration.
 
 use std::sync::Arc;
 
@@ -11,10 +11,11 @@ use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::input::{self, Parameters};
 
-/// Tell whether the daemon has loaded what it was started with.
+/// Get whether the daemon has loaded the components of its configuration.
 ///
-/// 200 when it has; 503 with code `not_ready` as long as it has not, and `stopping` when it stops.
-/// Components that are loaded later by request do not count: their request answers when they run.
+/// 200 if so; 503 with code `not_ready` while it is loading, and with code `stopping` while it is
+/// stopping. Components that are loaded by later requests are not considered: such a request
+/// replies when its component runs.
 #[utoipa::path(
     get,
     path = "/ready",

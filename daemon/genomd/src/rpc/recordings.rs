@@ -1,4 +1,4 @@
-//! Recordings: what passes through ports and what is asked of services, as a stream of frames.
+//! Recordings of ports and calls of services, as a stream of frames.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -22,11 +22,11 @@ use crate::rpc::holder::Holder;
 use crate::rpc::input::Body;
 use crate::rpc::{clock, components, ports, stream};
 
-/// Batches that wait to be sent.
+/// Maximum number of batches that wait to be sent.
 const WAITING: usize = 4;
 
-/// Record ports and what services are asked; the answer is the recording, as it comes, in frames
-/// (`length: u32, kind: u8, content`, little endian).
+/// Record ports and calls of services. The reply is a stream of frames (`length: u32, kind: u8,
+/// content`, little endian).
 #[utoipa::path(
     post,
     path = "/recordings",
@@ -79,7 +79,7 @@ pub(crate) async fn start(
     Ok((kind, Stream::from_stream(batches)).into_response())
 }
 
-/// End a recording, once all is sent that was taken until now.
+/// End a recording, after all samples taken until now are sent.
 #[utoipa::path(
     delete,
     path = "/recordings/{number}",

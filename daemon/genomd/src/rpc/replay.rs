@@ -1,4 +1,4 @@
-//! Samples of a recording, published to in ports.
+//! Publishes samples of a recording to in ports.
 
 use std::sync::Arc;
 
@@ -13,10 +13,10 @@ use crate::daemon::Daemon;
 use crate::rpc::error::RpcError;
 use crate::rpc::{components, ports};
 
-/// Publish samples of a recording to in ports: `length: u32, in port, length: u32, CDR` each,
-/// little endian, the CDR with its encapsulation header.
+/// Publish samples of a recording to in ports, each `length: u32, in port, length: u32, CDR`,
+/// little endian. The CDR has its encapsulation header.
 ///
-/// Answers when all are published, or tells which one was refused: those before it are.
+/// Replies when all are published. If one is refused, the samples before it were published.
 #[utoipa::path(
     post,
     path = "/replay",

@@ -12,7 +12,7 @@ use crate::rpc::codels::{running, unpaused};
 use crate::rpc::components;
 use crate::rpc::error::RpcError;
 
-/// Tell the statistics of a component's tasks and codels.
+/// Get the statistics of a component's tasks and codels.
 ///
 /// Durations are in nanoseconds: `count`, `last_ns`, `mean_ns`, `p50_ns`, `p99_ns`, `max_ns`.
 #[utoipa::path(

@@ -1,4 +1,4 @@
-//! Values of a port as they come.
+//! Streams of a port's values.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -23,17 +23,17 @@ use crate::rpc::input::Parameters;
 use crate::rpc::stream::{self, Writer};
 use crate::rpc::{components, ports};
 
-/// Values a second that a stream looks for when it is not told.
+/// Default of `rate`, in values per second.
 const USUAL_RATE: f64 = 50.0;
-/// Values a second that a stream looks for at most.
+/// Maximum of `rate`, in values per second.
 const GREATEST_RATE: f64 = 1000.0;
 
-/// Follow the values of a port.
+/// Stream the values of a port.
 ///
-/// Server-sent events `value` when the value is another than the last one sent, the first at
-/// once if there is one, each with the date of its sample as `id`, in nanoseconds since 1970 or on
-/// the virtual clock; event `end` when the component is unloaded. A reader that does not keep
-/// up misses values, and one that reads nothing for 10 s is dropped.
+/// Sends server-sent events `value` whenever the value differs from the last one sent, and at first
+/// if there is a value. The `id` of an event is the date of the sample, in nanoseconds since 1970
+/// or of the virtual clock. Event `end` is sent when the component is unloaded. A reader that is
+/// too slow misses values; one that reads nothing for 10 s is dropped.
 #[utoipa::path(
     get,
     path = "/components/{component}/ports/{port}/stream",
@@ -80,7 +80,7 @@ pub(crate) async fn stream(
     })
 }
 
-/// Sends what `look` sees, with its date, when it is another than before, as `text` spells it.
+/// Sends what `look` returns, with its date, whenever it changed; `text` formats it.
 async fn follow<T: PartialEq>(
     hosted: &Hosted,
     rate: f64,

@@ -80,10 +80,10 @@ pub(super) enum UndoError {
     Request { step: String, source: RequestError },
     #[error(transparent)]
     Move(#[from] MoveError),
-    /// A connection that could not be restored.
+    /// A connection that could not be removed again.
     #[error(transparent)]
     Disconnect(#[from] ConnectError),
-    /// A connection that could not be removed again.
+    /// A connection that could not be restored.
     #[error("{entry}: {}", .source.sentence())]
     Connect { entry: String, source: ConnectError },
 }

@@ -39,10 +39,10 @@ impl Supervisor {
         steps::steps(present, wanted, prune)
     }
 
-    /// Takes steps, in order; connections wait for the other side at most this long each. Blocks.
+    /// Takes steps in order; each connection waits at most `patience` for its other side. Blocks.
     ///
     /// # Errors
-    /// A step was refused; those before it were taken back, as far as they could be.
+    /// A step failed; those before it were undone as far as possible.
     pub fn apply(
         self: &Arc<Self>,
         steps: &[Step],

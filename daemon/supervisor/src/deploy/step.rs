@@ -1,4 +1,4 @@
-//! One step of a deployment, as it is told to users.
+//! One step of a deployment, and how it is described to users.
 
 use std::fmt;
 

@@ -54,12 +54,12 @@ pub struct Steps {
     pub beside: Vec<Step>,
 }
 
-/// What runs, as far as steps depend on it.
+/// The part of the running system that steps depend on.
 #[derive(Clone, Copy)]
 pub(super) struct Present<'a> {
     pub(super) components: &'a Components,
     pub(super) connections: &'a Connections,
-    /// The middleware of components that name none.
+    /// Default middleware, for components that name none.
     pub(super) backend: &'a str,
 }
 

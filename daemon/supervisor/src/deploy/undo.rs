@@ -174,7 +174,7 @@ impl Requested {
         Self { activity: Some(activity), ..self }
     }
 
-    /// `patience`: how long an activity that it started is waited for; not at all without.
+    /// Waits at most `patience` for an activity that was started to end; with `None`, not at all.
     fn take_back(
         self,
         components: &Components,

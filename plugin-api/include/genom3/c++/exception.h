@@ -33,7 +33,7 @@ struct __attribute__((visibility("default"))) syserr : public exception {
   const char *what() const { return syserr_id; }
 };
 
-/* An error of no declared kind, with a sentence. */
+/* An error that is not declared, with a message. */
 GENOM_CXX_EVENT(unkex_id, "::genom::unkex");
 
 struct __attribute__((visibility("default"))) unkex : public exception {

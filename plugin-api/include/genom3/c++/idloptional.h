@@ -1,5 +1,5 @@
 /*
- * optional<T> in C++: an aggregate, whose value exists also while it is not present.
+ * optional<T> in C++: an aggregate, whose value exists even while it is absent.
  */
 #ifndef GENOM3_CXX_IDLOPTIONAL_H
 #define GENOM3_CXX_IDLOPTIONAL_H

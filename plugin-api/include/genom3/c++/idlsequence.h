@@ -38,7 +38,7 @@ template <typename T, std::size_t N> struct bounded_sequence {
   size_type capacity() const { return N; }
   bool empty() const { return n == 0; }
 
-  /* Elements that come in again have their last value. */
+  /* Elements that become valid again keep their last values. */
   void resize(size_type size) {
     if (size > N) throw std::out_of_range("genom::bounded_sequence::resize");
     n = size;

@@ -31,7 +31,7 @@ struct genom_context_iface {
    */
   const void *(*raised)(genom_event *ex, genom_context self);
 
-  /* Belongs to the host. */
+  /* Private data of the host. */
   struct genom_context_data *data;
 };
 

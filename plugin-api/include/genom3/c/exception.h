@@ -27,7 +27,7 @@ genom_event genom_ok = 0;
 /* An exception could not be recorded. */
 GENOM_EVENT(genom_fatal, "::genom::fatal");
 
-/* An error of no declared kind, with a sentence. */
+/* An error that is not declared, with a message. */
 GENOM_EVENT(genom_unkex_id, "::genom::unkex");
 
 typedef struct genom_unkex_detail {

@@ -5,7 +5,7 @@
 #ifndef GENOM3_C_IDLSEQUENCE_H
 #define GENOM3_C_IDLSEQUENCE_H
 
-/* Codels count on getting errno from here, as they did from GenoM3's own header. */
+/* Included because GenoM3's own header provides errno, and codels rely on it. */
 #include <errno.h>
 #include <stdint.h>
 #include <stdlib.h>
