@@ -1,14 +1,56 @@
 //! The announcements that make this daemon visible to others on middlewares.
 
-use std::sync::{Mutex, PoisonError};
+use std::io;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use genom_doors::Desk;
+use genom_middleware::{AnnounceError, Middleware, Relay};
+use tokio::runtime::Handle;
 
 /// Announcements, each under a name. A middleware withdraws one when its value is dropped.
 #[derive(Default)]
 pub(crate) struct Announcements(Mutex<Vec<(String, Box<dyn Send + Sync>)>>);
 
 impl Announcements {
-    /// Keeps an announcement.
-    pub(crate) fn keep(&self, name: String, announcement: Box<dyn Send + Sync>) {
+    /// Shows this daemon on a middleware that passes requests on, under the first of these names
+    /// that no other daemon has there. Messages to it go to the desk that `open` makes for the
+    /// name.
+    pub(crate) fn announce(
+        &self,
+        names: &[String],
+        on: &dyn Middleware,
+        open: impl Fn(&str, &dyn Relay) -> io::Result<Arc<Desk>>,
+        runtime: &Handle,
+    ) {
+        let Some(relay) = on.relay() else { return };
+        let mut refused = None;
+        for name in names {
+            let desk = match open(name, relay) {
+                Ok(desk) => desk,
+                Err(error) => return tracing::warn!("this daemon is not reachable there: {error}"),
+            };
+            let runtime = runtime.clone();
+            let take = move |bytes: Vec<u8>, answer: Box<dyn FnOnce(Vec<u8>) + Send>| {
+                desk.take(&runtime, bytes, answer);
+            };
+            match relay.announce(name, Box::new(take)) {
+                Ok(announcement) => {
+                    if let Some(error) = refused {
+                        tracing::warn!("{error}; this one is `{name}` there");
+                    }
+                    return self.keep(name.clone(), announcement);
+                }
+                // Another daemon has that name: the next one is this daemon's alone.
+                Err(error @ AnnounceError::Taken { .. }) => refused = Some(error),
+                Err(error) => return tracing::warn!("{error}"),
+            }
+        }
+        if let Some(error) = refused {
+            tracing::warn!("{error}; this one is not reachable there");
+        }
+    }
+
+    fn keep(&self, name: String, announcement: Box<dyn Send + Sync>) {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).push((name, announcement));
     }
 
@@ -23,4 +65,12 @@ impl Announcements {
         let all = std::mem::take(&mut *self.0.lock().unwrap_or_else(PoisonError::into_inner));
         drop(all);
     }
+}
+
+/// What this daemon may be called, the best first: as it was started, else by its machine.
+pub(crate) fn names(given: Option<&str>) -> Vec<String> {
+    let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let name = given.unwrap_or_else(|| host.trim());
+    let name = if name.is_empty() { "genomd" } else { name };
+    vec![name.to_owned(), format!("{name}-{}", std::process::id())]
 }

@@ -19,8 +19,14 @@ use tracing_subscriber::{EnvFilter, Layer};
 use crate::telemetry;
 
 /// The crates that a filter calls `genomd`: users see one program.
-const PARTS: [&str; 5] =
-    ["genomd", "genom_supervisor", "genom_ports", "genom_registry", "genom_configuration"];
+const PARTS: [&str; 6] = [
+    "genomd",
+    "genom_doors",
+    "genom_supervisor",
+    "genom_ports",
+    "genom_registry",
+    "genom_configuration",
+];
 
 /// What was logged: one process has one log.
 static PAST: LazyLock<Numbers> = LazyLock::new(|| Numbers::new(Dates::default()));

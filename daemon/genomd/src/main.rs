@@ -14,7 +14,6 @@ mod rpc;
 mod run;
 mod settings;
 mod signals;
-mod slots;
 mod startup;
 mod telemetry;
 

@@ -1,28 +1,32 @@
 //! A run of the daemon: open, load, serve, stop.
 
-use std::io::Write as _;
+use std::io::{self, Write as _};
 use std::net::SocketAddr;
+use std::os::fd::OwnedFd;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Duration;
 
 use genom_configuration::{RpcSettings, Spot};
-use genom_host::{KeptProcess, StandardError};
+use genom_doors::{
+    Certificates, Desk, Door, Entrance, Listener, Log, Most, Socket, Tokens, acceptor, serve,
+};
+use genom_host::{KeptProcess, StandardError, keep_from_children, keep_off};
+use genom_middleware::{Middleware, Relay};
+use genom_supervisor::Supervisor;
 use genom_supervisor::deploy::ApplyError;
 use genom_supervisor::deploy::Step;
 use genom_supervisor::limits;
 use genom_supervisor::loading::LoadError;
+use tokio::runtime::Handle;
 
+use crate::announcements;
 use crate::daemon::Daemon;
 use crate::memory;
 use crate::rpc;
-use crate::rpc::access::{Door, Log};
-use crate::rpc::listen::{self, Socket};
-use crate::rpc::serve::{Entrance, Listener, Most, serve};
-use crate::rpc::tls;
-use crate::rpc::tokens::Tokens;
 use crate::settings::Settings;
 use crate::signals::Signals;
+use crate::startup::Startup;
 use crate::telemetry;
 
 /// Why the daemon did not run, with its exit status.
@@ -87,19 +91,50 @@ pub(crate) fn run(settings: Settings) -> Result<(), Refusal> {
     }
 }
 
+/// A descriptor of the daemon's own: codels do not get at it, neither by what they print nor by
+/// children that they fork.
+fn own(descriptor: OwnedFd) -> io::Result<OwnedFd> {
+    let descriptor = keep_off(descriptor)?;
+    keep_from_children(&descriptor);
+    Ok(descriptor)
+}
+
 async fn open_tcp(
     rpc: &RpcSettings,
     address: SocketAddr,
 ) -> Result<(Listener, SocketAddr), Refusal> {
-    let tls = rpc.tls.as_ref().map(tls::acceptor).transpose().map_err(Refusal::usage)?;
-    let (listener, address) = listen::tcp(address).await.map_err(Refusal::own)?;
-    tracing::info!("also on http{}://{address}", if tls.is_some() { "s" } else { "" });
-    Ok((Listener::Tcp(listener, tls), address))
+    let files = rpc.tls.as_ref().map(|tls| Certificates {
+        cert: &tls.cert,
+        key: &tls.key,
+        client_ca: tls.client_ca.as_deref(),
+    });
+    let tls = files.map(acceptor).transpose().map_err(Refusal::usage)?;
+    let scheme = if tls.is_some() { "https" } else { "http" };
+    let (listener, address) = Listener::tcp(address, tls, own).await.map_err(Refusal::own)?;
+    tracing::info!("also on {scheme}://{address}");
+    Ok((listener, address))
+}
+
+/// Has clients of other daemons reach this one by each middleware that passes requests on, once it
+/// is open.
+fn announce(daemon: &Arc<Daemon>, tokens: &Arc<Tokens>, log: Arc<Log>) {
+    let (weak, runtime) = (Arc::downgrade(daemon), Handle::current());
+    let (tokens, names) = (Arc::clone(tokens), announcements::names(daemon.name.as_deref()));
+    daemon.supervisor.backends.on_open(move |on: &dyn Middleware| {
+        let Some(daemon) = weak.upgrade().filter(|_| on.relay().is_some()) else { return };
+        // Whoever comes this way may be anybody on the network: proofs say who.
+        let router = rpc::router(&daemon, &tokens, Door::proved(Arc::clone(&log)));
+        let open = |name: &str, relay: &dyn Relay| {
+            let most = daemon.rpc.max_body;
+            Desk::new(&tokens, name, relay.own(), on.name(), router.clone(), most)
+        };
+        daemon.announcements.announce(&names, on, open, &runtime);
+    });
 }
 
 async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let signals = Signals::take(settings.keep).map_err(Refusal::own)?;
-    let socket = Socket::open(&settings.rpc.socket).map_err(Refusal::own)?;
+    let socket = Socket::open(&settings.rpc.socket, own).map_err(Refusal::own)?;
     let tokens = Tokens::read(settings.rpc.token_file.as_deref()).map_err(Refusal::usage)?;
     let log = Arc::new(Log::default());
     let tcp = match settings.rpc.listen {
@@ -112,22 +147,14 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
         None => None,
     };
     let daemon = Daemon::new(&settings);
-    tokio::spawn(signals.obey(Arc::clone(&daemon), Arc::clone(&tokens)));
-    let (weak, runtime) = (Arc::downgrade(&daemon), tokio::runtime::Handle::current());
-    let (known, told) = (Arc::clone(&tokens), Arc::clone(&log));
-    daemon.backends.on_open(move |middleware| {
-        if let Some(daemon) = weak.upgrade().filter(|_| middleware.relay().is_some()) {
-            // Whoever comes this way may be anybody on the network: proofs say who.
-            let door = Door::Proved { log: Arc::clone(&told) };
-            let router = rpc::router(Arc::clone(&daemon), &known, door);
-            rpc::relay::announce(&daemon, &router, &known, &runtime, middleware);
-        }
-    });
-    open_backend(&daemon).await?;
-    daemon.watch().map_err(Refusal::own)?;
+    let supervisor = &daemon.supervisor;
+    tokio::spawn(signals.obey(Arc::clone(supervisor), Arc::clone(&tokens)));
+    announce(&daemon, &tokens, Arc::clone(&log));
+    open_backend(supervisor).await?;
+    supervisor.watch().map_err(Refusal::own)?;
     let exporter = settings.collector.clone().map(|collector| {
         let name = daemon.name.clone();
-        tokio::spawn(telemetry::export(collector, name, daemon.closed.clone()))
+        tokio::spawn(telemetry::export(collector, name, supervisor.closed.clone()))
     });
     tokio::spawn(keep_process(KeptProcess::remember()));
 
@@ -135,26 +162,26 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
     let RpcSettings { max_connections, max_connections_per_token, .. } = daemon.rpc;
     let most = Most { connections: max_connections, per_token: max_connections_per_token };
     let (listener, socket) = socket.split();
-    let router = rpc::router(Arc::clone(&daemon), &tokens, Door::Own);
-    let mut entrances = vec![Entrance { listener: Listener::Unix(listener), router }];
+    let router = rpc::router(&daemon, &tokens, Door::own());
+    let mut entrances = vec![Entrance { listener, router }];
     if let Some(listener) = tcp {
         let tls = daemon.rpc.tls.iter().filter(|tls| tls.client_ca.is_some());
         let certified = tls.flat_map(|tls| tls.client_rights.clone()).collect();
-        let door = Door::Guarded { tokens: Arc::clone(&tokens), log, certified };
-        let router = rpc::router(Arc::clone(&daemon), &tokens, door);
-        entrances.push(Entrance { listener, router });
+        let door = Door::guarded(Arc::clone(&tokens), log, certified);
+        entrances.push(Entrance { listener, router: rpc::router(&daemon, &tokens, door) });
     }
     let server = tokio::spawn(serve(entrances, most, daemon.closed.clone()));
     let outcome = tokio::select! {
         outcome = work(&daemon, &settings) => outcome,
-        () = daemon.forced.raised() => {
-            let left = daemon.components.stopping().join(", ");
+        () = supervisor.forced.raised() => {
+            let left = supervisor.components.stopping().join(", ");
             Err(Refusal::left_behind(format!("stopped before all codels had ended: {left}")))
         }
     };
     // Gone before the last stream ends: who waits for that finds nothing left.
     drop(socket);
-    daemon.closed.raise();
+    supervisor.closed.raise();
+    daemon.closed.cancel();
     if let Err(error) = server.await {
         tracing::error!("the control plane ended badly: {error}");
     }
@@ -166,15 +193,15 @@ async fn live(mut settings: Settings) -> Result<(), Refusal> {
 }
 
 /// Opens the default middleware. It may take a while: some look for others first.
-async fn open_backend(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
-    let backend = daemon.settings.backend.clone();
-    let (worker, name) = (Arc::clone(daemon), backend.clone());
+async fn open_backend(supervisor: &Arc<Supervisor>) -> Result<(), Refusal> {
+    let backend = supervisor.settings.backend.clone();
+    let (worker, name) = (Arc::clone(supervisor), backend.clone());
     let opening = tokio::task::spawn_blocking(move || worker.backends.get(&name).map(drop));
     let too_long = async {
         // One that is open closes again as it should.
-        daemon.asked_to_stop().await;
-        let patience = tokio::time::sleep(daemon.settings.stop_timeout);
-        tokio::select! { () = patience => {}, () = daemon.forced.raised() => {} }
+        supervisor.asked_to_stop().await;
+        let patience = tokio::time::sleep(supervisor.settings.stop_timeout);
+        tokio::select! { () = patience => {}, () = supervisor.forced.raised() => {} }
     };
     tokio::select! {
         opened = opening => opened.map_err(Refusal::own)?.map_err(Refusal::own),
@@ -185,15 +212,16 @@ async fn open_backend(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
 }
 
 /// Loads, runs until asked to stop, unloads.
-async fn work(daemon: &Arc<Daemon>, settings: &Settings) -> Result<(), Refusal> {
+async fn work(daemon: &Daemon, settings: &Settings) -> Result<(), Refusal> {
+    let (supervisor, startup) = (&daemon.supervisor, &daemon.startup);
     let mut outcome = Ok(());
-    match load_all(daemon, settings).await {
+    match load_all(supervisor, startup, settings).await {
         Ok(rest) => {
-            daemon.startup.ready.raise();
+            startup.ready.raise();
             tracing::info!("ready on {}", daemon.rpc.socket.display());
             tokio::select! {
-                refusal = deploy(daemon, settings, rest) => outcome = Err(refusal),
-                () = daemon.asked_to_stop() => {}
+                refusal = deploy(supervisor, startup, settings, rest) => outcome = Err(refusal),
+                () = supervisor.asked_to_stop() => {}
             }
         }
         Err(refusal) => outcome = Err(refusal),
@@ -203,8 +231,12 @@ async fn work(daemon: &Arc<Daemon>, settings: &Settings) -> Result<(), Refusal> 
 
 /// Loads the components asked for, in order; stops at the first that is refused. What else the
 /// deployment asks for is given back.
-async fn load_all(daemon: &Arc<Daemon>, settings: &Settings) -> Result<Vec<Step>, Refusal> {
-    let steps = daemon
+async fn load_all(
+    supervisor: &Arc<Supervisor>,
+    startup: &Startup,
+    settings: &Settings,
+) -> Result<Vec<Step>, Refusal> {
+    let steps = supervisor
         .steps_to(&settings.deployment, false)
         .map(|steps| steps.to_take)
         .map_err(|error| Refusal::usage(told(settings, &error.place(), &error)))?;
@@ -214,25 +246,25 @@ async fn load_all(daemon: &Arc<Daemon>, settings: &Settings) -> Result<Vec<Step>
         Step::Load(request) => Some(request.instance()),
         _ => None,
     });
-    daemon.startup.begins(names.collect());
+    startup.begins(names.collect());
     for step in loads {
         let Step::Load(request) = step else { continue };
-        if daemon.stopping() {
+        if supervisor.stopping() {
             return Ok(Vec::new());
         }
-        let (worker, asked) = (Arc::clone(daemon), request.clone());
+        let (worker, asked) = (Arc::clone(supervisor), request.clone());
         let mut loading = tokio::task::spawn_blocking(move || worker.load(&request));
         let loaded = tokio::select! {
             loaded = &mut loading => loaded,
             // Those that run are not to wait for one that starts.
-            () = daemon.asked_to_stop() => tokio::join!(unload_all(daemon), loading).1,
+            () = supervisor.asked_to_stop() => tokio::join!(unload_all(supervisor), loading).1,
         };
         match loaded {
-            Ok(Ok(_) | Err(LoadError::Stopping)) => daemon.startup.one_is_loaded(),
+            Ok(Ok(_) | Err(LoadError::Stopping)) => startup.one_is_loaded(),
             Ok(Err(error)) => {
                 let place = Spot::component(&asked).key(error.key());
                 let message = told(settings, &place, &error);
-                let given_up = daemon.start_is_given_up();
+                let given_up = supervisor.start_is_given_up();
                 let refuse = if given_up { Refusal::left_behind } else { Refusal::component };
                 return Err(refuse(message));
             }
@@ -244,8 +276,13 @@ async fn load_all(daemon: &Arc<Daemon>, settings: &Settings) -> Result<Vec<Step>
 
 /// Connects, calls and starts what the configuration says; waits for other daemons as long as
 /// it takes. Returns only when a step is refused.
-async fn deploy(daemon: &Arc<Daemon>, settings: &Settings, steps: Vec<Step>) -> Refusal {
-    let (worker, connections) = (Arc::clone(daemon), settings.deployment.connection.clone());
+async fn deploy(
+    supervisor: &Arc<Supervisor>,
+    startup: &Startup,
+    settings: &Settings,
+    steps: Vec<Step>,
+) -> Refusal {
+    let (worker, connections) = (Arc::clone(supervisor), settings.deployment.connection.clone());
     let work = move || {
         let _turn = worker.deploying();
         worker.apply(&steps, None)?;
@@ -257,10 +294,10 @@ async fn deploy(daemon: &Arc<Daemon>, settings: &Settings, steps: Vec<Step>) -> 
     };
     match tokio::task::spawn_blocking(work).await {
         Ok(Ok(())) => {
-            daemon.startup.deployed.raise();
+            startup.deployed.raise();
             std::future::pending().await
         }
-        Ok(Err(_)) if daemon.stopping() => std::future::pending().await,
+        Ok(Err(_)) if supervisor.stopping() => std::future::pending().await,
         Ok(Err(error)) => Refusal::component(told(settings, &error.place, &error)),
         Err(error) => Refusal::own(error),
     }
@@ -276,8 +313,8 @@ fn told(settings: &Settings, place: &Spot, error: &impl std::fmt::Display) -> St
 }
 
 /// Stops the components that run; what hangs is told and left behind.
-async fn unload_all(daemon: &Arc<Daemon>) -> Result<(), tokio::task::JoinError> {
-    let worker = Arc::clone(daemon);
+async fn unload_all(supervisor: &Arc<Supervisor>) -> Result<(), tokio::task::JoinError> {
+    let worker = Arc::clone(supervisor);
     for (_, error) in tokio::task::spawn_blocking(move || worker.unload_all()).await? {
         tracing::error!("{error}");
     }
@@ -285,15 +322,16 @@ async fn unload_all(daemon: &Arc<Daemon>) -> Result<(), tokio::task::JoinError> 
 }
 
 /// Stops every component while requests under way are still answered.
-async fn stop(daemon: &Arc<Daemon>) -> Result<(), Refusal> {
-    daemon.ask_to_stop("a component was refused");
-    unload_all(daemon).await.map_err(|error| {
+async fn stop(daemon: &Daemon) -> Result<(), Refusal> {
+    let supervisor = &daemon.supervisor;
+    supervisor.ask_to_stop("a component was refused");
+    unload_all(supervisor).await.map_err(|error| {
         Refusal::left_behind(format!("stopping the components ended badly: {error}"))
     })?;
     daemon.announcements.withdraw();
-    daemon.backends.close();
+    supervisor.backends.close();
     // Of those that were unloaded before, too.
-    let left = daemon.components.left_behind();
+    let left = supervisor.components.left_behind();
     if left.is_empty() {
         return Ok(());
     }

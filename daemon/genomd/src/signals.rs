@@ -4,10 +4,9 @@ use std::fs::File;
 use std::sync::Arc;
 use std::time::Duration;
 
+use genom_doors::Tokens;
+use genom_supervisor::Supervisor;
 use tokio::signal::unix::{Signal, SignalKind, signal};
-
-use crate::daemon::Daemon;
-use crate::rpc::tokens::Tokens;
 
 /// Another signal within this time is the same wish told twice, as by a terminal and a supervisor.
 const SAME: Duration = Duration::from_secs(1);
@@ -39,7 +38,7 @@ impl Signals {
 
     /// Does what signals ask for, until the process ends. A signal to stop that comes a second or
     /// more after the daemon was asked to stop ends it at once: somebody is tired of waiting.
-    pub(crate) async fn obey(mut self, daemon: Arc<Daemon>, tokens: Arc<Tokens>) {
+    pub(crate) async fn obey(mut self, supervisor: Arc<Supervisor>, tokens: Arc<Tokens>) {
         loop {
             let name = tokio::select! {
                 _ = self.interrupt.recv() => Some("SIGINT"),
@@ -47,7 +46,7 @@ impl Signals {
                 _ = self.hang_up.recv() => self.hung_up(&tokens),
             };
             if let Some(name) = name {
-                stop(&daemon, name);
+                stop(&supervisor, name);
             }
         }
     }
@@ -79,11 +78,11 @@ impl Signals {
     }
 }
 
-fn stop(daemon: &Daemon, why: &str) {
-    match daemon.stopping_for() {
-        None => daemon.ask_to_stop(why),
+fn stop(supervisor: &Supervisor, why: &str) {
+    match supervisor.stopping_for() {
+        None => supervisor.ask_to_stop(why),
         Some(time) if time >= SAME => {
-            daemon.forced.raise();
+            supervisor.forced.raise();
         }
         Some(_) => tracing::info!(
             "{why} while stopping: components have their time; another signal a second after the \

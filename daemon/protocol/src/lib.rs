@@ -97,7 +97,8 @@ pub use ports::{
 pub use quality::{PortQos, QosEntry};
 pub use refusal::{Reason, Refusal};
 pub use replay::Replayed;
-pub use right::{Right, STANDARD_SERVICES};
+pub use right::Right;
+pub use routes::STANDARD_SERVICES;
 pub use services::{CallParameters, CallReply, Inputs, Started};
 pub use statistics::{CodelStatistics, Durations, Statistics, TaskStatistics};
 pub use tokens::{Reloaded, TokenEntry, TokenFile};

@@ -1,5 +1,8 @@
-//! The paths of the control plane, with the types of their queries, bodies and replies.
+//! What the control plane does: each path with the right that it requires, the types of its query,
+//! body and reply, and the services of components that have the same effect.
 //!
+//! This is the only table of rights: the daemon's access checks and its `/openapi.json` are made of
+//! it, and a service that every component has ([`STANDARD_SERVICES`]) requires the right of its row.
 //! Clients make requests from a [`Route`], so that a reply is always read as the type that the path
 //! answers. A test in `tests/` compares this list with the daemon's `/openapi.json`.
 
@@ -18,7 +21,7 @@ use crate::{
     Findings, Fired, Inputs, LoadRequest, LogEntry, LogParameters, Logs, LookParameters,
     MiddlewareParameters, Middlewares, MoveRequest, Moved, Port, PortParameters, PortTraffic,
     PortType, Ports, Published, Ready, ReadyParameters, RecordingEnds, RecordingRequest, Reloaded,
-    Replayed, Service, Statistics, StepRequest, Stopping, StreamParameters, Unloaded,
+    Replayed, Right, Service, Statistics, StepRequest, Stopping, StreamParameters, Unloaded,
     ValueParameters,
 };
 
@@ -92,6 +95,10 @@ pub struct Listed {
     pub method: Method,
     /// The path, with names in braces: `/components/{component}`.
     pub template: &'static str,
+    /// The right that a token must have; `None` if the reply is public.
+    pub right: Option<Right>,
+    /// Services of components that have the same effect, and therefore require the same right.
+    pub services: &'static [&'static str],
     /// Name of the reply's type.
     pub reply: &'static str,
     /// Name of the body's type, `()` if there is no body.
@@ -105,7 +112,8 @@ fn name_of<T>() -> &'static str {
 }
 
 macro_rules! routes {
-    ($($(#[$doc:meta])* $method:ident $name:ident($($part:ident),*) $template:literal
+    ($($(#[$doc:meta])* $method:ident $name:ident($($part:ident),*)
+        [$($right:ident $(: $($service:ident)+)?)?] $template:literal
         $(? $query:ty)? $(=> $body:ty)?, $reply:ty;)*) => {
         $(
             $(#[$doc])*
@@ -116,124 +124,143 @@ macro_rules! routes {
             }
         )*
 
+        /// The services that every component has and that act as a supervisor does, each with the
+        /// right that the route of the same effect requires.
+        pub const STANDARD_SERVICES: &[(&str, Right)] =
+            &[$($($($((stringify!($service), Right::$right),)+)?)?)*];
+
         /// All routes.
         #[must_use]
         pub fn all() -> Vec<Listed> {
             vec![$(Listed {
                 method: Method::$method,
                 template: $template,
+                right: routes!(@right $($right)?),
+                services: &[$($($(stringify!($service)),+)?)?],
                 reply: name_of::<$reply>(),
                 body: name_of::<routes!(@or $($body)?)>(),
             }),*]
         }
     };
+    (@right) => { None };
+    (@right $right:ident) => { Some(Right::$right) };
     (@or) => { () };
     (@or $ty:ty) => { $ty };
 }
 
 routes! {
     /// Describes the daemon.
-    Get about() "/", About;
+    Get about() [Read] "/", About;
     /// Whether the daemon has loaded the components of its configuration.
-    Get ready() "/ready" ?ReadyParameters, Ready;
+    Get ready() [Read] "/ready" ?ReadyParameters, Ready;
     /// Stops the daemon.
-    Post shutdown() "/shutdown", Stopping;
+    Post shutdown() [Admin] "/shutdown", Stopping;
     /// Reads the token file again.
-    Post reload_tokens() "/tokens/reload", Reloaded;
+    Post reload_tokens() [Admin] "/tokens/reload", Reloaded;
     /// Lists the running components.
-    Get components() "/components", Components;
+    Get components() [Read] "/components", Components;
     /// Loads a component.
-    Post load() "/components" => LoadRequest, Component;
+    Post load() [Admin] "/components" => LoadRequest, Component;
     /// Describes a component.
-    Get component(component) "/components/{component}", Description;
+    Get component(component) [Read] "/components/{component}", Description;
     /// Unloads a component.
-    Delete unload(component) "/components/{component}", Unloaded;
+    Delete unload(component) [Admin: kill] "/components/{component}", Unloaded;
     /// The types of a component as JSON Schemas.
-    Get schema(component) "/components/{component}/schema", Value;
+    Get schema(component) [Read] "/components/{component}/schema", Value;
     /// Moves a component, or one of its ports, to other middlewares.
-    Put move_component(component) "/components/{component}/backend" => MoveRequest, Moved;
+    Put move_component(component) [Wire] "/components/{component}/backend" => MoveRequest, Moved;
     /// Statistics of the tasks and codels of a component.
-    Get statistics(component) "/components/{component}/tasks", Statistics;
+    Get statistics(component) [Read] "/components/{component}/tasks", Statistics;
     /// Fires an event.
-    Post fire(component, event) "/components/{component}/events/{event}", Fired;
+    Post fire(component, event) [Call] "/components/{component}/events/{event}", Fired;
     /// Describes a service.
-    Get service(component, service) "/components/{component}/services/{service}", Service;
+    Get service(component, service) [Read] "/components/{component}/services/{service}", Service;
     /// Calls a service.
-    Post call(component, service) "/components/{component}/services/{service}"
+    Post call(component, service) [Call] "/components/{component}/services/{service}"
         ?CallParameters => Inputs, CallReply;
     /// Lists the activities of a component.
-    Get activities(component) "/components/{component}/activities", Activities;
+    Get activities(component) [Read] "/components/{component}/activities", Activities;
     /// Aborts all activities of a component.
-    Delete abort_all(component) "/components/{component}/activities", AllAborted;
+    Delete abort_all(component) [Call] "/components/{component}/activities", AllAborted;
     /// Describes an activity, given by its number or the name of its service.
-    Get activity(component, activity) "/components/{component}/activities/{activity}"
+    Get activity(component, activity) [Read] "/components/{component}/activities/{activity}"
         ?LookParameters, Activity;
     /// Aborts an activity, given by its number, or all of a service, given by its name.
-    Delete abort(component, activity) "/components/{component}/activities/{activity}", Aborted;
+    Delete abort(component, activity) [Call: abort_activity]
+        "/components/{component}/activities/{activity}", Aborted;
     /// Aborts all activities of all components.
-    Delete stop() "/activities", AllAborted;
+    Delete stop() [Call] "/activities", AllAborted;
     /// Lists the ports of all components.
-    Get ports() "/ports" ?PortParameters, Ports;
+    Get ports() [Read] "/ports" ?PortParameters, Ports;
     /// Lists the ports of a component.
-    Get ports_of(component) "/components/{component}/ports" ?PortParameters, Ports;
+    Get ports_of(component) [Read] "/components/{component}/ports" ?PortParameters, Ports;
     /// Describes a port, with its value.
-    Get port(component, port) "/components/{component}/ports/{port}" ?ValueParameters, Port;
+    Get port(component, port) [Read] "/components/{component}/ports/{port}" ?ValueParameters, Port;
     /// Publishes a value to an in port.
-    Post publish(component, port) "/components/{component}/ports/{port}"
+    Post publish(component, port) [Call] "/components/{component}/ports/{port}"
         ?ValueParameters => Value, Published;
     /// The type of a port, with its memory layout.
-    Get port_type(component, port) "/components/{component}/ports/{port}/type", PortType;
+    Get port_type(component, port) [Read] "/components/{component}/ports/{port}/type", PortType;
     /// Streams the values of a port.
-    Get values(component, port) "/components/{component}/ports/{port}/stream"
+    Get values(component, port) [Read] "/components/{component}/ports/{port}/stream"
         ?StreamParameters, Stream<Value>;
     /// Counters of a port.
-    Get traffic(component, port) "/components/{component}/ports/{port}/traffic"
+    Get traffic(component, port) [Read] "/components/{component}/ports/{port}/traffic"
         ?ValueParameters, PortTraffic;
     /// Why no data flows through a port.
-    Get why(component, port) "/components/{component}/ports/{port}/why", Findings;
+    Get why(component, port) [Read] "/components/{component}/ports/{port}/why", Findings;
     /// Lists the connections.
-    Get connections() "/connections", Connections;
+    Get connections() [Read] "/connections", Connections;
     /// Makes a connection.
-    Post connect() "/connections" => ConnectionRequest, Connection;
+    Post connect() [Wire: connect_port connect_service connect_remote]
+        "/connections" => ConnectionRequest, Connection;
     /// Removes the connection of an in port or a remote.
-    Delete disconnect(component, port) "/connections/{component}/{port}", Disconnected;
+    Delete disconnect(component, port) [Wire] "/connections/{component}/{port}", Disconnected;
     /// Removes the connection of an element of a multiple in port.
-    Delete disconnect_element(component, port, element)
+    Delete disconnect_element(component, port, element) [Wire]
         "/connections/{component}/{port}/{element}", Disconnected;
     /// What runs, as a deployment.
-    Get dump() "/deployment", Dumped;
+    Get dump() [Read] "/deployment", Dumped;
     /// Applies a deployment.
-    Post apply() "/deployment" => DeploymentRequest, Applied;
+    Post apply() [Admin] "/deployment" => DeploymentRequest, Applied;
     /// Records ports and calls of services.
-    Post record() "/recordings" => RecordingRequest, Bytes;
+    Post record() [Read] "/recordings" => RecordingRequest, Bytes;
     /// Ends a recording.
-    Delete end_recording(number) "/recordings/{number}", RecordingEnds;
+    Delete end_recording(number) [Read] "/recordings/{number}", RecordingEnds;
     /// Publishes samples of a recording.
-    Post replay() "/replay" => Bytes, Replayed;
+    Post replay() [Call] "/replay" => Bytes, Replayed;
     /// Streams changes in the daemon.
-    Get events() "/events" ?ChangeParameters, Stream<Change>;
+    Get events() [Read] "/events" ?ChangeParameters, Stream<Change>;
     /// Entries of the log.
-    Get logs() "/logs" ?LogParameters, Logs;
+    Get logs() [Read] "/logs" ?LogParameters, Logs;
     /// Streams entries of the log.
-    Get log_stream() "/logs/stream" ?LogParameters, Stream<LogEntry>;
+    Get log_stream() [Read] "/logs/stream" ?LogParameters, Stream<LogEntry>;
     /// Metrics for Prometheus.
-    Get metrics() "/metrics", Bytes;
+    Get metrics() [Read] "/metrics", Bytes;
     /// The clock of the components.
-    Get clock() "/clock", Clock;
+    Get clock() [Read] "/clock", Clock;
     /// Advances the clock, if it is virtual.
-    Post step() "/clock" => StepRequest, Clock;
+    Post step() [Call] "/clock" => StepRequest, Clock;
     /// Lists the middlewares.
-    Get middlewares() "/middlewares" ?MiddlewareParameters, Middlewares;
+    Get middlewares() [Read] "/middlewares" ?MiddlewareParameters, Middlewares;
     /// Lists the daemons that are visible on middlewares.
-    Get daemons() "/daemons", Daemons;
+    Get daemons() [Read] "/daemons", Daemons;
     /// Sends a hello to all daemons that answer to a name.
-    Post hello(daemon) "/daemons/{daemon}/hello" => Bytes, Answers;
+    Post hello(daemon) [Call] "/daemons/{daemon}/hello" => Bytes, Answers;
     /// Sends a sealed question to one daemon.
-    Post question(daemon) "/daemons/{daemon}/questions" ?AskParameters => Bytes, Bytes;
+    Post question(daemon) [Call] "/daemons/{daemon}/questions" ?AskParameters => Bytes, Bytes;
     /// The OpenAPI document.
-    Get document() "/openapi.json", Value;
+    Get document() [] "/openapi.json", Value;
     /// A page to browse it.
-    Get page() "/docs", Bytes;
+    Get page() [] "/docs", Bytes;
+}
+
+/// The right that calling a service requires which every component has, besides [`Right::Call`].
+/// A service without a row is for administrators, as is a route without one.
+#[must_use]
+pub fn right_of_standard_service(name: &str) -> Right {
+    let found = STANDARD_SERVICES.iter().find(|(service, _)| *service == name);
+    found.map_or(Right::Admin, |(_, right)| *right)
 }
 
 /// All characters but the unreserved ones (RFC 3986, 2.3).
@@ -294,5 +321,21 @@ mod tests {
             (Method::Post, "/components", "Component")
         );
         assert_eq!(all.iter().find(|one| one.template == "/events").unwrap().reply, "Stream");
+    }
+
+    #[test]
+    fn a_service_requires_the_right_of_the_route_that_does_the_same() {
+        for route in all() {
+            for service in route.services {
+                assert_eq!(Some(right_of_standard_service(service)), route.right, "{service}");
+            }
+        }
+        let services = all().iter().flat_map(|one| one.services).count();
+        assert_eq!(services, STANDARD_SERVICES.len());
+        assert_eq!(right_of_standard_service("kill"), Right::Admin);
+        assert_eq!(right_of_standard_service("of_a_later_version"), Right::Admin);
+        let open: Vec<_> = all().into_iter().filter(|one| one.right.is_none()).collect();
+        let open: Vec<_> = open.iter().map(|one| one.template).collect();
+        assert_eq!(open, ["/openapi.json", "/docs"], "how to ask, and nothing else");
     }
 }

@@ -5,27 +5,25 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_doors::{Parameters, RpcError};
 use genom_protocol::{Aborted, AbortedActivity, Activities, AllAborted, Code, LookParameters};
+use genom_supervisor::Supervisor;
 use genom_supervisor::components::{Activity, Hosted};
 
-use crate::daemon::Daemon;
 use crate::rpc::components;
-use crate::rpc::error::RpcError;
-use crate::rpc::input::{self, Parameters};
 
 /// List the activities of a component, running and lately ended.
 #[utoipa::path(
     get,
     path = "/components/{component}/activities",
     tag = "activities",
-    security(("token" = ["read"])),
     responses((status = 200, body = Activities), (status = 404))
 )]
 pub(crate) async fn list(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path(component): Path<String>,
 ) -> Result<Json<Activities>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let all = hosted.activities.all();
     let activities = all.iter().map(|one| one.look(hosted.state(one.number))).collect();
     Ok(Json(Activities { activities }))
@@ -38,16 +36,15 @@ pub(crate) async fn list(
     get,
     path = "/components/{component}/activities/{activity}",
     tag = "activities",
-    security(("token" = ["read"])),
     params(LookParameters),
     responses((status = 200, body = genom_protocol::Activity), (status = 404), (status = 422))
 )]
 pub(crate) async fn look(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, activity)): Path<(String, String)>,
     Parameters(parameters): Parameters<LookParameters>,
 ) -> Result<Json<genom_protocol::Activity>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let activity = match activity.parse::<u64>() {
         Ok(_) => find(&hosted, &activity)?,
         Err(_) => of_service(&hosted, &activity)?.pop().ok_or_else(|| {
@@ -57,7 +54,7 @@ pub(crate) async fn look(
         })?,
     };
     if let Some(seconds) = parameters.wait {
-        let wait = input::wait(seconds)?;
+        let wait = genom_doors::wait(seconds)?;
         // Not ended in time: the reply says that it runs.
         let _ = tokio::time::timeout(wait, activity.ended()).await;
     }
@@ -69,14 +66,13 @@ pub(crate) async fn look(
     delete,
     path = "/components/{component}/activities/{activity}",
     tag = "activities",
-    security(("token" = ["call"])),
     responses((status = 200, body = Aborted), (status = 404), (status = 409))
 )]
 pub(crate) async fn abort(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, activity)): Path<(String, String)>,
 ) -> Result<Json<Aborted>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let chosen = match activity.parse::<u64>() {
         Ok(number) => {
             let found = find(&hosted, &activity)?;
@@ -101,14 +97,13 @@ pub(crate) async fn abort(
     delete,
     path = "/components/{component}/activities",
     tag = "activities",
-    security(("token" = ["call"])),
     responses((status = 200, body = AllAborted), (status = 404))
 )]
 pub(crate) async fn abort_all(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path(component): Path<String>,
 ) -> Result<Json<AllAborted>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     Ok(Json(AllAborted { aborted: aborted(&hosted) }))
 }
 
@@ -119,11 +114,10 @@ pub(crate) async fn abort_all(
     delete,
     path = "/activities",
     tag = "activities",
-    security(("token" = ["call"])),
     responses((status = 200, body = AllAborted))
 )]
-pub(crate) async fn stop(State(daemon): State<Arc<Daemon>>) -> Json<AllAborted> {
-    let all = daemon.components.all();
+pub(crate) async fn stop(State(supervisor): State<Arc<Supervisor>>) -> Json<AllAborted> {
+    let all = supervisor.components.all();
     let aborted: Vec<AbortedActivity> = all.iter().flat_map(|hosted| aborted(hosted)).collect();
     tracing::info!("all activities were told to stop: {} ran", aborted.len());
     Json(AllAborted { aborted })

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
+use genom_doors::{Body, RpcError};
 use genom_protocol::{Code, MoveRequest, Moved};
+use genom_supervisor::Supervisor;
 use genom_supervisor::connections::BindError;
 
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::input::Body;
+use crate::rpc::held_up::held_up;
 use crate::rpc::{components, ports};
 
 /// Move a running component, or one of its ports, to other middlewares.
@@ -18,30 +18,29 @@ use crate::rpc::{components, ports};
     put,
     path = "/components/{component}/backend",
     tag = "wiring",
-    security(("token" = ["wire"])),
     request_body = MoveRequest,
     responses(
         (status = 200, body = Moved), (status = 404), (status = 422), (status = 502), (status = 503)
     )
 )]
 pub(crate) async fn change(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path(component): Path<String>,
     Body(wanted): Body<MoveRequest>,
 ) -> Result<Json<Moved>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let port = wanted.port.as_deref().map(|port| ports::find(&hosted, port)).transpose()?;
     if wanted.backend.names().is_empty() {
         return Err(RpcError::bad_input("a port is on one backend at least").place("/backend"));
     }
     let to = wanted.backend.clone();
-    let work = move || daemon.connections.move_to(&hosted, port, &wanted.backend);
+    let work = move || supervisor.connections.move_to(&hosted, port, &wanted.backend);
     match tokio::task::spawn_blocking(work).await {
         Ok(Ok(())) => Ok(Json(Moved { component, port: wanted.port, backend: to })),
         Ok(Err(error @ BindError::Backend(_))) => {
             Err(RpcError::bad_input(error.to_string()).place("/backend"))
         }
-        Ok(Err(BindError::HeldUp(error))) => Err(RpcError::held_up(&error)),
+        Ok(Err(BindError::HeldUp(error))) => Err(held_up(&error)),
         Ok(Err(error)) => {
             Err(RpcError::new(StatusCode::BAD_GATEWAY, Code::MiddlewareFailed, error.to_string())
                 .help("nothing was changed"))

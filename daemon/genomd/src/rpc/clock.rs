@@ -5,12 +5,10 @@ use std::time::Duration;
 
 use axum::Json;
 use axum::extract::State;
+use genom_doors::{Body, RpcError};
 use genom_protocol::{ClockKind, Code, StepRequest};
 use genom_runtime::Clock;
-
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::input::Body;
+use genom_supervisor::Supervisor;
 
 /// The longest step; more time takes several steps.
 const LONGEST: Duration = Duration::from_nanos(StepRequest::LONGEST);
@@ -20,11 +18,10 @@ const LONGEST: Duration = Duration::from_nanos(StepRequest::LONGEST);
     get,
     path = "/clock",
     tag = "clock",
-    security(("token" = ["read"])),
     responses((status = 200, body = genom_protocol::Clock))
 )]
-pub(crate) async fn look(State(daemon): State<Arc<Daemon>>) -> Json<genom_protocol::Clock> {
-    Json(now(&daemon.clock))
+pub(crate) async fn look(State(supervisor): State<Arc<Supervisor>>) -> Json<genom_protocol::Clock> {
+    Json(now(&supervisor.clock))
 }
 
 /// Advance the virtual clock; replies when everything that was due has run.
@@ -32,15 +29,14 @@ pub(crate) async fn look(State(daemon): State<Arc<Daemon>>) -> Json<genom_protoc
     post,
     path = "/clock",
     tag = "clock",
-    security(("token" = ["call"])),
     request_body = StepRequest,
     responses((status = 200, body = genom_protocol::Clock), (status = 409), (status = 422))
 )]
 pub(crate) async fn step(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Body(StepRequest { nanoseconds }): Body<StepRequest>,
 ) -> Result<Json<genom_protocol::Clock>, RpcError> {
-    let Clock::Virtual(clock) = daemon.clock.clone() else {
+    let Clock::Virtual(clock) = supervisor.clock.clone() else {
         let message = "this daemon lives by the machine's clock, which nobody steps";
         return Err(RpcError::conflict(Code::MonotonicClock, message)
             .help("start it with `genomd --clock virtual`"));
@@ -55,7 +51,7 @@ pub(crate) async fn step(
     tokio::task::spawn_blocking(move || clock.step(duration))
         .await
         .map_err(|error| RpcError::internal(error.to_string()))?;
-    Ok(Json(now(&daemon.clock)))
+    Ok(Json(now(&supervisor.clock)))
 }
 
 fn now(clock: &Clock) -> genom_protocol::Clock {

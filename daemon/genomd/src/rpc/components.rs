@@ -6,21 +6,21 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_description_tools as tools;
+use genom_doors::{Body, RpcError};
 use genom_protocol::{Code, Component, Components, Description, LeftBehind, LoadRequest, Unloaded};
 use genom_registry::BackendError;
 use genom_runtime::seconds;
-use genom_supervisor::components::{Hosted, UnloadError};
+use genom_supervisor::Supervisor;
+use genom_supervisor::components::{Components as Running, Hosted, UnloadError};
 use genom_supervisor::loading::LoadError;
 use serde_json::Value;
 
-use crate::daemon::Daemon;
 use crate::rpc::codels;
-use crate::rpc::error::RpcError;
-use crate::rpc::input::Body;
+use crate::startup::Startup;
 
 /// The component of that name, running.
-pub(super) fn find(daemon: &Daemon, name: &str) -> Result<Arc<Hosted>, RpcError> {
-    let components = daemon.components.all();
+pub(super) fn find(all: &Running, name: &str) -> Result<Arc<Hosted>, RpcError> {
+    let components = all.all();
     match components.iter().find(|hosted| hosted.name == name) {
         Some(hosted) => Ok(Arc::clone(hosted)),
         None => Err(RpcError::unknown(
@@ -37,24 +37,26 @@ pub(super) fn find(daemon: &Daemon, name: &str) -> Result<Arc<Hosted>, RpcError>
     get,
     path = "/components",
     tag = "components",
-    security(("token" = ["read"])),
     responses((status = 200, body = Components))
 )]
-pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Components> {
-    let components = daemon.components.all().iter().map(|hosted| summary(hosted)).collect();
-    let left_behind = daemon.components.left_behind().into_iter().map(|remnant| {
+pub(crate) async fn list(
+    State(supervisor): State<Arc<Supervisor>>,
+    State(startup): State<Arc<Startup>>,
+) -> Json<Components> {
+    let components = supervisor.components.all().iter().map(|hosted| summary(hosted)).collect();
+    let left_behind = supervisor.components.left_behind().into_iter().map(|remnant| {
         let longest = remnant.codels.iter().max_by_key(|codel| codel.for_ns);
         let state = longest.map_or("left behind: about to end".to_owned(), |codel| {
             format!("left behind: stuck in {} for {}", codel.codel, seconds(codel.for_ns))
         });
         LeftBehind { was: remnant.was, component: remnant.component, state }
     });
-    let loading = loading(&daemon);
+    let loading = loading(supervisor.components.loading(), startup.to_load());
     Json(Components { components, loading, left_behind: left_behind.collect() })
 }
 
-fn loading(daemon: &Daemon) -> Vec<String> {
-    let (mut names, mut later) = (daemon.components.loading(), daemon.startup.to_load());
+/// Those that are being loaded, and then those of the start that are still to be.
+fn loading(mut names: Vec<String>, mut later: Vec<String>) -> Vec<String> {
     if !names.is_empty() && !later.is_empty() {
         // The first of them is among those that are being loaded, under the name it will have.
         later.remove(0);
@@ -72,14 +74,13 @@ fn loading(daemon: &Daemon) -> Vec<String> {
     get,
     path = "/components/{component}",
     tag = "components",
-    security(("token" = ["read"])),
     responses((status = 200, body = Description), (status = 404))
 )]
 pub(crate) async fn describe(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path(component): Path<String>,
 ) -> Result<Json<Value>, RpcError> {
-    let hosted = find(&daemon, &component)?;
+    let hosted = find(&supervisor.components, &component)?;
     // The description as every tool shows it, and over it what is this instance's own.
     let mut reply = tools::describe(hosted.specification(), hosted.model());
     let described = reply["services"].as_array_mut().into_iter().flatten();
@@ -103,14 +104,13 @@ pub(crate) async fn describe(
     get,
     path = "/components/{component}/schema",
     tag = "components",
-    security(("token" = ["read"])),
     responses((status = 200, body = Object), (status = 404))
 )]
 pub(crate) async fn schema(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path(component): Path<String>,
 ) -> Result<Json<Value>, RpcError> {
-    let hosted = find(&daemon, &component)?;
+    let hosted = find(&supervisor.components, &component)?;
     Ok(Json(tools::schema(hosted.specification(), hosted.model())))
 }
 
@@ -119,15 +119,14 @@ pub(crate) async fn schema(
     post,
     path = "/components",
     tag = "components",
-    security(("token" = ["admin"])),
     request_body = LoadRequest,
     responses((status = 201, body = Component), (status = 404), (status = 409), (status = 422))
 )]
 pub(crate) async fn load(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Body(request): Body<LoadRequest>,
 ) -> Result<(StatusCode, Json<Component>), RpcError> {
-    let worker = Arc::clone(&daemon);
+    let worker = Arc::clone(&supervisor);
     let loaded = tokio::task::spawn_blocking(move || worker.load(&request)).await;
     match loaded {
         Ok(Ok(hosted)) => Ok((StatusCode::CREATED, Json(summary(&hosted)))),
@@ -141,15 +140,14 @@ pub(crate) async fn load(
     delete,
     path = "/components/{component}",
     tag = "components",
-    security(("token" = ["admin"])),
     responses((status = 200, body = Unloaded), (status = 404), (status = 409), (status = 503))
 )]
 pub(crate) async fn unload(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path(component): Path<String>,
 ) -> Result<Json<Unloaded>, RpcError> {
-    find(&daemon, &component)?;
-    let worker = Arc::clone(&daemon);
+    find(&supervisor.components, &component)?;
+    let worker = Arc::clone(&supervisor);
     match tokio::task::spawn_blocking(move || worker.unload(&component)).await {
         Ok(Ok(())) => Ok(Json(Unloaded { unloaded: true })),
         Ok(Err(error @ UnloadError::NotThere(_))) => {

@@ -6,16 +6,16 @@ use axum::Json;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_configuration::terms;
+use genom_doors::{Body, RpcError};
 use genom_protocol::{
     Code, Connection as Made, ConnectionKind, ConnectionRequest, Connections, Disconnected,
     NoPolicy,
 };
+use genom_supervisor::Supervisor;
 use genom_supervisor::connections::{self, ConnectError, Patience};
 use genom_supervisor::ties::Connection;
 
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::input::Body;
+use crate::rpc::held_up::held_up;
 use crate::rpc::{components, ports};
 
 /// List the connections.
@@ -23,11 +23,10 @@ use crate::rpc::{components, ports};
     get,
     path = "/connections",
     tag = "wiring",
-    security(("token" = ["read"])),
     responses((status = 200, body = Connections))
 )]
-pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Connections> {
-    Json(Connections { connections: daemon.connections.all().iter().map(told).collect() })
+pub(crate) async fn list(State(supervisor): State<Arc<Supervisor>>) -> Json<Connections> {
+    Json(Connections { connections: supervisor.connections.all().iter().map(told).collect() })
 }
 
 /// Connect an in port to an out port, or a remote to a service.
@@ -37,7 +36,6 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Connections>
     post,
     path = "/connections",
     tag = "wiring",
-    security(("token" = ["wire"])),
     request_body = ConnectionRequest,
     responses(
         (status = 201, body = genom_protocol::Connection), (status = 404), (status = 409), (status = 422), (status = 502),
@@ -45,7 +43,7 @@ pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Connections>
     )
 )]
 pub(crate) async fn connect(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Body(wanted): Body<ConnectionRequest>,
 ) -> Result<(StatusCode, Json<Made>), RpcError> {
     let read = |text: &String| {
@@ -61,7 +59,7 @@ pub(crate) async fn connect(
         wait: wanted.wait,
         patience: Patience::Full,
     };
-    let work = move || daemon.connections.connect(&wanted);
+    let work = move || supervisor.connections.connect(&wanted);
     match tokio::task::spawn_blocking(work).await {
         Ok(Ok(connection)) => Ok((StatusCode::CREATED, Json(told(&connection)))),
         Ok(Err(error)) => Err(refused(&error)),
@@ -74,16 +72,15 @@ pub(crate) async fn connect(
     delete,
     path = "/connections/{component}/{port}",
     tag = "wiring",
-    security(("token" = ["wire"])),
     responses(
         (status = 200, body = Disconnected), (status = 404), (status = 409), (status = 503)
     )
 )]
 pub(crate) async fn disconnect(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, port)): Path<(String, String)>,
 ) -> Result<Json<Disconnected>, RpcError> {
-    take_away(daemon, component, port, None).await
+    take_away(supervisor, component, port, None).await
 }
 
 /// Disconnect an element of a multiple in port.
@@ -91,32 +88,31 @@ pub(crate) async fn disconnect(
     delete,
     path = "/connections/{component}/{port}/{element}",
     tag = "wiring",
-    security(("token" = ["wire"])),
     responses(
         (status = 200, body = Disconnected), (status = 404), (status = 409), (status = 503)
     )
 )]
 pub(crate) async fn disconnect_element(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, port, element)): Path<(String, String, String)>,
 ) -> Result<Json<Disconnected>, RpcError> {
-    take_away(daemon, component, port, Some(element)).await
+    take_away(supervisor, component, port, Some(element)).await
 }
 
 async fn take_away(
-    daemon: Arc<Daemon>,
+    supervisor: Arc<Supervisor>,
     component: String,
     port: String,
     element: Option<String>,
 ) -> Result<Json<Disconnected>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let remotes = &hosted.model().remotes;
     if element.is_some() || !remotes.iter().any(|remote| remote.name == port) {
         ports::find(&hosted, &port)?;
     }
     let address = hosted.address(&port, element.as_deref()).to_string();
     let inport = address.clone();
-    let work = tokio::task::spawn_blocking(move || daemon.connections.disconnect(&inport));
+    let work = tokio::task::spawn_blocking(move || supervisor.connections.disconnect(&inport));
     match work.await {
         Ok(Ok(true)) => Ok(Json(Disconnected { disconnected: address })),
         // Nor can anything else of that name be connected.
@@ -143,7 +139,7 @@ fn told(connection: &Connection) -> Made {
 
 fn refused(error: &ConnectError) -> RpcError {
     let (status, place) = match error {
-        ConnectError::HeldUp(error) => return RpcError::held_up(error),
+        ConnectError::HeldUp(error) => return held_up(error),
         ConnectError::NoSuchInport { .. } => (StatusCode::NOT_FOUND, "/in"),
         ConnectError::NoSuchOutport { .. } => (StatusCode::NOT_FOUND, "/out"),
         ConnectError::Type { .. } => (StatusCode::CONFLICT, "/out"),

@@ -6,6 +6,7 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use genom_protocol::{About, Stopping, routes};
+use genom_supervisor::Supervisor;
 
 use crate::daemon::Daemon;
 
@@ -14,14 +15,13 @@ use crate::daemon::Daemon;
     get,
     path = "/",
     tag = "daemon",
-    security(("token" = ["read"])),
     responses((status = 200, body = About))
 )]
 pub(crate) async fn about(State(daemon): State<Arc<Daemon>>) -> Json<About> {
     Json(About {
         genomd: env!("CARGO_PKG_VERSION").to_owned(),
         pid: std::process::id(),
-        backend: daemon.settings.backend.clone(),
+        backend: daemon.supervisor.settings.backend.clone(),
         listen: daemon.rpc.listen.map(|address| address.to_string()),
         openapi: routes::document().path,
     })
@@ -34,10 +34,11 @@ pub(crate) async fn about(State(daemon): State<Arc<Daemon>>) -> Json<About> {
     post,
     path = "/shutdown",
     tag = "daemon",
-    security(("token" = ["admin"])),
     responses((status = 202, body = Stopping))
 )]
-pub(crate) async fn shutdown(State(daemon): State<Arc<Daemon>>) -> (StatusCode, Json<Stopping>) {
-    daemon.ask_to_stop("asked over the control plane");
+pub(crate) async fn shutdown(
+    State(supervisor): State<Arc<Supervisor>>,
+) -> (StatusCode, Json<Stopping>) {
+    supervisor.ask_to_stop("asked over the control plane");
     (StatusCode::ACCEPTED, Json(Stopping { stopping: true }))
 }

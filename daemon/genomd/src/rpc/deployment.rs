@@ -8,14 +8,13 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use axum::{Extension, Json};
 use genom_configuration::{Config, ConfigError, Deployment, Right, Spot};
+use genom_doors::{Body, Holder, RpcError};
 use genom_protocol::{Applied, Code, DeploymentRequest, Dumped, RunningDeployment};
+use genom_supervisor::Supervisor;
 use genom_supervisor::deploy::{ApplyError, Contradiction, Step, StepError, Steps};
 use serde_json::{Map, Value};
 
 use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::holder::Holder;
-use crate::rpc::input::Body;
 
 /// Default of `timeout`, in seconds.
 const PATIENCE: f64 = 10.0;
@@ -30,18 +29,17 @@ const LONGEST: Duration = Duration::from_secs(86_400);
     get,
     path = "/deployment",
     tag = "deployment",
-    security(("token" = ["read"])),
     responses((status = 200, body = Dumped), (status = 500))
 )]
 pub(crate) async fn dump(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Extension(holder): Extension<Holder>,
 ) -> Result<Json<Dumped>, RpcError> {
     let backends = match holder.may(Right::Admin, "") {
-        Ok(()) => options(&daemon.settings.backends)?,
+        Ok(()) => options(&supervisor.settings.backends)?,
         Err(_) => BTreeMap::new(),
     };
-    let (backend, runs) = (daemon.settings.backend.clone(), daemon.dump());
+    let (backend, runs) = (supervisor.settings.backend.clone(), supervisor.dump());
     let deployment = RunningDeployment { backend, backends, runs };
     let text =
         toml::to_string(&deployment).map_err(|error| RpcError::internal(error.to_string()))?;
@@ -53,7 +51,6 @@ pub(crate) async fn dump(
     post,
     path = "/deployment",
     tag = "deployment",
-    security(("token" = ["admin"])),
     request_body = DeploymentRequest,
     responses((status = 200, body = Applied), (status = 409), (status = 422))
 )]
@@ -67,15 +64,16 @@ pub(crate) async fn apply(
         let message = format!("timeout: {seconds} is not between 0 and {} s", LONGEST.as_secs());
         RpcError::bad_input(message).place("/timeout")
     })?;
-    let deployment = read(&daemon, &wanted)?;
+    let supervisor = Arc::clone(&daemon.supervisor);
+    let deployment = read(daemon.name.as_deref(), &wanted)?;
     let work = move || {
-        let _turn = daemon.deploying();
-        let Steps { to_take: steps, beside } = daemon
+        let _turn = supervisor.deploying();
+        let Steps { to_take: steps, beside } = supervisor
             .steps_to(&deployment, wanted.prune)
             .map_err(|error| impossible(&error, &wanted))?;
         if !wanted.dry_run {
-            daemon.apply(&steps, Some(patience)).map_err(|error| failed(&error, &wanted))?;
-            daemon.connections.declare(&deployment.connection);
+            supervisor.apply(&steps, Some(patience)).map_err(|error| failed(&error, &wanted))?;
+            supervisor.connections.declare(&deployment.connection);
         }
         let steps = steps.iter().map(Step::to_string).collect();
         let beside = if wanted.prune { Vec::new() } else { beside };
@@ -101,12 +99,13 @@ fn options(
     told.map_err(|error| RpcError::internal(error.to_string()))
 }
 
-fn read(daemon: &Daemon, wanted: &DeploymentRequest) -> Result<Deployment, RpcError> {
+/// What is asked for; of several daemons in the file the one that is named, else `own`.
+fn read(own: Option<&str>, wanted: &DeploymentRequest) -> Result<Deployment, RpcError> {
     let mistake = |error: ConfigError| RpcError::bad_input(error.to_string()).place("/text");
     let mut config = Config::parse(&wanted.file, &wanted.text).map_err(mistake)?;
     config.check(&wanted.file, &wanted.text).map_err(mistake)?;
     config.anchor(&wanted.file);
-    let name = wanted.daemon.as_deref().or(daemon.name.as_deref());
+    let name = wanted.daemon.as_deref().or(own);
     let mut deployment = config.deployment(name).map_err(|why| {
         RpcError::bad_input(format!("{}: {why}", wanted.file.display())).place("/daemon")
     })?;

@@ -7,13 +7,11 @@ use axum::Extension;
 use axum::body::Bytes;
 use axum::http::{StatusCode, header};
 use axum::response::{Html, IntoResponse};
-use genom_configuration::Right;
-
+use genom_protocol::Right;
+use genom_protocol::routes::{self, Listed};
 use utoipa::openapi::path::Operation;
-use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityScheme};
+use utoipa::openapi::security::{Http, HttpAuthScheme, SecurityRequirement, SecurityScheme};
 use utoipa::openapi::{ContentBuilder, OpenApi, Ref, RefOr, ResponseBuilder, Tag};
-
-use crate::rpc::access::Asked;
 
 /// What every operation may answer, whatever it does: the doors before the handlers.
 const EVERYWHERE: [StatusCode; 5] = [
@@ -45,7 +43,6 @@ impl Document {
     get,
     path = "/openapi.json",
     tag = "daemon",
-    security(()),
     responses((status = 200, body = Object))
 )]
 pub(crate) async fn json(Extension(Document(text)): Extension<Document>) -> impl IntoResponse {
@@ -57,7 +54,6 @@ pub(crate) async fn json(Extension(Document(text)): Extension<Document>) -> impl
     get,
     path = "/docs",
     tag = "daemon",
-    security(()),
     responses((status = 200, content_type = "text/html", body = String))
 )]
 pub(crate) async fn page() -> Html<&'static str> {
@@ -78,7 +74,7 @@ pub(super) fn complete(document: &mut OpenApi) {
     let components = document.components.get_or_insert_default();
     let token = SecurityScheme::Http(Http::new(HttpAuthScheme::Bearer));
     components.add_security_scheme("token", token);
-    let mut tags = Vec::new();
+    let (mut tags, table) = (Vec::new(), routes::all());
     for (path, item) in &mut document.paths.paths {
         let all = [
             ("get", &mut item.get),
@@ -92,6 +88,7 @@ pub(super) fn complete(document: &mut OpenApi) {
             let words = path.split(|c: char| !c.is_ascii_alphanumeric());
             let words: Vec<_> = words.filter(|word| !word.is_empty()).collect();
             operation.operation_id = Some([&[method][..], &words].concat().join("_"));
+            operation.security = Some(vec![asked(&table, method, path)]);
             refusals(operation);
             for tag in operation.tags.iter().flatten() {
                 if !tags.contains(tag) {
@@ -101,6 +98,17 @@ pub(super) fn complete(document: &mut OpenApi) {
         }
     }
     document.tags = Some(tags.into_iter().map(Tag::new).collect());
+}
+
+/// The right that the table says; a route without a row is for administrators.
+fn asked(table: &[Listed], method: &str, path: &str) -> SecurityRequirement {
+    let row = table
+        .iter()
+        .find(|one| one.template == path && one.method.as_str().eq_ignore_ascii_case(method));
+    match row.map_or(Some(Right::Admin), |row| row.right) {
+        Some(right) => SecurityRequirement::new("token", [right.to_string()]),
+        None => SecurityRequirement::default(),
+    }
 }
 
 /// Every refusal has the one shape of errors; a status says in words what it means.
@@ -121,29 +129,4 @@ fn refusals(operation: &mut Operation) {
             response.content.insert("application/json".to_owned(), RefOr::T(content.build()));
         }
     }
-}
-
-/// The right each operation asks for, by path and method; none for what anybody may read.
-pub(super) fn rights(document: &OpenApi) -> Asked {
-    let mut rights = Asked::new();
-    for (path, item) in &document.paths.paths {
-        let all = [
-            ("GET", &item.get),
-            ("PUT", &item.put),
-            ("POST", &item.post),
-            ("DELETE", &item.delete),
-        ];
-        for (method, operation) in all {
-            let Some(operation) = operation else { continue };
-            let stated = serde_json::to_value(&operation.security).unwrap_or_default();
-            // What states nothing is for administrators, not for everybody.
-            let right = match stated.pointer("/0/token/0").and_then(|right| right.as_str()) {
-                Some(right) => Some(right.parse().unwrap_or(Right::Admin)),
-                None if stated.pointer("/0").is_some() => None,
-                None => Some(Right::Admin),
-            };
-            rights.entry(path.clone()).or_default().insert(method, right);
-        }
-    }
-    rights
 }

@@ -1,25 +1,20 @@
 //! External events of components, and changes in the daemon.
 
-use std::convert::Infallible;
 use std::sync::Arc;
 
 use axum::extract::{Path, State};
 use axum::http::HeaderMap;
-use axum::response::sse::{Event, Sse};
+use axum::response::sse::Event;
 use axum::{Extension, Json};
+use genom_doors::{Events, Holder, Parameters, RpcError, Streams, last_heard};
 use genom_nearest::suggest;
 use genom_protocol::{ChangeParameters, Code, Fired};
+use genom_supervisor::Supervisor;
 use genom_supervisor::bus::{Change, Heard};
 use serde_json::json;
 use strum::VariantNames as _;
-use tokio_stream::Stream;
 
-use crate::daemon::Daemon;
 use crate::rpc::components;
-use crate::rpc::error::RpcError;
-use crate::rpc::holder::Holder;
-use crate::rpc::input::Parameters;
-use crate::rpc::stream;
 
 /// The kinds of changes that a listener asked for.
 struct Wanted(Option<Vec<String>>);
@@ -29,14 +24,13 @@ struct Wanted(Option<Vec<String>>);
     post,
     path = "/components/{component}/events/{event}",
     tag = "events",
-    security(("token" = ["call"])),
     responses((status = 200, body = Fired), (status = 404))
 )]
 pub(crate) async fn fire(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, event)): Path<(String, String)>,
 ) -> Result<Json<Fired>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let sinks = &hosted.model().sinks;
     let Some(index) = sinks.iter().position(|sink| sink.name == event) else {
         let what = format!("{component} has no event");
@@ -44,7 +38,7 @@ pub(crate) async fn fire(
         return Err(RpcError::unknown(Code::NoSuchEvent, what, &event, names));
     };
     hosted.fire(index);
-    daemon.bus.tell(&Change::EventFired { component, name: event });
+    supervisor.bus.tell(&Change::EventFired { component, name: event });
     Ok(Json(Fired { fired: true }))
 }
 
@@ -57,7 +51,6 @@ pub(crate) async fn fire(
     get,
     path = "/events",
     tag = "events",
-    security(("token" = ["read"])),
     params(
         ChangeParameters,
         ("Last-Event-ID" = Option<u64>, Header, description = "Number of the last event heard")
@@ -68,15 +61,16 @@ pub(crate) async fn fire(
     )
 )]
 pub(crate) async fn stream(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
+    State(streams): State<Streams>,
     Extension(holder): Extension<Holder>,
     headers: HeaderMap,
     Parameters(parameters): Parameters<ChangeParameters>,
-) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
+) -> Result<Events, RpcError> {
     let wanted = Wanted::parse(parameters.only.as_deref())?;
-    let after = stream::last_heard(&headers);
-    let mut listener = daemon.bus.listen(after);
-    stream::open(&daemon, &holder, move |writer| async move {
+    let after = last_heard(&headers);
+    let mut listener = supervisor.bus.listen(after);
+    streams.open(&holder, move |writer| async move {
         loop {
             let heard = tokio::select! {
                 heard = listener.next() => heard,

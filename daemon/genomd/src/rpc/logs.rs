@@ -1,27 +1,22 @@
 //! The daemon's log: latest entries, and a stream of new ones.
 
-use std::convert::Infallible;
 use std::sync::Arc;
 
 use axum::extract::State;
 use axum::http::HeaderMap;
-use axum::response::sse::{Event, Sse};
+use axum::response::sse::Event;
 use axum::{Extension, Json};
+use genom_doors::{Events, Holder, Parameters, RpcError, Streams, last_heard};
 use genom_nearest::suggest;
 use genom_protocol::{Level, LogEntry, LogParameters, Logs};
+use genom_supervisor::Supervisor;
 use genom_supervisor::bus::{Heard, Numbered};
 use serde::Deserialize as _;
 use serde_json::{Value, json};
 use strum::VariantNames as _;
-use tokio_stream::Stream;
 
-use crate::daemon::Daemon;
 use crate::logs;
 use crate::rpc::components;
-use crate::rpc::error::RpcError;
-use crate::rpc::holder::Holder;
-use crate::rpc::input::Parameters;
-use crate::rpc::stream;
 
 /// Selects entries.
 struct Wanted {
@@ -58,12 +53,11 @@ fn latest(all: Vec<Numbered>, wanted: &Wanted, last: Option<usize>) -> Vec<Numbe
     get,
     path = "/logs",
     tag = "logs",
-    security(("token" = ["read"])),
     params(LogParameters),
     responses((status = 200, body = Logs), (status = 404), (status = 422))
 )]
 pub(crate) async fn list(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Parameters(parameters): Parameters<LogParameters>,
 ) -> Result<Json<Logs>, RpcError> {
     let LogParameters { level, component, last } = parameters;
@@ -74,7 +68,7 @@ pub(crate) async fn list(
     if let Some(name) = &wanted.component
         && !all.iter().any(|entry| entry.data["component"] == *name.as_str())
     {
-        components::find(&daemon, name)?;
+        components::find(&supervisor.components, name)?;
     }
     let entries = latest(all, &wanted, last);
     let logs = entries.iter().filter_map(|entry| LogEntry::deserialize(&*entry.data).ok());
@@ -90,7 +84,6 @@ pub(crate) async fn list(
     get,
     path = "/logs/stream",
     tag = "logs",
-    security(("token" = ["read"])),
     params(
         LogParameters,
         ("Last-Event-ID" = Option<u64>, Header, description = "Number of the last entry heard")
@@ -101,20 +94,20 @@ pub(crate) async fn list(
     )
 )]
 pub(crate) async fn stream(
-    State(daemon): State<Arc<Daemon>>,
+    State(streams): State<Streams>,
     Extension(holder): Extension<Holder>,
     headers: HeaderMap,
     Parameters(parameters): Parameters<LogParameters>,
-) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
+) -> Result<Events, RpcError> {
     let LogParameters { level, component, last } = parameters;
     let wanted = Wanted::new(level.as_deref(), component)?;
-    let after = stream::last_heard(&headers);
+    let after = last_heard(&headers);
     let mut listener = logs::past().listen(after.or(Some(0)));
     let past = match after {
         None => latest(listener.take_past(), &wanted, Some(last.unwrap_or(0))),
         Some(_) => Vec::new(),
     };
-    stream::open(&daemon, &holder, move |writer| async move {
+    streams.open(&holder, move |writer| async move {
         for entry in past {
             if !writer.send(event(entry.id, &entry.data)).await {
                 return;

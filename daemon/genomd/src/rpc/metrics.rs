@@ -7,9 +7,9 @@ use axum::extract::State;
 use axum::http::header;
 use axum::response::IntoResponse;
 use genom_runtime::Durations;
+use genom_supervisor::Supervisor;
 use genom_supervisor::components::Hosted;
 
-use crate::daemon::Daemon;
 use crate::rpc::ports;
 
 /// Get metrics in the text format of Prometheus.
@@ -17,16 +17,15 @@ use crate::rpc::ports;
     get,
     path = "/metrics",
     tag = "statistics",
-    security(("token" = ["read"])),
     responses((status = 200, content_type = "text/plain", body = String))
 )]
-pub(crate) async fn text(State(daemon): State<Arc<Daemon>>) -> impl IntoResponse {
+pub(crate) async fn text(State(supervisor): State<Arc<Supervisor>>) -> impl IntoResponse {
     let mut page = Page::default();
-    for hosted in daemon.components.all() {
+    for hosted in supervisor.components.all() {
         describe(&mut page, &hosted);
     }
     let open =
-        genom_registry::known().iter().filter_map(|known| daemon.backends.opened(known.name));
+        genom_registry::known().iter().filter_map(|known| supervisor.backends.opened(known.name));
     for open in open {
         for refused in open.refused() {
             let labels = [("backend", open.name()), ("why", refused.why)];

@@ -4,40 +4,37 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::State;
+use genom_doors::{Parameters, RpcError};
 use genom_middleware as middleware;
 use genom_protocol::{
     Capabilities, Endpoint, EndpointKind, Middleware, MiddlewareParameters, Middlewares, Refused,
     Stranger,
 };
 use genom_registry::Known;
-
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::input::Parameters;
+use genom_supervisor::Supervisor;
 
 /// List the middlewares, what they can do and what is visible on them.
 #[utoipa::path(
     get,
     path = "/middlewares",
     tag = "middlewares",
-    security(("token" = ["read"])),
     params(MiddlewareParameters),
     responses((status = 200, body = Middlewares))
 )]
 pub(crate) async fn list(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Parameters(parameters): Parameters<MiddlewareParameters>,
 ) -> Result<Json<Middlewares>, RpcError> {
     let visible = parameters.visible;
     // Discovery may have to ask other processes.
-    tokio::task::spawn_blocking(move || Json(described(&daemon, visible)))
+    tokio::task::spawn_blocking(move || Json(described(&supervisor, visible)))
         .await
         .map_err(|error| RpcError::internal(error.to_string()))
 }
 
-fn described(daemon: &Daemon, visible: bool) -> Middlewares {
+fn described(supervisor: &Supervisor, visible: bool) -> Middlewares {
     let described = |known: &Known| {
-        let open = daemon.backends.opened(known.name);
+        let open = supervisor.backends.opened(known.name);
         let seen = open.as_ref().filter(|_| visible).map(|open| open.discover());
         let (endpoints, problem) = match seen {
             None => (None, None),
@@ -58,7 +55,7 @@ fn described(daemon: &Daemon, visible: bool) -> Middlewares {
         }
     };
     Middlewares {
-        default: daemon.settings.backend.clone(),
+        default: supervisor.settings.backend.clone(),
         middlewares: genom_registry::known().iter().map(described).collect(),
     }
 }

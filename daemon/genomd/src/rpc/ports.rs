@@ -7,36 +7,35 @@ use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use genom_description::model;
 use genom_description::model::PortIx;
+use genom_doors::{Body, Parameters, RpcError};
 use genom_middleware::OpenError;
 use genom_ports::PortKey;
 use genom_protocol::{
     Code, Port, PortDirection, PortParameters, PortTraffic, PortType, Ports, Published,
     ValueParameters,
 };
+use genom_supervisor::Supervisor;
 use genom_supervisor::components::{Hosted, layout};
 use genom_supervisor::connections::feed::FeedError;
 use genom_types::Record;
 use serde_json::Value;
 
-use crate::daemon::Daemon;
 use crate::rpc::components;
-use crate::rpc::error::RpcError;
-use crate::rpc::input::{Body, Parameters};
+use crate::rpc::held_up::held_up;
 
 /// List the ports of all components.
 #[utoipa::path(
     get,
     path = "/ports",
     tag = "ports",
-    security(("token" = ["read"])),
     params(PortParameters),
     responses((status = 200, body = Ports))
 )]
 pub(crate) async fn all(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Parameters(parameters): Parameters<PortParameters>,
 ) -> Json<Ports> {
-    let components = daemon.components.all();
+    let components = supervisor.components.all();
     let described = |hosted: &Arc<Hosted>| described(hosted, &parameters);
     Json(Ports { ports: components.iter().flat_map(described).collect() })
 }
@@ -46,16 +45,15 @@ pub(crate) async fn all(
     get,
     path = "/components/{component}/ports",
     tag = "ports",
-    security(("token" = ["read"])),
     params(PortParameters),
     responses((status = 200, body = Ports), (status = 404))
 )]
 pub(crate) async fn of_component(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path(component): Path<String>,
     Parameters(parameters): Parameters<PortParameters>,
 ) -> Result<Json<Ports>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     Ok(Json(Ports { ports: described(&hosted, &parameters) }))
 }
 
@@ -64,16 +62,15 @@ pub(crate) async fn of_component(
     get,
     path = "/components/{component}/ports/{port}",
     tag = "ports",
-    security(("token" = ["read"])),
     params(ValueParameters),
     responses((status = 200, body = Port), (status = 404), (status = 422))
 )]
 pub(crate) async fn value(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, port)): Path<(String, String)>,
     Parameters(parameters): Parameters<ValueParameters>,
 ) -> Result<Json<Port>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let key = key(&hosted, &port, parameters.element)?;
     Ok(Json(Port { value: hosted.port_value(&key), ..one(&hosted, &key) }))
 }
@@ -86,7 +83,6 @@ pub(crate) async fn value(
     post,
     path = "/components/{component}/ports/{port}",
     tag = "ports",
-    security(("token" = ["call"])),
     params(ValueParameters),
     request_body = Value,
     responses(
@@ -95,17 +91,17 @@ pub(crate) async fn value(
     )
 )]
 pub(crate) async fn publish(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, port)): Path<(String, String)>,
     Parameters(parameters): Parameters<ValueParameters>,
     Body(value): Body<Value>,
 ) -> Result<Json<Published>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let key = key(&hosted, &port, parameters.element)?;
     let address = hosted.port_address(&key).to_string();
     let work = tokio::task::spawn_blocking(move || {
         let fill = |record: &mut Record| Ok::<_, FeedError>(record.merge_json(&value)?);
-        daemon.connections.feed(&hosted, &key, fill, Record::to_json)
+        supervisor.connections.feed(&hosted, &key, fill, Record::to_json)
     });
     match work.await {
         Ok(Ok(value)) => Ok(Json(Published { address, value })),
@@ -120,7 +116,7 @@ pub(super) fn not_published(error: &FeedError) -> RpcError {
         FeedError::OutPort(_) => RpcError::conflict(Code::OutPort, message),
         FeedError::Connected { inport, .. } => RpcError::conflict(Code::Connected, message)
             .help(format!("`genomctl disconnect {inport}` first, to feed it from here")),
-        FeedError::HeldUp(error) => RpcError::held_up(error),
+        FeedError::HeldUp(error) => held_up(error),
         FeedError::Value(error) => RpcError::bad_input(message).inside(&error.path),
         FeedError::Message(_) => RpcError::bad_input(message),
         FeedError::Open(OpenError::Taken { .. }) => RpcError::conflict(Code::Taken, message)
@@ -138,14 +134,13 @@ pub(super) fn not_published(error: &FeedError) -> RpcError {
     get,
     path = "/components/{component}/ports/{port}/type",
     tag = "ports",
-    security(("token" = ["read"])),
     responses((status = 200, body = PortType), (status = 404))
 )]
 pub(crate) async fn layout(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, port)): Path<(String, String)>,
 ) -> Result<Json<PortType>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let index = find(&hosted, &port)?;
     match hosted.port_type(index) {
         Some(ty) => Ok(Json(layout::of(ty))),
@@ -159,16 +154,15 @@ pub(crate) async fn layout(
     get,
     path = "/components/{component}/ports/{port}/traffic",
     tag = "ports",
-    security(("token" = ["read"])),
     params(ValueParameters),
     responses((status = 200, body = PortTraffic), (status = 404), (status = 409), (status = 422))
 )]
 pub(crate) async fn traffic(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, port)): Path<(String, String)>,
     Parameters(parameters): Parameters<ValueParameters>,
 ) -> Result<Json<PortTraffic>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let key = key(&hosted, &port, parameters.element)?;
     let address = hosted.port_address(&key);
     let Some(gauge) = hosted.ties.gauge(&key) else {

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
+use genom_doors::{Parameters, RpcError};
 use genom_protocol::{Code, Ready, ReadyParameters};
+use genom_supervisor::Supervisor;
 
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::input::{self, Parameters};
+use crate::startup::Startup;
 
 /// Get whether the daemon has loaded the components of its configuration.
 ///
@@ -20,25 +20,24 @@ use crate::rpc::input::{self, Parameters};
     get,
     path = "/ready",
     tag = "daemon",
-    security(("token" = ["read"])),
     params(ReadyParameters),
     responses((status = 200, body = Ready), (status = 422), (status = 503))
 )]
 pub(crate) async fn ready(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
+    State(startup): State<Arc<Startup>>,
     Parameters(parameters): Parameters<ReadyParameters>,
 ) -> Result<Json<Ready>, RpcError> {
-    let startup = &daemon.startup;
     let wanted = if parameters.deployed == Some(true) { &startup.deployed } else { &startup.ready };
     if let Some(seconds) = parameters.wait {
-        let wait = input::wait(seconds)?;
+        let wait = genom_doors::wait(seconds)?;
         tokio::select! {
             () = wanted.raised() => {}
-            () = daemon.asked_to_stop() => {}
+            () = supervisor.asked_to_stop() => {}
             () = tokio::time::sleep(wait) => {}
         }
     }
-    if daemon.stopping() {
+    if supervisor.stopping() {
         return Err(unavailable(Code::Stopping, "the daemon stops".to_owned()));
     }
     if wanted.is_up() {

@@ -8,19 +8,16 @@ use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
+use genom_doors::{Body, Holder, RpcError, Streams};
 use genom_protocol::address::NoAddress;
 use genom_protocol::frames::Start;
 use genom_protocol::{Code, RecordingEnds, RecordingRequest, Subject};
-use genom_supervisor::recording;
+use genom_supervisor::{Supervisor, recording};
 use tokio::sync::mpsc;
 use tokio_stream::StreamExt as _;
 use tokio_stream::wrappers::ReceiverStream;
 
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::holder::Holder;
-use crate::rpc::input::Body;
-use crate::rpc::{clock, components, ports, stream};
+use crate::rpc::{clock, components, ports};
 
 /// Maximum number of batches that wait to be sent.
 const WAITING: usize = 4;
@@ -31,7 +28,6 @@ const WAITING: usize = 4;
     post,
     path = "/recordings",
     tag = "recordings",
-    security(("token" = ["read"])),
     request_body = RecordingRequest,
     responses(
         (status = 200, content_type = "application/octet-stream", body = Vec<u8>),
@@ -41,7 +37,8 @@ const WAITING: usize = 4;
     )
 )]
 pub(crate) async fn start(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
+    State(streams): State<Streams>,
     Extension(holder): Extension<Holder>,
     Body(wanted): Body<RecordingRequest>,
 ) -> Result<Response, RpcError> {
@@ -51,26 +48,27 @@ pub(crate) async fn start(
             .map_err(|error: NoAddress| RpcError::bad_input(error.to_string()).place("/ports"))?;
         match subject {
             Subject::Component(name) => {
-                components::find(&daemon, &name)?;
+                components::find(&supervisor.components, &name)?;
             }
             Subject::Port(address) => {
-                ports::find(&*components::find(&daemon, &address.component)?, &address.port)?;
+                let hosted = components::find(&supervisor.components, &address.component)?;
+                ports::find(&hosted, &address.port)?;
             }
         }
     }
-    let slot = stream::slot(&daemon, &holder)?;
+    let slot = streams.slot(&holder)?;
     let (sender, receiver) = mpsc::channel(WAITING);
     tokio::task::spawn_blocking(move || {
-        let changes = daemon.bus.live();
-        let session = daemon.record(wanted.ports);
+        let changes = supervisor.bus.live();
+        let session = supervisor.record(wanted.ports);
         let start = Start {
             recording: session.number,
             genomd: env!("CARGO_PKG_VERSION").to_owned(),
-            clock: clock::kind(&daemon.clock),
-            deployment: toml::to_string(&daemon.dump()).unwrap_or_default(),
+            clock: clock::kind(&supervisor.clock),
+            deployment: toml::to_string(&supervisor.dump()).unwrap_or_default(),
         };
-        recording::run(&daemon.closed, &session, changes, sender, start);
-        daemon.recording_ended(&session);
+        recording::run(&supervisor.closed, &session, changes, sender, start);
+        supervisor.recording_ended(&session);
         drop(slot);
     });
     let batches =
@@ -84,14 +82,13 @@ pub(crate) async fn start(
     delete,
     path = "/recordings/{number}",
     tag = "recordings",
-    security(("token" = ["read"])),
     responses((status = 200, body = RecordingEnds), (status = 404))
 )]
 pub(crate) async fn end(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path(number): Path<String>,
 ) -> Result<Json<RecordingEnds>, RpcError> {
-    let ended = number.parse().is_ok_and(|number| daemon.recordings.end(number));
+    let ended = number.parse().is_ok_and(|number| supervisor.recordings.end(number));
     if ended {
         return Ok(Json(RecordingEnds { ends: true }));
     }

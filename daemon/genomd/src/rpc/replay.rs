@@ -5,12 +5,12 @@ use std::sync::Arc;
 use axum::Json;
 use axum::body::Bytes;
 use axum::extract::State;
+use genom_doors::RpcError;
 use genom_protocol::address::NoAddress;
 use genom_protocol::{Address, Replayed, replay};
+use genom_supervisor::Supervisor;
 use genom_supervisor::connections::feed::FeedError;
 
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
 use crate::rpc::{components, ports};
 
 /// Publish samples of a recording to in ports, each `length: u32, in port, length: u32, CDR`,
@@ -21,7 +21,6 @@ use crate::rpc::{components, ports};
     post,
     path = "/replay",
     tag = "recordings",
-    security(("token" = ["call"])),
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses(
         (status = 200, body = Replayed),
@@ -34,7 +33,7 @@ use crate::rpc::{components, ports};
     )
 )]
 pub(crate) async fn publish(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     bytes: Bytes,
 ) -> Result<Json<Replayed>, RpcError> {
     let work = tokio::task::spawn_blocking(move || {
@@ -42,7 +41,7 @@ pub(crate) async fn publish(
         while !rest.is_empty() {
             let misshapen = || RpcError::bad_input("half a sample").place(published.to_string());
             let (inport, message, left) = replay::first(rest).ok_or_else(misshapen)?;
-            one(&daemon, inport, message)?;
+            one(&supervisor, inport, message)?;
             (rest, published) = (left, published + 1);
         }
         Ok(Json(Replayed { published }))
@@ -50,13 +49,13 @@ pub(crate) async fn publish(
     work.await.unwrap_or_else(|error| Err(RpcError::internal(error.to_string())))
 }
 
-fn one(daemon: &Arc<Daemon>, inport: &str, message: &[u8]) -> Result<(), RpcError> {
+fn one(supervisor: &Supervisor, inport: &str, message: &[u8]) -> Result<(), RpcError> {
     let parsed = inport.parse();
     let Address { component, port, element } =
         parsed.map_err(|error: NoAddress| RpcError::bad_input(error.to_string()))?;
-    let hosted = components::find(daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let key = ports::key(&hosted, &port, element)?;
     let fill = |value: &mut genom_types::Record| Ok::<_, FeedError>(value.decode_message(message)?);
-    let fed = daemon.connections.feed(&hosted, &key, fill, |_| ());
+    let fed = supervisor.connections.feed(&hosted, &key, fill, |_| ());
     fed.map_err(|error| ports::not_published(&error).place(inport))
 }

@@ -5,18 +5,18 @@ use std::sync::Arc;
 use axum::extract::{Path, State};
 use axum::http::StatusCode;
 use axum::{Extension, Json};
-use genom_configuration::Right;
 use genom_description::model::{Ix as _, ServiceIx};
 use genom_description_tools as tools;
-use genom_protocol::{CallParameters, CallReply, Code, Inputs, Outcome, Service, Started};
+use genom_doors::{Body, Holder, Parameters, RpcError};
+use genom_protocol::{
+    CallParameters, CallReply, Code, Inputs, Outcome, Right, Service, Started, routes,
+};
+use genom_supervisor::Supervisor;
 use genom_supervisor::components::{Answer, Hosted, InputError, Rest};
 use serde_json::Value;
 
-use crate::daemon::Daemon;
 use crate::rpc::components;
-use crate::rpc::error::RpcError;
-use crate::rpc::holder::Holder;
-use crate::rpc::input::{Body, Parameters};
+use crate::rpc::held_up::held_up;
 
 fn find(hosted: &Hosted, service: &str) -> Result<ServiceIx, RpcError> {
     let services = &hosted.model().services;
@@ -36,15 +36,14 @@ fn find(hosted: &Hosted, service: &str) -> Result<ServiceIx, RpcError> {
     get,
     path = "/components/{component}/services/{service}",
     tag = "services",
-    security(("token" = ["read"])),
     responses((status = 200, body = Service), (status = 404))
 )]
 pub(crate) async fn describe(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Extension(holder): Extension<Holder>,
     Path((component, service)): Path<(String, String)>,
 ) -> Result<Json<Value>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let index = find(&hosted, &service)?;
     let current = match holder.may(Right::Call, "") {
         Ok(()) => {
@@ -80,7 +79,6 @@ pub(crate) async fn describe(
     post,
     path = "/components/{component}/services/{service}",
     tag = "services",
-    security(("token" = ["call"])),
     params(CallParameters),
     request_body = Option<Inputs>,
     responses(
@@ -89,17 +87,17 @@ pub(crate) async fn describe(
     )
 )]
 pub(crate) async fn call(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Extension(holder): Extension<Holder>,
     Path((component, service)): Path<(String, String)>,
     Parameters(parameters): Parameters<CallParameters>,
     Body(inputs): Body<Value>,
 ) -> Result<(StatusCode, Json<CallReply>), RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let index = find(&hosted, &service)?;
-    // Some services that every component has do what other resources ask more for.
+    // Those that every component has do what other routes do, and ask for the same rights.
     if hosted.model().services[index].standard {
-        let right = Right::of_standard_service(&service);
+        let right = routes::right_of_standard_service(&service);
         holder.may(right, format_args!("service {service}"))?;
     }
     let refused = |error: InputError| {
@@ -128,7 +126,7 @@ pub(crate) async fn call(
             Json(CallReply::Started(Started { activity: activity.number })),
         )),
         Answer::Refused(error) => Err(refused(error)),
-        Answer::HeldUp(error) => Err(RpcError::held_up(&error)),
+        Answer::HeldUp(error) => Err(held_up(&error)),
         Answer::Gone => Err(RpcError::conflict(
             Code::Stopping,
             format!("{component} stops: nothing was started"),
@@ -173,5 +171,25 @@ fn order(hosted: &Hosted, service: &str) -> String {
     match (service.after.is_empty(), service.before.is_empty()) {
         (false, _) => format!("it comes after {}", names(&service.after)),
         (true, _) => format!("it comes before {}", names(&service.before)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use genom_description::{Options, read_text};
+    use genom_protocol::STANDARD_SERVICES;
+
+    #[test]
+    fn every_service_that_each_component_has_is_in_the_table_of_rights() {
+        let read = read_text("c.gen", "component c { function own(); };", &Options::default());
+        let specification = read.specification;
+        let component = specification.components.first().unwrap();
+        let standard: Vec<_> =
+            component.services.iter().filter(|service| service.standard).collect();
+        assert_eq!(standard.len() + 1, component.services.len());
+        for service in standard {
+            let row = STANDARD_SERVICES.iter().any(|(name, _)| *name == service.name);
+            assert!(row, "{} has no row", service.name);
+        }
     }
 }

@@ -6,9 +6,8 @@
 use genom_description::model::PortDirection;
 use genom_middleware::{Address, EndpointKind, Middleware};
 use genom_ports::PortKey;
+use genom_supervisor::Supervisor;
 use genom_supervisor::components::Hosted;
-
-use crate::daemon::Daemon;
 
 /// What is stranded, and what brings it back.
 pub(super) struct Stranded {
@@ -18,11 +17,11 @@ pub(super) struct Stranded {
 
 /// Publishers under an in port's own address where it does not read, readers of an out port where
 /// it is not written.
-pub(super) fn stranded(daemon: &Daemon, hosted: &Hosted, key: &PortKey) -> Vec<Stranded> {
+pub(super) fn stranded(supervisor: &Supervisor, hosted: &Hosted, key: &PortKey) -> Vec<Stranded> {
     let model = &hosted.model().ports[key.port];
     let at = hosted.port_address(key);
     let open =
-        genom_registry::known().iter().filter_map(|known| daemon.backends.opened(known.name));
+        genom_registry::known().iter().filter_map(|known| supervisor.backends.opened(known.name));
     match model.direction {
         PortDirection::In => {
             let made = hosted.ties.connection(key);

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use axum::Json;
 use axum::extract::{Path, State};
+use genom_doors::RpcError;
 use genom_protocol::{CodelStatistics, Durations, Statistics, TaskStatistics};
 use genom_runtime as runtime;
+use genom_supervisor::Supervisor;
 
-use crate::daemon::Daemon;
 use crate::rpc::codels::{running, unpaused};
 use crate::rpc::components;
-use crate::rpc::error::RpcError;
 
 /// Get the statistics of a component's tasks and codels.
 ///
@@ -19,14 +19,13 @@ use crate::rpc::error::RpcError;
     get,
     path = "/components/{component}/tasks",
     tag = "statistics",
-    security(("token" = ["read"])),
     responses((status = 200, body = Statistics), (status = 404))
 )]
 pub(crate) async fn statistics(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path(component): Path<String>,
 ) -> Result<Json<Statistics>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let figures = hosted.figures();
     Ok(Json(Statistics {
         tasks: figures.tasks.into_iter().map(task).collect(),

@@ -1,20 +1,10 @@
-//! The token file: who may come in by other doors than the Unix socket, and what for.
+//! The tokens of those who come in.
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, PoisonError, RwLock};
+use std::sync::Arc;
 
 use axum::{Extension, Json};
-use genom_proof::{Bytes, HINT, NONCE};
-use genom_protocol::{Code, Reloaded, TokenEntry, TokenFile};
-use subtle::{Choice, ConstantTimeEq as _};
-
-use crate::rpc::error::RpcError;
-use crate::rpc::holder::Holder;
-use crate::rpc::private;
-
-/// A shorter token could be guessed.
-const SHORTEST: usize = 32;
+use genom_doors::{RpcError, Tokens};
+use genom_protocol::{Code, Reloaded};
 
 /// Read the token file again.
 ///
@@ -24,7 +14,6 @@ const SHORTEST: usize = 32;
     post,
     path = "/tokens/reload",
     tag = "daemon",
-    security(("token" = ["admin"])),
     responses((status = 200, body = Reloaded), (status = 409))
 )]
 pub(crate) async fn reload(
@@ -35,184 +24,4 @@ pub(crate) async fn reload(
             .help("nothing was changed: the tokens are those of before")
     })?;
     Ok(Json(Reloaded { tokens }))
-}
-
-/// The tokens a daemon knows; its file can be read again while it runs.
-#[derive(Debug, Default)]
-pub(crate) struct Tokens {
-    path: Option<PathBuf>,
-    known: RwLock<Vec<Entry>>,
-    /// How often the file was read again.
-    generation: AtomicU64,
-}
-
-/// A token, and what is made of it to be proved with.
-#[derive(Debug)]
-struct Entry {
-    token: TokenEntry,
-    key: genom_proof::Token,
-}
-
-/// A token that somebody proved to hold.
-#[derive(Debug)]
-pub(crate) struct Known {
-    pub(crate) key: genom_proof::Token,
-    pub(crate) holder: Holder,
-}
-
-/// A token file cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub(crate) enum TokenError {
-    /// Missing or unreadable.
-    #[error(
-        "the token file {} cannot be read: {source}; `genomctl token NAME --into {}` begins one",
-        path.display(), path.display()
-    )]
-    Read { path: PathBuf, source: std::io::Error },
-    /// Others could read the tokens.
-    #[error(transparent)]
-    Open(#[from] private::NotPrivate),
-    /// There is none to read again.
-    #[error("this daemon has no token file: start it with `--token-file FILE`")]
-    None,
-    /// A mistake in it. The text itself is never shown.
-    #[error("{}:{line}: {message}", path.display())]
-    Mistake { path: PathBuf, line: usize, message: String },
-}
-
-impl Tokens {
-    /// Whether there is a file to read again.
-    pub(crate) fn has_file(&self) -> bool {
-        self.path.is_some()
-    }
-
-    /// Reads a file of tokens, which nobody else may read; without one there are none.
-    pub(crate) fn read(path: Option<&Path>) -> Result<Arc<Self>, TokenError> {
-        let known = path.map(entries).transpose()?.unwrap_or_default();
-        let path = path.map(Path::to_owned);
-        Ok(Arc::new(Self { path, known: RwLock::new(known), generation: AtomicU64::new(0) }))
-    }
-
-    /// Reads the file again; how many tokens it holds. One with a mistake changes nothing.
-    pub(crate) fn read_again(&self) -> Result<usize, TokenError> {
-        let read = entries(self.path.as_deref().ok_or(TokenError::None)?)?;
-        let count = read.len();
-        tracing::info!("read the token file again: {count} tokens");
-        *self.known.write().unwrap_or_else(PoisonError::into_inner) = read;
-        self.generation.fetch_add(1, Ordering::Release);
-        Ok(count)
-    }
-
-    /// How often the file was read again.
-    pub(crate) fn generation(&self) -> u64 {
-        self.generation.load(Ordering::Acquire)
-    }
-
-    /// Whose token it is. Takes the same time whichever it is, and if it is none.
-    pub(crate) fn holder(&self, given: &[u8]) -> Option<Holder> {
-        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
-        let mut found = None;
-        for entry in &*known {
-            let same: Choice = entry.token.token.as_bytes().ct_eq(given);
-            if bool::from(same) {
-                found = Some(entry);
-            }
-        }
-        found.map(|entry| holder(&entry.token))
-    }
-
-    /// The token that gives this hint.
-    pub(crate) fn hinted(&self, nonce: &[u8; NONCE], hint: &Bytes<HINT>) -> Option<Known> {
-        self.find(|key| key.hint(nonce) == *hint)
-    }
-
-    /// The token of this key, if it is still known.
-    pub(crate) fn same(&self, key: &genom_proof::Token) -> Option<Known> {
-        let nonce = [0; NONCE];
-        let hint = key.hint(&nonce);
-        self.find(|known| known.hint(&nonce) == hint)
-    }
-
-    fn find(&self, wanted: impl Fn(&genom_proof::Token) -> bool) -> Option<Known> {
-        let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
-        let entry = known.iter().find(|entry| wanted(&entry.key))?;
-        Some(Known { key: entry.key.clone(), holder: holder(&entry.token) })
-    }
-
-    /// One token, for tests.
-    #[cfg(test)]
-    pub(crate) fn of(name: &str, text: &str) -> Arc<Self> {
-        let text =
-            format!("[[token]]\nname = \"{name}\"\ntoken = \"{text}\"\nrights = [\"read\"]\n");
-        let known = RwLock::new(parse(Path::new("tokens"), &text).unwrap());
-        Arc::new(Self { known, ..Self::default() })
-    }
-}
-
-fn holder(of: &TokenEntry) -> Holder {
-    Holder::of(format!("token {}", of.name), of.rights.clone())
-}
-
-fn entries(path: &Path) -> Result<Vec<Entry>, TokenError> {
-    let text = private::read(path).map_err(|error| match error {
-        private::PrivateError::Read(source) => TokenError::Read { path: path.to_owned(), source },
-        private::PrivateError::Open(open) => TokenError::Open(open),
-    })?;
-    parse(path, &text)
-}
-
-fn parse(path: &Path, text: &str) -> Result<Vec<Entry>, TokenError> {
-    let mistake = |line, message| TokenError::Mistake { path: path.to_owned(), line, message };
-    let file: TokenFile = toml::from_str(text).map_err(|error| {
-        let start = error.span().map_or(0, |span| span.start).min(text.len());
-        let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
-        mistake(line, error.message().trim().replace('\n', ", "))
-    })?;
-    for token in &file.token {
-        if token.token.len() < SHORTEST {
-            let line = text.lines().position(|line| line.contains(&token.token)).unwrap_or(0);
-            let name = &token.name;
-            let message = format!(
-                "the token of {name} is shorter than {SHORTEST} characters; `genomctl token \
-                 {name}` makes one"
-            );
-            return Err(mistake(line + 1, message));
-        }
-    }
-    let entry = |token: TokenEntry| Entry { key: genom_proof::Token::new(&token.token), token };
-    Ok(file.token.into_iter().map(entry).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use genom_configuration::Right;
-
-    use super::*;
-
-    const FILE: &str = "[[token]]\nname = \"dashboard\"\n\
-        token = \"0123456789abcdef0123456789abcdef\"\nrights = [\"read\"]\n";
-
-    #[test]
-    fn a_token_tells_its_holder_and_is_never_shown() {
-        let tokens = Tokens::of("dashboard", "0123456789abcdef0123456789abcdef");
-        let holder = tokens.holder(b"0123456789abcdef0123456789abcdef").unwrap();
-        assert_eq!(
-            (holder.who.as_str(), &holder.rights[..]),
-            ("token dashboard", &[Right::Read][..])
-        );
-        for wrong in [&b""[..], b"0123456789abcdef", b"0123456789abcdef0123456789abcdeX"] {
-            assert!(tokens.holder(wrong).is_none());
-        }
-        assert!(!format!("{tokens:?}").contains("0123456789"));
-    }
-
-    #[test]
-    fn a_mistake_names_the_line_and_no_secret() {
-        let told = |text: &str| parse(Path::new("t"), text).unwrap_err().to_string();
-        let short = told(&FILE.replace("0123456789abcdef0123456789abcdef", "short-secret"));
-        assert!(short.starts_with("t:3: the token of dashboard is shorter"), "{short}");
-        assert!(!short.contains("short-secret"));
-        let right = told(&FILE.replace("read", "raed"));
-        assert!(right.starts_with("t:4: unknown variant `raed`, expected one of"), "{right}");
-    }
 }

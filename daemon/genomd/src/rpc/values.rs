@@ -1,26 +1,21 @@
 //! Streams of a port's values.
 
-use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 
 use axum::Extension;
 use axum::extract::{Path, State};
-use axum::response::sse::{Event, Sse};
+use axum::response::sse::Event;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
+use genom_doors::{Events, Holder, Parameters, RpcError, Streams, Writer};
 use genom_ports::dates::Dates;
 use genom_protocol::{Form, StreamEnd, StreamParameters};
+use genom_supervisor::Supervisor;
 use genom_supervisor::components::Hosted;
 use serde_json::{Value, json};
 use tokio::time::{MissedTickBehavior, interval};
-use tokio_stream::Stream;
 
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::holder::Holder;
-use crate::rpc::input::Parameters;
-use crate::rpc::stream::{self, Writer};
 use crate::rpc::{components, ports};
 
 /// Default of `rate`, in values per second.
@@ -38,7 +33,6 @@ const GREATEST_RATE: f64 = 1000.0;
     get,
     path = "/components/{component}/ports/{port}/stream",
     tag = "ports",
-    security(("token" = ["read"])),
     params(StreamParameters),
     responses(
         (status = 200, content_type = "text/event-stream", body = String), (status = 404),
@@ -46,12 +40,13 @@ const GREATEST_RATE: f64 = 1000.0;
     )
 )]
 pub(crate) async fn stream(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
+    State(streams): State<Streams>,
     Extension(holder): Extension<Holder>,
     Path((component, port)): Path<(String, String)>,
     Parameters(parameters): Parameters<StreamParameters>,
-) -> Result<Sse<impl Stream<Item = Result<Event, Infallible>>>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+) -> Result<Events, RpcError> {
+    let hosted = components::find(&supervisor.components, &component)?;
     let key = ports::key(&hosted, &port, parameters.element)?;
     let rate = parameters.rate.unwrap_or(USUAL_RATE);
     if !(rate > 0.0 && rate <= GREATEST_RATE) {
@@ -59,8 +54,8 @@ pub(crate) async fn stream(
         return Err(RpcError::bad_input(message).place("rate"));
     }
     let form = parameters.form.unwrap_or_default();
-    let dates = Dates::of(&daemon.clock);
-    stream::open(&daemon, &holder, move |writer| async move {
+    let dates = Dates::of(&supervisor.clock);
+    streams.open(&holder, move |writer| async move {
         let date = || {
             let gauge = hosted.ties.gauge(&key);
             let age = gauge.and_then(|gauge| gauge.counts().age_ns).unwrap_or_default();

@@ -7,15 +7,15 @@ use axum::extract::{Path, State};
 use genom_description::model::{
     CodelParameter, Direction, PortDirection, PortIx, Service, ServiceKind, Source,
 };
+use genom_doors::RpcError;
 use genom_middleware::{Address, Obstacle};
 use genom_ports::PortKey;
 use genom_protocol::{Finding, Findings, advice};
 use genom_runtime::seconds;
+use genom_supervisor::Supervisor;
 use genom_supervisor::components::Hosted;
 use genom_supervisor::connections;
 
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
 use crate::rpc::stranded::stranded;
 use crate::rpc::{components, ports};
 
@@ -24,14 +24,13 @@ use crate::rpc::{components, ports};
     get,
     path = "/components/{component}/ports/{port}/why",
     tag = "ports",
-    security(("token" = ["read"])),
     responses((status = 200, body = Findings), (status = 404))
 )]
 pub(crate) async fn explain(
-    State(daemon): State<Arc<Daemon>>,
+    State(supervisor): State<Arc<Supervisor>>,
     Path((component, port)): Path<(String, String)>,
 ) -> Result<Json<Findings>, RpcError> {
-    let hosted = components::find(&daemon, &component)?;
+    let hosted = components::find(&supervisor.components, &component)?;
     let remote = hosted.model().remotes.iter().position(|remote| remote.name == port);
     let port = match remote {
         Some(_) => None,
@@ -40,10 +39,10 @@ pub(crate) async fn explain(
     // Discovery may have to ask other processes.
     let work = move || {
         let Some(port) = port else {
-            let findings = remote.map(|remote| of_remote(&daemon, &hosted, remote));
+            let findings = remote.map(|remote| of_remote(&supervisor, &hosted, remote));
             return Json(Findings { findings: findings.unwrap_or_default(), flows: vec![] });
         };
-        let mut findings = of_port(&daemon, &hosted, port);
+        let mut findings = of_port(&supervisor, &hosted, port);
         // What is wrong with the component may not matter to this port.
         let flows = if findings.is_empty() { flows(&hosted, port) } else { Vec::new() };
         findings.extend(of_component(&hosted));
@@ -72,7 +71,7 @@ fn flows(hosted: &Hosted, port: PortIx) -> Vec<String> {
     ports::elements(hosted, port).into_iter().filter_map(one).collect()
 }
 
-fn of_port(daemon: &Daemon, hosted: &Hosted, port: PortIx) -> Vec<Finding> {
+fn of_port(supervisor: &Supervisor, hosted: &Hosted, port: PortIx) -> Vec<Finding> {
     let mut out = Vec::new();
     let elements = ports::elements(hosted, port);
     let model = &hosted.model().ports[port];
@@ -111,9 +110,9 @@ fn of_port(daemon: &Daemon, hosted: &Hosted, port: PortIx) -> Vec<Finding> {
                 }
             }
             (PortDirection::In, Some(made)) => {
-                let gone = match daemon.components.get(&made.outport.instance) {
+                let gone = match supervisor.components.get(&made.outport.instance) {
                     Some(_) => false,
-                    None => daemon.backends.get(&made.backend).is_ok_and(|middleware| {
+                    None => supervisor.backends.get(&made.backend).is_ok_and(|middleware| {
                         !connections::publishes(middleware.as_ref(), &made.outport)
                     }),
                 };
@@ -134,8 +133,8 @@ fn of_port(daemon: &Daemon, hosted: &Hosted, port: PortIx) -> Vec<Finding> {
             }
             _ => {}
         }
-        out.extend(unmet(daemon, hosted, &key));
-        let stranded = stranded(daemon, hosted, &key);
+        out.extend(unmet(supervisor, hosted, &key));
+        let stranded = stranded(supervisor, hosted, &key);
         out.extend(stranded.into_iter().map(|one| finding(one.what, one.fix)));
         if let Some(failed) = counts.map(|counts| counts.failed).filter(|failed| *failed > 0) {
             let what = format!("{failed} writes or reads of {address} failed");
@@ -159,11 +158,11 @@ fn of_component(hosted: &Hosted) -> Vec<Finding> {
 }
 
 /// The same of a remote: no service, or one that is not there.
-fn of_remote(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
-    let mut out = remote_unserved(daemon, hosted, remote);
+fn of_remote(supervisor: &Supervisor, hosted: &Hosted, remote: usize) -> Vec<Finding> {
+    let mut out = remote_unserved(supervisor, hosted, remote);
     stuck_codels(hosted, &mut out);
     if let Some(provider) = hosted.ties.remote(remote)
-        && let Some(provider) = daemon.components.get(&provider.service.instance)
+        && let Some(provider) = supervisor.components.get(&provider.service.instance)
         && provider.name != hosted.name
     {
         stuck_codels(&provider, &mut out);
@@ -171,7 +170,7 @@ fn of_remote(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
     out
 }
 
-fn remote_unserved(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Finding> {
+fn remote_unserved(supervisor: &Supervisor, hosted: &Hosted, remote: usize) -> Vec<Finding> {
     let address = hosted.address(&hosted.model().remotes[remote].name, None);
     let Some(made) = hosted.ties.remote(remote) else {
         let fix = format!("`genomctl connect {address} COMPONENT/SERVICE`");
@@ -179,13 +178,13 @@ fn remote_unserved(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Findi
     };
     let (there, place) = match &made.backend {
         None => {
-            let provider = daemon.components.get(&made.service.instance);
+            let provider = supervisor.components.get(&made.service.instance);
             let serves =
                 provider.is_some_and(|one| one.plan().service(&made.service.name).is_some());
             (serves, "in this daemon".to_owned())
         }
         Some(backend) => {
-            let on = daemon.backends.get(backend);
+            let on = supervisor.backends.get(backend);
             let serves = on.is_ok_and(|on| connections::serves(on.as_ref(), &made.service));
             (serves, format!("on {backend}"))
         }
@@ -206,10 +205,10 @@ fn remote_unserved(daemon: &Daemon, hosted: &Hosted, remote: usize) -> Vec<Findi
 }
 
 /// Ends that are there and do not meet, on the middlewares in use.
-fn unmet(daemon: &Daemon, hosted: &Hosted, key: &PortKey) -> Vec<Finding> {
+fn unmet(supervisor: &Supervisor, hosted: &Hosted, key: &PortKey) -> Vec<Finding> {
     let port = &hosted.model().ports[key.port];
     let on = |backend: &str, address: &Address| {
-        let middleware = daemon.backends.opened(backend);
+        let middleware = supervisor.backends.opened(backend);
         middleware.map(|middleware| middleware.obstacles(address)).unwrap_or_default()
     };
     let obstacles = match hosted.ties.connection(key) {

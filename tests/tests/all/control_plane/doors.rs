@@ -6,10 +6,18 @@ use std::net::TcpStream;
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::Path;
 
+use genom_protocol::{Right, routes};
 use genom_tests::{Daemon, Home, WATCHDOG, component, path, request, until};
 
-const TOKENS: [(&str, &str); 3] =
-    [("reader", "read"), ("driver", "read\", \"call"), ("boss", "admin")];
+/// Names of tokens, and their rights as they stand in the file.
+const TOKENS: [(&str, &str); 6] = [
+    ("reader", "read"),
+    ("caller", "call"),
+    ("wirer", "wire"),
+    ("driver", "read\", \"call"),
+    ("fitter", "call\", \"wire"),
+    ("boss", "admin"),
+];
 
 fn secret(name: &str) -> String {
     format!("{name}-0123456789abcdef0123456789abcdef")
@@ -77,6 +85,42 @@ fn the_log_tells_who_was_refused_and_who_changed_what_but_no_token() {
     for name in ["nobody", "reader", "driver", "boss"] {
         assert!(!stopped.err.contains(&secret(name)));
     }
+}
+
+#[test]
+fn each_token_opens_the_routes_and_services_of_its_rights_and_no_others() {
+    let (daemon, address) = listening("");
+    let check = |line: &str, needed: &[Right]| {
+        for (name, rights) in TOKENS {
+            let may = |right: &Right| rights.contains(&right.to_string()) || rights == "admin";
+            // The daemon does not end before it is asked for all; nor does the component.
+            if name == "boss" && (line == "POST /shutdown" || line.ends_with("/kill")) {
+                continue;
+            }
+            let refused = status(&address, line, name) == 403;
+            assert_eq!(refused, !needed.iter().all(may), "{line} by {name}, {rights}");
+        }
+        let nobody = status(&address, line, "nobody") == 401;
+        assert_eq!(nobody, !needed.is_empty(), "{line} by nobody");
+    };
+    let described = request(&daemon.home().socket(), "GET", "/components/demo", "").body;
+    let has = |name: &str| {
+        described["services"].as_array().unwrap().iter().any(|service| service["name"] == name)
+    };
+    let mut services = 0;
+    for route in routes::all() {
+        for service in route.services.iter().filter(|name| has(name)) {
+            // Calling is a right of its own.
+            let line = format!("POST /components/demo/services/{service}");
+            check(&line, &[Right::Call, route.right.unwrap()]);
+            services += 1;
+        }
+        let names = route.template.split('/').map(|one| one.trim_start_matches('{'));
+        let path: Vec<_> = names.map(|one| if one.ends_with('}') { "none" } else { one }).collect();
+        let line = format!("{} {}", route.method.as_str(), path.join("/"));
+        check(&line, route.right.as_slice());
+    }
+    assert_eq!(services, 4, "abort_activity, connect_port, connect_service, kill");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use genom_protocol::{MiddlewareParameters, ReadyParameters, openapi};
 use genom_tests::{Daemon, request};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 /// Types in streams and recordings, to which no operation of the document refers.
 const STREAMED: [&str; 7] = [
@@ -94,6 +94,11 @@ fn routes_are_those_of_the_document_and_answer_the_types_that_it_tells() {
                 panic!("{method} {path} is no route of the protocol");
             };
             let route = left.swap_remove(at);
+            let asked = match route.right {
+                Some(right) => json!([{ "token": [right] }]),
+                None => json!([{}]),
+            };
+            assert_eq!(operation["security"], asked, "{method} {path}");
             let responses = operation["responses"].as_object().unwrap();
             let good = responses.iter().filter(|(status, _)| status.starts_with('2'));
             let replies: Vec<_> = good.flat_map(|(_, reply)| told_of(&reply["content"])).collect();

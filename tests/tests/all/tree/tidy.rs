@@ -29,6 +29,7 @@ const ARROWS: &[(&str, &[&str])] = &[
     ("genom-ports", &["genom-middleware", "genom-protocol", "genom-runtime", "genom-types"]),
     ("genom-registry", BACKENDS),
     ("genom-configuration", CONFIGURATION),
+    ("genom-doors", &["genom-nearest", "genom-proof", "genom-protocol"]),
     ("genom-supervisor", SUPERVISOR),
     ("genom-proof", &[]),
     ("genom-nearest", &[]),
@@ -103,9 +104,13 @@ const FLOORS: &[(&str, &str)] = &[
          vigil supervisor loading deploy lib",
     ),
     (
+        "doors",
+        "error slots seldom private holder tokens tls listen stall rights input guests streams \
+         access guard serve relay lib",
+    ),
+    (
         "genomd",
-        "cli memory announcements slots startup telemetry settings daemon logs rpc signals run check \
-         main",
+        "cli memory announcements startup telemetry settings daemon logs rpc signals run check main",
     ),
 ];
 
@@ -197,8 +202,17 @@ fn files_are_short_and_say_what_they_are() {
     assert!(median <= 120, "median of {} files is {median} lines", lengths.len());
 }
 
+/// Lines that the sources of a crate have at most; tests and benchmarks beside them do not count.
+fn room(package: &str) -> usize {
+    match package {
+        // A thin program: what another one could use is a crate below it.
+        "genomd" => 5_000,
+        _ => 12_000,
+    }
+}
+
 #[test]
-fn no_crate_has_more_than_12000_lines() {
+fn no_crate_outgrows_its_room() {
     let metadata = cargo_metadata::MetadataCommand::new()
         .manifest_path(repository().join("Cargo.toml"))
         .no_deps()
@@ -207,13 +221,13 @@ fn no_crate_has_more_than_12000_lines() {
     let all = files("rs");
     let mut wrong = Vec::new();
     for package in &metadata.packages {
-        // Only what ships; tests and benchmarks do not count.
         let source = package.manifest_path.as_std_path().with_file_name("src");
         let own = all.iter().filter(|path| path.starts_with(&source));
         let lines = own.map(|path| fs::read_to_string(path).unwrap().lines().count());
         let lines: usize = lines.sum();
-        if lines > 12_000 {
-            wrong.push(format!("{}: {lines} lines", package.name));
+        let most = room(package.name.as_str());
+        if lines > most {
+            wrong.push(format!("{}: {lines} lines, {most} at most", package.name));
         }
     }
     assert!(wrong.is_empty(), "crates to be split by what their rooms do: {wrong:#?}");

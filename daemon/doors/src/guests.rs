@@ -13,11 +13,11 @@ use std::task::{Context, Poll};
 use std::time::{Duration, Instant};
 
 use axum::body::{Body, Bytes};
-use genom_supervisor::flag::Flag;
 use hyper::body::{Body as HttpBody, Frame, SizeHint};
 use tokio::sync::Notify;
+use tokio_util::sync::CancellationToken;
 
-use crate::rpc::holder::Holder;
+use crate::holder::Holder;
 use crate::slots::{Full, Slot, Slots};
 
 /// A stranger that came less than this ago is not closed.
@@ -25,7 +25,7 @@ const MOMENT: Duration = Duration::from_secs(1);
 
 /// Who reaches a listener.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Reach {
+pub(crate) enum Reach {
     /// The owner of the socket: nobody is a stranger.
     Owner,
     /// Everybody.
@@ -34,7 +34,7 @@ pub(super) enum Reach {
 
 /// The connections of one listener.
 #[derive(Debug)]
-pub(super) struct Guests {
+pub(crate) struct Guests {
     most: usize,
     reach: Reach,
     /// For requests under way, of each holder.
@@ -56,7 +56,7 @@ struct State {
 #[derive(Debug)]
 struct Stranger {
     since: Instant,
-    leave: Flag,
+    leave: CancellationToken,
 }
 
 impl State {
@@ -72,33 +72,33 @@ impl State {
 
 /// A connection; clones are the same one.
 #[derive(Clone, Debug)]
-pub(super) struct Guest(Arc<Seat>);
+pub(crate) struct Guest(Arc<Seat>);
 
 #[derive(Debug)]
 struct Seat {
     guests: Arc<Guests>,
     /// Its place among the strangers, as long as it is one.
     number: u64,
-    /// Raised when it has to go.
-    leave: Flag,
+    /// Cancelled when it has to go.
+    leave: CancellationToken,
 }
 
 /// A request under way.
 #[derive(Debug)]
-pub(super) struct Busy {
+pub(crate) struct Busy {
     _slot: Slot,
 }
 
 impl Guests {
     /// Room for so many connections, and for so many requests of one holder at a time.
-    pub(super) fn new(most: usize, each: usize, reach: Reach) -> Arc<Self> {
+    pub(crate) fn new(most: usize, each: usize, reach: Reach) -> Arc<Self> {
         let slots = Slots::new(most, each);
         let (state, changed) = (Mutex::default(), Notify::new());
         Arc::new(Self { most, reach, slots, state, changed })
     }
 
     /// Waits until one more can be let in.
-    pub(super) async fn room(&self) {
+    pub(crate) async fn room(&self) {
         loop {
             let changed = self.changed.notified();
             let wait = self.lock().room_in(self.most);
@@ -113,13 +113,13 @@ impl Guests {
     }
 
     /// Lets one in; the oldest stranger goes if there is no room.
-    pub(super) fn enter(self: &Arc<Self>) -> Guest {
-        let leave = Flag::new();
+    pub(crate) fn enter(self: &Arc<Self>) -> Guest {
+        let leave = CancellationToken::new();
         let mut state = self.lock();
         if state.there >= self.most
             && let Some((_, oldest)) = state.strangers.pop_first()
         {
-            oldest.leave.raise();
+            oldest.leave.cancel();
             state.there -= 1;
         }
         state.there += 1;
@@ -139,14 +139,14 @@ impl Guests {
 }
 
 impl Guest {
-    /// Raised when it has to go.
-    pub(super) fn leave(&self) -> &Flag {
+    /// Cancelled when it has to go.
+    pub(crate) fn leave(&self) -> &CancellationToken {
         &self.0.leave
     }
 
     /// A request of a holder of rights, whose connection is no stranger's from now on; refused when
     /// too many requests of that holder are under way.
-    pub(super) fn work(&self, holder: &Holder) -> Result<Busy, Full> {
+    pub(crate) fn work(&self, holder: &Holder) -> Result<Busy, Full> {
         let seat = &self.0;
         seat.guests.lock().strangers.remove(&seat.number);
         Ok(Busy { _slot: seat.guests.slots.take(holder.share.clone())? })
@@ -158,7 +158,7 @@ impl Drop for Seat {
         let mut state = self.guests.lock();
         state.strangers.remove(&self.number);
         // One that was asked to go was taken off the count then.
-        if !self.leave.is_up() {
+        if !self.leave.is_cancelled() {
             state.there -= 1;
         }
         self.guests.changed.notify_waiters();
@@ -166,13 +166,13 @@ impl Drop for Seat {
 }
 
 /// A body, and what is kept as long as it is sent.
-pub(super) struct Held {
+pub(crate) struct Held {
     body: Body,
     _busy: Option<Busy>,
 }
 
 impl Held {
-    pub(super) fn new(body: Body, busy: Option<Busy>) -> Self {
+    pub(crate) fn new(body: Body, busy: Option<Busy>) -> Self {
         Self { body, _busy: busy }
     }
 }
@@ -214,7 +214,8 @@ mod tests {
         assert!(guests.lock().room_in(3).is_some_and(|wait| !wait.is_zero()), "too young");
         guests.room().await;
         let _third = guests.enter();
-        assert!(first.leave().is_up() && !second.leave().is_up() && !known.leave().is_up());
+        assert!(first.leave().is_cancelled());
+        assert!(!second.leave().is_cancelled() && !known.leave().is_cancelled());
         drop(first);
         assert_eq!(guests.lock().there, 3);
     }

@@ -1,19 +1,25 @@
-//! Sockets of the control plane: made safely, served with limits, removed at the end.
+//! Listeners: sockets that are made safely, and removed at the end.
 
+use std::fmt;
 use std::fs::{self, DirBuilder, File, Permissions};
 use std::io;
 use std::net::SocketAddr;
+use std::os::fd::OwnedFd;
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 
-use genom_host::keep_from_children;
 use rustix::fs::{FlockOperation, fcntl_lock};
 use rustix::io::Errno;
-use tokio::net::{TcpListener, UnixListener};
+use tokio::net::{TcpListener, TcpStream, UnixListener, UnixStream};
+use tokio_rustls::TlsAcceptor;
+
+/// What is done with each descriptor that is opened here: a process that runs foreign code keeps
+/// it from that code. It may come back with another number. `Ok` does nothing.
+pub type Keep = fn(OwnedFd) -> io::Result<OwnedFd>;
 
 /// A socket could not be opened.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum ListenError {
+pub enum ListenError {
     /// Another daemon serves this socket.
     #[error(
         "a genomd already listens on {}: stop it with `genomctl kill`, or give this one \
@@ -32,33 +38,109 @@ pub(crate) enum ListenError {
     Foreign(PathBuf),
     /// The system refused.
     #[error("cannot listen on {}: {source}", path.display())]
-    Unix { path: PathBuf, source: io::Error },
+    Unix {
+        /// The socket.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
     /// The system refused.
     #[error("cannot listen on {address}: {source}")]
-    Tcp { address: SocketAddr, source: io::Error },
+    Tcp {
+        /// The address.
+        address: SocketAddr,
+        /// Why.
+        source: io::Error,
+    },
 }
 
-/// The daemon's Unix socket.
+/// Where peers come from.
 #[derive(Debug)]
-pub(crate) struct Socket {
-    listener: UnixListener,
-    file: SocketFile,
+pub struct Listener {
+    pub(crate) kind: Kind,
+    keep: Keep,
+}
+
+pub(crate) enum Kind {
+    Unix(UnixListener),
+    Tcp(TcpListener, Option<TlsAcceptor>),
+}
+
+impl fmt::Debug for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unix(listener) => listener.fmt(f),
+            Self::Tcp(listener, tls) => write!(f, "{listener:?}, TLS: {}", tls.is_some()),
+        }
+    }
+}
+
+/// A peer that was let in.
+pub(crate) enum Stream {
+    Unix(UnixStream),
+    Tcp(TcpStream, SocketAddr, Option<TlsAcceptor>),
+}
+
+/// A Unix socket for the owner of the process alone.
+#[derive(Debug)]
+pub struct Socket {
+    listener: Listener,
+    name: SocketName,
 }
 
 /// The socket's name in the file system; it goes when this is dropped.
 #[derive(Debug)]
-pub(crate) struct SocketFile {
+pub struct SocketName {
     path: PathBuf,
-    /// Held as long as the daemon lives: tells a live daemon's socket from a stale one.
+    /// Held as long as the process lives: tells a live socket from a stale one.
     _lock: File,
 }
 
+impl Listener {
+    /// Listens on a TCP address, by TLS if there is an acceptor; the address as it is, for a port
+    /// that was left to the system.
+    ///
+    /// # Errors
+    /// The system refused.
+    pub async fn tcp(
+        address: SocketAddr,
+        tls: Option<TlsAcceptor>,
+        keep: Keep,
+    ) -> Result<(Self, SocketAddr), ListenError> {
+        let failed = |source| ListenError::Tcp { address, source };
+        let listener = TcpListener::bind(address).await.map_err(failed)?;
+        let address = listener.local_addr().map_err(failed)?;
+        let kept = listener.into_std().and_then(|listener| keep(listener.into()));
+        let listener = kept.and_then(|kept| TcpListener::from_std(kept.into())).map_err(failed)?;
+        Ok((Self { kind: Kind::Tcp(listener, tls), keep }, address))
+    }
+
+    /// The next peer.
+    pub(crate) async fn accept(&self) -> io::Result<Stream> {
+        match &self.kind {
+            Kind::Unix(listener) => {
+                let stream = (self.keep)(listener.accept().await?.0.into_std()?.into())?;
+                Ok(Stream::Unix(UnixStream::from_std(stream.into())?))
+            }
+            Kind::Tcp(listener, tls) => {
+                let (stream, peer) = listener.accept().await?;
+                let stream = (self.keep)(stream.into_std()?.into())?;
+                Ok(Stream::Tcp(TcpStream::from_std(stream.into())?, peer, tls.clone()))
+            }
+        }
+    }
+}
+
 impl Socket {
-    /// Opens the socket with mode 0600. A dead daemon's socket is replaced.
-    pub(crate) fn open(path: &Path) -> Result<Self, ListenError> {
+    /// Opens the socket with mode 0600. One that a dead process left is replaced.
+    ///
+    /// # Errors
+    /// A live process serves it, something else has its name, others could replace it, or the
+    /// system refused.
+    pub fn open(path: &Path, keep: Keep) -> Result<Self, ListenError> {
         let failed = |source| ListenError::Unix { path: path.to_owned(), source };
         prepare_directory(path)?;
-        let lock = take_lock(&lock_path(path)).map_err(failed)?;
+        let lock = take_lock(&lock_path(path), keep).map_err(failed)?;
         let Some(lock) = lock else { return Err(ListenError::Live(path.to_owned())) };
         if let Ok(found) = fs::symlink_metadata(path)
             && !std::os::unix::fs::FileTypeExt::is_socket(&found.file_type())
@@ -68,24 +150,27 @@ impl Socket {
         // Made aside and renamed: it has its mode before anybody can connect, and replaces a
         // stale one in one step.
         let aside = with_suffix(path, &format!(".{}", std::process::id()));
-        let listener = UnixListener::bind(&aside).map_err(failed)?;
+        let listener = std::os::unix::net::UnixListener::bind(&aside).map_err(failed)?;
         fs::set_permissions(&aside, Permissions::from_mode(0o600))
             .and_then(|()| fs::rename(&aside, path))
             .map_err(|source| {
                 let _ = fs::remove_file(&aside);
                 failed(source)
             })?;
-        keep_from_children(&listener);
-        Ok(Self { listener, file: SocketFile { path: path.to_owned(), _lock: lock } })
+        let kept = listener.set_nonblocking(true).and_then(|()| keep(listener.into()));
+        let listener = kept.and_then(|kept| UnixListener::from_std(kept.into())).map_err(failed)?;
+        let listener = Listener { kind: Kind::Unix(listener), keep };
+        Ok(Self { listener, name: SocketName { path: path.to_owned(), _lock: lock } })
     }
 
     /// The listener, and the name apart: the name goes first.
-    pub(crate) fn split(self) -> (UnixListener, SocketFile) {
-        (self.listener, self.file)
+    #[must_use]
+    pub fn split(self) -> (Listener, SocketName) {
+        (self.listener, self.name)
     }
 }
 
-impl Drop for SocketFile {
+impl Drop for SocketName {
     fn drop(&mut self) {
         for path in [self.path.clone(), lock_path(&self.path)] {
             if let Err(why) = fs::remove_file(&path) {
@@ -93,14 +178,6 @@ impl Drop for SocketFile {
             }
         }
     }
-}
-
-/// Opens a TCP listener; the address as it is, for a port that was left to the system.
-pub(crate) async fn tcp(address: SocketAddr) -> Result<(TcpListener, SocketAddr), ListenError> {
-    let failed = |source| ListenError::Tcp { address, source };
-    let listener = TcpListener::bind(address).await.map_err(failed)?;
-    let address = listener.local_addr().map_err(failed)?;
-    Ok((listener, address))
 }
 
 /// Makes the socket's directory, for this user alone.
@@ -120,14 +197,16 @@ fn prepare_directory(path: &Path) -> Result<(), ListenError> {
     Ok(())
 }
 
-/// The lock, or `None` when a live daemon holds it.
+/// The lock, or `None` when a live process holds it.
 ///
 /// It belongs to the process (`fcntl`), not to the open file: a child that a codel forked has no
 /// part in it.
-fn take_lock(path: &Path) -> io::Result<Option<File>> {
+fn take_lock(path: &Path, keep: Keep) -> io::Result<Option<File>> {
     loop {
         let file =
             File::options().create(true).truncate(false).write(true).read(true).open(path)?;
+        // Before it is locked: the lock ends with the first descriptor of the file that is closed.
+        let file = File::from(keep(file.into())?);
         match fcntl_lock(&file, FlockOperation::NonBlockingLockExclusive) {
             Ok(()) => {}
             Err(Errno::AGAIN | Errno::ACCESS) => return Ok(None),
@@ -138,7 +217,6 @@ fn take_lock(path: &Path) -> io::Result<Option<File>> {
             file.metadata().is_ok_and(|held| (held.dev(), held.ino()) == (now.dev(), now.ino()))
         });
         if still {
-            keep_from_children(&file);
             return Ok(Some(file));
         }
     }
@@ -162,7 +240,7 @@ mod tests {
     async fn a_socket_is_private_and_leaves_nothing() {
         let scratch = tempfile::tempdir().unwrap();
         let path = scratch.path().join("run/genomd.sock");
-        let socket = Socket::open(&path).unwrap();
+        let socket = Socket::open(&path, Ok).unwrap();
         assert_eq!(fs::metadata(&path).unwrap().mode() & 0o777, 0o600);
         assert_eq!(fs::metadata(path.parent().unwrap()).unwrap().mode() & 0o777, 0o700);
         drop(socket);
@@ -176,7 +254,7 @@ mod tests {
         // What a killed daemon leaves: a socket nobody serves, and a lock nobody holds.
         drop(std::os::unix::net::UnixListener::bind(&path).unwrap());
         File::create(lock_path(&path)).unwrap();
-        assert!(Socket::open(&path).is_ok());
+        assert!(Socket::open(&path, Ok).is_ok());
     }
 
     #[tokio::test]
@@ -184,7 +262,7 @@ mod tests {
         let scratch = tempfile::tempdir().unwrap();
         let path = scratch.path().join("precious");
         fs::write(&path, "text").unwrap();
-        assert!(matches!(Socket::open(&path), Err(ListenError::NotSocket(_))));
+        assert!(matches!(Socket::open(&path, Ok), Err(ListenError::NotSocket(_))));
         assert_eq!(fs::read_to_string(&path).unwrap(), "text");
     }
 }

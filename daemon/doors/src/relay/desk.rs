@@ -1,23 +1,24 @@
-//! Takes the messages to this daemon that come by a middleware.
+//! A door for messages.
 
+use std::fmt;
+use std::io;
 use std::sync::Arc;
 
 use axum::Router;
 use axum::body::{Body, to_bytes};
 use axum::http::{Request, StatusCode, header};
 use axum::response::{IntoResponse as _, Response};
-use genom_middleware::{AnnounceError, Middleware};
 use genom_proof::message::{self, Answer, FromDaemon, Question, ToDaemon};
 use genom_protocol::Code;
 use hyper::body::Body as _;
 use hyper::service::Service as _;
 use hyper_util::service::TowerToHyperService;
+use tokio::runtime::Handle;
 
 use super::sessions::{Admitted, Refused, Sessions};
-use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::seldom::Seldom;
-use crate::rpc::tokens::Tokens;
+use crate::error::RpcError;
+use crate::seldom::Seldom;
+use crate::tokens::Tokens;
 
 /// Greatest answer that is sent.
 const MOST: usize = 16 << 20;
@@ -25,74 +26,23 @@ const MOST: usize = 16 << 20;
 /// What a question is longer than what it asks.
 const AROUND: usize = 4 << 10;
 
-/// What messages to this daemon are answered by.
-struct Desk {
+/// A door for messages: each is answered by a router once it is proved who sent it.
+///
+/// Answers that have no end are kept, and asked for piece by piece.
+pub struct Desk {
     sessions: Sessions,
     router: Router,
-    /// Greatest message that is looked at.
+    /// Greatest message that is looked at, in bytes.
     most: usize,
     refused: Seldom,
-    /// The middleware, for the log.
-    backend: &'static str,
+    /// The way that messages come, for the log.
+    way: &'static str,
 }
 
-/// Shows this daemon on a middleware that passes requests on, and answers those to it by `router`.
-pub(crate) fn announce(
-    daemon: &Arc<Daemon>,
-    router: &Router,
-    tokens: &Arc<Tokens>,
-    runtime: &tokio::runtime::Handle,
-    middleware: &dyn Middleware,
-) {
-    let Some(relay) = middleware.relay() else { return };
-    let mut refused = None;
-    for name in names(daemon) {
-        let sessions = match Sessions::new(Arc::clone(tokens), &name, relay.own()) {
-            Ok(sessions) => sessions,
-            Err(error) => return tracing::warn!("this daemon is not reachable there: {error}"),
-        };
-        let desk = Arc::new(Desk {
-            sessions,
-            router: router.clone(),
-            most: daemon.rpc.max_body + AROUND,
-            refused: Seldom::default(),
-            backend: middleware.name(),
-        });
-        let runtime = runtime.clone();
-        let requests = move |bytes: Vec<u8>, answer: Box<dyn FnOnce(Vec<u8>) + Send>| {
-            // Here, at once: what is not admitted costs no task.
-            let asked = match desk.admit(&bytes) {
-                Ok(asked) => asked,
-                Err(told) => return answer(told),
-            };
-            let desk = Arc::clone(&desk);
-            runtime.spawn(async move {
-                answer(desk.reply(&asked, &bytes).await);
-            });
-        };
-        match relay.announce(&name, Box::new(requests)) {
-            Ok(announcement) => {
-                if let Some(error) = refused {
-                    tracing::warn!("{error}; this one is `{name}` there");
-                }
-                return daemon.announcements.keep(name, announcement);
-            }
-            // Another daemon has that name: the next one is this daemon's alone.
-            Err(error @ AnnounceError::Taken { .. }) => refused = Some(error),
-            Err(error) => return tracing::warn!("{error}"),
-        }
+impl fmt::Debug for Desk {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Desk").field("way", &self.way).finish_non_exhaustive()
     }
-    if let Some(error) = refused {
-        tracing::warn!("{error}; this one is not reachable there");
-    }
-}
-
-/// What this daemon may be called: as it was started, else by its machine.
-fn names(daemon: &Daemon) -> Vec<String> {
-    let host = std::fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
-    let name = daemon.name.clone().unwrap_or_else(|| host.trim().to_owned());
-    let name = if name.is_empty() { "genomd".to_owned() } else { name };
-    vec![name.clone(), format!("{name}-{}", std::process::id())]
 }
 
 fn refusal(code: Code, message: String) -> Vec<u8> {
@@ -100,10 +50,46 @@ fn refusal(code: Code, message: String) -> Vec<u8> {
 }
 
 impl Desk {
+    /// A desk under this name, at this end of the way that messages come. `router` stands behind
+    /// [`Door::proved`](crate::access::Door::proved), and takes bodies of `max_body` bytes.
+    ///
+    /// # Errors
+    /// The system gives no random bytes.
+    pub fn new(
+        tokens: &Arc<Tokens>,
+        name: &str,
+        at: String,
+        way: &'static str,
+        router: Router,
+        max_body: usize,
+    ) -> io::Result<Arc<Self>> {
+        let sessions = Sessions::new(Arc::clone(tokens), name, at)?;
+        let (most, refused) = (max_body + AROUND, Seldom::default());
+        Ok(Arc::new(Self { sessions, router, most, refused, way }))
+    }
+
+    /// Takes a message, and gives the answer to it, now or later.
+    pub fn take(
+        self: &Arc<Self>,
+        runtime: &Handle,
+        bytes: Vec<u8>,
+        answer: impl FnOnce(Vec<u8>) + Send + 'static,
+    ) {
+        // Here, at once: what is not admitted costs no task.
+        let asked = match self.admit(&bytes) {
+            Ok(asked) => asked,
+            Err(told) => return answer(told),
+        };
+        let desk = Arc::clone(self);
+        runtime.spawn(async move {
+            answer(desk.reply(&asked, &bytes).await);
+        });
+    }
+
     fn log(&self, why: &str) {
-        let backend = self.backend;
+        let way = self.way;
         self.refused.tell(why.to_owned(), |more| {
-            tracing::warn!("refused a request that came over {backend}: {why}{more}");
+            tracing::warn!("refused a request that came over {way}: {why}{more}");
         });
     }
 

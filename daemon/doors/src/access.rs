@@ -1,6 +1,5 @@
 //! Who may do what: rights, and the doors that requests come through.
 
-use std::collections::BTreeMap;
 use std::net::SocketAddr;
 use std::sync::Arc;
 
@@ -9,36 +8,30 @@ use axum::extract::{MatchedPath, Request, State};
 use axum::http::{HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse as _, Response};
-use genom_configuration::Right;
-use genom_protocol::Code;
+use genom_protocol::{Code, Right};
 
-use crate::rpc::error::RpcError;
-use crate::rpc::guests::{Guest, Held};
-use crate::rpc::holder::Holder;
-use crate::rpc::seldom::Seldom;
-use crate::rpc::stream;
-use crate::rpc::tokens::Tokens;
+use crate::error::RpcError;
+use crate::guests::{Guest, Held};
+use crate::holder::Holder;
+use crate::rights::{Rights, Wanted};
+use crate::seldom::Seldom;
 use crate::slots::Full;
+use crate::tokens::Tokens;
 
-/// Where requests come in.
+/// Where requests come in, and what says there who asks.
 #[derive(Clone, Debug)]
-pub(crate) enum Door {
-    /// The Unix socket, which only the daemon's own user can open: no token, all rights.
+pub struct Door(Kind);
+
+#[derive(Clone, Debug)]
+enum Kind {
     Own,
-    /// Any other: a token says who it is, or a client certificate, which TLS has checked.
-    Guarded {
-        tokens: Arc<Tokens>,
-        log: Arc<Log>,
-        /// Rights of those who come with a certificate; without a token they have these.
-        certified: Vec<Right>,
-    },
-    /// A middleware: who it is was proved before the request came here.
+    Guarded { tokens: Arc<Tokens>, log: Arc<Log>, certified: Vec<Right> },
     Proved { log: Arc<Log> },
 }
 
 /// What is told of those who come in by other doors than the socket.
 #[derive(Debug, Default)]
-pub(crate) struct Log {
+pub struct Log {
     refused: Seldom,
     changes: Seldom,
 }
@@ -48,14 +41,40 @@ pub(crate) struct Log {
 pub(crate) struct Peer(pub(crate) SocketAddr);
 
 impl Door {
+    /// The Unix socket, which only the owner of the process can open: no token, all rights.
+    #[must_use]
+    pub fn own() -> Self {
+        Self(Kind::Own)
+    }
+
+    /// A network: a token says who it is, or a client certificate that TLS has checked.
+    /// `certified` are the rights of a certificate, to which those of a token are added; empty
+    /// where TLS asks for none.
+    #[must_use]
+    pub fn guarded(tokens: Arc<Tokens>, log: Arc<Log>, certified: Vec<Right>) -> Self {
+        Self(Kind::Guarded { tokens, log, certified })
+    }
+
+    /// Messages that others pass on: who asks was proved before the request came here, and is in
+    /// its extensions: a desk puts it there.
+    #[must_use]
+    pub fn proved(log: Arc<Log>) -> Self {
+        Self(Kind::Proved { log })
+    }
+
+    /// Whether a request without a token is refused here.
+    pub(crate) fn asks_for_a_token(&self) -> bool {
+        matches!(self.0, Kind::Guarded { .. })
+    }
+
     fn holder(&self, request: &Request) -> Result<Holder, RpcError> {
-        let (tokens, certified) = match self {
-            Door::Own => return Ok(Holder::own()),
-            Door::Proved { .. } => {
+        let (tokens, certified) = match &self.0 {
+            Kind::Own => return Ok(Holder::own()),
+            Kind::Proved { .. } => {
                 let holder = request.extensions().get::<Holder>().cloned();
                 return holder.ok_or_else(|| unknown("nobody proved to hold a token"));
             }
-            Door::Guarded { tokens, certified, .. } => (tokens, certified),
+            Kind::Guarded { tokens, certified, .. } => (tokens, certified),
         };
         let Some(given) = request.headers().get(header::AUTHORIZATION) else {
             if !certified.is_empty() {
@@ -73,9 +92,9 @@ impl Door {
     }
 
     fn log(&self) -> Option<&Log> {
-        match self {
-            Door::Own => None,
-            Door::Guarded { log, .. } | Door::Proved { log } => Some(log),
+        match &self.0 {
+            Kind::Own => None,
+            Kind::Guarded { log, .. } | Kind::Proved { log } => Some(log),
         }
     }
 }
@@ -121,17 +140,14 @@ fn unknown(message: &str) -> RpcError {
     RpcError::new(StatusCode::UNAUTHORIZED, Code::Unauthorized, message)
 }
 
-/// The rights that the routes ask for, by path and method: `None` for what anybody may read.
-pub(super) type Asked = BTreeMap<String, BTreeMap<&'static str, Option<Right>>>;
-
 /// What stands before the handlers.
-pub(super) struct Gate {
-    pub(super) door: Door,
-    pub(super) asked: Asked,
+pub(crate) struct Gate {
+    pub(crate) door: Door,
+    pub(crate) rights: Rights,
 }
 
 /// Lets through whoever has the right that the route asks for.
-pub(super) async fn check(
+pub(crate) async fn check(
     State(gate): State<Arc<Gate>>,
     mut request: Request,
     next: Next,
@@ -171,25 +187,56 @@ pub(super) async fn check(
 }
 
 fn too_busy(full: Full) -> RpcError {
-    let message = format!("{} are under way already", stream::limit(full));
+    let message = format!("{full} are under way already");
     RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::TooManyRequests, message)
         .help("wait for one to be answered, or raise rpc.max_connections_per_token")
 }
 
-fn admit(gate: &Gate, request: &Request) -> Result<Option<Holder>, RpcError> {
-    let method = match request.method() {
+/// Path of the route that a request goes to.
+fn path(request: &Request) -> Option<&str> {
+    request.extensions().get::<MatchedPath>().map(MatchedPath::as_str)
+}
+
+/// The method by which the table has it: a head is what GET would answer.
+fn method(request: &Request) -> &str {
+    match request.method() {
         &Method::HEAD => "GET",
         method => method.as_str(),
-    };
-    let path = request.extensions().get::<MatchedPath>().map(MatchedPath::as_str);
-    let asked = path.and_then(|path| gate.asked.get(path)?.get(method));
-    if let Some(None) = asked {
+    }
+}
+
+/// Who asks; nobody needs to say so of what is for anybody.
+fn admit(gate: &Gate, request: &Request) -> Result<Option<Holder>, RpcError> {
+    let method = method(request);
+    let wanted = gate.rights.wanted(method, path(request));
+    if wanted == Wanted::Open {
         return Ok(None);
     }
     let holder = gate.door.holder(request)?;
     // Of no known path, nothing but that is told, and only to those who have a token.
-    if let Some(Some(right)) = asked {
-        holder.may(*right, format_args!("{method} {}", request.uri().path()))?;
+    match wanted {
+        Wanted::Right(right) => {
+            holder.may(right, format_args!("{method} {}", request.uri().path()))?;
+        }
+        // The method is refused by `refuse_method`, once the body is read.
+        Wanted::NoSuchMethod | Wanted::NoSuchPath | Wanted::Open => {}
     }
     Ok(Some(holder))
+}
+
+/// Answers a method that the path of a route does not take, by the table: no handler is reached by
+/// a way that has no right.
+pub(crate) async fn refuse_method(
+    State(gate): State<Arc<Gate>>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let route = path(&request);
+    if gate.rights.wanted(method(&request), route) != Wanted::NoSuchMethod {
+        return next.run(request).await;
+    }
+    let message = format!("`{}` takes no {}", request.uri().path(), request.method());
+    let refused = RpcError::new(StatusCode::METHOD_NOT_ALLOWED, Code::NoSuchMethod, message);
+    let allowed = route.map(|route| gate.rights.allowed(route)).unwrap_or_default();
+    ([(header::ALLOW, allowed)], refused).into_response()
 }

@@ -1,4 +1,8 @@
-//! Passes a client's messages on to another daemon, and its answers back. It reads neither.
+//! Other daemons, on middlewares that pass requests on: a fleet is supervised from one daemon, and
+//! no robot opens a TCP port.
+//!
+//! What a client and another daemon say to each other is sealed (`genom_proof`): this daemon passes
+//! messages and answers on, and reads neither.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -8,15 +12,12 @@ use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use axum::{Extension, Json};
-use genom_middleware::{AskError, Relay};
-use genom_protocol::{Answered, Answers, AskParameters, Code};
+use genom_doors::{Holder, Parameters, RpcError};
+use genom_middleware::{AskError, Middleware, Relay};
+use genom_protocol::{Answered, Answers, AskParameters, Code, Daemons, VisibleDaemon};
+use genom_registry::Backends;
 
-use super::relays;
 use crate::daemon::Daemon;
-use crate::rpc::error::RpcError;
-use crate::rpc::holder::Holder;
-use crate::rpc::input::Parameters;
-use crate::rpc::stream;
 
 /// How long all of a name may take to answer a hello.
 const HELLO: Duration = Duration::from_secs(3);
@@ -27,6 +28,38 @@ const ANSWER: Duration = Duration::from_secs(60);
 /// The same for requests that wait for something.
 const WAIT: Duration = Duration::from_secs(3700);
 
+/// List the daemons that are visible on middlewares.
+///
+/// A name is no proof: anybody there may show any. `genomctl --host zenoh:NAME` has the daemon
+/// prove that it holds the token, and shows it to nobody.
+#[utoipa::path(
+    get,
+    path = "/daemons",
+    tag = "daemon",
+    responses((status = 200, body = Daemons))
+)]
+pub(crate) async fn list(State(daemon): State<Arc<Daemon>>) -> Json<Daemons> {
+    let mut daemons = Vec::new();
+    for (backend, open) in relays(&daemon.supervisor.backends) {
+        match open.relay().map(|relay| relay.daemons()) {
+            Some(Ok(names)) => {
+                let visible = |name| VisibleDaemon { name, backend: backend.to_owned() };
+                daemons.extend(names.into_iter().map(visible));
+            }
+            Some(Err(error)) => tracing::warn!("daemons on {backend}: {error}"),
+            None => {}
+        }
+    }
+    Json(Daemons { own: daemon.announcements.name(), daemons })
+}
+
+/// The open middlewares that pass requests on.
+fn relays(backends: &Backends) -> Vec<(&'static str, Arc<dyn Middleware>)> {
+    let open = genom_registry::known().iter();
+    let open = open.filter_map(|known| Some((known.name, backends.opened(known.name)?)));
+    open.filter(|(_, open)| open.relay().is_some()).collect()
+}
+
 /// Pass a hello on to all that answer to the name of a daemon.
 ///
 /// `docs/security.md` describes the messages; this daemon does not look into them.
@@ -34,7 +67,6 @@ const WAIT: Duration = Duration::from_secs(3700);
     post,
     path = "/daemons/{daemon}/hello",
     tag = "daemon",
-    security(("token" = ["call"])),
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses((status = 200, body = Answers), (status = 404), (status = 409), (status = 502))
 )]
@@ -58,7 +90,6 @@ pub(crate) async fn hello(
     post,
     path = "/daemons/{daemon}/questions",
     tag = "daemon",
-    security(("token" = ["call"])),
     params(AskParameters),
     request_body(content = Vec<u8>, content_type = "application/octet-stream"),
     responses(
@@ -83,20 +114,20 @@ pub(crate) async fn question(
 /// Asks by the middleware that passes requests on. Each such question takes a slot: it may hold
 /// a thread for long.
 async fn by_relay<T: Send + 'static>(
-    daemon: &Arc<Daemon>,
+    daemon: &Daemon,
     holder: &Holder,
     name: String,
     ask: impl FnOnce(&dyn Relay, &str) -> Result<T, AskError> + Send + 'static,
 ) -> Result<T, RpcError> {
     let slot = daemon.questions.take(holder.share.clone()).map_err(|full| {
-        let message = format!("{} to other daemons are under way already", stream::limit(full));
+        let message = format!("{full} to other daemons are under way already");
         RpcError::new(StatusCode::SERVICE_UNAVAILABLE, Code::TooManyQuestions, message)
             .help("wait for one to be answered")
     })?;
-    let daemon = Arc::clone(daemon);
+    let backends = Arc::clone(&daemon.supervisor.backends);
     let work = move || {
         let _slot = slot;
-        let relays = relays(&daemon);
+        let relays = relays(&backends);
         let Some(relay) = relays.iter().find_map(|(_, open)| open.relay()) else {
             let message = "this daemon is on no middleware that passes requests on";
             return Err(RpcError::conflict(Code::NoRelay, message)

@@ -12,8 +12,8 @@ use genom_proof::{Bytes, Handshake, Keys, NONCE, Token, Window, random};
 use genom_protocol::Code;
 
 use super::streams::Streams;
-use crate::rpc::holder::Holder;
-use crate::rpc::tokens::{Known, Tokens};
+use crate::holder::Holder;
+use crate::tokens::{Known, Tokens};
 
 /// A cookie that is older begins no session. Sessions stay as long at least, so that no cookie
 /// begins two.

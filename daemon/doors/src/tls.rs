@@ -1,9 +1,8 @@
-//! TLS of the TCP listener: the daemon's certificate, and those of clients if they are asked for.
+//! TLS of a TCP listener: the certificate of the service, and those of clients if they are asked for.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use genom_configuration::Tls;
 use tokio_rustls::TlsAcceptor;
 use tokio_rustls::rustls::crypto::ring;
 use tokio_rustls::rustls::pki_types::pem::{self, PemObject as _};
@@ -11,14 +10,21 @@ use tokio_rustls::rustls::pki_types::{CertificateDer, PrivateKeyDer};
 use tokio_rustls::rustls::server::{VerifierBuilderError, WebPkiClientVerifier};
 use tokio_rustls::rustls::{self, RootCertStore, ServerConfig};
 
-use crate::rpc::private::{self, PrivateError};
+use crate::private::{self, PrivateError};
 
 /// Certificates or keys that cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum TlsError {
+pub enum TlsError {
     /// A file that is not there, or is no PEM file of what it should hold.
     #[error("{}: no usable {what}: {source}", path.display())]
-    File { path: PathBuf, what: &'static str, source: pem::Error },
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What it should hold.
+        what: &'static str,
+        /// What is wrong with it.
+        source: pem::Error,
+    },
     /// Others could read the key.
     #[error(transparent)]
     Open(#[from] private::NotPrivate),
@@ -27,7 +33,12 @@ pub(crate) enum TlsError {
     Unfit(#[from] rustls::Error),
     /// The clients' roots are none.
     #[error("{}: no roots of client certificates: {source}", path.display())]
-    Roots { path: PathBuf, source: VerifierBuilderError },
+    Roots {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: VerifierBuilderError,
+    },
 }
 
 fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, TlsError> {
@@ -40,12 +51,27 @@ fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, TlsError> {
     if all.is_empty() { Err(failed(pem::Error::NoItemsFound)) } else { Ok(all) }
 }
 
+/// Files of a TLS listener, in PEM.
+#[derive(Clone, Copy, Debug)]
+pub struct Certificates<'a> {
+    /// The certificate of the service, and those between it and its root.
+    pub cert: &'a Path,
+    /// Its key, which nobody else may read.
+    pub key: &'a Path,
+    /// Roots of clients' certificates: with them nobody comes in without one.
+    pub client_ca: Option<&'a Path>,
+}
+
 /// What answers TLS handshakes.
-pub(crate) fn acceptor(tls: &Tls) -> Result<TlsAcceptor, TlsError> {
-    let certificates_of_ours = certificates(&tls.cert)?;
+///
+/// # Errors
+/// A file is missing, holds something else, or could be read by others; or they do not fit
+/// together.
+pub fn acceptor(files: Certificates<'_>) -> Result<TlsAcceptor, TlsError> {
+    let certificates_of_ours = certificates(files.cert)?;
     let unusable =
-        |source| TlsError::File { path: tls.key.clone(), what: "private key in PEM", source };
-    let text = private::read(&tls.key).map_err(|error| match error {
+        |source| TlsError::File { path: files.key.to_owned(), what: "private key in PEM", source };
+    let text = private::read(files.key).map_err(|error| match error {
         PrivateError::Read(source) => unusable(pem::Error::Io(source)),
         PrivateError::Open(open) => open.into(),
     })?;
@@ -53,7 +79,7 @@ pub(crate) fn acceptor(tls: &Tls) -> Result<TlsAcceptor, TlsError> {
     let provider = Arc::new(ring::default_provider());
     let builder = ServerConfig::builder_with_provider(Arc::clone(&provider))
         .with_safe_default_protocol_versions()?;
-    let builder = match &tls.client_ca {
+    let builder = match files.client_ca {
         None => builder.with_no_client_auth(),
         Some(path) => {
             let mut roots = RootCertStore::empty();
@@ -62,7 +88,7 @@ pub(crate) fn acceptor(tls: &Tls) -> Result<TlsAcceptor, TlsError> {
             }
             let verifier = WebPkiClientVerifier::builder_with_provider(Arc::new(roots), provider)
                 .build()
-                .map_err(|source| TlsError::Roots { path: path.clone(), source })?;
+                .map_err(|source| TlsError::Roots { path: path.to_owned(), source })?;
             builder.with_client_cert_verifier(verifier)
         }
     };

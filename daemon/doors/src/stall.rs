@@ -14,7 +14,7 @@ const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Fails writes of which nothing is taken for [`PATIENCE`].
 #[derive(Debug)]
-pub(super) struct Unstalled<S> {
+pub(crate) struct Unstalled<S> {
     inner: S,
     patience: Duration,
     alarm: Pin<Box<Sleep>>,
@@ -23,7 +23,7 @@ pub(super) struct Unstalled<S> {
 }
 
 impl<S> Unstalled<S> {
-    pub(super) fn new(inner: S) -> Self {
+    pub(crate) fn new(inner: S) -> Self {
         Self::with(inner, PATIENCE)
     }
 

@@ -2,12 +2,9 @@
 
 use std::io;
 use std::net::SocketAddr;
-use std::os::fd::OwnedFd;
 use std::time::Duration;
 
 use axum::Router;
-use genom_host::{keep_from_children, keep_off};
-use genom_supervisor::flag::Flag;
 use hyper::Request;
 use hyper::body::Incoming;
 use hyper::server::conn::http1;
@@ -15,49 +12,47 @@ use hyper::service::{Service as _, service_fn};
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
 use tokio::io::{AsyncRead, AsyncWrite};
-use tokio::net::{TcpListener, TcpStream, UnixListener, UnixStream};
 use tokio::task::JoinSet;
 use tokio::time::timeout;
-use tokio_rustls::TlsAcceptor;
+use tokio_util::sync::CancellationToken;
 
-use crate::rpc::access::Peer;
-use crate::rpc::guests::{Guest, Guests, Reach};
-use crate::rpc::stall::Unstalled;
+use crate::access::Peer;
+use crate::guests::{Guest, Guests, Reach};
+use crate::listen::{Kind, Listener, Stream};
+use crate::stall::Unstalled;
 
 /// A peer that sends half a request head, or half a handshake, is given up after this.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// How long replies under way may take once the daemon has stopped.
+/// How long replies under way may take once the service has ended.
 const LAST_REPLIES: Duration = Duration::from_secs(2);
 
-/// Where peers come from.
-pub(crate) enum Listener {
-    Unix(UnixListener),
-    Tcp(TcpListener, Option<TlsAcceptor>),
-}
-
-/// A peer that was let in.
-enum Stream {
-    Unix(UnixStream),
-    Tcp(TcpStream, SocketAddr, Option<TlsAcceptor>),
-}
-
 /// A listener, and what it serves.
-pub(crate) struct Entrance {
-    pub(crate) listener: Listener,
-    pub(crate) router: Router,
+#[derive(Debug)]
+pub struct Entrance {
+    /// Where peers come from.
+    pub listener: Listener,
+    /// What they get, behind its door ([`guard`](crate::guard::guard)).
+    pub router: Router,
 }
 
-/// How many may come in at a time, at each listener.
+/// How much there may be at a time, at each listener.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Most {
-    pub(crate) connections: usize,
-    /// With a request under way, of one token.
-    pub(crate) per_token: usize,
+pub struct Most {
+    /// Connections; further peers wait in the kernel's queue.
+    pub connections: usize,
+    /// Requests under way of one token; more are refused.
+    pub per_token: usize,
 }
 
-/// Serves until `closed` is raised, then lets the replies under way finish.
-pub(crate) async fn serve(entrances: Vec<Entrance>, most: Most, closed: Flag) {
+impl Default for Most {
+    fn default() -> Self {
+        Self { connections: 256, per_token: 64 }
+    }
+}
+
+/// Serves until `closed` is cancelled, then lets the replies under way finish: 2 s at most.
+pub async fn serve(entrances: Vec<Entrance>, most: Most, closed: CancellationToken) {
     let serving = entrances
         .into_iter()
         .map(|entrance| tokio::spawn(serve_one(entrance, most, closed.clone())));
@@ -68,16 +63,10 @@ pub(crate) async fn serve(entrances: Vec<Entrance>, most: Most, closed: Flag) {
     }
 }
 
-async fn serve_one(entrance: Entrance, most: Most, closed: Flag) {
-    let reach = match &entrance.listener {
-        Listener::Unix(listener) => {
-            keep_from_children(listener);
-            Reach::Owner
-        }
-        Listener::Tcp(listener, _) => {
-            keep_from_children(listener);
-            Reach::All
-        }
+async fn serve_one(entrance: Entrance, most: Most, closed: CancellationToken) {
+    let reach = match entrance.listener.kind {
+        Kind::Unix(_) => Reach::Owner,
+        Kind::Tcp(..) => Reach::All,
     };
     // Each listener has its own: who fills one does not lock out the other.
     let guests = Guests::new(most.connections, most.per_token, reach);
@@ -86,10 +75,10 @@ async fn serve_one(entrance: Entrance, most: Most, closed: Flag) {
         // No room, no accept: further peers wait in the kernel's queue.
         tokio::select! {
             () = guests.room() => {}
-            () = closed.raised() => break,
+            () = closed.cancelled() => break,
         }
         tokio::select! {
-            accepted = accept(&entrance.listener) => match accepted {
+            accepted = entrance.listener.accept() => match accepted {
                 Ok(stream) => {
                     let (router, closed) = (entrance.router.clone(), closed.clone());
                     let guest = guests.enter();
@@ -97,7 +86,7 @@ async fn serve_one(entrance: Entrance, most: Most, closed: Flag) {
                         let leave = guest.leave().clone();
                         tokio::select! {
                             () = receive(stream, router, guest, closed) => {}
-                            () = leave.raised() => {
+                            () = leave.cancelled() => {
                                 tracing::debug!("a connection without a token made room");
                             }
                         }
@@ -105,7 +94,7 @@ async fn serve_one(entrance: Entrance, most: Most, closed: Flag) {
                 }
                 Err(error) => pause_after(&error).await,
             },
-            () = closed.raised() => break,
+            () = closed.cancelled() => break,
         }
         while connections.try_join_next().is_some() {}
     }
@@ -114,34 +103,13 @@ async fn serve_one(entrance: Entrance, most: Most, closed: Flag) {
     let _ = timeout(LAST_REPLIES, all).await;
 }
 
-async fn accept(listener: &Listener) -> io::Result<Stream> {
-    match listener {
-        Listener::Unix(listener) => {
-            let stream = own(listener.accept().await?.0.into_std()?.into())?;
-            Ok(Stream::Unix(UnixStream::from_std(stream.into())?))
-        }
-        Listener::Tcp(listener, tls) => {
-            let (stream, peer) = listener.accept().await?;
-            let stream = own(stream.into_std()?.into())?;
-            Ok(Stream::Tcp(TcpStream::from_std(stream.into())?, peer, tls.clone()))
-        }
-    }
-}
-
-/// A connection that codels do not get at: neither what they print, nor children that they fork.
-fn own(connection: OwnedFd) -> io::Result<OwnedFd> {
-    let connection = keep_off(connection)?;
-    keep_from_children(&connection);
-    Ok(connection)
-}
-
 /// The process has probably no descriptors left: trying again at once would keep a processor.
 async fn pause_after(error: &io::Error) {
     tracing::warn!("a connection could not be accepted: {error}");
     tokio::time::sleep(Duration::from_millis(100)).await;
 }
 
-async fn receive(stream: Stream, router: Router, guest: Guest, closed: Flag) {
+async fn receive(stream: Stream, router: Router, guest: Guest, closed: CancellationToken) {
     match stream {
         Stream::Unix(stream) => talk(stream, router, guest, None, closed).await,
         Stream::Tcp(stream, peer, None) => talk(stream, router, guest, Some(peer), closed).await,
@@ -155,8 +123,13 @@ async fn receive(stream: Stream, router: Router, guest: Guest, closed: Flag) {
     }
 }
 
-async fn talk<S>(stream: S, router: Router, guest: Guest, peer: Option<SocketAddr>, closed: Flag)
-where
+async fn talk<S>(
+    stream: S,
+    router: Router,
+    guest: Guest,
+    peer: Option<SocketAddr>,
+    closed: CancellationToken,
+) where
     S: AsyncRead + AsyncWrite + Unpin + Send + 'static,
 {
     let routes = TowerToHyperService::new(router);
@@ -174,7 +147,7 @@ where
     tokio::pin!(connection);
     let ended = tokio::select! {
         ended = connection.as_mut() => ended,
-        () = closed.raised() => {
+        () = closed.cancelled() => {
             connection.as_mut().graceful_shutdown();
             connection.await
         }

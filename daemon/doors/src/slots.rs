@@ -1,22 +1,23 @@
 //! Slots for what is held open, such as streams: each holder has a share of them, and the
-//! daemon's own user has his own, which nobody else can fill.
+//! owner of the process has his own, which nobody else can fill.
 
 use std::collections::HashMap;
+use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Who takes slots.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Share {
+pub enum Share {
     /// Whoever comes by the Unix socket.
     Own,
     /// Whoever has this token, or a certificate.
     Of(String),
 }
 
-/// A number of slots for the daemon's user, and as many for all others together.
+/// A number of slots for the owner of the process, and as many for all others together.
 #[derive(Debug)]
-pub(crate) struct Slots {
-    /// For the daemon's user; and for all others.
+pub struct Slots {
+    /// For the owner of the process; and for all others together.
     most: usize,
     /// For each of the others.
     each: usize,
@@ -25,27 +26,41 @@ pub(crate) struct Slots {
 
 /// No slot is left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Full {
+pub enum Full {
     /// All are taken: so many.
     All(usize),
     /// This holder has taken its share: so many.
     Share(usize),
 }
 
+/// A limit that is reached, as it is told: `64`, or `16 of this token`.
+impl fmt::Display for Full {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All(most) => write!(f, "{most}"),
+            Self::Share(most) => write!(f, "{most} of this token"),
+        }
+    }
+}
+
 /// A slot; free again when it is dropped.
 #[derive(Debug)]
-pub(crate) struct Slot {
+pub struct Slot {
     of: Share,
     slots: Arc<Slots>,
 }
 
 impl Slots {
-    pub(crate) fn new(most: usize, each: usize) -> Arc<Self> {
+    /// So many for the owner, as many for all others together, of which each has `each` at most.
+    pub fn new(most: usize, each: usize) -> Arc<Self> {
         Arc::new(Self { most, each, taken: Mutex::default() })
     }
 
     /// Takes a slot.
-    pub(crate) fn take(self: &Arc<Self>, of: Share) -> Result<Slot, Full> {
+    ///
+    /// # Errors
+    /// None is left, or none of this holder's share.
+    pub fn take(self: &Arc<Self>, of: Share) -> Result<Slot, Full> {
         let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
         let own = taken.get(&of).copied().unwrap_or_default();
         let together: usize = match of {
@@ -89,7 +104,7 @@ mod tests {
         assert_eq!(slots.take(of("a")).unwrap_err(), Full::Share(2));
         let other = slots.take(of("b")).unwrap();
         assert_eq!(slots.take(of("b")).unwrap_err(), Full::All(3));
-        // The daemon's user has all of his.
+        // The owner has all of his.
         let own: Vec<_> = (0..3).map(|_| slots.take(Share::Own).unwrap()).collect();
         assert_eq!(slots.take(Share::Own).unwrap_err(), Full::All(3));
         drop((held, other));

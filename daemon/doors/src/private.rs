@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Others could read a secret.
 #[derive(Debug, thiserror::Error)]
 #[error("others may read {}, which holds a secret: `chmod 600 {}`", .0.display(), .0.display())]
-pub(crate) struct NotPrivate(PathBuf);
+pub struct NotPrivate(PathBuf);
 
 /// A secret that was not read.
 #[derive(Debug, thiserror::Error)]

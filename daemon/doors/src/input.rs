@@ -14,7 +14,7 @@ use genom_protocol::Code;
 use serde::de::DeserializeOwned;
 use tokio::time::timeout;
 
-use crate::rpc::error::RpcError;
+use crate::error::RpcError;
 
 /// A peer that has not sent its body by then is given up.
 const SLOWEST_WRITER: Duration = Duration::from_secs(10);
@@ -22,8 +22,11 @@ const SLOWEST_WRITER: Duration = Duration::from_secs(10);
 /// Longest time one request is held, in seconds.
 const LONGEST_WAIT: f64 = 3600.0;
 
-/// How long a request with `?wait=SECONDS` is held.
-pub(super) fn wait(seconds: f64) -> Result<Duration, RpcError> {
+/// How long a request with `?wait=SECONDS` is held: an hour at most.
+///
+/// # Errors
+/// It is no number of seconds.
+pub fn wait(seconds: f64) -> Result<Duration, RpcError> {
     Duration::try_from_secs_f64(seconds.min(LONGEST_WAIT)).map_err(|_| {
         RpcError::bad_input(format!("wait: {seconds} is no number of seconds")).place("wait")
     })
@@ -31,7 +34,7 @@ pub(super) fn wait(seconds: f64) -> Result<Duration, RpcError> {
 
 /// A JSON body; an empty one is `{}`.
 #[derive(Debug)]
-pub(crate) struct Body<T>(pub(crate) T);
+pub struct Body<T>(pub T);
 
 impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Body<T> {
     type Rejection = RpcError;
@@ -45,7 +48,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Body<T> {
 
 /// Query parameters.
 #[derive(Debug)]
-pub(crate) struct Parameters<T>(pub(crate) T);
+pub struct Parameters<T>(pub T);
 
 impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Parameters<T> {
     type Rejection = RpcError;
@@ -61,7 +64,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequestParts<S> for Parameters<T> 
 
 /// Reads the whole body before anything is done, also where none is needed: closing a connection
 /// with bytes that were not read resets it, and the peer may lose the answer.
-pub(super) async fn read_whole(request: Request, next: Next) -> Response {
+pub(crate) async fn read_whole(request: Request, next: Next) -> Response {
     let (parts, content) = request.into_parts();
     let reading = Bytes::from_request(Request::from_parts(parts.clone(), content), &());
     let bytes = match timeout(SLOWEST_WRITER, reading).await {

@@ -3,36 +3,39 @@
 use std::fmt;
 
 use axum::http::StatusCode;
-use genom_configuration::Right;
-use genom_protocol::Code;
+use genom_protocol::{Code, Right};
 
-use crate::rpc::error::RpcError;
+use crate::error::RpcError;
 use crate::slots::Share;
 
 /// Whoever sent a request.
 #[derive(Clone, Debug)]
-pub(crate) struct Holder {
+pub struct Holder {
     /// Who it is, for messages: never the token itself.
-    pub(crate) who: String,
-    pub(crate) rights: Vec<Right>,
+    pub who: String,
+    /// What it has a right to.
+    pub rights: Vec<Right>,
     /// Whose slots it takes for what it holds open.
-    pub(crate) share: Share,
+    pub share: Share,
 }
 
 impl Holder {
     /// Whoever came by the Unix socket.
-    pub(crate) fn own() -> Self {
+    pub fn own() -> Self {
         let who = "the daemon's user".to_owned();
         Self { who, rights: vec![Right::Admin], share: Share::Own }
     }
 
     /// Somebody else.
-    pub(crate) fn of(who: String, rights: Vec<Right>) -> Self {
+    pub fn of(who: String, rights: Vec<Right>) -> Self {
         Self { share: Share::Of(who.clone()), who, rights }
     }
 
-    /// Refuses what it has no right to.
-    pub(crate) fn may(&self, right: Right, what: impl fmt::Display) -> Result<(), RpcError> {
+    /// Refuses what it has no right to; `what` is it, for the message.
+    ///
+    /// # Errors
+    /// The right is missing.
+    pub fn may(&self, right: Right, what: impl fmt::Display) -> Result<(), RpcError> {
         if self.rights.contains(&right) || self.rights.contains(&Right::Admin) {
             return Ok(());
         }

@@ -1,0 +1,73 @@
+//! What stands before all handlers, whatever they do.
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::extract::{DefaultBodyLimit, Request, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::middleware::{Next, from_fn, from_fn_with_state};
+use axum::response::{IntoResponse as _, Response};
+use genom_protocol::Code;
+
+use crate::access::{self, Door, Gate};
+use crate::error::RpcError;
+use crate::input;
+use crate::rights::Rights;
+
+/// Header by which old clients named another daemon, and sent it their token.
+const OLD_HEADER: &str = "genomd-daemon";
+
+/// Puts a door before a router: handlers see only requests of those who have the right that the
+/// table says, with their [`Holder`](crate::holder::Holder) as an extension, and with a body that is whole
+/// and of `max_body` bytes at most.
+pub fn guard(router: Router, rights: Rights, door: Door, max_body: usize) -> Router {
+    let guarded = door.asks_for_a_token();
+    let gate = Arc::new(Gate { door, rights });
+    router
+        .layer(from_fn_with_state(Arc::clone(&gate), access::refuse_method))
+        .layer(from_fn(refuse_old))
+        .layer(from_fn(input::read_whole))
+        .layer(from_fn_with_state(gate, access::check))
+        .layer(from_fn_with_state(guarded, refuse_browsers))
+        .layer(from_fn_with_state(max_body, refuse_large))
+        .layer(DefaultBodyLimit::max(max_body))
+}
+
+/// A page of some web site must not drive a robot through its visitor's loopback; our own page
+/// may, where tokens are asked for.
+async fn refuse_browsers(State(guarded): State<bool>, request: Request, next: Next) -> Response {
+    if request.headers().contains_key(header::ORIGIN) && !(guarded && own_page(request.headers())) {
+        let message = "requests from web pages are not served";
+        return RpcError::new(StatusCode::FORBIDDEN, Code::Origin, message).into_response();
+    }
+    next.run(request).await
+}
+
+/// Whether a request comes from a page of this service.
+fn own_page(headers: &HeaderMap) -> bool {
+    let text = |name| headers.get(name).and_then(|value| value.to_str().ok());
+    let origin = text(header::ORIGIN).and_then(|origin| origin.split_once("://"));
+    origin.is_some_and(|(_, origin)| text(header::HOST) == Some(origin))
+}
+
+/// Refused before it is sent, when its length is said: the peer reads the answer then.
+async fn refuse_large(State(most): State<usize>, request: Request, next: Next) -> Response {
+    let length = request.headers().get(header::CONTENT_LENGTH);
+    let length = length.and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
+    if length.is_some_and(|length| length > most as u64) {
+        return RpcError::too_large().into_response();
+    }
+    next.run(request).await
+}
+
+/// Refuses what was meant for another daemon: it must not be done by this one.
+async fn refuse_old(request: Request, next: Next) -> Response {
+    if !request.headers().contains_key(OLD_HEADER) {
+        return next.run(request).await;
+    }
+    let message = "requests to other daemons are not passed on with a token any more: it would go \
+                   to whoever answers to the name";
+    RpcError::new(StatusCode::BAD_REQUEST, Code::OldClient, message)
+        .help("use the genomctl or the Python client of this version")
+        .into_response()
+}
